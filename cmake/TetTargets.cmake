@@ -1,0 +1,72 @@
+# How a target of ours is made: flags, sanitizers, ccache, and the three helpers every folder uses.
+#   tet_library(name SOURCES ... DEPENDS ...)     a static library; DEPENDS are public
+#   tet_executable(name SOURCES ... DEPENDS ...)  a program in build/<preset>/bin
+#   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
+include(CheckCXXCompilerFlag)
+include(GoogleTest)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(tet_flags INTERFACE)
+# Shards must agree on every bit: a fused multiply-add in one of them would be another number.
+target_compile_options(tet_flags INTERFACE -ffp-contract=off -march=${TET_MARCH})
+target_compile_options(tet_flags INTERFACE
+  -Wall -Wextra -Wshadow -Wconversion -Wnon-virtual-dtor -Wold-style-cast)
+if(TET_WERROR)
+  target_compile_options(tet_flags INTERFACE -Werror)
+endif()
+if(TET_CHECKS)
+  target_compile_definitions(tet_flags INTERFACE TET_CHECKS=1)
+endif()
+if(TET_SANITIZE)
+  list(JOIN TET_SANITIZE "," sanitizers)
+  target_compile_options(tet_flags INTERFACE
+    -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(tet_flags INTERFACE -fsanitize=${sanitizers})
+  if("thread" IN_LIST TET_SANITIZE)
+    # Debian's oneTBB is not built for TSan, which then sees races in correct programs.
+    target_compile_definitions(tet_flags INTERFACE TET_STD_THREADS=1)
+  endif()
+endif()
+
+function(tet_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PUBLIC ${ARG_DEPENDS} PRIVATE tet_flags ${ARG_PRIVATE_DEPENDS})
+endfunction()
+
+function(tet_executable name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE tet_flags ${ARG_DEPENDS})
+endfunction()
+
+# In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
+# include file that ctest reads after the discovery.
+function(tet_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  tet_executable(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} GTest::gmock_main)
+  gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+  set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
+  file(WRITE ${labels_file}
+    "foreach(test IN LISTS ${name}_tests)\n"
+    "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${ARG_LABELS}\")\n"
+    "endforeach()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels_file})
+endfunction()

@@ -1,0 +1,65 @@
+// Parallel by index: the only place that knows oneTBB (std::thread under ThreadSanitizer).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace tet {
+
+/// Threads that meshing work runs on; never the threads of a network library.
+///
+/// Thread safety: every member may be called from any thread. The destructor waits for all that was
+/// posted.
+class TaskPool {
+ public:
+  /// `threads` <= 0 takes every core.
+  explicit TaskPool(int threads = 0);
+  ~TaskPool();
+  TaskPool(const TaskPool&) = delete;
+  TaskPool& operator=(const TaskPool&) = delete;
+
+  int threads() const noexcept;
+
+  /// Runs `work` on this pool and waits for it; parallel loops inside use the pool's threads.
+  void run(const std::function<void()>& work);
+
+  /// Runs `work` some time later, first come, first served, and does not wait.
+  void post(std::function<void()> work);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+namespace internal {
+using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
+void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body);
+}  // namespace internal
+
+/// Calls `body(i)` once for each i in [0, count), in any order and on any of the pool's threads.
+template <class Body>
+void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1) {
+  internal::parallel_ranges(count, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+/// Calls `body(begin, end)` for ranges that together cover [0, count) once; for bodies that own
+/// scratch memory worth reusing from index to index.
+template <class Body>
+void for_each_range(std::size_t count, std::size_t grain, const Body& body) {
+  internal::parallel_ranges(count, grain, body);
+}
+
+/// Exclusive prefix sums: `count + 1` numbers, the last one the total.
+template <class Count>
+std::vector<std::uint64_t> offsets_from_counts(std::size_t count, const Count& count_of) {
+  std::vector<std::uint64_t> offsets(count + 1);
+  for (std::size_t i = 0; i < count; ++i) offsets[i + 1] = offsets[i] + count_of(i);
+  return offsets;
+}
+
+}  // namespace tet

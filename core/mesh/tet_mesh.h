@@ -1,0 +1,80 @@
+// A tetrahedral mesh in memory, and its header: what is known before the first vertex is.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+
+#include "core/base/types.h"
+
+namespace tet {
+
+/// How a coordinate is stored; the value is its size in bytes.
+enum class CoordinateType : std::uint8_t { kFloat32 = 4, kFloat64 = 8 };
+/// How a vertex id is stored; the value is its size in bytes.
+enum class IndexType : std::uint8_t { kUint32 = 4, kUint64 = 8 };
+
+constexpr std::size_t size_of(CoordinateType type) { return static_cast<std::size_t>(type); }
+constexpr std::size_t size_of(IndexType type) { return static_cast<std::size_t>(type); }
+
+/// Totals and encodings of a mesh.
+struct MeshHeader {
+  std::uint64_t vertex_count = 0;
+  std::uint64_t tet_count = 0;
+  std::uint64_t chunk_count = 0;
+  CoordinateType coordinate_type = CoordinateType::kFloat32;
+  IndexType index_type = IndexType::kUint32;
+  WorldPoint origin;   ///< add to every stored position to get world coordinates
+  WorldBox bounds;     ///< world coordinates; holds every vertex, not always tightly
+  double spacing = 0;  ///< lattice spacing h of the finest leaves, world units
+  int levels = 0;      ///< coarser octree levels that the mesh really uses
+};
+
+/// Vertices and tets of one chunk: contiguous runs of the mesh's own.
+struct ChunkExtent {
+  std::uint64_t first_vertex = 0, vertex_count = 0;
+  std::uint64_t first_tet = 0, tet_count = 0;
+};
+
+/// Memory that is not zeroed when allocated: its first writer touches it, on its own core.
+class ByteBuffer {
+ public:
+  ByteBuffer() = default;
+  explicit ByteBuffer(std::size_t size)
+      : bytes_(std::make_unique_for_overwrite<std::byte[]>(size)), size_(size) {}
+
+  std::span<std::byte> bytes() noexcept { return {bytes_.get(), size_}; }
+  std::span<const std::byte> bytes() const noexcept { return {bytes_.get(), size_}; }
+  std::size_t size() const noexcept { return size_; }
+
+ private:
+  std::unique_ptr<std::byte[]> bytes_;
+  std::size_t size_ = 0;
+};
+
+/// A whole mesh as columns, in exactly the bytes that chunks carry (little-endian).
+///
+/// positions: vertex_count * 3 coordinates (x, y, z), relative to `header.origin`.
+/// tets: tet_count * 4 vertex ids, each tet positive: det(b-a, c-a, d-a) > 0.
+struct TetMesh {
+  MeshHeader header;
+  ByteBuffer positions;
+  ByteBuffer tets;
+
+  TetMesh() = default;
+  /// Columns sized for the header's totals, not filled.
+  explicit TetMesh(const MeshHeader& mesh_header);
+
+  /// World coordinates, in double whatever the storage.
+  WorldPoint vertex(std::uint64_t i) const noexcept;
+  std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
+
+  /// Where a chunk's columns lie within the mesh's.
+  std::span<std::byte> positions_of(const ChunkExtent& chunk) noexcept;
+  std::span<std::byte> tets_of(const ChunkExtent& chunk) noexcept;
+};
+
+}  // namespace tet

@@ -1,0 +1,80 @@
+// A mesh that is counted but not yet made: totals, chunk table, and a pure function from a chunk's
+// number to its bytes.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/grid/volume.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/tet_mesh.h"
+#include "core/pipeline/mesh_request.h"
+
+namespace tet {
+
+/// A chunk's columns are cut to stay within this many bytes together, the size that travels best.
+inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+/// Scratch memory of one task, reused from chunk to chunk. Not thread-safe: one per task.
+class MeshWorkspace {
+ public:
+  MeshWorkspace();
+  ~MeshWorkspace();
+  MeshWorkspace(MeshWorkspace&&) noexcept;
+  MeshWorkspace& operator=(MeshWorkspace&&) noexcept;
+
+  struct Impl;
+  Impl& impl() noexcept { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Where long work stands; readable from any thread while it runs.
+struct MeshProgress {
+  std::atomic<std::uint64_t> done{0}, total{0};  ///< bricks surveyed, of those to survey
+};
+
+/// The counted mesh of one (volume, request). Immutable: any thread may call any member.
+class MeshPlan {
+ public:
+  struct Impl;
+  explicit MeshPlan(std::unique_ptr<const Impl> impl);
+  ~MeshPlan();
+
+  const MeshHeader& header() const noexcept;
+  ChunkExtent chunk(std::uint64_t index) const noexcept;
+
+  /// Makes one chunk. Its bytes depend on (volume, request, index) alone.
+  ///
+  /// `positions` has chunk(index).vertex_count * 3 * size_of(coordinate_type) bytes and `tets`
+  /// chunk(index).tet_count * 4 * size_of(index_type). Returns the chunk's own statistics.
+  QualityStats fill_chunk(std::uint64_t index,
+                          MeshWorkspace& workspace,
+                          std::span<std::byte> positions,
+                          std::span<std::byte> tets) const noexcept;
+
+ private:
+  std::unique_ptr<const Impl> impl_;
+};
+
+/// Counts the mesh: signs, cut points and warps are surveyed, leaves chosen, and every vertex and
+/// tet given its place. Parallel; run it on a TaskPool. `progress` may be null.
+///
+/// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the volume has no
+/// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
+/// kCancelled, kDeadlineExceeded.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
+                                                          const MeshRequest& request,
+                                                          const MeshLimits& limits,
+                                                          const Cancellation& cancellation,
+                                                          MeshProgress* progress);
+
+}  // namespace tet

@@ -1,0 +1,38 @@
+// What a caller asks of the mesher, and its canonical form.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <absl/status/statusor.h>
+
+#include "core/grid/volume.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Warp limits with known angle bounds; see docs/algorithm.md.
+enum class Preset : std::uint8_t { kDefault, kMinAngle };
+
+/// Enough for every volume: leaves stop coarsening long before.
+inline constexpr int kMaxLevels = 24;
+
+struct MeshRequest {
+  std::optional<double> spacing;  ///< world units; the grid's voxel size unless given
+  std::optional<double> iso;      ///< 0 for level sets and 0.5 for fog volumes unless given
+  int levels = kMaxLevels;        ///< octree levels above the finest; 0 is the uniform mesh
+  Preset preset = Preset::kDefault;
+  /// float32 unless given, and float64 where float32 would bend the angle bounds.
+  std::optional<CoordinateType> coordinates;
+};
+
+/// Budget of one mesh; a request over it is refused before anything is allocated for it.
+struct MeshLimits {
+  std::uint64_t max_tets = 4'000'000'000;
+};
+
+std::optional<Preset> parse_preset(std::string_view name);
+std::string_view preset_name(Preset preset);
+
+}  // namespace tet
