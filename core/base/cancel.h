@@ -9,8 +9,8 @@ namespace tet {
 
 /// Raised once, never lowered. Long stages poll it between bricks.
 ///
-/// Thread safety: every member may be called from any thread at any time; `cancel` is also safe in
-/// a signal handler.
+/// Thread safety: every member may be called from any thread at any time; `cancel` is also safe
+/// in a signal handler.
 class Cancellation {
  public:
   using Clock = std::chrono::system_clock;

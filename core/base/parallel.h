@@ -11,8 +11,8 @@ namespace tet {
 
 /// Threads that meshing work runs on; never the threads of a network library.
 ///
-/// Thread safety: every member may be called from any thread. The destructor waits for all that was
-/// posted.
+/// Thread safety: every member may be called from any thread. The destructor waits for all that
+/// was posted.
 class TaskPool {
  public:
   /// `threads` <= 0 takes every core.
@@ -39,7 +39,8 @@ using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body);
 }  // namespace internal
 
-/// Calls `body(i)` once for each i in [0, count), in any order and on any of the pool's threads.
+/// Calls `body(i)` once for each i in [0, count), in any order and on any of the pool's
+/// threads.
 template <class Body>
 void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1) {
   internal::parallel_ranges(count, grain, [&](std::size_t begin, std::size_t end) {

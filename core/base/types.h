@@ -28,8 +28,8 @@ struct VoxelCoord {
 /// Index space is refused beyond this, so that doubled lattice coordinates fit an int32.
 inline constexpr std::int32_t kMaxVoxelCoord = 1 << 29;
 
-/// A brick: 8 x 8 x 8 cells of one octree level. At level l it starts at cell 8*(x, y, z), whose
-/// edge is 2^l lattice spacings. Ordered x first: neighbours in + directions come later.
+/// A brick: 8 x 8 x 8 cells of one octree level. At level l it starts at cell 8*(x, y, z),
+/// whose edge is 2^l lattice spacings. Ordered x first: neighbours in + directions come later.
 struct BrickCoord {
   std::int32_t x = 0, y = 0, z = 0;
   friend auto operator<=>(const BrickCoord&, const BrickCoord&) = default;

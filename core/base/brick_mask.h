@@ -1,0 +1,172 @@
+// Bits for the cells or nodes of a brick, and for a brick with its halo: sets as words.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace tet {
+
+/// One bit for each of a brick's 8 x 8 x 8 cells (or the nodes of one kind that belong to
+/// them).
+///
+/// Slice x holds the cells (x, y, z) at bit y*8 + z, so that set bits come in the order of
+/// coordinates, x first.
+struct BrickMask {
+  std::array<std::uint64_t, 8> slice{};
+
+  static constexpr BrickMask all() noexcept {
+    BrickMask mask;
+    mask.slice.fill(~std::uint64_t{0});
+    return mask;
+  }
+
+  constexpr bool test(int x, int y, int z) const noexcept {
+    return (slice[static_cast<std::size_t>(x)] >> (y * 8 + z) & 1) != 0;
+  }
+  constexpr void set(int x, int y, int z) noexcept {
+    slice[static_cast<std::size_t>(x)] |= std::uint64_t{1} << (y * 8 + z);
+  }
+  constexpr bool any() const noexcept {
+    std::uint64_t bits = 0;
+    for (const std::uint64_t word : slice) bits |= word;
+    return bits != 0;
+  }
+  constexpr std::uint32_t count() const noexcept {
+    std::uint32_t bits = 0;
+    for (const std::uint64_t word : slice) {
+      bits += static_cast<std::uint32_t>(std::popcount(word));
+    }
+    return bits;
+  }
+
+  constexpr BrickMask& operator|=(const BrickMask& o) noexcept {
+    for (std::size_t i = 0; i < 8; ++i) slice[i] |= o.slice[i];
+    return *this;
+  }
+  constexpr BrickMask& operator&=(const BrickMask& o) noexcept {
+    for (std::size_t i = 0; i < 8; ++i) slice[i] &= o.slice[i];
+    return *this;
+  }
+  friend constexpr BrickMask operator|(BrickMask a, const BrickMask& b) noexcept {
+    return a |= b;
+  }
+  friend constexpr BrickMask operator&(BrickMask a, const BrickMask& b) noexcept {
+    return a &= b;
+  }
+  friend constexpr BrickMask operator~(BrickMask a) noexcept {
+    for (std::uint64_t& word : a.slice) word = ~word;
+    return a;
+  }
+  friend constexpr bool operator==(const BrickMask&, const BrickMask&) = default;
+};
+
+/// Calls `visit(x, y, z)` for each set bit, x first.
+template <class Visit>
+void for_each_bit(const BrickMask& mask, const Visit& visit) {
+  for (int x = 0; x < 8; ++x) {
+    for (std::uint64_t bits = mask.slice[static_cast<std::size_t>(x)]; bits != 0;
+         bits &= bits - 1) {
+      const int bit = std::countr_zero(bits);
+      visit(x, bit >> 3, bit & 7);
+    }
+  }
+}
+
+/// Index of a node (or cell) of a brick and its halo; each coordinate in [-2, 14).
+///
+/// Neighbours are a constant away: (x+dx, y+dy, z+dz) is `offset_index(dx, dy, dz)` further on.
+constexpr int halo_index(int x, int y, int z) noexcept {
+  return ((x + 2) * 16 + (y + 2)) * 16 + (z + 2);
+}
+constexpr int offset_index(int dx, int dy, int dz) noexcept { return (dx * 16 + dy) * 16 + dz; }
+
+inline constexpr int kHaloNodes = 16 * 16 * 16;
+
+/// One bit for each `halo_index`; set operations work on 64 of them at a time.
+struct HaloSet {
+  static constexpr int kWords = kHaloNodes / 64;
+  alignas(32) std::array<std::uint64_t, kWords> word{};
+
+  constexpr bool test(int index) const noexcept {
+    return (word[static_cast<std::size_t>(index >> 6)] >> (index & 63) & 1) != 0;
+  }
+  constexpr void set(int index) noexcept {
+    word[static_cast<std::size_t>(index >> 6)] |= std::uint64_t{1} << (index & 63);
+  }
+  constexpr std::uint32_t count() const noexcept {
+    std::uint32_t bits = 0;
+    for (const std::uint64_t w : word) bits += static_cast<std::uint32_t>(std::popcount(w));
+    return bits;
+  }
+  constexpr bool any() const noexcept {
+    std::uint64_t bits = 0;
+    for (const std::uint64_t w : word) bits |= w;
+    return bits != 0;
+  }
+
+  constexpr HaloSet& operator|=(const HaloSet& o) noexcept {
+    for (std::size_t i = 0; i < kWords; ++i) word[i] |= o.word[i];
+    return *this;
+  }
+  constexpr HaloSet& operator&=(const HaloSet& o) noexcept {
+    for (std::size_t i = 0; i < kWords; ++i) word[i] &= o.word[i];
+    return *this;
+  }
+  /// Takes the bits of `o` away.
+  constexpr HaloSet& operator-=(const HaloSet& o) noexcept {
+    for (std::size_t i = 0; i < kWords; ++i) word[i] &= ~o.word[i];
+    return *this;
+  }
+  friend constexpr HaloSet operator|(HaloSet a, const HaloSet& b) noexcept { return a |= b; }
+  friend constexpr HaloSet operator&(HaloSet a, const HaloSet& b) noexcept { return a &= b; }
+  friend constexpr HaloSet operator-(HaloSet a, const HaloSet& b) noexcept { return a -= b; }
+};
+
+/// The set seen from a neighbour: bit i of the result is bit i + offset of `set`.
+constexpr HaloSet seen_from(const HaloSet& set, int offset) noexcept {
+  HaloSet out;
+  const int words = offset >> 6;  // rounds down, so that `bits` is in [0, 64)
+  const int bits = offset & 63;
+  const auto at = [&](int i) -> std::uint64_t {
+    return i >= 0 && i < HaloSet::kWords ? set.word[static_cast<std::size_t>(i)] : 0;
+  };
+  for (int i = 0; i < HaloSet::kWords; ++i) {
+    const std::uint64_t low = at(i + words) >> bits;
+    const std::uint64_t high = bits == 0 ? 0 : at(i + words + 1) << (64 - bits);
+    out.word[static_cast<std::size_t>(i)] = low | high;
+  }
+  return out;
+}
+
+/// The set that holds every index of the box [min, max]^3, both ends included.
+constexpr HaloSet halo_cube(int min, int max) noexcept {
+  HaloSet set;
+  for (int x = min; x <= max; ++x) {
+    for (int y = min; y <= max; ++y) {
+      for (int z = min; z <= max; ++z) set.set(halo_index(x, y, z));
+    }
+  }
+  return set;
+}
+
+/// Calls `visit(index)` for each set bit, in increasing order.
+template <class Visit>
+void for_each_bit(const HaloSet& set, const Visit& visit) {
+  for (int w = 0; w < HaloSet::kWords; ++w) {
+    for (std::uint64_t bits = set.word[static_cast<std::size_t>(w)]; bits != 0;
+         bits &= bits - 1) {
+      visit(w * 64 + std::countr_zero(bits));
+    }
+  }
+}
+
+/// Copies the cells of the brick itself, [0, 8)^3, out of a halo set.
+BrickMask brick_part(const HaloSet& set) noexcept;
+
+/// Adds what `mask` says of the neighbour brick at (bx, by, bz), each in -1..1, where it lies
+/// within the halo.
+void add_brick(HaloSet& set, const BrickMask& mask, int bx, int by, int bz) noexcept;
+
+}  // namespace tet

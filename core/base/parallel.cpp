@@ -1,0 +1,164 @@
+#include "core/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#ifndef TET_STD_THREADS
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#endif
+
+namespace tet {
+namespace {
+
+int thread_count(int requested) {
+  if (requested > 0) return requested;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+#ifndef TET_STD_THREADS
+
+struct TaskPool::Impl {
+  explicit Impl(int threads)
+      // oneTBB keeps one thread fewer than cores for itself; posted work needs them all.
+      : parallelism(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(threads) + 1),
+        arena(threads, /*reserved_for_masters=*/0) {}
+
+  tbb::global_control parallelism;
+  tbb::task_arena arena;
+  std::mutex mutex;
+  std::condition_variable idle;
+  std::size_t posted = 0;
+};
+
+TaskPool::TaskPool(int threads) : impl_(std::make_unique<Impl>(thread_count(threads))) {}
+
+TaskPool::~TaskPool() {
+  std::unique_lock lock(impl_->mutex);
+  impl_->idle.wait(lock, [&] { return impl_->posted == 0; });
+}
+
+int TaskPool::threads() const noexcept { return impl_->arena.max_concurrency(); }
+
+void TaskPool::run(const std::function<void()>& work) { impl_->arena.execute(work); }
+
+void TaskPool::post(std::function<void()> work) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    ++impl_->posted;
+  }
+  impl_->arena.enqueue([impl = impl_.get(), work = std::move(work)]() mutable {
+    work();
+    work = nullptr;  // what it holds is released before the destructor may go on
+    const std::lock_guard lock(impl->mutex);
+    if (--impl->posted == 0) impl->idle.notify_all();
+  });
+}
+
+namespace internal {
+
+void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
+  if (count == 0) return;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, grain),
+      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+}
+
+}  // namespace internal
+
+#else  // The same contract on std::thread: Debian's oneTBB is opaque to ThreadSanitizer.
+
+namespace {
+thread_local int t_pool_threads = 0;
+}
+
+struct TaskPool::Impl {
+  explicit Impl(int threads) {
+    for (int i = 0; i < threads; ++i) {
+      workers.emplace_back([this, threads] {
+        t_pool_threads = threads;
+        work();
+      });
+    }
+  }
+
+  ~Impl() {
+    {
+      const std::lock_guard lock(mutex);
+      closing = true;
+    }
+    wake.notify_all();
+    for (std::thread& worker : workers) worker.join();
+  }
+
+  void work() {
+    std::unique_lock lock(mutex);
+    while (true) {
+      wake.wait(lock, [&] { return closing || !queue.empty(); });
+      if (queue.empty()) return;
+      std::function<void()> task = std::move(queue.front());
+      queue.pop_front();
+      lock.unlock();
+      task();
+      task = nullptr;
+      lock.lock();
+    }
+  }
+
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::deque<std::function<void()> > queue;
+  bool closing = false;
+  std::vector<std::thread> workers;
+};
+
+TaskPool::TaskPool(int threads) : impl_(std::make_unique<Impl>(thread_count(threads))) {}
+TaskPool::~TaskPool() = default;
+int TaskPool::threads() const noexcept { return static_cast<int>(impl_->workers.size()); }
+
+void TaskPool::run(const std::function<void()>& work) {
+  const int outer = std::exchange(t_pool_threads, threads());
+  work();
+  t_pool_threads = outer;
+}
+
+void TaskPool::post(std::function<void()> work) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->queue.push_back(std::move(work));
+  }
+  impl_->wake.notify_one();
+}
+
+namespace internal {
+
+void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
+  const std::size_t threads = static_cast<std::size_t>(std::max(1, t_pool_threads));
+  const std::size_t step = std::max(grain, count / (threads * 8) + 1);
+  std::atomic<std::size_t> next{0};
+  const auto drain = [&] {
+    for (std::size_t begin = next.fetch_add(step); begin < count;
+         begin = next.fetch_add(step)) {
+      body(begin, std::min(count, begin + step));
+    }
+  };
+  std::vector<std::thread> helpers;
+  for (std::size_t i = 1; i < threads && i * step < count; ++i) helpers.emplace_back(drain);
+  drain();
+  for (std::thread& helper : helpers) helper.join();
+}
+
+}  // namespace internal
+
+#endif
+
+}  // namespace tet
