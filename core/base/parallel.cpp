@@ -56,12 +56,13 @@ void TaskPool::post(std::function<void()> work) {
     const std::lock_guard lock(impl_->mutex);
     ++impl_->posted;
   }
-  impl_->arena.enqueue([impl = impl_.get(), work = std::move(work)]() mutable {
-    work();
-    work = nullptr;  // what it holds is released before the destructor may go on
-    const std::lock_guard lock(impl->mutex);
-    if (--impl->posted == 0) impl->idle.notify_all();
-  });
+  impl_->arena.enqueue(
+      [impl = impl_.get(), owned = std::make_shared<std::function<void()>>(std::move(work))] {
+        (*owned)();
+        *owned = nullptr;  // what it holds is released before the destructor may go on
+        const std::lock_guard lock(impl->mutex);
+        if (--impl->posted == 0) impl->idle.notify_all();
+      });
 }
 
 namespace internal {
@@ -116,7 +117,7 @@ struct TaskPool::Impl {
 
   std::mutex mutex;
   std::condition_variable wake;
-  std::deque<std::function<void()> > queue;
+  std::deque<std::function<void()>> queue;
   bool closing = false;
   std::vector<std::thread> workers;
 };
