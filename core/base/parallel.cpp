@@ -6,6 +6,7 @@
 #include <deque>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #ifndef TET_STD_THREADS
 #include <oneapi/tbb/blocked_range.h>

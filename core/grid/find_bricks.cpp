@@ -1,0 +1,233 @@
+#include "core/grid/find_bricks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <mutex>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+#include "core/base/parallel.h"
+
+namespace tet {
+namespace {
+
+/// Signs that occur in a brick. Exact zeros count as outside: they touch the surface either
+/// way.
+enum Signs : std::uint8_t { kNone = 0, kInside = 1, kOutside = 2, kBoth = 3 };
+
+Signs signs_of(const PhiField& field, ValueRange range) noexcept {
+  const float lowest = field.negated() ? field.phi(range.max) : field.phi(range.min);
+  const float highest = field.negated() ? field.phi(range.min) : field.phi(range.max);
+  return static_cast<Signs>((lowest < 0 ? kInside : kNone) | (highest < 0 ? kNone : kOutside));
+}
+
+/// Looking at a region costs microseconds; more than this many are a claim, not a grid.
+constexpr std::size_t kMaxRegions = std::size_t{1} << 22;
+constexpr int kRegionBricks = Region::kEdgeBricks;
+
+/// Every region with bricks or inside constants, and all that touch one; sorted, unique.
+absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
+  std::vector<BrickCoord> regions;
+  const auto add_with_neighbours = [&](BrickCoord region) {
+    for (int x = -kRegionBricks; x <= kRegionBricks; x += kRegionBricks) {
+      for (int y = -kRegionBricks; y <= kRegionBricks; y += kRegionBricks) {
+        for (int z = -kRegionBricks; z <= kRegionBricks; z += kRegionBricks) {
+          regions.push_back({region.x + x, region.y + y, region.z + z});
+        }
+      }
+    }
+  };
+  for (const Region& region : field.volume->regions) add_with_neighbours(region.min);
+  std::size_t cube_regions = 0;
+  for (const ConstantCube& cube : field.volume->cubes) {
+    const auto wide = static_cast<std::size_t>(cube.edge / 128);
+    cube_regions += wide * wide * wide;
+  }
+  if (cube_regions > kMaxRegions) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the grid's constant tiles cover %d regions of 128^3 voxels; at most %d can be meshed",
+        cube_regions, kMaxRegions));
+  }
+  for (const ConstantCube& cube : field.volume->cubes) {
+    const int edge = cube.edge / kBrickEdge;
+    const BrickCoord min{cube.min.x / 8, cube.min.y / 8, cube.min.z / 8};
+    for (int x = 0; x < edge; x += kRegionBricks) {
+      for (int y = 0; y < edge; y += kRegionBricks) {
+        for (int z = 0; z < edge; z += kRegionBricks) {
+          add_with_neighbours({min.x + x, min.y + y, min.z + z});
+        }
+      }
+    }
+    // Neighbours repeat 27 times; keep the list from growing with them.
+    std::sort(regions.begin(), regions.end());
+    regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  }
+  std::sort(regions.begin(), regions.end());
+  regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  return regions;
+}
+
+/// Signs of a region's 16^3 bricks with one more brick on every side.
+class RegionSigns {
+ public:
+  static constexpr int kEdge = kRegionBricks + 2;
+
+  void read(const PhiField& field, VolumeReader& reader, BrickCoord region) noexcept {
+    std::size_t next = 0;
+    for (int x = -1; x <= kRegionBricks; ++x) {
+      for (int y = -1; y <= kRegionBricks; ++y) {
+        for (int z = -1; z <= kRegionBricks; ++z) {
+          const auto brick = reader.brick({region.x + x, region.y + y, region.z + z});
+          own_[next++] = signs_of(field, brick.range);
+        }
+      }
+    }
+    around_ = own_;
+    for (const std::size_t step :
+         {std::size_t{1}, std::size_t{kEdge}, std::size_t{kEdge * kEdge}}) {
+      const auto before = around_;
+      for (std::size_t i = step; i + step < around_.size(); ++i) {
+        around_[i] = static_cast<std::uint8_t>(before[i - step] | before[i] | before[i + step]);
+      }
+    }
+  }
+
+  bool inside(int x, int y, int z) const noexcept {
+    return (own_[index(x, y, z)] & kInside) != 0;
+  }
+  bool near_surface(int x, int y, int z) const noexcept {
+    return around_[index(x, y, z)] == kBoth;
+  }
+
+ private:
+  static std::size_t index(int x, int y, int z) noexcept {
+    return static_cast<std::size_t>(((x + 1) * kEdge + y + 1) * kEdge + z + 1);
+  }
+  std::array<std::uint8_t, kEdge * kEdge * kEdge> own_, around_;
+};
+
+/// True when the region and the 26 around it hold nothing but one sign.
+bool one_sign_around(const PhiField& field,
+                     VolumeReader& reader,
+                     BrickCoord region,
+                     Signs& sign) {
+  int seen = kNone;
+  for (int x = -kRegionBricks; x <= kRegionBricks; x += kRegionBricks) {
+    for (int y = -kRegionBricks; y <= kRegionBricks; y += kRegionBricks) {
+      for (int z = -kRegionBricks; z <= kRegionBricks; z += kRegionBricks) {
+        float value = 0;
+        if (!reader.constant_region({region.x + x, region.y + y, region.z + z}, value)) {
+          return false;
+        }
+        seen |= signs_of(field, {value, value});
+      }
+    }
+  }
+  sign = static_cast<Signs>(seen);
+  return sign != kBoth;
+}
+
+void scan_region(const PhiField& field,
+                 VolumeReader& reader,
+                 RegionSigns& signs,
+                 BrickCoord region,
+                 FoundBricks& found) {
+  Signs sign = kNone;
+  if (one_sign_around(field, reader, region, sign)) {
+    if (sign == kInside) found.inside.push_back({region, kRegionBricks});
+    return;
+  }
+  signs.read(field, reader, region);
+  for (int x = 0; x < kRegionBricks; ++x) {
+    for (int y = 0; y < kRegionBricks; ++y) {
+      for (int z = 0; z < kRegionBricks; ++z) {
+        const BrickCoord brick{region.x + x, region.y + y, region.z + z};
+        if (signs.near_surface(x, y, z)) found.near_surface.push_back(brick);
+        if (signs.inside(x, y, z)) found.inside.push_back({brick, 1});
+      }
+    }
+  }
+}
+
+void sort_unique(std::vector<BrickCoord>& bricks) {
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+}
+
+/// Lattice bricks whose cells, reached out by `reach` cells, meet a cube of voxel bricks.
+template <class Visit>
+void visit_lattice_bricks(const PhiField& field,
+                          BrickCube cube,
+                          int reach,
+                          const Visit& visit) {
+  // Trilinear values mix a voxel with its neighbours, so a brick's signs reach one voxel
+  // further.
+  const auto low = [&](std::int32_t brick) {
+    const double cell = std::floor((8.0 * brick - 1) / field.spacing_voxels) - reach;
+    return static_cast<std::int32_t>(std::floor(cell / 8));
+  };
+  const auto high = [&](std::int32_t brick) {
+    const double cell =
+        std::ceil((8.0 * (brick + cube.edge) + 1) / field.spacing_voxels) + reach;
+    return static_cast<std::int32_t>(std::floor(cell / 8));
+  };
+  for (std::int32_t x = low(cube.min.x); x <= high(cube.min.x); ++x) {
+    for (std::int32_t y = low(cube.min.y); y <= high(cube.min.y); ++y) {
+      for (std::int32_t z = low(cube.min.z); z <= high(cube.min.z); ++z)
+        visit(BrickCoord{x, y, z});
+    }
+  }
+}
+
+/// Voxel bricks become the lattice bricks that see them.
+FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
+  constexpr int kHaloReach = 3;
+  FoundBricks found;
+  for (const BrickCoord brick : voxel_bricks.near_surface) {
+    visit_lattice_bricks(field, {brick, 1}, kHaloReach,
+                         [&](BrickCoord seen) { found.near_surface.push_back(seen); });
+  }
+  std::vector<BrickCoord> inside;
+  for (const BrickCube& cube : voxel_bricks.inside) {
+    visit_lattice_bricks(field, cube, 1, [&](BrickCoord seen) { inside.push_back(seen); });
+  }
+  sort_unique(inside);
+  for (const BrickCoord brick : inside) found.inside.push_back({brick, 1});
+  return found;
+}
+
+}  // namespace
+
+absl::StatusOr<FoundBricks> find_bricks(const PhiField& field) {
+  if (field.phi(field.volume->background) < 0) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the background value %g is inside at iso %g, so the inside has no end; choose another "
+        "iso value",
+        field.volume->background, field.iso));
+  }
+  const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
+  if (!regions.ok()) return regions.status();
+
+  FoundBricks found;
+  std::mutex mutex;  // taken once a range; the order of arrival is sorted away
+  for_each_range(regions->size(), 16, [&](std::size_t begin, std::size_t end) {
+    VolumeReader reader(*field.volume);
+    RegionSigns signs;
+    FoundBricks mine;
+    for (std::size_t i = begin; i < end; ++i) {
+      scan_region(field, reader, signs, (*regions)[i], mine);
+    }
+    const std::lock_guard lock(mutex);
+    found.near_surface.insert(found.near_surface.end(), mine.near_surface.begin(),
+                              mine.near_surface.end());
+    found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
+  });
+  if (!field.at_voxels()) found = at_lattice(field, found);
+  sort_unique(found.near_surface);
+  return found;
+}
+
+}  // namespace tet

@@ -1,0 +1,97 @@
+#include "core/grid/volume_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace tet {
+namespace {
+
+constexpr std::int32_t kBrickShift = 3;  // voxels of a brick's edge, as a power of two
+constexpr std::int32_t kRegionBricks = 16;
+
+BrickCoord region_of(BrickCoord brick) noexcept {
+  const auto down = [](std::int32_t v) { return v & ~(kRegionBricks - 1); };
+  return {down(brick.x), down(brick.y), down(brick.z)};
+}
+
+const ConstantCube* find_cube(const std::vector<ConstantCube>& cubes,
+                              BrickCoord region_min,
+                              std::int32_t edge) noexcept {
+  const auto down = [&](std::int32_t brick) { return (brick << kBrickShift) & ~(edge - 1); };
+  const VoxelCoord min{down(region_min.x), down(region_min.y), down(region_min.z)};
+  const auto it = std::lower_bound(
+      cubes.begin(), cubes.end(), min,
+      [](const ConstantCube& cube, const VoxelCoord& at) { return cube.min < at; });
+  return it != cubes.end() && it->min == min && it->edge == edge ? &*it : nullptr;
+}
+
+}  // namespace
+
+void VolumeReader::enter(BrickCoord region_min) noexcept {
+  if (entered_ && region_min == region_min_) return;
+  entered_ = true;
+  region_min_ = region_min;
+  const auto& regions = volume_->regions;
+  const auto it = std::lower_bound(
+      regions.begin(), regions.end(), region_min,
+      [](const Region& region, const BrickCoord& at) { return region.min < at; });
+  region_ = it != regions.end() && it->min == region_min ? &*it : nullptr;
+  if (region_ != nullptr) return;
+  constant_ = volume_->background;
+  for (const std::int32_t edge : {128, 4096}) {
+    if (const ConstantCube* cube = find_cube(volume_->cubes, region_min, edge)) {
+      constant_ = cube->value;
+      return;
+    }
+  }
+}
+
+VolumeReader::Brick VolumeReader::brick(BrickCoord coord) noexcept {
+  enter(region_of(coord));
+  if (region_ == nullptr)
+    return {
+        nullptr, {constant_, constant_}
+    };
+  const auto at =
+      static_cast<std::size_t>(((coord.x & 15) * 16 + (coord.y & 15)) * 16 + (coord.z & 15));
+  const std::uint32_t index = region_->brick_index[at];
+  if (index == Region::kConstant) {
+    return {
+        nullptr, {region_->constant[at], region_->constant[at]}
+    };
+  }
+  return {volume_->values.data() + std::size_t{index} * kBrickCells, volume_->ranges[index]};
+}
+
+bool VolumeReader::constant_region(BrickCoord region_min, float& value) noexcept {
+  enter(region_min);
+  value = constant_;
+  return region_ == nullptr;
+}
+
+float VolumeReader::value(VoxelCoord voxel) noexcept {
+  const Brick found =
+      brick({voxel.x >> kBrickShift, voxel.y >> kBrickShift, voxel.z >> kBrickShift});
+  if (found.values == nullptr) return found.range.min;
+  return found.values[((voxel.x & 7) * 8 + (voxel.y & 7)) * 8 + (voxel.z & 7)];
+}
+
+double VolumeReader::trilinear(const VoxelPoint& p) noexcept {
+  const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
+  const VoxelCoord v{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
+                     static_cast<std::int32_t>(z)};
+  const auto along_z = [&](std::int32_t i, std::int32_t j) {
+    const double low = value({v.x + i, v.y + j, v.z});
+    const double high = value({v.x + i, v.y + j, v.z + 1});
+    return low + (p.z - z) * (high - low);
+  };
+  const auto along_y = [&](std::int32_t i) {
+    const double low = along_z(i, 0);
+    return low + (p.y - y) * (along_z(i, 1) - low);
+  };
+  const double low = along_y(0);
+  return low + (p.x - x) * (along_y(1) - low);
+}
+
+}  // namespace tet
