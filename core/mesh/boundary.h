@@ -1,10 +1,10 @@
 // The boundary surface of a mesh and its topology.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/mesh/faces.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -13,16 +13,18 @@ namespace tet {
 struct BoundaryTopology {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
-  std::uint64_t components = 0;           ///< connected through shared vertices
-  std::int64_t euler_characteristic = 0;  ///< V - E + F over all components
-  std::uint64_t non_manifold_edges = 0;   ///< edges not shared by exactly two triangles
+  std::uint64_t components = 0;             ///< connected through shared vertices
+  std::int64_t euler_characteristic = 0;    ///< V - E + F over all components
+  std::uint64_t non_manifold_edges = 0;     ///< edges not shared by exactly two triangles
   std::uint64_t non_manifold_vertices = 0;  ///< triangles around it are not one cycle
 };
 
-using Triangle = std::array<std::uint64_t, 3>;
-
-/// The boundary triangles, counter-clockwise seen from outside, sorted by their smallest vertex.
+/// The boundary triangles, counter-clockwise seen from outside, sorted by their smallest
+/// vertex.
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh);
+
+/// Topology of triangles whose vertex ids are below `vertex_count`.
+BoundaryTopology measure_topology(std::vector<Triangle> triangles, std::uint64_t vertex_count);
 
 BoundaryTopology measure_boundary(const TetMesh& mesh);
 

@@ -23,7 +23,29 @@ struct QualityStats {
   void add(const QualityStats& other) noexcept;
 };
 
-/// Measures every tet of a mesh in memory, in parallel.
+/// Gathers the statistics of tets one by one.
+///
+/// Angles are compared through sign(cos) * cos^2, which needs neither a square root nor an arc
+/// cosine.
+class QualityMeter {
+ public:
+  /// Corners in the order of the tet; relative to any common origin, in world units. An
+  /// inverted tet has a negative volume. An angle at a face without area counts as 180 degrees.
+  void add_tet(const WorldPoint& a,
+               const WorldPoint& b,
+               const WorldPoint& c,
+               const WorldPoint& d) noexcept;
+
+  QualityStats stats() const noexcept;
+
+ private:
+  std::array<std::uint64_t, QualityStats::kBins> histogram_{};
+  double largest_cosine_ = -1;  ///< both signed squares, -1 (180 degrees) .. 1 (0 degrees)
+  double smallest_cosine_ = 1;
+  double six_volumes_ = 0;
+};
+
+/// Measures every tet of a mesh in memory, in parallel; one value for any number of threads.
 QualityStats measure_quality(const TetMesh& mesh);
 
 }  // namespace tet

@@ -70,6 +70,8 @@ struct TetMesh {
 
   /// World coordinates, in double whatever the storage.
   WorldPoint vertex(std::uint64_t i) const noexcept;
+  /// As stored: relative to `header.origin`, so that angles far from it keep every bit.
+  WorldPoint stored_position(std::uint64_t i) const noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
 
   /// Where a chunk's columns lie within the mesh's.
