@@ -1,5 +1,5 @@
-// OpenVDB files in, volumes out. The only file, with surface_to_volume, that reads through OpenVDB;
-// its exceptions stop here.
+// OpenVDB files in, volumes out. The only file, with surface_to_volume, that reads through
+// OpenVDB; its exceptions stop here.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct GridInfo {
   double voxel_size = 0;   ///< world units; of the x axis where voxels are not uniform
   std::uint64_t active_voxels = 0;
   VoxelBox active_box;
-  float background = 0;       ///< 0 for grids that are not float
+  float background = 0;      ///< 0 for grids that are not float
   std::string not_meshable;  ///< why the mesher refuses it; empty when it does not
 };
 
@@ -30,8 +30,8 @@ struct GridInfo {
 absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path);
 
 /// Reads one float grid. An empty `grid_name` takes the only meshable grid of the file.
-/// Errors: kNotFound (file or grid name; the message lists what there is), kInvalidArgument (corrupt
-/// file), kFailedPrecondition (a grid that cannot be meshed: says why and what to do).
+/// Errors: kNotFound (file or grid name; the message lists what there is), kInvalidArgument
+/// (corrupt file), kFailedPrecondition (a grid that cannot be meshed: says why and what to do).
 absl::StatusOr<Volume> load_volume(const std::string& path, const std::string& grid_name);
 
 }  // namespace tet
