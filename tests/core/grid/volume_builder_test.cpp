@@ -1,5 +1,6 @@
 #include "core/grid/volume_builder.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -137,19 +138,19 @@ TEST(VoxelTransform, KnowsAMirror) {
 
 TEST(VolumeFixtures, NarrowBandReadsAsTheClampedFunction) {
   const auto ball = [](VoxelCoord v) {
-    return static_cast<float>(std::hypot(v.x - 10, v.y + 5, v.z)) - 150.0F;
+    return static_cast<float>(std::hypot(v.x - 64, v.y - 60, v.z + 64)) - 120.0F;
   };
   const VoxelBox box{
-      {-145, -160, -155},
-      { 165,  150,  155}
+      {-60, -64, -188},
+      {188, 184,   60}
   };
   const Volume volume = test::narrow_band_volume(box, 3, ball);
   EXPECT_GT(volume.cubes.size(), 0U);
   EXPECT_LT(volume.size_bytes(), test::dense_volume(box, 3, ball).size_bytes() / 3);
   VolumeReader reader(volume);
-  for (int x = -150; x < 170; x += 7) {
-    for (int y = -160; y < 160; y += 7) {
-      for (int z = -160; z < 160; z += 3) {
+  for (int x = -60; x < 190; x += 7) {
+    for (int y = -70; y < 190; y += 7) {
+      for (int z = -190; z < 60; z += 3) {
         EXPECT_EQ(reader.value({x, y, z}), std::clamp(ball({x, y, z}), -3.0F, 3.0F));
       }
     }
