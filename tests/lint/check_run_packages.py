@@ -6,6 +6,7 @@
 The group [run] of the list must be the packages of the programs' own (direct) libraries, apart from
 those every Debian image has.
 """
+import os
 import re
 import subprocess
 import sys
@@ -18,12 +19,16 @@ def output_of(*command):
 
 
 def libraries_of(program):
-    return re.findall(r"\(NEEDED\).*\[(.+)\]", output_of("readelf", "--dynamic", program))
+    """Paths of the libraries that a program names itself, not those that these load in turn."""
+    direct = set(re.findall(r"\(NEEDED\).*\[(.+)\]", output_of("readelf", "--dynamic", program)))
+    loaded = re.findall(r"(\S+) => (/\S+)", output_of("ldd", program))
+    return {os.path.realpath(path) for name, path in loaded if name in direct}
 
 
 def package_of(library):
-    """The package that holds a shared library; "libfoo1:amd64: /usr/lib/..." names it first."""
-    return output_of("dpkg", "--search", f"*/{library}").split(":")[0]
+    """dpkg may know /usr/lib/x/y as /lib/x/y, and names the package first: "libfoo1:amd64: ..."."""
+    pattern = "*" + library.removeprefix("/usr")
+    return output_of("dpkg", "--search", pattern).split(":")[0]
 
 
 def listed_packages(path):
