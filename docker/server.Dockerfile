@@ -14,7 +14,7 @@ FROM debian:bookworm-slim
 COPY scripts/install_packages scripts/common.sh scripts/packages.txt /tmp/scripts/
 RUN /tmp/scripts/install_packages run \
     && rm -rf /tmp/scripts /var/lib/apt/lists/* \
-    && useradd --system --uid 10001 --user-group --no-create-home tetstream \
+    && useradd --uid 10001 --user-group --no-create-home --shell /usr/sbin/nologin tetstream \
     && install --directory --owner=tetstream --group=tetstream /var/lib/tetstream
 COPY --from=build /opt/tetstream /usr/local
 
