@@ -95,7 +95,7 @@ TEST(SurfaceToVolume, WritesWhatItWouldReturn) {
 TEST(SurfaceToVolume, ConvertsTheBunny) {
   const auto surface = read_surface(kBunny);
   ASSERT_TRUE(surface.ok()) << surface.status();
-  constexpr double kVoxel = 0.02;
+  constexpr double kVoxel = 0.03;
   const auto result = surface_to_volume(*surface, kVoxel);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_TRUE(result->report.closed);
