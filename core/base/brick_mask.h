@@ -87,7 +87,7 @@ inline constexpr int kHaloNodes = 16 * 16 * 16;
 /// One bit for each `halo_index`; set operations work on 64 of them at a time.
 struct HaloSet {
   static constexpr int kWords = kHaloNodes / 64;
-  alignas(32) std::array<std::uint64_t, kWords> word{};
+  std::array<std::uint64_t, kWords> word{};
 
   constexpr bool test(int index) const noexcept {
     return (word[static_cast<std::size_t>(index >> 6)] >> (index & 63) & 1) != 0;

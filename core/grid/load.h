@@ -1,5 +1,4 @@
-// OpenVDB files in, volumes out. The only file, with surface_to_volume, that reads through OpenVDB;
-// its exceptions stop here.
+// OpenVDB files in, volumes out. OpenVDB's exceptions stop here and in surface_to_volume.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +12,38 @@
 
 namespace tet {
 
-/// What a file says of one of its grids, without judging more than the header shows.
+/// What a file says of one of its grids, its values apart.
 struct GridInfo {
-  std::string name;
+  std::string name;        ///< "name[0]", "name[1]", ... where several grids share one
   std::string value_type;  ///< "float", "vec3s", "points", ...
   std::string grid_class;  ///< "level set", "fog volume", "unknown", ...
   double voxel_size = 0;   ///< world units; of the x axis where voxels are not uniform
   std::uint64_t active_voxels = 0;
   VoxelBox active_box;
-  float background = 0;       ///< 0 for grids that are not float
+  float background = 0;      ///< 0 for grids that are not float or double
   std::string not_meshable;  ///< why the mesher refuses it; empty when it does not
 };
 
-/// The grids of a `.vdb` file, in the file's order.
-/// Errors: kNotFound (no such file), kInvalidArgument (not a VDB file, truncated, corrupt).
+/// What a grid may cost, checked before memory is taken for its values.
+struct LoadLimits {
+  std::uint64_t max_bytes = std::uint64_t{16} << 30;
+};
+
+/// The grids of a `.vdb` file, in the file's order. Values are not read.
+/// Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
+/// truncated, corrupt).
 absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path);
 
-/// Reads one float grid. An empty `grid_name` takes the only meshable grid of the file.
-/// Errors: kNotFound (file or grid name; the message lists what there is), kInvalidArgument (corrupt
-/// file), kFailedPrecondition (a grid that cannot be meshed: says why and what to do).
-absl::StatusOr<Volume> load_volume(const std::string& path, const std::string& grid_name);
+/// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
+/// file.
+///
+/// A grid class says level set or fog volume; a grid of another class is a fog volume when
+/// neither its background nor any of its values is negative, and a level set otherwise. Errors:
+/// kNotFound (file or grid name; the message lists what there is), kPermissionDenied,
+/// kInvalidArgument (corrupt file), kFailedPrecondition (a grid that cannot be meshed, or
+/// several that can and no name: says why and what to do), kResourceExhausted (over `limits`).
+absl::StatusOr<Volume> load_volume(const std::string& path,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits = {});
 
 }  // namespace tet

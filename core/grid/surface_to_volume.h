@@ -28,9 +28,9 @@ struct ConversionReport {
   std::uint64_t active_voxels = 0;
 };
 
-/// The narrow-band level set (half width 3 voxels) of a closed surface, as an OpenVDB file's bytes
-/// would hold it. An open surface has no inside: it becomes a shell one voxel thick around it, and
-/// the report says so.
+/// The narrow-band level set (half width 3 voxels) of a closed surface, as an OpenVDB file's
+/// bytes would hold it. An open surface has no inside: it becomes a shell one voxel thick
+/// around it, and the report says so.
 struct SurfaceVolume {
   Volume volume;
   ConversionReport report;

@@ -20,7 +20,9 @@ enum class VolumeKind : std::uint8_t {
 /// world = linear * voxel + translation, where `linear` is `voxel_size` times a rotation (or a
 /// rotation and a mirror: every angle is kept).
 struct VoxelTransform {
-  std::array<std::array<double, 3>, 3> linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  std::array<std::array<double, 3>, 3> linear{
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
+  };
   std::array<double, 3> translation{};
   double voxel_size = 1;  ///< world units
 
@@ -54,7 +56,8 @@ struct ValueRange {
   float min = 0, max = 0;
 };
 
-/// A scalar grid: bricks with values, constant bricks between them, and the background elsewhere.
+/// A scalar grid: bricks with values, constant bricks between them, and the background
+/// elsewhere.
 ///
 /// Every value is finite. Immutable once built, so any number of threads may read it.
 struct Volume {

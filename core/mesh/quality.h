@@ -1,49 +1,10 @@
-// Mesh quality: dihedral angles and volume, gathered shard by shard.
+// Quality of a mesh in memory.
 #pragma once
 
-#include <array>
-#include <cstdint>
-
+#include "core/base/quality.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
-
-/// Statistics of the tets of a chunk or of a whole mesh.
-///
-/// Sums are added in chunk order, so a mesh has one value whatever the number of threads.
-struct QualityStats {
-  static constexpr int kBins = 180;
-
-  double min_dihedral_deg = 180;
-  double max_dihedral_deg = 0;
-  double volume = 0;  ///< world units cubed
-  /// Dihedral angles (six a tet) by whole degrees: bin d counts [d, d+1).
-  std::array<std::uint64_t, kBins> histogram{};
-
-  void add(const QualityStats& other) noexcept;
-};
-
-/// Gathers the statistics of tets one by one.
-///
-/// Angles are compared through sign(cos) * cos^2, which needs neither a square root nor an arc
-/// cosine.
-class QualityMeter {
- public:
-  /// Corners in the order of the tet; relative to any common origin, in world units. An
-  /// inverted tet has a negative volume. An angle at a face without area counts as 180 degrees.
-  void add_tet(const WorldPoint& a,
-               const WorldPoint& b,
-               const WorldPoint& c,
-               const WorldPoint& d) noexcept;
-
-  QualityStats stats() const noexcept;
-
- private:
-  std::array<std::uint64_t, QualityStats::kBins> histogram_{};
-  double largest_cosine_ = -1;  ///< both signed squares, -1 (180 degrees) .. 1 (0 degrees)
-  double smallest_cosine_ = 1;
-  double six_volumes_ = 0;
-};
 
 /// Measures every tet of a mesh in memory, in parallel; one value for any number of threads.
 QualityStats measure_quality(const TetMesh& mesh);

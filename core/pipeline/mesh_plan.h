@@ -1,5 +1,5 @@
-// A mesh that is counted but not yet made: totals, chunk table, and a pure function from a chunk's
-// number to its bytes.
+// A mesh that is counted but not yet made: totals, chunk table, and a pure function from a
+// chunk's number to its bytes.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,8 @@
 
 namespace tet {
 
-/// A chunk's columns are cut to stay within this many bytes together, the size that travels best.
+/// A chunk's columns are cut to stay within this many bytes together, the size that travels
+/// best.
 inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
 /// Scratch memory of one task, reused from chunk to chunk. Not thread-safe: one per task.
@@ -65,8 +66,8 @@ class MeshPlan {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// Counts the mesh: signs, cut points and warps are surveyed, leaves chosen, and every vertex and
-/// tet given its place. Parallel; run it on a TaskPool. `progress` may be null.
+/// Counts the mesh: signs, cut points and warps are surveyed, leaves chosen, and every vertex
+/// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null.
 ///
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the volume has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),

@@ -9,6 +9,7 @@
 
 #include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/stuffing/warp.h"
 
 namespace tet {
 
@@ -31,6 +32,19 @@ struct MeshRequest {
 struct MeshLimits {
   std::uint64_t max_tets = 4'000'000'000;
 };
+
+/// A request with every default filled in.
+struct CanonicalRequest {
+  double spacing = 0;  ///< world units
+  double iso = 0;
+  int levels = 0;
+  Preset preset = Preset::kDefault;
+};
+
+/// Errors: kInvalidArgument, naming the field, its value and its limit.
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume);
+
+WarpLimits warp_limits(Preset preset);
 
 std::optional<Preset> parse_preset(std::string_view name);
 std::string_view preset_name(Preset preset);

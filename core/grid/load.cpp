@@ -1,0 +1,198 @@
+#include "core/grid/load.h"
+
+#include <cerrno>
+#include <cstddef>
+#include <exception>
+#include <filesystem>
+#include <ios>
+#include <new>
+#include <system_error>
+#include <type_traits>
+#include <unistd.h>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
+#include <openvdb/points/PointDataGrid.h>
+
+#include "core/grid/copy_grid.h"
+#include "core/grid/vdb_file.h"
+
+namespace tet {
+namespace {
+
+/// The same error, told of `what`.
+absl::Status told_of(const std::string& what, const absl::Status& error) {
+  return {error.code(), absl::StrCat(what, ": ", error.message())};
+}
+
+absl::Status check_file(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) {
+    return absl::NotFoundError(absl::StrFormat("there is no file '%s'", path));
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    return absl::InvalidArgumentError(absl::StrFormat("'%s' is not a regular file", path));
+  }
+  if (::access(path.c_str(), R_OK) != 0) {
+    return absl::PermissionDeniedError(
+        absl::StrFormat("'%s' may not be read by this user", path));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status bad_file(const std::string& path, std::string_view why) {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("'%s' is not a readable VDB file: %s", path, why));
+}
+
+/// Opens the file and calls `read(file)`; what OpenVDB throws becomes a status.
+template <class Read>
+std::invoke_result_t<Read, VdbFile&> with_file(const std::string& path, const Read& read) {
+  if (absl::Status s = check_file(path); !s.ok()) return s;
+  try {
+    VdbFile file(path);
+    return read(file);
+  } catch (const std::ios_base::failure&) {
+    return bad_file(path, "it ends early; it is truncated or corrupt");
+  } catch (const std::bad_alloc&) {
+    return bad_file(path, "it claims more data than there is memory; it may be corrupt");
+  } catch (const std::exception& error) {
+    return bad_file(path, error.what());
+  }
+}
+
+std::string value_type(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::points::PointDataGrid>() ? "points" : grid.valueType();
+}
+
+float background(const openvdb::GridBase& grid) {
+  if (grid.isType<openvdb::FloatGrid>()) {
+    return static_cast<const openvdb::FloatGrid&>(grid).background();
+  }
+  if (grid.isType<openvdb::DoubleGrid>()) {
+    return static_cast<float>(static_cast<const openvdb::DoubleGrid&>(grid).background());
+  }
+  return 0;
+}
+
+VoxelBox active_box(const openvdb::GridBase& grid) {
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty()) return {};
+  return {
+      {box.min().x(), box.min().y(), box.min().z()},
+      {box.max().x(), box.max().y(), box.max().z()}
+  };
+}
+
+GridInfo describe(VdbFile& file, std::size_t i) {
+  file.read_topology(i);
+  const openvdb::GridBase& grid = file.grid(i);
+  GridInfo info;
+  info.name = file.grid_name(i);
+  info.value_type = value_type(grid);
+  info.grid_class = openvdb::GridBase::gridClassToString(grid.getGridClass());
+  info.voxel_size = grid.voxelSize().x();
+  info.active_voxels = grid.activeVoxelCount();
+  info.active_box = active_box(grid);
+  info.background = background(grid);
+  info.not_meshable = std::string(check_meshable(grid).message());
+  if (info.not_meshable.empty() && grid.empty()) info.not_meshable = "it is empty";
+  return info;
+}
+
+std::string names_of(const VdbFile& file) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < file.grid_count(); ++i) {
+    names.push_back(absl::StrCat("'", file.grid_name(i), "'"));
+  }
+  return absl::StrJoin(names, ", ");
+}
+
+absl::StatusOr<std::size_t> find_named(const VdbFile& file, const std::string& name) {
+  for (std::size_t i = 0; i < file.grid_count(); ++i) {
+    if (file.grid_name(i) == name) return i;
+  }
+  return absl::NotFoundError(
+      absl::StrFormat("there is no grid '%s'; the file has %s", name, names_of(file)));
+}
+
+/// The only grid that can be meshed.
+absl::StatusOr<std::size_t> find_meshable(VdbFile& file) {
+  if (file.grid_count() == 1) return 0;
+  std::vector<std::size_t> meshable;
+  std::vector<std::string> names, refusals;
+  for (std::size_t i = 0; i < file.grid_count(); ++i) {
+    const GridInfo info = describe(file, i);
+    if (info.not_meshable.empty()) {
+      meshable.push_back(i);
+      names.push_back(absl::StrCat("'", info.name, "'"));
+    } else {
+      refusals.push_back(absl::StrFormat("'%s': %s", info.name, info.not_meshable));
+    }
+  }
+  if (meshable.size() == 1) return meshable.front();
+  if (meshable.empty()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("none of its grids can be meshed: ", absl::StrJoin(refusals, "; ")));
+  }
+  return absl::FailedPreconditionError(
+      absl::StrFormat("it has %d grids that can be meshed; name one of them: %s",
+                      meshable.size(), absl::StrJoin(names, ", ")));
+}
+
+absl::StatusOr<std::size_t> find_grid(VdbFile& file, const std::string& name) {
+  if (file.grid_count() == 0) return absl::FailedPreconditionError("it holds no grid");
+  return name.empty() ? find_meshable(file) : find_named(file, name);
+}
+
+/// Counts what the copied values and regions will take; the tree's own values take about as
+/// much.
+absl::Status check_budget(const openvdb::GridBase& grid, const LoadLimits& limits) {
+  const openvdb::TreeBase& tree = grid.baseTree();
+  const std::uint64_t bytes = std::uint64_t{tree.leafCount()} * kBrickCells * sizeof(float) +
+                              std::uint64_t{tree.nonLeafCount()} * sizeof(Region);
+  if (bytes <= limits.max_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("its %d leaves would take %d bytes and the limit is %d: use larger "
+                      "voxels, a narrower band, or raise the limit",
+                      tree.leafCount(), bytes, limits.max_bytes));
+}
+
+absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const LoadLimits& limits) {
+  if (absl::Status s = check_meshable(file.grid(i)); !s.ok()) return s;
+  file.read_topology(i);
+  if (absl::Status s = check_budget(file.grid(i), limits); !s.ok()) return s;
+  file.read_values(i);
+  return copy_grid(file.grid(i));
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path) {
+  return with_file(path, [](VdbFile& file) -> absl::StatusOr<std::vector<GridInfo>> {
+    std::vector<GridInfo> grids;
+    for (std::size_t i = 0; i < file.grid_count(); ++i) grids.push_back(describe(file, i));
+    return grids;
+  });
+}
+
+absl::StatusOr<Volume> load_volume(const std::string& path,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits) {
+  return with_file(path, [&](VdbFile& file) -> absl::StatusOr<Volume> {
+    const absl::StatusOr<std::size_t> i = find_grid(file, grid_name);
+    if (!i.ok()) return told_of(absl::StrFormat("'%s'", path), i.status());
+    absl::StatusOr<Volume> volume = load_grid(file, *i, limits);
+    if (volume.ok()) {
+      volume->name = file.grid_name(*i);
+      return volume;
+    }
+    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), path),
+                   volume.status());
+  });
+}
+
+}  // namespace tet

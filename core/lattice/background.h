@@ -1,0 +1,96 @@
+// Background tets where no surface is: around coarse leaves, and where leaf sizes change.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/brick_mask.h"
+#include "core/lattice/bcc.h"
+#include "core/lattice/node_numbers.h"
+
+namespace tet {
+
+/// The four shapes of background tets; see docs/algorithm.md for their dihedral angles.
+///   BCC: two centres and an edge of the face between them (60, 90)
+///   bisected: the same, cut at the midpoint of that edge (45, 60, 90)
+///   quadrisected: a leaf's centre, and an eighth of a face that is refined behind (45, 60, 90)
+///   half pyramid: a leaf's centre and half its face towards a larger leaf (45, 60, 90, 120)
+struct BackgroundCounts {
+  std::uint64_t bcc = 0, bisected = 0, quadrisected = 0, half_pyramid = 0;
+
+  std::uint64_t total() const noexcept { return bcc + bisected + quadrisected + half_pyramid; }
+};
+
+/// Leaves and refined cells of a brick and its halo, at one level.
+struct BackgroundCells {
+  HaloSet leaf, refined;
+};
+
+BackgroundCells gather_background(const OctreeLevel& level, BrickCoord brick) noexcept;
+
+/// Tets of a brick's leaves at a level above 0.
+BackgroundCounts count_background(const BackgroundCells& cells) noexcept;
+
+/// Writes them, four ids each; returns the end.
+template <class Index>
+Index* fill_background(const BackgroundCells& cells,
+                       const NodeNumbers& numbers,
+                       int level,
+                       BrickCoord brick,
+                       Index* tets) noexcept;
+
+/// Cells of a brick, among `leaf`, whose face across `direction` (0..5: +x, +y, +z, -x, -y, -z)
+/// touches a larger leaf: neither leaf nor refined at this level.
+HaloSet faces_to_larger(const BackgroundCells& cells, int direction) noexcept;
+
+inline constexpr int kFaceDirections = 6;
+constexpr int face_offset(int direction) noexcept {
+  constexpr std::array<int, 3> kStep{offset_index(1, 0, 0), offset_index(0, 1, 0),
+                                     offset_index(0, 0, 1)};
+  const int step = kStep[static_cast<std::size_t>(direction % 3)];
+  return direction < 3 ? step : -step;
+}
+
+/// Corner `turn` of a cell's face, offset from the cell: counter-clockwise seen from outside.
+constexpr LatticeCoord face_turn(int direction, int turn) noexcept {
+  if (direction < 3) {
+    const LatticeCoord at = internal::face_corner(direction, turn);
+    return {at.x / 2, at.y / 2, at.z / 2};
+  }
+  LatticeCoord at = internal::face_corner(direction - 3, 3 - turn);
+  at = {at.x / 2, at.y / 2, at.z / 2};
+  if (direction == 3) at.x = 0;
+  if (direction == 4) at.y = 0;
+  if (direction == 5) at.z = 0;
+  return at;
+}
+
+/// The two half pyramids of cell (x, y, z): the face's diagonal joins the larger face's centre,
+/// which is odd along both of its axes, to its corner, which is even.
+template <class Index, class CornerId>
+Index* write_half_pyramids(int direction,
+                           int x,
+                           int y,
+                           int z,
+                           Index centre,
+                           const CornerId& corner_id,
+                           Index* tets) noexcept {
+  const int axis = direction % 3;
+  const auto along_face_odd = [&](LatticeCoord c) {
+    return (axis == 0 || ((x + c.x) & 1) != 0) && (axis == 1 || ((y + c.y) & 1) != 0) &&
+           (axis == 2 || ((z + c.z) & 1) != 0);
+  };
+  int start = 0;
+  while (!along_face_odd(face_turn(direction, start))) ++start;
+  std::array<Index, 4> corner;
+  for (int turn = 0; turn < 4; ++turn) {
+    const LatticeCoord c = face_turn(direction, (start + turn) & 3);
+    corner[static_cast<std::size_t>(turn)] = corner_id(x + c.x, y + c.y, z + c.z);
+  }
+  const std::array<Index, 8> both{centre, corner[0], corner[1], corner[2],
+                                  centre, corner[0], corner[2], corner[3]};
+  return std::copy(both.begin(), both.end(), tets);
+}
+
+}  // namespace tet

@@ -1,0 +1,58 @@
+// Which lattice nodes are vertices of the mesh, which brick owns each, and its id.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/brick_mask.h"
+#include "core/lattice/bcc.h"
+#include "core/octree/octree.h"
+
+namespace tet {
+
+/// Vertices at the nodes of one octree level, by brick. A brick's ids run over its corners,
+/// then its centres, then (at level 0) its cut points.
+struct LevelNodes {
+  std::vector<BrickMask> used;    ///< corners that leaves of this level have
+  std::vector<BrickMask> corner;  ///< those that no finer leaf has: the brick owns them
+  std::vector<BrickMask> centre;
+  std::vector<std::uint64_t> first_vertex;  ///< id of the brick's first vertex
+};
+
+/// Corners of the leaves of `leaf` (a brick and its halo), those of the brick itself.
+BrickMask leaf_corners(const HaloSet& leaf) noexcept;
+
+/// Adds the bricks that own a corner of some leaf but hold no leaf themselves.
+void insert_corner_bricks(OctreeLevel& level);
+
+/// Nodes of a level above 0; ids are filled in later. `finer` is the level below.
+LevelNodes background_nodes(const OctreeLevel& level,
+                            const OctreeLevel& finer_level,
+                            const LevelNodes& finer);
+
+/// Ids of node vertices at every level. The tree and the columns must outlive it.
+class NodeNumbers {
+ public:
+  NodeNumbers(const Octree& tree, const std::vector<LevelNodes>& nodes)
+      : tree_(&tree), nodes_(&nodes) {}
+
+  /// Id of a leaf's corner, which a finer level may own.
+  std::uint64_t corner(int level, BrickCoord brick, int x, int y, int z) const noexcept;
+
+  /// Id of corner q of the level below, within this brick: each coordinate in [0, 16].
+  std::uint64_t finer_corner(int level, BrickCoord brick, int x, int y, int z) const noexcept;
+
+  /// Id of a leaf's centre.
+  std::uint64_t centre(int level, BrickCoord brick, int x, int y, int z) const noexcept;
+
+ private:
+  bool used(int level, BrickCoord brick, int x, int y, int z) const noexcept;
+
+  const Octree* tree_;
+  const std::vector<LevelNodes>* nodes_;
+};
+
+/// Set bits of the mask before (x, y, z), in the order of ids.
+std::uint32_t rank_of(const BrickMask& mask, int x, int y, int z) noexcept;
+
+}  // namespace tet

@@ -1,0 +1,289 @@
+#include "core/octree/octree.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <iterator>
+
+#include "core/base/parallel.h"
+
+namespace tet {
+namespace {
+
+void sort_unique(std::vector<BrickCoord>& bricks) {
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+}
+
+BrickCoord parent_of(BrickCoord brick) noexcept {
+  return {brick.x >> 1, brick.y >> 1, brick.z >> 1};
+}
+
+/// Cells of a level as their parents, in halo coordinates of the parent's brick.
+HaloSet parents(const HaloSet& cells, BrickCoord brick) noexcept {
+  HaloSet out;
+  const int ox = (brick.x & 1) * 4, oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;
+  for_each_bit(cells, [&](int index) {
+    const int x = (index >> 8) - 2, y = (index >> 4 & 15) - 2, z = (index & 15) - 2;
+    out.set(halo_index(ox + (x >> 1), oy + (y >> 1), oz + (z >> 1)));
+  });
+  return out;
+}
+
+/// The set with all that share a face or an edge with it.
+HaloSet with_face_and_edge_neighbours(const HaloSet& cells) noexcept {
+  HaloSet out;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dz = -1; dz <= 1; ++dz) {
+        if (dx != 0 && dy != 0 && dz != 0) continue;
+        out |= seen_from(cells, offset_index(dx, dy, dz));
+      }
+    }
+  }
+  return out;
+}
+
+/// Hands each of the 27 bricks in the halo its part of `cells`, unless it is empty.
+void add_parts(CellSetBuilder& builder, BrickCoord brick, const HaloSet& cells) {
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const BrickMask part = brick_part(seen_from(cells, offset_index(8 * x, 8 * y, 8 * z)));
+        if (part.any()) builder.add({brick.x + x, brick.y + y, brick.z + z}, part);
+      }
+    }
+  }
+}
+
+/// Level 1's refined cells: the parents of the finest ones.
+CellSet parents_of_finest(const CellSet& finest) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < finest.bricks.size(); ++i) {
+    HaloSet cells;
+    add_brick(cells, finest.cells[i], 0, 0, 0);
+    builder.add(parent_of(finest.bricks[i]), brick_part(parents(cells, finest.bricks[i])));
+  }
+  return builder.take();
+}
+
+/// A level's refined cells from those of the level below: a neighbour of a refined cell, across
+/// a face or an edge, must exist at that size, so its parent is refined. This alone balances
+/// the tree.
+CellSet refined_above(const CellSet& refined) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < refined.bricks.size(); ++i) {
+    HaloSet cells;
+    add_brick(cells, refined.cells[i], 0, 0, 0);
+    const BrickCoord brick = refined.bricks[i];
+    add_parts(builder, parent_of(brick), parents(with_face_and_edge_neighbours(cells), brick));
+  }
+  return builder.take();
+}
+
+/// The part of a parent brick's mask that covers child (ox, oy, oz), spread to the child's
+/// cells.
+BrickMask children_of(const BrickMask& parent_cells, int ox, int oy, int oz) noexcept {
+  BrickMask mask;
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        if (parent_cells.test(ox * 4 + x / 2, oy * 4 + y / 2, oz * 4 + z / 2))
+          mask.set(x, y, z);
+      }
+    }
+  }
+  return mask;
+}
+
+CellSet children_of(const CellSet& parents) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < parents.bricks.size(); ++i) {
+    const BrickCoord p = parents.bricks[i];
+    for (int o = 0; o < 8; ++o) {
+      const int ox = o >> 2, oy = o >> 1 & 1, oz = o & 1;
+      const BrickMask mask = children_of(parents.cells[i], ox, oy, oz);
+      if (mask.any()) builder.add({2 * p.x + ox, 2 * p.y + oy, 2 * p.z + oz}, mask);
+    }
+  }
+  return builder.take();
+}
+
+/// Every cell of the level's bricks that `inside` reaches into, and of `also`.
+CellSet cells_covering(const std::vector<BrickCube>& inside,
+                       int level,
+                       const std::vector<BrickCoord>& also) {
+  std::vector<BrickCoord> bricks = also;
+  for (const BrickCube& cube : inside) {
+    const std::int32_t last = cube.edge - 1;
+    for (std::int32_t x = cube.min.x >> level; x <= (cube.min.x + last) >> level; ++x) {
+      for (std::int32_t y = cube.min.y >> level; y <= (cube.min.y + last) >> level; ++y) {
+        for (std::int32_t z = cube.min.z >> level; z <= (cube.min.z + last) >> level; ++z) {
+          bricks.push_back({x, y, z});
+        }
+      }
+    }
+  }
+  sort_unique(bricks);
+  CellSet cells;
+  cells.cells.assign(bricks.size(), BrickMask::all());
+  cells.bricks = std::move(bricks);
+  return cells;
+}
+
+/// The candidates that lie inside; their nodes all have one sign, so one corner tells.
+BrickMask inside_cells(PhiSampler& sampler,
+                       BrickCoord brick,
+                       int level,
+                       const BrickMask& candidates) {
+  BrickMask inside;
+  for_each_bit(candidates, [&](int x, int y, int z) {
+    const auto corner = [&](std::int32_t b, int i) {
+      return (std::int64_t{b} * 8 + i) << level;
+    };
+    if (sampler.inside(corner(brick.x, x), corner(brick.y, y), corner(brick.z, z))) {
+      inside.set(x, y, z);
+    }
+  });
+  return inside;
+}
+
+/// Level `level`, whose leaves are the inside cells among `candidates` that are not refined.
+OctreeLevel make_level(const PhiField& field,
+                       int level,
+                       CellSet candidates,
+                       const CellSet& refined) {
+  OctreeLevel made;
+  made.bricks = std::move(candidates.bricks);
+  made.leaf = std::move(candidates.cells);
+  made.refined.resize(made.bricks.size());
+  made.index = BrickIndex(made.bricks);
+  const BrickIndex refined_index(refined.bricks);
+  for_each_range(made.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
+    PhiSampler sampler(field);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t at = refined_index.find(made.bricks[i]);
+      if (at != kNoBrick) made.refined[i] = refined.cells[at];
+      made.leaf[i] =
+          inside_cells(sampler, made.bricks[i], level, made.leaf[i] & ~made.refined[i]);
+    }
+  });
+  return made;
+}
+
+bool any_leaf(const OctreeLevel& level) {
+  return std::any_of(level.leaf.begin(), level.leaf.end(),
+                     [](const BrickMask& mask) { return mask.any(); });
+}
+
+OctreeLevel finest_level(CellSet finest) {
+  OctreeLevel level;
+  level.bricks = std::move(finest.bricks);
+  level.leaf = std::move(finest.cells);
+  level.index = BrickIndex(level.bricks);
+  return level;
+}
+
+}  // namespace
+
+void CellSetBuilder::add(CellSetBuilder&& other) {
+  parts_.insert(parts_.end(), std::make_move_iterator(other.parts_.begin()),
+                std::make_move_iterator(other.parts_.end()));
+}
+
+CellSet CellSetBuilder::take() {
+  std::sort(parts_.begin(), parts_.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  CellSet set;
+  for (const auto& [brick, cells] : parts_) {
+    if (set.bricks.empty() || set.bricks.back() != brick) {
+      set.bricks.push_back(brick);
+      set.cells.push_back(cells);
+    } else {
+      set.cells.back() |= cells;
+    }
+  }
+  parts_.clear();
+  return set;
+}
+
+void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
+  std::vector<BrickCoord> merged;
+  std::set_union(bricks.begin(), bricks.end(), more.begin(), more.end(),
+                 std::back_inserter(merged));
+  const auto spread = [&](std::vector<BrickMask>& masks) {
+    if (masks.empty()) return;
+    std::vector<BrickMask> out(merged.size());
+    for (std::size_t i = 0, from = 0; i < merged.size() && from < bricks.size(); ++i) {
+      if (merged[i] == bricks[from]) out[i] = masks[from++];
+    }
+    masks = std::move(out);
+  };
+  spread(leaf);
+  spread(refined);
+  bricks = std::move(merged);
+  index = BrickIndex(bricks);
+}
+
+HaloSet gather_halo(const OctreeLevel& level,
+                    const std::vector<BrickMask>& masks,
+                    BrickCoord brick) noexcept {
+  HaloSet set;
+  if (masks.empty()) return set;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const std::uint32_t at = level.index.find({brick.x + x, brick.y + y, brick.z + z});
+        if (at != kNoBrick) add_brick(set, masks[at], x, y, z);
+      }
+    }
+  }
+  return set;
+}
+
+BrickMask finest_cells(const HaloSet& corner, const HaloSet& centre) noexcept {
+  HaloSet cells = centre;
+  for (int step : {offset_index(1, 0, 0), offset_index(0, 1, 0), offset_index(0, 0, 1)}) {
+    cells |= seen_from(centre, step) | seen_from(centre, -step);
+  }
+  for (int o = 0; o < 8; ++o)
+    cells |= seen_from(corner, offset_index(o >> 2, o >> 1 & 1, o & 1));
+
+  // Siblings are pairs along z, then y, then x: each bit of a pair takes the other's.
+  constexpr std::uint64_t kEvenZ = 0x5555555555555555, kEvenY = 0x00ff00ff00ff00ff;
+  BrickMask mask = brick_part(cells);
+  for (std::uint64_t& slice : mask.slice) {
+    slice |= (slice >> 1 & kEvenZ) | (slice & kEvenZ) << 1;
+    slice |= (slice >> 8 & kEvenY) | (slice & kEvenY) << 8;
+  }
+  for (std::size_t x = 0; x < 8; x += 2) {
+    mask.slice[x] |= mask.slice[x + 1];
+    mask.slice[x + 1] = mask.slice[x];
+  }
+  return mask;
+}
+
+Octree build_octree(CellSet finest,
+                    const PhiField& field,
+                    const std::vector<BrickCube>& inside,
+                    int max_levels) {
+  Octree tree;
+  if (max_levels == 0) {
+    tree.levels.push_back(finest_level(cells_covering(inside, 0, finest.bricks)));
+    return tree;
+  }
+  CellSet refined = parents_of_finest(finest);
+  tree.levels.push_back(finest_level(std::move(finest)));
+  for (int level = 1; level <= max_levels; ++level) {
+    CellSet above = refined_above(refined);
+    CellSet candidates =
+        level < max_levels ? children_of(above) : cells_covering(inside, level, refined.bricks);
+    OctreeLevel made = make_level(field, level, std::move(candidates), refined);
+    if (!any_leaf(made)) break;
+    tree.levels.push_back(std::move(made));
+    refined = std::move(above);
+  }
+  return tree;
+}
+
+}  // namespace tet

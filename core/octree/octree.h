@@ -1,0 +1,70 @@
+// The octree: which cells are leaves, level by level, as brick masks.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/base/brick_index.h"
+#include "core/base/brick_mask.h"
+#include "core/base/types.h"
+#include "core/grid/find_bricks.h"
+#include "core/grid/phi_field.h"
+
+namespace tet {
+
+/// Cells of one level, by brick.
+struct CellSet {
+  std::vector<BrickCoord> bricks;  ///< sorted, unique
+  std::vector<BrickMask> cells;    ///< as many as bricks
+};
+
+/// Adds to a CellSet in any order; `take` sorts and unites.
+class CellSetBuilder {
+ public:
+  void add(BrickCoord brick, const BrickMask& cells) { parts_.push_back({brick, cells}); }
+  void add(CellSetBuilder&& other);
+  CellSet take();
+
+ private:
+  std::vector<std::pair<BrickCoord, BrickMask>> parts_;
+};
+
+/// One level of the octree; level 0 is the finest. Columns of equal length.
+struct OctreeLevel {
+  std::vector<BrickCoord> bricks;  ///< sorted, unique
+  std::vector<BrickMask> leaf;     ///< level 0: cells to be stuffed; above: leaves inside
+  std::vector<BrickMask> refined;  ///< cells divided into the eight below; none at level 0
+  BrickIndex index;
+
+  /// Adds empty bricks where `more` (sorted) has ones that are not there yet.
+  void insert_bricks(const std::vector<BrickCoord>& more);
+};
+
+/// Leaves that cover the inside of a volume without overlap.
+///
+/// Invariants: leaves that share a face or an edge differ by at most one level; no leaf above
+/// level 0 has a node, centre, face centre or edge midpoint that touches the surface.
+struct Octree {
+  std::vector<OctreeLevel> levels;
+};
+
+/// What `masks` (one for each brick of the level) say of a brick and its halo.
+HaloSet gather_halo(const OctreeLevel& level,
+                    const std::vector<BrickMask>& masks,
+                    BrickCoord brick) noexcept;
+
+/// Cells of a brick that must stay finest because a touched node could end up in one of their
+/// tets, widened to whole families of eight siblings. `corner` and `centre` are touched nodes
+/// of the brick and its halo, known in [-1, 8]^3.
+BrickMask finest_cells(const HaloSet& corner, const HaloSet& centre) noexcept;
+
+/// Grows an octree above the finest leaves, at most `max_levels` levels; with `max_levels` 0
+/// every inside cell is a finest leaf. `inside` covers the inside (see FoundBricks); it is
+/// looked at only where `max_levels` keeps leaves from growing as large as they could.
+Octree build_octree(CellSet finest,
+                    const PhiField& field,
+                    const std::vector<BrickCube>& inside,
+                    int max_levels);
+
+}  // namespace tet

@@ -1,0 +1,141 @@
+#include "core/pipeline/counted_mesh.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "core/base/parallel.h"
+
+namespace tet {
+namespace {
+
+constexpr std::size_t kBricksPerRange = 16;
+
+}  // namespace
+
+CountedMesh::CountedMesh(const PhiField& field, Survey survey, Octree tree, bool uniform)
+    : survey_(std::move(survey)), tree_(std::move(tree)) {
+  // In a uniform mesh every brick with an inside node is there already.
+  if (!uniform) insert_corner_bricks(tree_.levels[0]);
+  for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
+  find_stuffed(field);
+  find_vertices();
+  count_bricks();
+}
+
+void CountedMesh::find_stuffed(const PhiField& field) {
+  const BrickIndex surveyed(survey_.bricks);
+  const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
+  stuffed_.resize(bricks.size());
+  for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    PhiSampler sampler(field);
+    for (std::size_t i = begin; i < end; ++i) {
+      stuffed_[i] = surveyed.find(bricks[i]);
+      if (stuffed_[i] != kNoBrick) continue;
+      const BrickCoord b = bricks[i];
+      const bool inside =
+          sampler.inside(std::int64_t{8} * b.x, std::int64_t{8} * b.y, std::int64_t{8} * b.z);
+      stuffed_[i] = inside ? kAllInside : kAllOutside;
+    }
+  });
+}
+
+void CountedMesh::find_vertices() {
+  const OctreeLevel& finest = tree_.levels[0];
+  nodes_.resize(tree_.levels.size());
+  nodes_[0].corner.resize(finest.bricks.size());
+  nodes_[0].centre.resize(finest.bricks.size());
+  for_each_index(
+      finest.bricks.size(),
+      [&](std::size_t i) {
+        const StuffedBrick* stuffed = stuffed_at(finest.bricks[i]);
+        if (stuffed == nullptr) return;
+        auto vertices =
+            finest_vertices(*stuffed, gather_halo(finest, finest.leaf, finest.bricks[i]));
+        nodes_[0].corner[i] = vertices[kCorner];
+        nodes_[0].centre[i] = vertices[kCentre];
+      },
+      kBricksPerRange);
+  nodes_[0].used = nodes_[0].corner;
+  for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
+    nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
+  }
+}
+
+void CountedMesh::count_bricks() {
+  std::size_t bricks = 0;
+  for (const OctreeLevel& level : tree_.levels) {
+    first_brick_.push_back(bricks);
+    bricks += level.bricks.size();
+  }
+  std::vector<std::uint64_t> tets(bricks);
+  for_each_index(
+      bricks, [&](std::size_t i) { tets[i] = tets_of(place(i)); }, kBricksPerRange);
+  first_vertex_ =
+      offsets_from_counts(bricks, [&](std::size_t i) { return vertices_of(place(i)); });
+  first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });
+  for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
+    const auto begin = first_vertex_.begin() + static_cast<std::ptrdiff_t>(first_brick_[l]);
+    nodes_[l].first_vertex.assign(
+        begin, begin + static_cast<std::ptrdiff_t>(tree_.levels[l].bricks.size()));
+  }
+}
+
+BrickPlace CountedMesh::place(std::size_t brick) const noexcept {
+  const auto level = std::upper_bound(first_brick_.begin(), first_brick_.end(), brick) - 1;
+  return {static_cast<int>(level - first_brick_.begin()), brick - *level};
+}
+
+const StuffedBrick* CountedMesh::stuffed_at(BrickCoord coord) const noexcept {
+  const std::uint32_t at = tree_.levels[0].index.find(coord);
+  if (at == kNoBrick || stuffed_[at] == kAllOutside) return nullptr;
+  return stuffed_[at] == kAllInside ? &all_inside_ : &survey_.stuffed[stuffed_[at]];
+}
+
+bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
+  return stuffed_[brick] < kAllInside;
+}
+
+BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept {
+  const BrickCoord b = tree_.levels[0].bricks[brick];
+  BrickNeighbourhood bricks;
+  for (int o = 0; o < 8; ++o) {
+    bricks[static_cast<std::size_t>(o)] =
+        stuffed_at({b.x + (o >> 2), b.y + (o >> 1 & 1), b.z + (o & 1)});
+  }
+  return bricks;
+}
+
+OwnedVertices CountedMesh::finest_vertices_at(BrickCoord coord) const noexcept {
+  OwnedVertices vertices;
+  const std::uint32_t at = tree_.levels[0].index.find(coord);
+  if (at == kNoBrick) return vertices;
+  vertices.node = {nodes_[0].corner[at], nodes_[0].centre[at]};
+  vertices.first = nodes_[0].first_vertex[at];
+  if (touches_surface(at)) vertices.cut = &survey_.stuffed[stuffed_[at]].cut;
+  return vertices;
+}
+
+std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
+  const LevelNodes& level = nodes(place.level);
+  std::uint64_t count = level.corner[place.brick].count() + level.centre[place.brick].count();
+  if (place.level == 0 && touches_surface(place.brick)) {
+    for (const BrickMask& cut : survey_.stuffed[stuffed_[place.brick]].cut)
+      count += cut.count();
+  }
+  return count;
+}
+
+std::uint64_t CountedMesh::tets_of(BrickPlace place) const noexcept {
+  const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
+  if (!level.leaf[place.brick].any()) return 0;
+  const BrickCoord brick = level.bricks[place.brick];
+  if (place.level > 0) return count_background(gather_background(level, brick)).total();
+  const BrickNeighbourhood bricks = neighbourhood(place.brick);
+  if (std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; })) {
+    return 0;
+  }
+  return count_finest(gather_nodes(bricks, gather_halo(level, level.leaf, brick)));
+}
+
+}  // namespace tet

@@ -1,0 +1,66 @@
+// The second pass: every vertex and tet counted, brick by brick, and given its place.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/lattice/background.h"
+#include "core/lattice/node_numbers.h"
+#include "core/octree/octree.h"
+#include "core/pipeline/survey.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+/// A brick of the mesh: its octree level and its place among that level's bricks.
+struct BrickPlace {
+  int level = 0;
+  std::size_t brick = 0;
+};
+
+/// The octree with the vertices and tets of each brick, finest level first: a mesh but for its
+/// bytes.
+class CountedMesh {
+ public:
+  CountedMesh(const PhiField& field, Survey survey, Octree tree, bool uniform);
+
+  const Octree& tree() const noexcept { return tree_; }
+  const LevelNodes& nodes(int level) const noexcept {
+    return nodes_[static_cast<std::size_t>(level)];
+  }
+  NodeNumbers numbers() const noexcept { return {tree_, nodes_}; }
+
+  std::size_t brick_count() const noexcept { return first_vertex_.size() - 1; }
+  BrickPlace place(std::size_t brick) const noexcept;
+  std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
+  std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
+
+  /// A finest brick and those beyond its upper faces, with what the survey kept of each.
+  BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
+  /// The vertices of the finest brick at `coord`; none where there is no such brick.
+  OwnedVertices finest_vertices_at(BrickCoord coord) const noexcept;
+  /// True when a finest brick has warped nodes or cut points in reach.
+  bool touches_surface(std::size_t brick) const noexcept;
+
+ private:
+  const StuffedBrick* stuffed_at(BrickCoord coord) const noexcept;
+  void find_stuffed(const PhiField& field);
+  void find_vertices();
+  void count_bricks();
+  std::uint64_t vertices_of(BrickPlace place) const noexcept;
+  std::uint64_t tets_of(BrickPlace place) const noexcept;
+
+  static constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
+  static constexpr std::uint32_t kAllInside = kAllOutside - 1;
+
+  Survey survey_;
+  Octree tree_;
+  StuffedBrick all_inside_ = StuffedBrick::all_inside();
+  std::vector<std::uint32_t> stuffed_;  // of each finest brick: in survey_, or one of the above
+  std::vector<LevelNodes> nodes_;
+  std::vector<std::size_t> first_brick_;                 // of each level
+  std::vector<std::uint64_t> first_vertex_, first_tet_;  // one more than bricks: totals
+};
+
+}  // namespace tet

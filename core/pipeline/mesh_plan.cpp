@@ -1,0 +1,230 @@
+#include "core/pipeline/mesh_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+#include "core/base/check.h"
+#include "core/pipeline/counted_mesh.h"
+#include "core/pipeline/fill_brick.h"
+#include "core/pipeline/survey.h"
+
+namespace tet {
+namespace {
+
+/// A float32 coordinate is off by at most 2^-24 of its size, so within this many spacings of
+/// the origin by 2^-12 of a spacing: angles move by a few hundredths of a degree at most.
+constexpr double kMaxFloat32Extent = 4096;
+
+PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
+  PhiField field;
+  field.volume = &volume;
+  field.iso = static_cast<float>(request.iso);
+  const double ratio = request.spacing / volume.transform.voxel_size;
+  // A spacing typed with a few digits means the voxels themselves.
+  constexpr double kSameSpacing = 1e-6;
+  field.spacing_voxels = std::abs(ratio - 1) < kSameSpacing ? 1 : ratio;
+  return field;
+}
+
+/// Refuses a uniform mesh that could not fit, before anything is allocated for it.
+absl::Status check_uniform_budget(const std::vector<BrickCube>& inside,
+                                  const MeshLimits& limits) {
+  double bricks = 0;
+  for (const BrickCube& cube : inside) bricks += std::pow(cube.edge, 3);
+  const double tets = bricks * kBrickCells * kTetShapes;
+  // Bricks near the surface count as full here, so the estimate is high: thin walls up to
+  // eightfold.
+  constexpr double kSlack = 8;
+  if (tets <= kSlack * static_cast<double>(limits.max_tets)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("the uniform mesh would have about %.3g tets; the limit is %.3g. Mesh "
+                      "with interior grading "
+                      "(levels above 0) or a larger spacing",
+                      tets, static_cast<double>(limits.max_tets)));
+}
+
+/// Finest-level bricks that hold vertices, as a box of lattice corners.
+VoxelBox corner_box(const CountedMesh& mesh) {
+  VoxelBox box{
+      {INT32_MAX, INT32_MAX, INT32_MAX},
+      {INT32_MIN, INT32_MIN, INT32_MIN}
+  };
+  const auto& bricks = mesh.tree().levels[0].bricks;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    if (mesh.first_vertex(i + 1) == mesh.first_vertex(i)) continue;
+    const BrickCoord b = bricks[i];
+    box.min = {std::min(box.min.x, 8 * b.x), std::min(box.min.y, 8 * b.y),
+               std::min(box.min.z, 8 * b.z)};
+    box.max = {std::max(box.max.x, 8 * b.x + 8), std::max(box.max.y, 8 * b.y + 8),
+               std::max(box.max.z, 8 * b.z + 8)};
+  }
+  return box;
+}
+
+/// World box around a box of lattice corners.
+WorldBox world_box(const VoxelTransform& lattice, const VoxelBox& box) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  WorldBox world{
+      { kInf,  kInf,  kInf},
+      {-kInf, -kInf, -kInf}
+  };
+  for (int corner = 0; corner < 8; ++corner) {
+    const WorldPoint p =
+        lattice.to_world({static_cast<double>(corner & 1 ? box.max.x : box.min.x),
+                          static_cast<double>(corner & 2 ? box.max.y : box.min.y),
+                          static_cast<double>(corner & 4 ? box.max.z : box.min.z)});
+    world.min = {std::min(world.min.x, p.x), std::min(world.min.y, p.y),
+                 std::min(world.min.z, p.z)};
+    world.max = {std::max(world.max.x, p.x), std::max(world.max.y, p.y),
+                 std::max(world.max.z, p.z)};
+  }
+  return world;
+}
+
+}  // namespace
+
+struct MeshPlan::Impl {
+  std::shared_ptr<const Volume> volume;
+  PhiField field;
+  WarpLimits limits;
+  CountedMesh mesh;
+  MeshHeader header;
+  LatticeToWorld to_world;
+  std::vector<std::size_t> first_brick;  // of each chunk, and one more
+
+  void place_in_world(const MeshRequest& request);
+  void cut_into_chunks();
+};
+
+void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
+  const VoxelTransform lattice = field.lattice_transform();
+  const VoxelBox box = corner_box(mesh);
+  const auto middle = [](std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
+  };
+  const VoxelCoord centre{middle(box.min.x, box.max.x), middle(box.min.y, box.max.y),
+                          middle(box.min.z, box.max.z)};
+  const double extent = std::max({static_cast<double>(box.max.x) - centre.x,
+                                  static_cast<double>(box.max.y) - centre.y,
+                                  static_cast<double>(box.max.z) - centre.z});
+  header.origin =
+      lattice.to_world({static_cast<double>(centre.x), static_cast<double>(centre.y),
+                        static_cast<double>(centre.z)});
+  header.bounds = world_box(lattice, box);
+  header.spacing = lattice.voxel_size;
+  header.coordinate_type = request.coordinates.value_or(
+      extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
+  to_world = {lattice.linear, centre, lattice.mirrors()};
+}
+
+void MeshPlan::Impl::cut_into_chunks() {
+  const std::size_t vertex_bytes = 3 * size_of(header.coordinate_type);
+  const std::size_t tet_bytes = 4 * size_of(header.index_type);
+  const auto bytes_before = [&](std::size_t brick) {
+    return mesh.first_vertex(brick) * vertex_bytes + mesh.first_tet(brick) * tet_bytes;
+  };
+  first_brick.push_back(0);
+  for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {
+    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= kChunkBytes;
+    if (!fits && brick > first_brick.back()) first_brick.push_back(brick);
+  }
+  first_brick.push_back(mesh.brick_count());
+  header.chunk_count = first_brick.size() - 1;
+}
+
+MeshPlan::MeshPlan(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+MeshPlan::~MeshPlan() = default;
+
+const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
+
+ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
+  const std::size_t begin = impl_->first_brick[index], end = impl_->first_brick[index + 1];
+  const CountedMesh& mesh = impl_->mesh;
+  return {mesh.first_vertex(begin), mesh.first_vertex(end) - mesh.first_vertex(begin),
+          mesh.first_tet(begin), mesh.first_tet(end) - mesh.first_tet(begin)};
+}
+
+QualityStats MeshPlan::fill_chunk(std::uint64_t index,
+                                  MeshWorkspace& workspace,
+                                  std::span<std::byte> positions,
+                                  std::span<std::byte> tets) const noexcept {
+  const ChunkExtent extent = chunk(index);
+  const std::size_t vertex_bytes = 3 * size_of(header().coordinate_type);
+  const std::size_t tet_bytes = 4 * size_of(header().index_type);
+  TET_CHECK(positions.size() == extent.vertex_count * vertex_bytes);
+  TET_CHECK(tets.size() == extent.tet_count * tet_bytes);
+  BrickFiller filler(impl_->mesh, impl_->field, impl_->limits, impl_->to_world,
+                     workspace.impl());
+  const std::size_t end = impl_->first_brick[index + 1];
+  for (std::size_t brick = impl_->first_brick[index]; brick < end; ++brick) {
+    const std::uint64_t vertices =
+        impl_->mesh.first_vertex(brick + 1) - impl_->mesh.first_vertex(brick);
+    const std::uint64_t brick_tets =
+        impl_->mesh.first_tet(brick + 1) - impl_->mesh.first_tet(brick);
+    filler.fill(brick, {header().coordinate_type, positions.first(vertices * vertex_bytes)},
+                {header().index_type, tets.first(brick_tets * tet_bytes)});
+    positions = positions.subspan(vertices * vertex_bytes);
+    tets = tets.subspan(brick_tets * tet_bytes);
+  }
+  return filler.stats();
+}
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
+                                                          const MeshRequest& request,
+                                                          const MeshLimits& limits,
+                                                          const Cancellation& cancellation,
+                                                          MeshProgress* progress) {
+  const absl::StatusOr<CanonicalRequest> asked = canonical(request, *volume);
+  if (!asked.ok()) return asked.status();
+  const PhiField field = field_of(*volume, *asked);
+  const WarpLimits warps = warp_limits(asked->preset);
+
+  const absl::StatusOr<FoundBricks> bricks = find_bricks(field);
+  if (!bricks.ok()) return bricks.status();
+  const bool uniform = asked->levels == 0;
+  if (uniform) {
+    if (auto status = check_uniform_budget(bricks->inside, limits); !status.ok()) return status;
+  }
+  absl::StatusOr<Survey> survey =
+      survey_bricks(field, bricks->near_surface, warps, cancellation, progress);
+  if (!survey.ok()) return survey.status();
+  Octree tree = build_octree(survey->finest_cells(), field, bricks->inside, asked->levels);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+
+  const int levels = static_cast<int>(tree.levels.size()) - 1;
+  auto impl = std::make_unique<MeshPlan::Impl>(
+      MeshPlan::Impl{std::move(volume),
+                     field,
+                     warps,
+                     CountedMesh(field, *std::move(survey), std::move(tree), uniform),
+                     {},
+                     {},
+                     {}});
+  MeshHeader& header = impl->header;
+  header.vertex_count = impl->mesh.first_vertex(impl->mesh.brick_count());
+  header.tet_count = impl->mesh.first_tet(impl->mesh.brick_count());
+  header.levels = levels;
+  if (header.tet_count == 0) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "nothing is inside at iso %g, so there is nothing to mesh", asked->iso));
+  }
+  if (header.tet_count > limits.max_tets) {
+    return absl::ResourceExhaustedError(
+        absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
+                        header.tet_count, limits.max_tets));
+  }
+  header.index_type = header.vertex_count > std::numeric_limits<std::uint32_t>::max()
+                          ? IndexType::kUint64
+                          : IndexType::kUint32;
+  impl->place_in_world(request);
+  impl->cut_into_chunks();
+  return std::make_shared<const MeshPlan>(std::move(impl));
+}
+
+}  // namespace tet

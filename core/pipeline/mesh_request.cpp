@@ -1,0 +1,69 @@
+#include "core/pipeline/mesh_request.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+namespace tet {
+namespace {
+
+constexpr std::array<std::pair<Preset, std::string_view>, 2> kPresetNames{
+    {
+     {Preset::kDefault, "default"},
+     {Preset::kMinAngle, "min-angle"},
+     }
+};
+
+constexpr double kFogIso = 0.5;
+
+}  // namespace
+
+std::optional<Preset> parse_preset(std::string_view name) {
+  for (const auto& [preset, known] : kPresetNames) {
+    if (known == name) return preset;
+  }
+  return std::nullopt;
+}
+
+std::string_view preset_name(Preset preset) {
+  for (const auto& [known, name] : kPresetNames) {
+    if (known == preset) return name;
+  }
+  return "unknown";
+}
+
+WarpLimits warp_limits(Preset preset) {
+  switch (preset) {
+    case Preset::kDefault:
+      return {0.25F, 0.35F};
+    case Preset::kMinAngle:
+      return {0.2675F, 0.3896F};
+  }
+  return {};
+}
+
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume) {
+  CanonicalRequest out;
+  out.spacing = request.spacing.value_or(volume.transform.voxel_size);
+  if (!(out.spacing > 0) || !std::isfinite(out.spacing)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("spacing %g is not a positive number", out.spacing));
+  }
+  const double default_iso = volume.kind == VolumeKind::kFogVolume ? kFogIso : 0;
+  out.iso = request.iso.value_or(default_iso);
+  if (!std::isfinite(static_cast<float>(out.iso))) {
+    return absl::InvalidArgumentError(absl::StrFormat("iso %g is not a finite float", out.iso));
+  }
+  out.levels = request.levels;
+  if (out.levels < 0 || out.levels > kMaxLevels) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("levels %d is outside 0..%d", out.levels, kMaxLevels));
+  }
+  out.preset = request.preset;
+  return out;
+}
+
+}  // namespace tet

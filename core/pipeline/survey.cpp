@@ -1,0 +1,87 @@
+#include "core/pipeline/survey.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include <absl/status/status.h>
+
+#include "core/base/parallel.h"
+
+namespace tet {
+namespace {
+
+constexpr std::size_t kBricksPerRange = 8;
+
+struct SurveyedBrick {
+  StuffedBrick stuffed;
+  BrickMask finest;
+};
+
+/// Nothing when no node in reach touches the surface.
+std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
+                                          BrickCoord brick,
+                                          const WarpLimits& limits,
+                                          StuffingWorkspace& workspace) {
+  stuff_brick(sampler, brick, limits, workspace);
+  const auto touched = touched_nodes(workspace.lattice.cuts);
+  if (!touched[kCorner].any() && !touched[kCentre].any()) return std::nullopt;
+  return SurveyedBrick{keep_brick(workspace.lattice.warped),
+                       finest_cells(touched[kCorner], touched[kCentre])};
+}
+
+}  // namespace
+
+void stuff_brick(PhiSampler& sampler,
+                 BrickCoord brick,
+                 const WarpLimits& limits,
+                 StuffingWorkspace& workspace) noexcept {
+  sampler.sample(brick, workspace.samples);
+  find_cut_points(workspace.samples, sampler, brick, workspace.lattice.cuts);
+  warp_lattice(workspace.lattice.cuts, limits, workspace.lattice.warped);
+}
+
+CellSet Survey::finest_cells() const {
+  CellSet cells;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    if (!finest[i].any()) continue;
+    cells.bricks.push_back(bricks[i]);
+    cells.cells.push_back(finest[i]);
+  }
+  return cells;
+}
+
+absl::Status check_cancelled(const Cancellation& cancellation) {
+  if (cancellation.deadline_passed()) return absl::DeadlineExceededError("the deadline passed");
+  if (cancellation.requested()) return absl::CancelledError("cancelled by the caller");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Survey> survey_bricks(const PhiField& field,
+                                     const std::vector<BrickCoord>& candidates,
+                                     const WarpLimits& limits,
+                                     const Cancellation& cancellation,
+                                     MeshProgress* progress) {
+  if (progress != nullptr) progress->total = candidates.size();
+  std::vector<std::optional<SurveyedBrick>> found(candidates.size());
+  for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    PhiSampler sampler(field);
+    const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+      found[i] = survey_brick(sampler, candidates[i], limits, *workspace);
+      if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
+    }
+  });
+  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+
+  Survey survey;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!found[i]) continue;
+    survey.bricks.push_back(candidates[i]);
+    survey.stuffed.push_back(found[i]->stuffed);
+    survey.finest.push_back(found[i]->finest);
+  }
+  return survey;
+}
+
+}  // namespace tet

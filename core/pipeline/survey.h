@@ -1,0 +1,50 @@
+// The first pass: signs, cut points and warps of every brick near the surface.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/grid/find_bricks.h"
+#include "core/octree/octree.h"
+#include "core/pipeline/mesh_plan.h"
+#include "core/stuffing/fill.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+/// Scratch memory for stuffing one brick after another.
+struct StuffingWorkspace {
+  BrickSamples samples;
+  StuffedLattice lattice;
+};
+
+/// Stuffs a brick: the method, from its samples to its warped lattice.
+void stuff_brick(PhiSampler& sampler,
+                 BrickCoord brick,
+                 const WarpLimits& limits,
+                 StuffingWorkspace& workspace) noexcept;
+
+/// What the survey found, by brick; only bricks whose nodes touch the surface.
+struct Survey {
+  std::vector<BrickCoord> bricks;  ///< sorted
+  std::vector<StuffedBrick> stuffed;
+  std::vector<BrickMask> finest;  ///< cells that must stay finest
+
+  /// The bricks that hold finest cells, as the octree wants them.
+  CellSet finest_cells() const;
+};
+
+/// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.
+absl::StatusOr<Survey> survey_bricks(const PhiField& field,
+                                     const std::vector<BrickCoord>& candidates,
+                                     const WarpLimits& limits,
+                                     const Cancellation& cancellation,
+                                     MeshProgress* progress);
+
+/// OK, or why the work has to stop.
+absl::Status check_cancelled(const Cancellation& cancellation);
+
+}  // namespace tet

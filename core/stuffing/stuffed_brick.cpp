@@ -1,0 +1,105 @@
+#include "core/stuffing/stuffed_brick.h"
+
+#include <bit>
+#include <cstddef>
+
+#include "core/lattice/background.h"
+#include "core/lattice/node_numbers.h"
+
+namespace tet {
+namespace {
+
+constexpr HaloSet kOwnCells = halo_cube(0, 7);
+
+/// Tets that the stencils of one shape emit: 1, and more where nodes are cut away (see
+/// stencil.h).
+std::uint64_t count_stencil_tets(const ShapeSigns& signs) noexcept {
+  std::uint64_t count = signs.whole.count() + signs.cut.count();
+  for (std::size_t w = 0; w < HaloSet::kWords; ++w) {
+    const std::uint64_t cut = signs.cut.word[w];
+    if (cut == 0) continue;
+    // Bit-sliced sums: `odd` and `pairs` are the two low digits of the number of + nodes.
+    std::uint64_t odd = 0, pairs = 0, any_zero = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint64_t plus = signs.plus[i].word[w];
+      pairs |= odd & plus;  // with at most three +, a carry happens once
+      odd ^= plus;
+      any_zero |= signs.zero[i].word[w];
+    }
+    const std::uint64_t two = cut & pairs & ~odd, three = cut & pairs & odd;
+    count += static_cast<std::uint64_t>(std::popcount(two));              // ++0-: 2
+    count += static_cast<std::uint64_t>(std::popcount(two & ~any_zero));  // ++--: 3
+    count += 2 * static_cast<std::uint64_t>(std::popcount(three));        // +++-: 3
+  }
+  return count;
+}
+
+}  // namespace
+
+StuffedBrick StuffedBrick::all_inside() noexcept {
+  StuffedBrick brick;
+  brick.plus.fill(BrickMask::all());
+  return brick;
+}
+
+StuffedBrick keep_brick(const WarpedLattice& lattice) noexcept {
+  StuffedBrick brick;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    brick.plus[kind] = brick_part(lattice.plus[kind]);
+    brick.zero[kind] = brick_part(used_zeros(lattice, kind));
+  }
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) brick.cut[f] = brick_part(lattice.cut[f]);
+  return brick;
+}
+
+FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) noexcept {
+  FinestNodes nodes;
+  nodes.leaf = leaf;
+  for (int o = 0; o < 8; ++o) {
+    const StuffedBrick* brick = bricks[static_cast<std::size_t>(o)];
+    if (brick == nullptr) continue;
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      add_brick(nodes.plus[kind], brick->plus[kind], o >> 2, o >> 1 & 1, o & 1);
+      add_brick(nodes.zero[kind], brick->zero[kind], o >> 2, o >> 1 & 1, o & 1);
+    }
+  }
+  return nodes;
+}
+
+std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
+                                                  const HaloSet& leaf) noexcept {
+  return {(brick.plus[kCorner] & leaf_corners(leaf)) | brick.zero[kCorner],
+          (brick.plus[kCentre] & brick_part(leaf)) | brick.zero[kCentre]};
+}
+
+ShapeSigns signs_of_shape(const FinestNodes& nodes, const TetShape& shape, int axis) noexcept {
+  ShapeSigns signs;
+  const HaloSet tets = nodes.leaf & seen_from(nodes.leaf, face_offset(axis)) & kOwnCells;
+  HaloSet any_plus, all_plus = tets, any_minus;
+  for (std::size_t i = 0; i < 4; ++i) {
+    signs.plus[i] = seen_from(nodes.plus[shape.kind[i]], shape.offset[i]);
+    signs.zero[i] = seen_from(nodes.zero[shape.kind[i]], shape.offset[i]);
+    any_plus |= signs.plus[i];
+    all_plus &= signs.plus[i];
+    any_minus |= tets - (signs.plus[i] | signs.zero[i]);
+  }
+  signs.whole = (tets & any_plus) - any_minus;
+  signs.regular = all_plus;
+  signs.cut = tets & any_plus & any_minus;
+  return signs;
+}
+
+std::uint64_t count_finest(const FinestNodes& nodes) noexcept {
+  std::uint64_t count = 0;
+  for (std::size_t s = 0; s < kTetShapes; ++s) {
+    count += count_stencil_tets(signs_of_shape(nodes, kTetShape[s], static_cast<int>(s / 4)));
+  }
+  for (int direction = 0; direction < kFaceDirections; ++direction) {
+    count +=
+        2 * std::uint64_t{
+                (faces_to_larger({nodes.leaf, {}}, direction) & nodes.plus[kCentre]).count()};
+  }
+  return count;
+}
+
+}  // namespace tet

@@ -1,0 +1,48 @@
+// Moving nodes onto cut points that lie too close to them, all at once.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "core/base/brick_mask.h"
+#include "core/lattice/bcc.h"
+#include "core/stuffing/cut_points.h"
+
+namespace tet {
+
+/// A cut point closer to a node than this share of its edge's length violates the node.
+struct WarpLimits {
+  float alpha_long = 0.25F;
+  float alpha_short = 0.35F;
+};
+
+/// The lattice after the warp; sets are valid for nodes in [kNodeMin, kNodeMax]^3.
+///
+/// A node is `+` (inside), `0` (on the surface: warped, or exactly zero) or else `-`.
+struct WarpedLattice {
+  std::array<HaloSet, kNodeKinds> plus;
+  std::array<HaloSet, kNodeKinds> zero;
+  std::array<HaloSet, kNodeKinds> warped;  ///< zero nodes that moved
+  /// Where `warped`: the edge direction, 0..13, whose cut point the node moved onto.
+  std::array<std::array<std::uint8_t, kHaloNodes>, kNodeKinds> direction;
+  /// Where `warped`: how far, in units of the spacing.
+  std::array<std::array<float, kHaloNodes>, kNodeKinds> distance;
+  /// Cut points that remain: both ends known and neither of them zero.
+  std::array<HaloSet, kEdgeFamilies> cut;
+};
+
+/// Decides every warp from the original samples, so that no order exists: a violated node goes
+/// to its nearest violating cut point (ties: lowest direction) and becomes zero. Source:
+/// Labelle & Shewchuk 2007, section 3, made simultaneous.
+void warp_lattice(const CutPoints& cuts,
+                  const WarpLimits& limits,
+                  WarpedLattice& lattice) noexcept;
+
+/// Nodes in [kNodeMin, kNodeMax]^3 that are zero or have an edge that is cut, before any warp.
+std::array<HaloSet, kNodeKinds> touched_nodes(const CutPoints& cuts) noexcept;
+
+/// Zero nodes of the brick that a tet uses: those with a `+` neighbour.
+HaloSet used_zeros(const WarpedLattice& lattice, NodeKind kind) noexcept;
+
+}  // namespace tet
