@@ -88,22 +88,23 @@ void Call::note(const std::string& key, nlohmann::ordered_json value) {
 }
 
 grpc::Status Call::finish(const absl::Status& status) {
-  const std::chrono::duration<double, std::milli> duration = CallRegistry::Clock::now() - start_;
+  const std::chrono::duration<double, std::milli> duration =
+      CallRegistry::Clock::now() - start_;
   fields_["status"] = absl::StatusCodeToString(status.code());
   fields_["duration_ms"] = duration.count();
-  if (!status.ok()) fields_["message"] = status.message();
+  if (!status.ok()) fields_["message"] = std::string(status.message());
   log_event(level_of(status), "call", fields_);
   return to_grpc(status);
 }
 
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 TaskPool& pool,
+                                 DiskThreads& disk,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work) {
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
-  pool.post([call, reactor, work = std::move(work)] {
+  disk.post([call, reactor, work = std::move(work)] {
     const absl::Status admitted = call->registry().admission();
     reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
   });

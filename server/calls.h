@@ -12,7 +12,7 @@
 #include <grpcpp/support/server_callback.h>
 #include <nlohmann/json.hpp>
 
-#include "core/base/parallel.h"
+#include "server/disk_threads.h"
 
 namespace tet {
 
@@ -39,8 +39,8 @@ class CallRegistry {
   bool draining_ = false;
 };
 
-/// One call, from its arrival until nothing of it is left: counted while it exists, and logged as
-/// one line when it finishes.
+/// One call, from its arrival until nothing of it is left: counted while it exists, and logged
+/// as one line when it finishes.
 ///
 /// Not thread-safe; the reactor that owns it takes turns.
 class Call {
@@ -64,10 +64,10 @@ class Call {
   nlohmann::ordered_json fields_;
 };
 
-/// What the gRPC handlers of a unary method have in common: `work` runs on `pool`, never on gRPC's
-/// own threads, and its status ends the call.
+/// What the gRPC handlers of a unary method have in common: `work` runs on `disk`, never on
+/// gRPC's own threads, and its status ends the call.
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 TaskPool& pool,
+                                 DiskThreads& disk,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);

@@ -54,10 +54,10 @@ void ChunkStream::begin(const v1::StreamMeshRequest& request) {
   ticket_ = *std::move(ticket);
   order_ = *std::move(order);
   watch_progress();
-  engine_.planner.plan(
-      order_.mesh, watch_, [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
-        self->begin_chunks(std::move(planned));
-      });
+  engine_.planner.plan(order_.mesh, watch_,
+                       [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
+                         self->begin_chunks(std::move(planned));
+                       });
 }
 
 // Each interval has an alarm of its own: one cannot be set again from within its own callback.
@@ -101,26 +101,26 @@ void ChunkStream::begin_chunks(absl::StatusOr<PlannedMesh> planned) {
 /// Settles which chunks to send.
 absl::Status ChunkStream::check_range() {
   if (!order_.expected_mesh_id.empty() && order_.expected_mesh_id != planned_.mesh_id) {
-    return with_reason(absl::FailedPreconditionError(absl::StrCat(
-                           "expected_mesh_id ", order_.expected_mesh_id, " is not this mesh's, ",
-                           planned_.mesh_id)),
-                       "OTHER_MESH");
+    return with_reason(
+        absl::FailedPreconditionError(absl::StrCat("expected_mesh_id ", order_.expected_mesh_id,
+                                                   " is not this mesh's, ", planned_.mesh_id)),
+        "OTHER_MESH");
   }
   const std::uint64_t count = planned_.plan->header().chunk_count;
   end_ = order_.end_chunk == 0 ? count : order_.end_chunk;
   next_ = posted_ = order_.start_chunk;
   if (next_ <= end_ && end_ <= count) return absl::OkStatus();
-  return with_reason(
-      absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
-                                         " are not within the mesh's ", count)),
-      "CHUNK_RANGE");
+  return with_reason(absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
+                                                        " are not within the mesh's ", count)),
+                     "CHUNK_RANGE");
 }
 
 /// Fills the window.
 void ChunkStream::post_chunks() {
   while (posted_ < end_ && posted_ < next_ + slots_.size()) {
     engine_.activity.chunks_in_flight.fetch_add(1);
-    engine_.pool.post([self = shared_from_this(), index = posted_] { self->make_chunk(index); });
+    engine_.pool.post(
+        [self = shared_from_this(), index = posted_] { self->make_chunk(index); });
     ++posted_;
   }
 }
@@ -151,9 +151,9 @@ void ChunkStream::fill(std::uint64_t index, Slot& slot) {
 
   MeshWorkspace workspace = engine_.workspaces.take();
   slot.quality = planned_.plan->fill_chunk(
-      index,
-      workspace,
-      resized(*chunk.mutable_positions(), extent.vertex_count * 3 * size_of(header.coordinate_type)),
+      index, workspace,
+      resized(*chunk.mutable_positions(),
+              extent.vertex_count * 3 * size_of(header.coordinate_type)),
       resized(*chunk.mutable_tets(), extent.tet_count * 4 * size_of(header.index_type)));
   engine_.workspaces.give_back(std::move(workspace));
   chunk.set_checksum(chunk_checksum(chunk.positions(), chunk.tets()));

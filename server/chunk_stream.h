@@ -16,9 +16,9 @@
 
 namespace tet {
 
-/// The reactor of one stream: plans, then keeps a few chunks being made on the pool and writes them
-/// in order. It never waits: each event (plan made, chunk made, message written, client gone) moves
-/// it one step, on whichever thread the event came.
+/// The reactor of one stream: plans, then keeps a few chunks being made on the pool and writes
+/// them in order. It never waits: each event (plan made, chunk made, message written, client
+/// gone) moves it one step, on whichever thread the event came.
 ///
 /// At most `window` chunks are made and not yet taken by the transport, so a client that reads
 /// slowly holds that many buffers and nothing else.
@@ -84,14 +84,14 @@ class ChunkStream final : public grpc::ServerWriteReactor<v1::MeshEvent>,
   bool writing_ = false;
   bool finished_ = false;
   bool progress_due_ = false;
-  absl::Status status_;             ///< how the call ends
-  v1::MeshEvent control_;           ///< the header, progress or trailer being written
+  absl::Status status_;    ///< how the call ends
+  v1::MeshEvent control_;  ///< the header, progress or trailer being written
   const v1::MeshEvent* outgoing_ = nullptr;
-  std::vector<Slot> slots_;         ///< chunk i in slot i % size
-  std::uint64_t next_ = 0;          ///< chunk to be written next
-  std::uint64_t posted_ = 0;        ///< chunk to be posted next
-  std::uint64_t end_ = 0;           ///< one past the last chunk
-  QualityStats quality_;            ///< of the chunks written, in their order
+  std::vector<Slot> slots_;   ///< chunk i in slot i % size
+  std::uint64_t next_ = 0;    ///< chunk to be written next
+  std::uint64_t posted_ = 0;  ///< chunk to be posted next
+  std::uint64_t end_ = 0;     ///< one past the last chunk
+  QualityStats quality_;      ///< of the chunks written, in their order
   std::int64_t tets_written_ = 0;
   std::uint64_t bytes_written_ = 0;
 };

@@ -46,7 +46,8 @@ std::span<const Setting> settings();
 absl::Status set_from_text(Config& config, const Setting& setting, std::string_view text);
 
 /// Sets what a TOML file says.
-/// Errors: kInvalidArgument (not TOML, unknown key, wrong value; named), kNotFound (no such file).
+/// Errors: kInvalidArgument (not TOML, unknown key, wrong value; named), kNotFound (no such
+/// file).
 absl::Status set_from_file(Config& config, const std::string& path);
 
 /// Sets what the TETSTREAM_* variables say. Errors: kInvalidArgument, naming the variable.

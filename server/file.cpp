@@ -2,20 +2,19 @@
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
-#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 
 namespace tet {
 
 absl::Status disk_error(std::string_view action, const std::filesystem::path& path) {
   const int error = errno;
-  const std::string message =
-      absl::StrCat(action, " ", path.string(), ": ", std::generic_category().message(error));
+  const std::string message = absl::StrFormat("%s %s: %s", action, path.string(),
+                                              std::generic_category().message(error));
   if (error == ENOSPC || error == EDQUOT || error == EFBIG) {
     return absl::ResourceExhaustedError(message);
   }

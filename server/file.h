@@ -12,8 +12,8 @@
 
 namespace tet {
 
-/// The system's last error as a status: no space left (or a quota) is kResourceExhausted, a missing
-/// file kNotFound, anything else kInternal. The message is "`action` `path`: reason".
+/// The system's last error as a status: no space left (or a quota) is kResourceExhausted, a
+/// missing file kNotFound, anything else kInternal. The message is "`action` `path`: reason".
 absl::Status disk_error(std::string_view action, const std::filesystem::path& path);
 
 /// An open file. Not thread-safe.

@@ -1,10 +1,9 @@
 #include "server/grid_store.h"
 
-#include <optional>
-#include <system_error>
-
 #include <fcntl.h>
+#include <optional>
 #include <sys/stat.h>
+#include <system_error>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
@@ -31,8 +30,8 @@ struct FoundFile {
 std::optional<FoundFile> inspect(const fs::path& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
-  return FoundFile{
-      path, static_cast<std::uint64_t>(info.st_size), absl::TimeFromTimespec(info.st_mtim)};
+  return FoundFile{path, static_cast<std::uint64_t>(info.st_size),
+                   absl::TimeFromTimespec(info.st_mtim)};
 }
 
 /// Regular files below `folder`. Errors: kInternal.
@@ -96,10 +95,11 @@ fs::path GridStore::grid_path(std::string_view digest) const {
 }
 
 fs::path GridStore::part_path(std::string_view digest) const {
-  return root_ / "uploads" / absl::StrCat(digest, kPartSuffix);
+  return root_ / "uploads" / std::string(digest).append(kPartSuffix);
 }
 
-// The file's own time remembers the order of use across restarts; failing to set it costs only that.
+// The file's own time remembers the order of use across restarts; failing to set it costs only
+// that.
 void GridStore::use(Entry& entry) {
   entry.last_use = absl::Now();
   ::utimensat(AT_FDCWD, entry.grid->path.c_str(), nullptr, 0);
@@ -160,17 +160,19 @@ std::uint64_t GridStore::used_bytes() const {
 
 /// Marks the upload as under way, with room for all of it.
 absl::Status GridStore::reserve(std::string_view digest, std::uint64_t size_bytes) {
-  if (size_bytes > budget_bytes_) return over_limit("grid file, bytes", size_bytes, budget_bytes_);
+  if (size_bytes > budget_bytes_)
+    return over_limit("grid file, bytes", size_bytes, budget_bytes_);
   const std::lock_guard lock(mutex_);
   if (grids_.contains(digest)) {
     return absl::AlreadyExistsError(absl::StrCat(name_of_grid(digest), " is stored"));
   }
   const auto found = parts_.find(digest);
   if (found != parts_.end() && found->second.busy) {
-    return with_retry(with_reason(absl::AbortedError(absl::StrCat(
-                                      name_of_grid(digest), " is being uploaded by another call")),
-                                  "UPLOAD_IN_PROGRESS"),
-                      absl::Seconds(1));
+    return with_retry(
+        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(digest),
+                                                    " is being uploaded by another call")),
+                    "UPLOAD_IN_PROGRESS"),
+        absl::Seconds(1));
   }
   const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
   while (used_bytes() - held + size_bytes > budget_bytes_) {

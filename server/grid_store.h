@@ -39,11 +39,12 @@ struct ListedGrid {
   absl::Time last_use;
 };
 
-/// A content-addressed directory: `grids/ab/{sha256}` for whole files and `uploads/{sha256}.part`
-/// for those under way. Both survive a restart; a whole file appears by an atomic rename only.
+/// A content-addressed directory: `grids/ab/{sha256}` for whole files and
+/// `uploads/{sha256}.part` for those under way. Both survive a restart; a whole file appears by
+/// an atomic rename only.
 ///
-/// Digests are 64 lower-case hexadecimal digits; the caller has checked that. One process at a time
-/// may use a directory. Thread safety: every member may be called from any thread.
+/// Digests are 64 lower-case hexadecimal digits; the caller has checked that. One process at a
+/// time may use a directory. Thread safety: every member may be called from any thread.
 class GridStore {
  public:
   /// Makes the directory when missing and takes stock of it.
@@ -59,11 +60,13 @@ class GridStore {
 
   UploadState upload_state(std::string_view digest) const;
 
-  /// Whole files in the order of their digests, at most `limit`, from the first after `after` on.
+  /// Whole files in the order of their digests, at most `limit`, from the first after `after`
+  /// on.
   std::vector<ListedGrid> list(std::string_view after, std::size_t limit) const;
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
-  /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with numbers).
+  /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
+  /// numbers).
   absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(std::string_view digest,
                                                            std::uint64_t size_bytes);
 

@@ -1,8 +1,7 @@
 #include "server/grid_upload.h"
 
-#include <vector>
-
 #include <fcntl.h>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 
@@ -11,10 +10,11 @@
 
 namespace tet {
 
-absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(GridStore& store,
-                                                             std::string digest,
-                                                             std::uint64_t size_bytes,
-                                                             const std::filesystem::path& path) {
+absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(
+    GridStore& store,
+    std::string digest,
+    std::uint64_t size_bytes,
+    const std::filesystem::path& path) {
   absl::StatusOr<File> file = File::open(path, O_RDWR | O_CREAT);
   if (!file.ok()) return file.status();
   std::unique_ptr<GridUpload> upload(
@@ -51,10 +51,10 @@ absl::Status GridUpload::append(std::uint64_t offset, std::string_view bytes) {
                        "WRONG_OFFSET");
   }
   if (bytes.size() > size_bytes_ - committed_size_) {
-    return with_reason(
-        absl::InvalidArgumentError(absl::StrCat("data ends at ", offset + bytes.size(),
-                                                ", beyond the announced ", size_bytes_, " bytes")),
-        "TOO_MUCH_DATA");
+    return with_reason(absl::InvalidArgumentError(
+                           absl::StrCat("data ends at ", offset + bytes.size(),
+                                        ", beyond the announced ", size_bytes_, " bytes")),
+                       "TOO_MUCH_DATA");
   }
   const absl::Status written = file_.write_at(offset, bytes);
   if (!written.ok()) {
@@ -71,9 +71,10 @@ absl::Status GridUpload::commit() {
   const std::string found = sha256_.finish_hex();
   if (found != digest_) {
     committed_size_ = 0;  // so that the store throws it away
-    return with_reason(absl::InvalidArgumentError(absl::StrCat(
-                           "the data's SHA-256 is ", found, ", not ", digest_, " as announced")),
-                       "WRONG_DIGEST");
+    return with_reason(
+        absl::InvalidArgumentError(
+            absl::StrCat("the data's SHA-256 is ", found, ", not ", digest_, " as announced")),
+        "WRONG_DIGEST");
   }
   absl::Status status = file_.sync();
   if (status.ok()) status = store_.keep(digest_, size_bytes_);

@@ -44,7 +44,10 @@ class GridUpload {
 
  private:
   GridUpload(GridStore& store, std::string digest, std::uint64_t size_bytes, File file)
-      : store_(store), digest_(std::move(digest)), size_bytes_(size_bytes), file_(std::move(file)) {}
+      : store_(store),
+        digest_(std::move(digest)),
+        size_bytes_(size_bytes),
+        file_(std::move(file)) {}
   absl::Status digest_what_is_there();
 
   GridStore& store_;

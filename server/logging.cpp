@@ -8,8 +8,8 @@
 namespace tet {
 
 void start_logging(const std::string& level) {
-  auto logger =
-      std::make_shared<spdlog::logger>("tetstream", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  auto logger = std::make_shared<spdlog::logger>(
+      "tetstream", std::make_shared<spdlog::sinks::stderr_sink_mt>());
   logger->set_pattern("%v");
   logger->set_level(spdlog::level::from_str(level));
   spdlog::set_default_logger(std::move(logger));

@@ -3,12 +3,11 @@
 #include <csignal>
 #include <fstream>
 #include <iostream>
+#include <malloc.h>
 #include <map>
+#include <pthread.h>
 #include <string>
 #include <utility>
-
-#include <malloc.h>
-#include <pthread.h>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
@@ -24,7 +23,8 @@ enum ExitCode { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
 
 constexpr char kAbout[] =
     "Meshes OpenVDB grids and streams the tetrahedra over gRPC.\n\n"
-    "A setting is taken from its flag, else from its TETSTREAM_* variable, else from the config\n"
+    "A setting is taken from its flag, else from its TETSTREAM_* variable, else from the "
+    "config\n"
     "file, else its default; --print-config shows the outcome, as a config file.\n\n"
     "  tetstreamd --store /var/lib/tetstream --store-bytes 200GiB\n"
     "  TETSTREAM_THREADS=8 tetstreamd --config /etc/tetstream.toml --print-config\n\n"
@@ -45,8 +45,7 @@ void declare_options(CLI::App& app, CommandLine& line) {
   for (const tet::Setting& setting : tet::settings()) {
     const std::string key = setting.key;
     app.add_option_function<std::string>(
-        setting.flag(),
-        [&line, key](const std::string& text) { line.given[key] = text; },
+        setting.flag(), [&line, key](const std::string& text) { line.given[key] = text; },
         absl::StrCat(setting.help, " [", setting.environment(), "]"));
   }
 }
@@ -66,7 +65,8 @@ absl::Status read_settings(const CommandLine& line, tet::Config& config) {
   return absl::OkStatus();
 }
 
-/// Blocks the signals that end the server, in this thread and all it starts, and returns their set.
+/// Blocks the signals that end the server, in this thread and all it starts, and returns their
+/// set.
 sigset_t hold_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -76,8 +76,8 @@ sigset_t hold_signals() {
   return signals;
 }
 
-// Chunks are made in blocks of a megabyte: giving each back to the system and faulting it in again
-// costs more than the meshing.
+// Chunks are made in blocks of a megabyte: giving each back to the system and faulting it in
+// again costs more than the meshing.
 void keep_large_blocks() {
   mallopt(M_MMAP_THRESHOLD, 256 << 20);
   mallopt(M_TRIM_THRESHOLD, 512 << 20);
@@ -99,15 +99,23 @@ int serve(const tet::Config& config) {
   absl::Status status = server.status();
   if (status.ok()) status = write_port(config.port_file, (*server)->port());
   if (!status.ok()) {
-    tet::log_event(spdlog::level::err, "cannot_start", {{"message", status.message()}});
+    tet::log_event(spdlog::level::err, "cannot_start",
+                   {
+                       {"message", status.message()}
+    });
     return kFailed;
   }
-  tet::log_event(spdlog::level::info,
-                 "serving",
-                 {{"address", (*server)->address()}, {"version", TETSTREAM_VERSION}});
+  tet::log_event(spdlog::level::info, "serving",
+                 {
+                     {"address", (*server)->address()},
+                     {"version",    TETSTREAM_VERSION}
+  });
   int signal = 0;
   sigwait(&signals, &signal);
-  tet::log_event(spdlog::level::info, "draining", {{"signal", signal}});
+  tet::log_event(spdlog::level::info, "draining",
+                 {
+                     {"signal", signal}
+  });
   (*server)->stop(std::chrono::seconds(config.drain_seconds));
   tet::log_event(spdlog::level::info, "stopped");
   return kDone;

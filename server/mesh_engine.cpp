@@ -23,7 +23,9 @@ void WorkspacePool::give_back(MeshWorkspace workspace) {
   idle_.push_back(std::move(workspace));
 }
 
-MeshEngine::MeshEngine(const Config& server_config, CallRegistry& call_registry, GridStore& store)
+MeshEngine::MeshEngine(const Config& server_config,
+                       CallRegistry& call_registry,
+                       GridStore& store)
     : config(server_config),
       calls(call_registry),
       pool(static_cast<int>(config.threads)),
@@ -32,13 +34,11 @@ MeshEngine::MeshEngine(const Config& server_config, CallRegistry& call_registry,
 absl::StatusOr<MeshTicket> MeshEngine::admit() {
   if (const absl::Status status = calls.admission(); !status.ok()) return status;
   const std::int64_t running = activity.meshes.fetch_add(1) + 1;
-  MeshTicket ticket(&activity, [](void* counted) {
-    static_cast<Activity*>(counted)->meshes.fetch_sub(1);
-  });
+  MeshTicket ticket(
+      &activity, [](void* counted) { static_cast<Activity*>(counted)->meshes.fetch_sub(1); });
   if (running > static_cast<std::int64_t>(config.max_streams)) {
     return with_retry(over_limit("meshes being made at once",
-                                 static_cast<std::uint64_t>(running),
-                                 config.max_streams),
+                                 static_cast<std::uint64_t>(running), config.max_streams),
                       absl::Seconds(1));
   }
   return ticket;

@@ -40,9 +40,8 @@ class Estimate final : public grpc::ServerUnaryReactor,
     if (!status.ok()) return Finish(call_.finish(status));
     ticket_ = *std::move(ticket);
     engine.planner.plan(
-        *std::move(order), watch_, [self = shared_from_this()](const auto& planned) {
-          self->finish(planned);
-        });
+        *std::move(order), watch_,
+        [self = shared_from_this()](const auto& planned) { self->finish(planned); });
   }
 
   void finish(const absl::StatusOr<PlannedMesh>& planned) {

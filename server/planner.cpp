@@ -28,11 +28,12 @@ void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done d
   }
   const VolumeKey key{order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
-  volumes_.get(key, path, [this, order = std::move(order), watch = std::move(watch),
-                           done = std::move(done), grid = *std::move(grid)](const auto& volume) {
-    done(volume.ok() ? plan_volume(order, *volume, grid, *watch)
-                     : absl::StatusOr<PlannedMesh>(volume.status()));
-  });
+  volumes_.get(key, path,
+               [this, order = std::move(order), watch = std::move(watch),
+                done = std::move(done), grid = *std::move(grid)](const auto& volume) {
+                 done(volume.ok() ? plan_volume(order, *volume, grid, *watch)
+                                  : absl::StatusOr<PlannedMesh>(volume.status()));
+               });
 }
 
 absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
@@ -52,13 +53,14 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
   }
   v1::MeshRequest canonical = canonical_request(order, *volume, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
-  return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id), std::move(grid)};
+  return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id),
+                     std::move(grid)};
 }
 
 std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(
-      recent_.begin(), recent_.end(), [&](const NamedPlan& plan) { return plan.first == name; });
+  const auto found = std::find_if(recent_.begin(), recent_.end(),
+                                  [&](const NamedPlan& plan) { return plan.first == name; });
   if (found == recent_.end()) return nullptr;
   recent_.splice(recent_.begin(), recent_, found);
   return recent_.front().second;

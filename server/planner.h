@@ -35,7 +35,8 @@ struct PlanningWatch {
   MeshProgress progress;
 };
 
-/// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at once.
+/// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
+/// once.
 ///
 /// Thread safety: any thread may call any member. The pool's tasks must have ended before it is
 /// destroyed.

@@ -37,13 +37,15 @@ absl::StatusOr<std::optional<CoordinateType>> parse_coordinates(v1::CoordinateTy
     case v1::COORDINATE_TYPE_FLOAT64:
       return CoordinateType::kFloat64;
     default:
-      return wrong_field(absl::StrCat("coordinate_type ", static_cast<int>(type), " is unknown"));
+      return wrong_field(
+          absl::StrCat("coordinate_type ", static_cast<int>(type), " is unknown"));
   }
 }
 
 absl::Status check_numbers(const v1::MeshRequest& request) {
   if (request.has_spacing() && !(request.spacing() > 0 && std::isfinite(request.spacing()))) {
-    return wrong_field(absl::StrCat("spacing ", request.spacing(), " is not positive and finite"));
+    return wrong_field(
+        absl::StrCat("spacing ", request.spacing(), " is not positive and finite"));
   }
   if (request.has_iso() && !std::isfinite(request.iso())) {
     return wrong_field(absl::StrCat("iso ", request.iso(), " is not finite"));
@@ -100,8 +102,7 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return wrong_field(absl::StrCat("end_chunk ", request.end_chunk(), " is below start_chunk ",
                                     request.start_chunk()));
   }
-  return StreamOrder{*std::move(mesh),
-                     static_cast<std::uint64_t>(request.start_chunk()),
+  return StreamOrder{*std::move(mesh), static_cast<std::uint64_t>(request.start_chunk()),
                      static_cast<std::uint64_t>(request.end_chunk()),
                      request.expected_mesh_id()};
 }
@@ -126,13 +127,9 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
 std::string mesh_id_of(const v1::MeshRequest& canonical) {
   // Hexadecimal floats say every bit. The grid's name comes last: it may hold anything.
   Sha256 digest;
-  digest.add(absl::StrFormat("tetstream mesh %s\n%s\n%a %a %d %d %d\n%s",
-                             kAlgorithmVersion,
-                             canonical.name(),
-                             canonical.spacing(),
-                             canonical.iso(),
-                             canonical.levels(),
-                             static_cast<int>(canonical.preset()),
+  digest.add(absl::StrFormat("tetstream mesh %s\n%s\n%a %a %d %d %d\n%s", kAlgorithmVersion,
+                             canonical.name(), canonical.spacing(), canonical.iso(),
+                             canonical.levels(), static_cast<int>(canonical.preset()),
                              static_cast<int>(canonical.coordinate_type()),
                              canonical.grid_name()));
   return digest.finish_hex();

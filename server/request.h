@@ -39,13 +39,14 @@ absl::StatusOr<std::string> parse_grid_name(const std::string& name);
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
 
-/// The request with every default filled in; `coordinates` stays unset only if `header` is null.
+/// The request with every default filled in; `coordinates` stays unset only if `header` is
+/// null.
 v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Volume& volume,
                                   const MeshHeader* header);
 
-/// A mesh's name: the same for the same bytes. SHA-256 over digest, canonical request and algorithm
-/// version, as 64 hexadecimal digits.
+/// A mesh's name: the same for the same bytes. SHA-256 over digest, canonical request and
+/// algorithm version, as 64 hexadecimal digits.
 std::string mesh_id_of(const v1::MeshRequest& canonical);
 
 v1::CoordinateType to_proto(CoordinateType type);

@@ -38,7 +38,7 @@ struct Server::Parts {
   const Config config;
   std::unique_ptr<GridStore> store;
   CallRegistry calls;
-  TaskPool disk{kDiskThreads};
+  DiskThreads disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
   GridService grid_service{*store, calls, disk};
   MeshService mesh_service{engine};
@@ -95,15 +95,18 @@ const MeshEngine& Server::engine() const { return parts_->engine; }
 
 int Server::running_calls() const { return parts_->calls.running(); }
 
-// While it drains the server goes on answering health checks, so that whoever balances the load sees
-// NOT_SERVING; gRPC's own shutdown would close their connections first.
+// While it drains the server goes on answering health checks, so that whoever balances the load
+// sees NOT_SERVING; gRPC's own shutdown would close their connections first.
 void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
   parts_->calls.drain();
   set_readiness(*parts_->server, false);
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {
-    log_event(spdlog::level::warn, "cancelling", {{"calls", parts_->calls.running()}});
+    log_event(spdlog::level::warn, "cancelling",
+              {
+                  {"calls", parts_->calls.running()}
+    });
   }
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);

@@ -11,7 +11,7 @@ namespace tet {
 
 namespace {
 
-absl::Status out_of_order(std::string_view message) {
+absl::Status out_of_order(const char* message) {
   return with_reason(absl::InvalidArgumentError(message), "MESSAGE_ORDER");
 }
 
@@ -19,13 +19,16 @@ absl::Status out_of_order(std::string_view message) {
 
 UploadStream::UploadStream(GridStore& store,
                            CallRegistry& calls,
-                           TaskPool& disk,
+                           DiskThreads& disk,
                            const grpc::CallbackServerContext& context,
                            v1::UploadGridResponse& response)
     : store_(store), disk_(disk), call_(calls, context, "UploadGrid"), response_(response) {
   const absl::Status admitted = calls.admission();
-  if (!admitted.ok()) return finish(admitted);
-  StartRead(&message_);
+  if (admitted.ok()) {
+    StartRead(&message_);
+  } else {
+    finish(admitted);
+  }
 }
 
 void UploadStream::OnReadDone(bool ok) {

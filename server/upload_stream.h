@@ -6,8 +6,8 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include "core/base/parallel.h"
 #include "server/calls.h"
+#include "server/disk_threads.h"
 #include "server/grid_store.h"
 #include "server/grid_upload.h"
 #include "tetstream/v1/grids.pb.h"
@@ -16,15 +16,15 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
-/// The reactor of one upload: each message is written to disk as a task, and the next one is read
-/// when that is done. So nothing here runs twice at once, and no lock is needed.
+/// The reactor of one upload: each message is written to disk as a task, and the next one is
+/// read when that is done. So nothing here runs twice at once, and no lock is needed.
 ///
 /// Owned by the call: deletes itself when gRPC is done with it.
 class UploadStream final : public grpc::ServerReadReactor<v1::UploadGridRequest> {
  public:
   UploadStream(GridStore& store,
                CallRegistry& calls,
-               TaskPool& disk,
+               DiskThreads& disk,
                const grpc::CallbackServerContext& context,
                v1::UploadGridResponse& response);
 
@@ -38,7 +38,7 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadGridRequest>
   void finish(const absl::Status& status);
 
   GridStore& store_;
-  TaskPool& disk_;
+  DiskThreads& disk_;
   Call call_;
   v1::UploadGridResponse& response_;
   v1::UploadGridRequest message_;

@@ -26,21 +26,23 @@ struct VolumeKey {
 
 /// Loads volumes once and keeps the most recently used under a byte budget.
 ///
-/// Nobody waits: an answer comes as a task on the pool. Thread safety: any thread may call `get`.
+/// Nobody waits: an answer comes as a task on the pool. Thread safety: any thread may call
+/// `get`.
 class VolumeCache {
  public:
   using Answer = std::function<void(const absl::StatusOr<std::shared_ptr<const Volume>>&)>;
   using Loader = std::function<absl::StatusOr<Volume>(const std::string& path,
                                                       const std::string& grid_name)>;
 
-  /// `release` is asked to let go of volumes held elsewhere before a request is refused for room.
+  /// `release` is asked to let go of volumes held elsewhere before a request is refused for
+  /// room.
   VolumeCache(TaskPool& pool,
               std::uint64_t budget_bytes,
               Loader loader,
               std::function<void()> release);
 
-  /// Calls `answer` on the pool: with the volume, or the loader's error, or kResourceExhausted when
-  /// it does not fit beside the volumes in use. Requests that meet share one load.
+  /// Calls `answer` on the pool: with the volume, or the loader's error, or kResourceExhausted
+  /// when it does not fit beside the volumes in use. Requests that meet share one load.
   void get(const VolumeKey& key, const std::string& path, Answer answer);
 
  private:

@@ -8,7 +8,8 @@ namespace {
 
 // ISA-L's is the zlib checksum at 10 times zlib's speed.
 std::uint32_t add_crc(std::uint32_t crc, std::string_view bytes) noexcept {
-  return crc32_gzip_refl(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  return crc32_gzip_refl(crc, reinterpret_cast<const unsigned char*>(bytes.data()),
+                         bytes.size());
 }
 
 }  // namespace
