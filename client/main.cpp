@@ -56,7 +56,7 @@ int run(const NamedCommand& command, const Cancellation& interruption) {
 int run_command_line(int argc, char** argv) {
   CLI::App app(kAbout, "tetstream");
   app.footer(kExamples);
-  app.set_version_flag("--version", std::string("tetstream ") + TET_VERSION);
+  app.set_version_flag("--version", std::string("tetstream ") + TETSTREAM_VERSION);
   app.require_subcommand(1);
   const std::vector<NamedCommand> commands = add_commands(app);
   try {

@@ -1,4 +1,5 @@
 #include <memory>
+#include <mutex>
 #include <utility>
 
 #include "client/mesh_maker.h"
@@ -39,10 +40,19 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   if (!volume.ok()) return volume.status();
   const double reading_seconds = watch.lap();
 
-  bar.begin("meshing");
-  absl::StatusOr<MeshResult> result = mesh_volume(
-      pool, std::make_shared<const Volume>(*std::move(volume)), options.request, MeshLimits{},
-      interruption, [&](double fraction) { bar.update(fraction, 1); });
+  bar.begin("planning");
+  std::once_flag planned;  // the first chunk says so
+  const auto show = [&](double fraction) {
+    std::call_once(planned, [&] { bar.begin("meshing"); });
+    bar.update(fraction, 1);
+  };
+  absl::StatusOr<MeshResult> result =
+      mesh_volume(pool,
+                  std::make_shared<const Volume>(*std::move(volume)),
+                  options.request,
+                  MeshLimits{},
+                  interruption,
+                  show);
   if (!result.ok()) return result.status();
   return MadeMesh{
       .mesh = std::move(result->mesh),

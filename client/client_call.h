@@ -1,0 +1,52 @@
+// What every call of the client has in common: cancellation, statuses, and trying again.
+#pragma once
+
+#include <cstdint>
+#include <thread>
+
+#include <absl/status/status.h>
+#include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
+
+#include "client/mesh_client.h"
+#include "core/base/cancel.h"
+
+namespace tet {
+
+/// One attempt at a call: its context, cancelled soon after `cancellation` is raised.
+class ClientCall {
+ public:
+  explicit ClientCall(const Cancellation& cancellation);
+
+  grpc::ClientContext& context() { return context_; }
+
+  /// The server's status as ours; when the caller has cancelled, that is the reason given.
+  absl::Status result(const grpc::Status& status) const;
+
+ private:
+  const Cancellation& cancellation_;
+  grpc::ClientContext context_;
+  std::jthread watcher_;  // last: it uses the others
+};
+
+/// kCancelled or kDeadlineExceeded when `cancellation` was raised, else kOk.
+absl::Status check(const Cancellation& cancellation);
+
+/// Decides how often, and after how long, a broken call is taken up again.
+class Retries {
+ public:
+  Retries(const RetryPolicy& policy, const Cancellation& cancellation)
+      : policy_(policy), cancellation_(cancellation) {}
+
+  /// After a failed attempt that got as far as `progress`: waits and returns true when it is
+  /// worth another. Attempts count from the last one that got further than those before.
+  bool again(const absl::Status& status, std::uint64_t progress);
+
+ private:
+  const RetryPolicy policy_;
+  const Cancellation& cancellation_;
+  int failures_ = 0;
+  std::uint64_t furthest_ = 0;
+};
+
+}  // namespace tet

@@ -1,0 +1,23 @@
+// A grid file on this machine, as an upload needs it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+
+namespace tet {
+
+struct LocalFile {
+  std::string path;
+  std::string name;  ///< `grids/{sha256}`
+  std::uint64_t size_bytes = 0;
+};
+
+/// Reads all of a file to name it. Errors: kNotFound, kInvalidArgument (empty, not a file),
+/// kCancelled.
+absl::StatusOr<LocalFile> name_file(const std::string& path, const Cancellation& cancellation);
+
+}  // namespace tet

@@ -1,0 +1,249 @@
+#include "client/mesh_client.h"
+
+#include <fstream>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
+
+#include "client/client_call.h"
+#include "client/local_file.h"
+#include "client/mesh_receiver.h"
+#include "grpc/health/v1/health.grpc.pb.h"
+#include "proto/wire/transport.h"
+#include "tetstream/v1/grids.grpc.pb.h"
+#include "tetstream/v1/meshes.grpc.pb.h"
+
+namespace tet {
+
+namespace {
+
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  for (const TransportSetting& setting : kTransportSettings) {
+    arguments.SetInt(setting.name, setting.value);
+  }
+  // A connection of its own, tried again sooner than our own retries end.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 3000);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
+          std::uint64_t done,
+          std::uint64_t total) {
+  if (listener) listener(done, total);
+}
+
+}  // namespace
+
+struct MeshClient::Connection {
+  Connection(const std::string& address, RetryPolicy retry_policy)
+      : retry(retry_policy), channel(open_channel(address)) {}
+
+  /// One unary call, tried again while the server is not to be reached.
+  template <class Stub, class Request, class Response>
+  absl::StatusOr<Response> call(Stub& stub,
+                                grpc::Status (Stub::*method)(grpc::ClientContext*,
+                                                             const Request&,
+                                                             Response*),
+                                const Request& request,
+                                const Cancellation& cancellation) {
+    for (Retries retries(retry, cancellation);;) {
+      Response response;
+      ClientCall attempt(cancellation);
+      const auto status =
+          attempt.result((stub.*method)(&attempt.context(), request, &response));
+      if (status.ok()) return response;
+      if (!retries.again(status, 0)) return status;
+    }
+  }
+
+  const RetryPolicy retry;
+  const std::shared_ptr<grpc::Channel> channel;
+  v1::GridService::Stub grids{channel};
+  v1::MeshService::Stub meshes{channel};
+  grpc::health::v1::Health::Stub health{channel};
+};
+
+std::unique_ptr<MeshClient> MeshClient::connect(const std::string& address, RetryPolicy retry) {
+  return std::unique_ptr<MeshClient>(
+      new MeshClient(std::make_unique<Connection>(address, retry)));
+}
+
+MeshClient::MeshClient(std::unique_ptr<Connection> connection)
+    : connection_(std::move(connection)) {}
+
+MeshClient::~MeshClient() = default;
+
+namespace {
+
+using UploadWriter = grpc::ClientWriter<v1::UploadGridRequest>;
+
+/// Writes what the server lacks; false when it stopped listening.
+bool write_pieces(UploadWriter& writer,
+                  const LocalFile& file,
+                  std::uint64_t offset,
+                  const ClientProgress& progress) {
+  v1::UploadGridRequest message;
+  message.mutable_start()->set_name(file.name);
+  message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(file.size_bytes));
+  if (!writer.Write(message)) return false;
+  std::ifstream input(file.path, std::ios::binary);
+  input.seekg(static_cast<std::streamoff>(offset));
+  std::string& piece = *message.mutable_data()->mutable_data();
+  while (offset < file.size_bytes) {
+    piece.resize(static_cast<std::size_t>(kUploadPieceBytes));
+    input.read(piece.data(), kUploadPieceBytes);
+    piece.resize(static_cast<std::size_t>(input.gcount()));
+    if (piece.empty()) break;  // the file shrank: the server will miss the rest
+    message.mutable_data()->set_offset(static_cast<std::int64_t>(offset));
+    if (!writer.Write(message)) return false;
+    offset += piece.size();
+    tell(progress.upload, offset, file.size_bytes);
+  }
+  return true;
+}
+
+/// One upload call from `offset` on. kAborted when it ended well but short.
+absl::Status upload_from(v1::GridService::Stub& grids,
+                         const LocalFile& file,
+                         std::uint64_t offset,
+                         const ClientProgress& progress,
+                         const Cancellation& cancellation) {
+  ClientCall call(cancellation);
+  v1::UploadGridResponse response;
+  const auto writer = grids.UploadGrid(&call.context(), &response);
+  if (write_pieces(*writer, file, offset, progress)) writer->WritesDone();
+  const absl::Status status = call.result(writer->Finish());
+  if (!status.ok() || response.complete()) return status;
+  return absl::AbortedError(absl::StrCat("the server holds ", response.committed_size(), " of ",
+                                         file.size_bytes, " bytes; did ", file.path,
+                                         " change?"));
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
+                                                    const ClientProgress& progress,
+                                                    const Cancellation& cancellation) {
+  auto& grids = connection_->grids;
+  const auto file = name_file(path, cancellation);
+  if (!file.ok()) return file.status();
+  v1::FindMissingGridsRequest find;
+  find.add_names(file->name);
+  const auto missing =
+      connection_->call(grids, &v1::GridService::Stub::FindMissingGrids, find, cancellation);
+  if (!missing.ok()) return missing.status();
+  if (missing->missing_names().empty()) return file->name;
+
+  v1::GetUploadStatusRequest ask;
+  ask.set_name(file->name);
+  for (Retries retries(connection_->retry, cancellation);;) {
+    const auto state =
+        connection_->call(grids, &v1::GridService::Stub::GetUploadStatus, ask, cancellation);
+    if (!state.ok()) return state.status();
+    if (state->complete()) return file->name;
+    const auto offset = static_cast<std::uint64_t>(state->committed_size());
+    const auto status = upload_from(grids, *file, offset, progress, cancellation);
+    if (status.ok()) return file->name;
+    if (!retries.again(status, offset)) return status;
+  }
+}
+
+absl::StatusOr<std::vector<v1::GridFile>> MeshClient::list_grids(
+    const Cancellation& cancellation) {
+  std::vector<v1::GridFile> files;
+  v1::ListGridsRequest request;
+  do {
+    auto page = connection_->call(connection_->grids, &v1::GridService::Stub::ListGrids,
+                                  request, cancellation);
+    if (!page.ok()) return page.status();
+    for (v1::GridFile& file : *page->mutable_files()) files.push_back(std::move(file));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return files;
+}
+
+absl::StatusOr<v1::GridFile> MeshClient::grid_info(const std::string& name,
+                                                   const Cancellation& cancellation) {
+  v1::GetGridInfoRequest request;
+  request.set_name(name);
+  return connection_->call(connection_->grids, &v1::GridService::Stub::GetGridInfo, request,
+                           cancellation);
+}
+
+absl::StatusOr<v1::Capabilities> MeshClient::capabilities(const Cancellation& cancellation) {
+  return connection_->call(connection_->meshes, &v1::MeshService::Stub::GetCapabilities,
+                           v1::GetCapabilitiesRequest(), cancellation);
+}
+
+absl::StatusOr<v1::MeshHeader> MeshClient::estimate(const v1::MeshRequest& request,
+                                                    const Cancellation& cancellation) {
+  v1::EstimateMeshRequest message;
+  *message.mutable_mesh() = request;
+  return connection_->call(connection_->meshes, &v1::MeshService::Stub::EstimateMesh, message,
+                           cancellation);
+}
+
+absl::Status MeshClient::check_health(const std::string& service,
+                                      const Cancellation& cancellation) {
+  using grpc::health::v1::HealthCheckResponse;
+  grpc::health::v1::HealthCheckRequest request;
+  request.set_service(service);
+  const auto health = connection_->call(
+      connection_->health, &grpc::health::v1::Health::Stub::Check, request, cancellation);
+  if (!health.ok()) return health.status();
+  if (health->status() == HealthCheckResponse::SERVING) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat("health is ", HealthCheckResponse::ServingStatus_Name(health->status())));
+}
+
+namespace {
+
+/// One stream, from the first chunk that is missing on.
+absl::Status receive(v1::MeshService::Stub& meshes,
+                     const v1::MeshRequest& request,
+                     const ClientProgress& progress,
+                     const Cancellation& cancellation,
+                     MeshReceiver& receiver) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
+  message.set_expected_mesh_id(receiver.mesh_id());
+  ClientCall call(cancellation);
+  const auto reader = meshes.StreamMesh(&call.context(), message);
+  absl::Status taken;
+  for (v1::MeshEvent event; taken.ok() && reader->Read(&event);) {
+    taken = receiver.take(event);
+    if (event.has_progress()) {
+      tell(progress.planning, static_cast<std::uint64_t>(event.progress().done_bricks()),
+           static_cast<std::uint64_t>(event.progress().total_bricks()));
+    } else {
+      tell(progress.tets, receiver.tets_received(), receiver.tet_count());
+    }
+  }
+  if (!taken.ok()) call.context().TryCancel();
+  const absl::Status ended = call.result(reader->Finish());
+  if (!taken.ok()) return taken;
+  if (!ended.ok() || receiver.complete()) return ended;
+  return absl::UnavailableError("the stream ended before the mesh was whole");
+}
+
+}  // namespace
+
+absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& request,
+                                                     const ClientProgress& progress,
+                                                     const Cancellation& cancellation) {
+  MeshReceiver receiver;
+  for (Retries retries(connection_->retry, cancellation);;) {
+    const auto status = receive(connection_->meshes, request, progress, cancellation, receiver);
+    if (receiver.complete()) return std::move(receiver).finish();
+    if (!retries.again(status, receiver.next_chunk())) return status;
+  }
+}
+
+}  // namespace tet

@@ -1,0 +1,91 @@
+// The service as a C++ program uses it: files up, meshes down, broken connections mended.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/tet_mesh.h"
+#include "tetstream/v1/grids.pb.h"
+#include "tetstream/v1/meshes.pb.h"
+
+namespace tet {
+
+namespace v1 = ::tetstream::v1;
+
+/// How often a broken call is taken up again.
+struct RetryPolicy {
+  int attempts = 6;            ///< in a row without any progress between them
+  int first_backoff_ms = 100;  ///< doubled each time, up to max_backoff_ms
+  int max_backoff_ms = 3000;
+};
+
+/// A mesh as it came over the wire.
+struct StreamedMesh {
+  TetMesh mesh;
+  QualityStats quality;
+  std::string mesh_id;
+  v1::MeshRequest canonical_request;
+};
+
+/// Told how far long work is, on the thread that called.
+struct ClientProgress {
+  /// Bytes of the file the server holds, of all.
+  std::function<void(std::uint64_t done, std::uint64_t total)> upload;
+  /// Bricks counted, of all; total is 0 while it is unknown.
+  std::function<void(std::uint64_t done, std::uint64_t total)> planning;
+  /// Tets received, of all.
+  std::function<void(std::uint64_t done, std::uint64_t total)> tets;
+};
+
+/// A connection to one server. Thread safety: any thread may call any member.
+///
+/// Errors are the server's own codes and messages. kUnavailable (after all retries),
+/// kDeadlineExceeded, kCancelled, kDataLoss and kInternal are the network's or the server's
+/// fault, the others the request's. Every call ends within a tenth of a second of its
+/// cancellation.
+class MeshClient {
+ public:
+  /// Does not wait for the server: the first call tells whether it is there.
+  static std::unique_ptr<MeshClient> connect(const std::string& address,
+                                             RetryPolicy retry = {});
+  ~MeshClient();
+
+  /// Stores a file unless it is stored, going on where an earlier upload of it ended; returns
+  /// its name, `grids/{sha256}`. Errors also: kNotFound (no such file here).
+  absl::StatusOr<std::string> upload_file(const std::string& path,
+                                          const ClientProgress& progress,
+                                          const Cancellation& cancellation);
+
+  /// All stored files, by name.
+  absl::StatusOr<std::vector<v1::GridFile>> list_grids(const Cancellation& cancellation);
+  absl::StatusOr<v1::GridFile> grid_info(const std::string& name,
+                                         const Cancellation& cancellation);
+  absl::StatusOr<v1::Capabilities> capabilities(const Cancellation& cancellation);
+  absl::StatusOr<v1::MeshHeader> estimate(const v1::MeshRequest& request,
+                                          const Cancellation& cancellation);
+
+  /// kOk when the server says that it serves `service` ("", "liveness", "readiness").
+  absl::Status check_health(const std::string& service, const Cancellation& cancellation);
+
+  /// Makes a mesh on the server and receives all of it. A stream that breaks is resumed at the
+  /// first chunk that is missing. Errors also: kDataLoss (a checksum or a chunk's place is
+  /// wrong).
+  absl::StatusOr<StreamedMesh> stream_mesh(const v1::MeshRequest& request,
+                                           const ClientProgress& progress,
+                                           const Cancellation& cancellation);
+
+ private:
+  struct Connection;
+  explicit MeshClient(std::unique_ptr<Connection> connection);
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace tet

@@ -1,0 +1,40 @@
+// Stream events in, a mesh in memory out.
+#pragma once
+
+#include <cstdint>
+
+#include <absl/status/status.h>
+
+#include "client/mesh_client.h"
+
+namespace tet {
+
+/// Collects one mesh from as many streams as it takes. Trusts nothing that the server says:
+/// every count is checked before it is used. Not thread-safe.
+class MeshReceiver {
+ public:
+  /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
+  absl::Status take(const v1::MeshEvent& event);
+
+  /// The first chunk that is missing.
+  std::uint64_t next_chunk() const noexcept { return next_chunk_; }
+  const std::string& mesh_id() const noexcept { return received_.mesh_id; }
+  std::uint64_t tets_received() const noexcept { return next_tet_; }
+  std::uint64_t tet_count() const noexcept { return received_.mesh.header.tet_count; }
+  /// Every chunk is here and the server has said that there are no more.
+  bool complete() const noexcept { return complete_; }
+
+  /// The mesh, once complete. Statistics are measured here unless one stream brought them all.
+  StreamedMesh finish() &&;
+
+ private:
+  absl::Status take_header(const v1::MeshHeader& header);
+  absl::Status take_chunk(const v1::MeshChunk& chunk);
+  absl::Status take_trailer(const v1::MeshTrailer& trailer);
+
+  StreamedMesh received_;
+  std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0;
+  bool has_header_ = false, has_quality_ = false, complete_ = false;
+};
+
+}  // namespace tet

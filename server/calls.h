@@ -1,0 +1,75 @@
+// Running calls: counted, logged when they end, and refused while the server drains.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+
+#include <absl/status/status.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+#include <nlohmann/json.hpp>
+
+#include "server/disk_threads.h"
+
+namespace tet {
+
+/// Counts the calls that are running. Thread safety: any thread may call any member.
+class CallRegistry {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// From now on every new call is refused with kUnavailable.
+  void drain();
+  /// kUnavailable while draining.
+  absl::Status admission() const;
+  /// True once no call is running; false at `deadline`.
+  bool wait_until_idle(Clock::time_point deadline);
+  int running() const;
+
+ private:
+  friend class Call;
+  void add(int calls);
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  int running_ = 0;
+  bool draining_ = false;
+};
+
+/// One call, from its arrival until nothing of it is left: counted while it exists, and logged
+/// as one line when it finishes.
+///
+/// Not thread-safe; the reactor that owns it takes turns.
+class Call {
+ public:
+  Call(CallRegistry& registry, const grpc::CallbackServerContext& context, std::string method);
+  ~Call();
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  CallRegistry& registry() const { return registry_; }
+
+  /// Adds a field to the log line.
+  void note(const std::string& key, nlohmann::ordered_json value);
+
+  /// Logs the call's end; what it returns is for gRPC's Finish.
+  grpc::Status finish(const absl::Status& status);
+
+ private:
+  CallRegistry& registry_;
+  const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
+  nlohmann::ordered_json fields_;
+};
+
+/// What the gRPC handlers of a unary method have in common: `work` runs on `disk`, never on
+/// gRPC's own threads, and its status ends the call.
+grpc::ServerUnaryReactor* answer(CallRegistry& registry,
+                                 DiskThreads& disk,
+                                 grpc::CallbackServerContext& context,
+                                 std::string method,
+                                 std::function<absl::Status(Call&)> work);
+
+}  // namespace tet

@@ -1,0 +1,156 @@
+#include "server/config.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <absl/strings/str_replace.h>
+#include <toml++/toml.h>
+
+namespace tet {
+
+namespace {
+
+// TOML's own integers end here.
+constexpr std::uint64_t kMaxBytes = std::numeric_limits<std::int64_t>::max();
+
+const Setting kSettings[] = {
+    {           "listen",        "host:port to serve on; port 0 takes a free one",            &Config::listen},
+    {            "store", "directory of the stored grid files; made when missing",             &Config::store},
+    {      "store_bytes",       "disk for grid files; the least used are evicted",       &Config::store_bytes,1,
+     kMaxBytes},
+    {   "resident_bytes",                        "memory for grids ready to mesh",    &Config::resident_bytes,                                                                         1, kMaxBytes},
+    {          "threads",                   "meshing threads; 0 takes every core",           &Config::threads,0, 4096},
+    {      "max_streams",           "meshes made at once; more are told to retry",       &Config::max_streams,1,
+     100000},
+    {         "max_tets",                                      "tets of one mesh",          &Config::max_tets,                                                                             1, kMaxBytes},
+    {"max_request_bytes",                             "one message from a client", &Config::max_request_bytes,                                                                                                  65536,
+     1 << 30},
+    {    "drain_seconds",        "how long running calls may go on after SIGTERM",     &Config::drain_seconds,0, 86400},
+    {        "log_level",                "trace, debug, info, warn, error or off",         &Config::log_level                                                                        },
+    {        "port_file",       "write the chosen port to this file once serving",         &Config::port_file                                                                                                 },
+};
+
+std::optional<std::uint64_t> parse_number(std::string_view text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{}) return std::nullopt;
+  const std::string_view unit(end, text.size() - static_cast<std::size_t>(end - text.data()));
+  constexpr std::string_view kUnits[] = {"", "KiB", "MiB", "GiB", "TiB"};
+  const auto* found = std::find(std::begin(kUnits), std::end(kUnits), unit);
+  if (found == std::end(kUnits)) return std::nullopt;
+  const auto shift = 10 * (found - std::begin(kUnits));
+  if (number > (kMaxBytes >> shift)) return std::nullopt;
+  return number << shift;
+}
+
+absl::Status check_text(const Setting& setting, std::string_view text) {
+  if (std::string_view(setting.key) != "log_level") return absl::OkStatus();
+  for (const std::string_view level : {"trace", "debug", "info", "warn", "error", "off"}) {
+    if (text == level) return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "log_level \"%s\" is none of trace, debug, info, warn, error, off", text));
+}
+
+const Setting* find_setting(std::string_view key) {
+  const auto* found = std::find_if(std::begin(kSettings), std::end(kSettings),
+                                   [&](const Setting& s) { return s.key == key; });
+  return found == std::end(kSettings) ? nullptr : found;
+}
+
+absl::Status set_from_toml(Config& config, std::string_view key, const toml::node& node) {
+  const Setting* setting = find_setting(key);
+  if (setting == nullptr) {
+    return absl::InvalidArgumentError(absl::StrFormat("unknown key \"%s\"", key));
+  }
+  if (const auto* text = node.as_string()) return set_from_text(config, *setting, text->get());
+  if (const auto* number = node.as_integer()) {
+    return set_from_text(config, *setting, absl::StrCat(number->get()));
+  }
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s is neither text nor a whole number", key));
+}
+
+absl::Status prefixed(std::string_view prefix, const absl::Status& status) {
+  return {status.code(), absl::StrFormat("%s: %s", prefix, status.message())};
+}
+
+}  // namespace
+
+std::string Setting::flag() const {
+  return "--" + absl::StrReplaceAll(key, {
+                                             {"_", "-"}
+  });
+}
+
+std::string Setting::environment() const { return "TETSTREAM_" + absl::AsciiStrToUpper(key); }
+
+std::span<const Setting> settings() { return kSettings; }
+
+absl::Status set_from_text(Config& config, const Setting& setting, std::string_view text) {
+  if (const auto* field = std::get_if<std::string Config::*>(&setting.field)) {
+    config.*(*field) = text;
+    return check_text(setting, text);
+  }
+  const auto number = parse_number(text);
+  if (!number || *number < setting.min || *number > setting.max) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%s \"%s\" is not a number from %d to %d (KiB, MiB, GiB and TiB are understood)",
+        setting.key, text, setting.min, setting.max));
+  }
+  config.*std::get<std::uint64_t Config::*>(setting.field) = *number;
+  return absl::OkStatus();
+}
+
+absl::Status set_from_file(Config& config, const std::string& path) {
+  try {
+    const toml::table table = toml::parse_file(path);
+    for (const auto& [key, node] : table) {
+      const absl::Status status = set_from_toml(config, key.str(), node);
+      if (!status.ok()) {
+        return prefixed(absl::StrCat(path, ":", node.source().begin.line), status);
+      }
+    }
+    return absl::OkStatus();
+  } catch (const toml::parse_error& error) {
+    const auto line = error.source().begin.line;
+    const std::string where = line == 0 ? path : absl::StrCat(path, ":", line);
+    return absl::InvalidArgumentError(absl::StrFormat("%s: %s", where, error.description()));
+  }
+}
+
+absl::Status set_from_environment(Config& config) {
+  for (const Setting& setting : kSettings) {
+    const std::string variable = setting.environment();
+    const char* text = std::getenv(variable.c_str());
+    if (text == nullptr) continue;
+    const absl::Status status = set_from_text(config, setting, text);
+    if (!status.ok()) return prefixed(variable, status);
+  }
+  return absl::OkStatus();
+}
+
+std::string to_toml(const Config& config) {
+  std::string text;
+  for (const Setting& setting : kSettings) {
+    toml::table line;
+    if (const auto* field = std::get_if<std::string Config::*>(&setting.field)) {
+      line.insert(setting.key, config.*(*field));
+    } else {
+      const auto number = config.*std::get<std::uint64_t Config::*>(setting.field);
+      line.insert(setting.key, static_cast<std::int64_t>(number));
+    }
+    std::ostringstream out;
+    out << line;
+    absl::StrAppend(&text, "# ", setting.help, "\n", out.str(), "\n");
+  }
+  return text;
+}
+
+}  // namespace tet

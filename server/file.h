@@ -1,0 +1,48 @@
+// A file descriptor that closes itself, with errors that say what the disk said.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+namespace tet {
+
+/// The system's last error as a status: no space left (or a quota) is kResourceExhausted, a
+/// missing file kNotFound, anything else kInternal. The message is "`action` `path`: reason".
+absl::Status disk_error(std::string_view action, const std::filesystem::path& path);
+
+/// An open file. Not thread-safe.
+class File {
+ public:
+  /// `flags` as open(2) takes them; new files may be read by their owner's group.
+  static absl::StatusOr<File> open(const std::filesystem::path& path, int flags);
+  ~File();
+  File(File&& other) noexcept;
+  File& operator=(File&&) = delete;
+
+  absl::StatusOr<std::uint64_t> size() const;
+  absl::Status truncate(std::uint64_t size);
+  /// Writes all of `bytes` at `offset`; on failure some of them may have been written.
+  absl::Status write_at(std::uint64_t offset, std::string_view bytes);
+  /// Fills as much of `bytes` as the file has from `offset` on, and says how much.
+  absl::StatusOr<std::size_t> read_at(std::uint64_t offset, std::span<char> bytes) const;
+  /// Returns once the bytes would survive a power cut.
+  absl::Status sync();
+
+ private:
+  File(int descriptor, std::filesystem::path path)
+      : descriptor_(descriptor), path_(std::move(path)) {}
+
+  int descriptor_;
+  std::filesystem::path path_;
+};
+
+/// Renames within one file system, atomically and durably.
+absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
+}  // namespace tet

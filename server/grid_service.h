@@ -1,0 +1,41 @@
+// GridService: uploads, and what is stored.
+#pragma once
+
+#include "server/calls.h"
+#include "server/disk_threads.h"
+#include "server/grid_store.h"
+#include "tetstream/v1/grids.grpc.pb.h"
+
+namespace tet {
+
+namespace v1 = ::tetstream::v1;
+
+/// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, a pool of its own, so that
+/// uploads do not wait for meshes; the store and both others outlive the service.
+class GridService final : public v1::GridService::CallbackService {
+ public:
+  GridService(GridStore& store, CallRegistry& calls, DiskThreads& disk)
+      : store_(store), calls_(calls), disk_(disk) {}
+
+  grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
+                                             const v1::FindMissingGridsRequest* request,
+                                             v1::FindMissingGridsResponse* response) override;
+  grpc::ServerReadReactor<v1::UploadGridRequest>* UploadGrid(
+      grpc::CallbackServerContext* context, v1::UploadGridResponse* response) override;
+  grpc::ServerUnaryReactor* GetUploadStatus(grpc::CallbackServerContext* context,
+                                            const v1::GetUploadStatusRequest* request,
+                                            v1::UploadStatus* response) override;
+  grpc::ServerUnaryReactor* ListGrids(grpc::CallbackServerContext* context,
+                                      const v1::ListGridsRequest* request,
+                                      v1::ListGridsResponse* response) override;
+  grpc::ServerUnaryReactor* GetGridInfo(grpc::CallbackServerContext* context,
+                                        const v1::GetGridInfoRequest* request,
+                                        v1::GridFile* response) override;
+
+ private:
+  GridStore& store_;
+  CallRegistry& calls_;
+  DiskThreads& disk_;
+};
+
+}  // namespace tet

@@ -1,0 +1,85 @@
+#include "server/grid_upload.h"
+
+#include <fcntl.h>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+
+#include "server/grid_store.h"
+#include "server/status.h"
+
+namespace tet {
+
+absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(
+    GridStore& store,
+    std::string digest,
+    std::uint64_t size_bytes,
+    const std::filesystem::path& path) {
+  absl::StatusOr<File> file = File::open(path, O_RDWR | O_CREAT);
+  if (!file.ok()) return file.status();
+  std::unique_ptr<GridUpload> upload(
+      new GridUpload(store, std::move(digest), size_bytes, *std::move(file)));
+  const absl::Status status = upload->digest_what_is_there();
+  if (!status.ok()) return status;
+  return upload;
+}
+
+absl::Status GridUpload::digest_what_is_there() {
+  const absl::StatusOr<std::uint64_t> size = file_.size();
+  if (!size.ok()) return size.status();
+  // More than the whole file: whatever announced another size is not to be resumed.
+  if (*size > size_bytes_) return file_.truncate(0);
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (committed_size_ < *size) {
+    const absl::StatusOr<std::size_t> count = file_.read_at(committed_size_, buffer);
+    if (!count.ok()) return count.status();
+    if (*count == 0) break;
+    sha256_.add(std::string_view(buffer.data(), *count));
+    committed_size_ += *count;
+  }
+  return absl::OkStatus();
+}
+
+GridUpload::~GridUpload() {
+  if (!kept_) store_.end_upload(digest_, committed_size_);
+}
+
+absl::Status GridUpload::append(std::uint64_t offset, std::string_view bytes) {
+  if (offset != committed_size_) {
+    return with_reason(absl::OutOfRangeError(absl::StrCat(
+                           "offset ", offset, " is not the committed size ", committed_size_)),
+                       "WRONG_OFFSET");
+  }
+  if (bytes.size() > size_bytes_ - committed_size_) {
+    return with_reason(absl::InvalidArgumentError(
+                           absl::StrCat("data ends at ", offset + bytes.size(),
+                                        ", beyond the announced ", size_bytes_, " bytes")),
+                       "TOO_MUCH_DATA");
+  }
+  const absl::Status written = file_.write_at(offset, bytes);
+  if (!written.ok()) {
+    // Only whole pieces count as committed: cut off what the disk took of this one.
+    const absl::Status cut = file_.truncate(committed_size_);
+    return cut.ok() ? with_reason(written, "DISK") : cut;
+  }
+  sha256_.add(bytes);
+  committed_size_ += bytes.size();
+  return absl::OkStatus();
+}
+
+absl::Status GridUpload::commit() {
+  const std::string found = sha256_.finish_hex();
+  if (found != digest_) {
+    committed_size_ = 0;  // so that the store throws it away
+    return with_reason(
+        absl::InvalidArgumentError(
+            absl::StrCat("the data's SHA-256 is ", found, ", not ", digest_, " as announced")),
+        "WRONG_DIGEST");
+  }
+  absl::Status status = file_.sync();
+  if (status.ok()) status = store_.keep(digest_, size_bytes_);
+  kept_ = status.ok();
+  return status;
+}
+
+}  // namespace tet

@@ -1,0 +1,62 @@
+// One upload on its way to the disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "proto/wire/sha256.h"
+#include "server/file.h"
+
+namespace tet {
+
+class GridStore;
+
+/// The only writer of a part file. Destroyed before `commit`, it leaves the part to be resumed.
+///
+/// Not thread-safe; the store outlives it.
+class GridUpload {
+ public:
+  /// Opens the part and digests again what it holds. The store has reserved the place.
+  static absl::StatusOr<std::unique_ptr<GridUpload>> open(GridStore& store,
+                                                          std::string digest,
+                                                          std::uint64_t size_bytes,
+                                                          const std::filesystem::path& path);
+  ~GridUpload();
+  GridUpload(const GridUpload&) = delete;
+  GridUpload& operator=(const GridUpload&) = delete;
+
+  std::uint64_t committed_size() const noexcept { return committed_size_; }
+  bool has_all() const noexcept { return committed_size_ == size_bytes_; }
+
+  /// Errors: kOutOfRange (offset is not the committed size), kInvalidArgument (more than was
+  /// announced), kResourceExhausted (disk full). What was committed before stays.
+  absl::Status append(std::uint64_t offset, std::string_view bytes);
+
+  /// Stores the file, once `has_all`.
+  /// Errors: kInvalidArgument (other bytes than the digest says: they are thrown away).
+  absl::Status commit();
+
+ private:
+  GridUpload(GridStore& store, std::string digest, std::uint64_t size_bytes, File file)
+      : store_(store),
+        digest_(std::move(digest)),
+        size_bytes_(size_bytes),
+        file_(std::move(file)) {}
+  absl::Status digest_what_is_there();
+
+  GridStore& store_;
+  const std::string digest_;
+  const std::uint64_t size_bytes_;
+  File file_;
+  Sha256 sha256_;
+  std::uint64_t committed_size_ = 0;
+  bool kept_ = false;
+};
+
+}  // namespace tet

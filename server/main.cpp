@@ -1,0 +1,146 @@
+// tetstreamd: reads its settings, serves until a signal, drains, exits.
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <malloc.h>
+#include <map>
+#include <pthread.h>
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
+
+#include "server/config.h"
+#include "server/file.h"
+#include "server/logging.h"
+#include "server/server.h"
+
+namespace {
+
+enum ExitCode { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
+
+constexpr char kAbout[] =
+    "Meshes OpenVDB grids and streams the tetrahedra over gRPC.\n\n"
+    "A setting is taken from its flag, else from its TETSTREAM_* variable, else from the "
+    "config\n"
+    "file, else its default; --print-config shows the outcome, as a config file.\n\n"
+    "  tetstreamd --store /var/lib/tetstream --store-bytes 200GiB\n"
+    "  TETSTREAM_THREADS=8 tetstreamd --config /etc/tetstream.toml --print-config\n\n"
+    "SIGTERM and SIGINT let running calls finish for --drain-seconds. Exit codes: 0 done, 1 a\n"
+    "setting was refused, 2 usage, 3 the server could not start.";
+
+struct CommandLine {
+  std::map<std::string, std::string> given;  ///< by setting key
+  std::string config_file;
+  bool print_config = false;
+};
+
+void declare_options(CLI::App& app, CommandLine& line) {
+  app.set_version_flag("--version", "tetstreamd " TETSTREAM_VERSION);
+  app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
+      ->envname("TETSTREAM_CONFIG");
+  app.add_flag("--print-config", line.print_config, "print the settings as TOML and exit");
+  for (const tet::Setting& setting : tet::settings()) {
+    const std::string key = setting.key;
+    app.add_option_function<std::string>(
+        setting.flag(), [&line, key](const std::string& text) { line.given[key] = text; },
+        absl::StrCat(setting.help, " [", setting.environment(), "]"));
+  }
+}
+
+absl::Status read_settings(const CommandLine& line, tet::Config& config) {
+  if (!line.config_file.empty()) {
+    if (auto status = tet::set_from_file(config, line.config_file); !status.ok()) return status;
+  }
+  if (auto status = tet::set_from_environment(config); !status.ok()) return status;
+  for (const tet::Setting& setting : tet::settings()) {
+    const auto given = line.given.find(setting.key);
+    if (given == line.given.end()) continue;
+    if (auto status = tet::set_from_text(config, setting, given->second); !status.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(setting.flag(), ": ", status.message()));
+    }
+  }
+  return absl::OkStatus();
+}
+
+/// Blocks the signals that end the server, in this thread and all it starts, and returns their
+/// set.
+sigset_t hold_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+// Chunks are made in blocks of a megabyte: giving each back to the system and faulting it in
+// again costs more than the meshing.
+void keep_large_blocks() {
+  mallopt(M_MMAP_THRESHOLD, 256 << 20);
+  mallopt(M_TRIM_THRESHOLD, 512 << 20);
+}
+
+/// Tells whoever started the server with port 0 where it listens; appears whole or not at all.
+absl::Status write_port(const std::string& path, int port) {
+  if (path.empty()) return absl::OkStatus();
+  const std::string unfinished = path + ".tmp";
+  std::ofstream(unfinished) << port << "\n";
+  return tet::move_file(unfinished, path);
+}
+
+int serve(const tet::Config& config) {
+  keep_large_blocks();
+  const sigset_t signals = hold_signals();
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
+  auto server = tet::Server::start(config);
+  absl::Status status = server.status();
+  if (status.ok()) status = write_port(config.port_file, (*server)->port());
+  if (!status.ok()) {
+    tet::log_event(spdlog::level::err, "cannot_start",
+                   {
+                       {"message", status.message()}
+    });
+    return kFailed;
+  }
+  tet::log_event(spdlog::level::info, "serving",
+                 {
+                     {"address", (*server)->address()},
+                     {"version",    TETSTREAM_VERSION}
+  });
+  int signal = 0;
+  sigwait(&signals, &signal);
+  tet::log_event(spdlog::level::info, "draining",
+                 {
+                     {"signal", signal}
+  });
+  (*server)->stop(std::chrono::seconds(config.drain_seconds));
+  tet::log_event(spdlog::level::info, "stopped");
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(kAbout, "tetstreamd");
+  CommandLine line;
+  declare_options(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  }
+  tet::Config config;
+  if (const absl::Status status = read_settings(line, config); !status.ok()) {
+    std::cerr << "tetstreamd: " << status.message() << "\n";
+    return kRefused;
+  }
+  if (line.print_config) {
+    std::cout << tet::to_toml(config);
+    return kDone;
+  }
+  tet::start_logging(config.log_level);
+  return serve(config);
+}

@@ -1,0 +1,47 @@
+#include "server/mesh_engine.h"
+
+#include <utility>
+
+#include "server/status.h"
+
+namespace tet {
+
+MeshWorkspace WorkspacePool::take() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      MeshWorkspace workspace = std::move(idle_.back());
+      idle_.pop_back();
+      return workspace;
+    }
+  }
+  return {};
+}
+
+void WorkspacePool::give_back(MeshWorkspace workspace) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(workspace));
+}
+
+MeshEngine::MeshEngine(const Config& server_config,
+                       CallRegistry& call_registry,
+                       GridStore& store)
+    : config(server_config),
+      calls(call_registry),
+      pool(static_cast<int>(config.threads)),
+      planner(pool, store, config.resident_bytes, MeshLimits{config.max_tets}) {}
+
+absl::StatusOr<MeshTicket> MeshEngine::admit() {
+  if (const absl::Status status = calls.admission(); !status.ok()) return status;
+  const std::int64_t running = activity.meshes.fetch_add(1) + 1;
+  MeshTicket ticket(
+      &activity, [](void* counted) { static_cast<Activity*>(counted)->meshes.fetch_sub(1); });
+  if (running > static_cast<std::int64_t>(config.max_streams)) {
+    return with_retry(over_limit("meshes being made at once",
+                                 static_cast<std::uint64_t>(running), config.max_streams),
+                      absl::Seconds(1));
+  }
+  return ticket;
+}
+
+}  // namespace tet

@@ -1,0 +1,114 @@
+#include "server/mesh_service.h"
+
+#include <memory>
+#include <utility>
+
+#include "server/chunk_stream.h"
+#include "server/request.h"
+#include "server/status.h"
+
+namespace tet {
+
+namespace {
+
+/// One EstimateMesh call. Lives until gRPC is done with it and the plan is made or given up.
+class Estimate final : public grpc::ServerUnaryReactor,
+                       public std::enable_shared_from_this<Estimate> {
+ public:
+  static grpc::ServerUnaryReactor* start(MeshEngine& engine,
+                                         const grpc::CallbackServerContext& context,
+                                         const v1::MeshRequest& request,
+                                         v1::MeshHeader& response) {
+    const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
+    estimate->self_ = estimate;
+    estimate->begin(engine, request);
+    return estimate.get();
+  }
+
+ private:
+  Estimate(MeshEngine& engine,
+           const grpc::CallbackServerContext& context,
+           v1::MeshHeader& response)
+      : call_(engine.calls, context, "EstimateMesh"),
+        watch_(std::make_shared<PlanningWatch>(context.deadline())),
+        response_(response) {}
+
+  void begin(MeshEngine& engine, const v1::MeshRequest& request) {
+    auto ticket = engine.admit();
+    auto order = parse_mesh_request(request);
+    const absl::Status status = ticket.ok() ? order.status() : ticket.status();
+    if (!status.ok()) return Finish(call_.finish(status));
+    ticket_ = *std::move(ticket);
+    engine.planner.plan(
+        *std::move(order), watch_,
+        [self = shared_from_this()](const auto& planned) { self->finish(planned); });
+  }
+
+  void finish(const absl::StatusOr<PlannedMesh>& planned) {
+    if (planned.ok()) {
+      to_proto(planned->plan->header(), response_);
+      response_.set_mesh_id(planned->mesh_id);
+      *response_.mutable_canonical_request() = planned->canonical;
+      call_.note("tets", response_.tet_count());
+    }
+    Finish(call_.finish(planned.status()));
+  }
+
+  void OnCancel() override { watch_->cancellation.cancel(); }
+  void OnDone() override { const std::shared_ptr<Estimate> last = std::move(self_); }
+
+  Call call_;
+  std::shared_ptr<PlanningWatch> watch_;
+  v1::MeshHeader& response_;
+  MeshTicket ticket_;
+  std::shared_ptr<Estimate> self_;
+};
+
+void add_preset(v1::Capabilities& capabilities, v1::Preset preset, double min, double max) {
+  v1::PresetInfo& info = *capabilities.add_presets();
+  info.set_preset(preset);
+  info.set_min_dihedral_deg(min);
+  info.set_max_dihedral_deg(max);
+}
+
+void describe(const Config& config, v1::Capabilities& capabilities) {
+  capabilities.set_server_version(TETSTREAM_VERSION);
+  capabilities.set_algorithm_version(kAlgorithmVersion);
+  add_preset(capabilities, v1::PRESET_DEFAULT, 11.3, 154.9);
+  add_preset(capabilities, v1::PRESET_MIN_ANGLE, 11.8, 161.2);
+  capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT32);
+  capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
+  capabilities.set_max_chunk_bytes(std::int64_t{kChunkBytes});
+  v1::Limits& limits = *capabilities.mutable_limits();
+  limits.set_max_concurrent_meshes(static_cast<std::int32_t>(config.max_streams));
+  limits.set_max_tets(static_cast<std::int64_t>(config.max_tets));
+  limits.set_max_request_bytes(static_cast<std::int64_t>(config.max_request_bytes));
+  limits.set_max_store_bytes(static_cast<std::int64_t>(config.store_bytes));
+  limits.set_max_resident_bytes(static_cast<std::int64_t>(config.resident_bytes));
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* MeshService::GetCapabilities(
+    grpc::CallbackServerContext* context,
+    const v1::GetCapabilitiesRequest* /*request*/,
+    v1::Capabilities* response) {
+  Call call(engine_.calls, *context, "GetCapabilities");
+  describe(engine_.config, *response);
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(call.finish(engine_.calls.admission()));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* MeshService::EstimateMesh(grpc::CallbackServerContext* context,
+                                                    const v1::EstimateMeshRequest* request,
+                                                    v1::MeshHeader* response) {
+  return Estimate::start(engine_, *context, request->mesh(), *response);
+}
+
+grpc::ServerWriteReactor<v1::MeshEvent>* MeshService::StreamMesh(
+    grpc::CallbackServerContext* context, const v1::StreamMeshRequest* request) {
+  return ChunkStream::start(engine_, *context, *request);
+}
+
+}  // namespace tet

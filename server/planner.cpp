@@ -1,0 +1,80 @@
+#include "server/planner.h"
+
+#include <algorithm>
+
+#include "core/grid/load.h"
+
+namespace tet {
+
+namespace {
+// Enough for the streams that are likely to come back; each may hold a volume in memory.
+constexpr std::size_t kRecentPlans = 4;
+}  // namespace
+
+Planner::Planner(TaskPool& pool,
+                 GridStore& store,
+                 std::uint64_t resident_bytes,
+                 MeshLimits limits)
+    : pool_(pool),
+      store_(store),
+      limits_(limits),
+      volumes_(pool, resident_bytes, load_volume, [this] { forget(); }) {}
+
+void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
+  auto grid = store_.acquire(order.digest);
+  if (!grid.ok()) {
+    pool_.post([done = std::move(done), status = grid.status()] { done(status); });
+    return;
+  }
+  const VolumeKey key{order.digest, order.grid_name};
+  const std::string path = (*grid)->path.string();
+  volumes_.get(key, path,
+               [this, order = std::move(order), watch = std::move(watch),
+                done = std::move(done), grid = *std::move(grid)](const auto& volume) {
+                 done(volume.ok() ? plan_volume(order, *volume, grid, *watch)
+                                  : absl::StatusOr<PlannedMesh>(volume.status()));
+               });
+}
+
+absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
+                                                 std::shared_ptr<const Volume> volume,
+                                                 GridLease grid,
+                                                 PlanningWatch& watch) {
+  const std::string name = mesh_id_of(canonical_request(order, *volume, nullptr));
+  std::shared_ptr<const MeshPlan> plan = recall(name);
+  if (plan == nullptr) {
+    running_.fetch_add(1);
+    auto planned =
+        plan_mesh(volume, order.request, limits_, watch.cancellation, &watch.progress);
+    running_.fetch_sub(1);
+    if (!planned.ok()) return planned.status();
+    plan = *std::move(planned);
+    remember(name, plan);
+  }
+  v1::MeshRequest canonical = canonical_request(order, *volume, &plan->header());
+  std::string mesh_id = mesh_id_of(canonical);
+  return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id),
+                     std::move(grid)};
+}
+
+std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(recent_.begin(), recent_.end(),
+                                  [&](const NamedPlan& plan) { return plan.first == name; });
+  if (found == recent_.end()) return nullptr;
+  recent_.splice(recent_.begin(), recent_, found);
+  return recent_.front().second;
+}
+
+void Planner::remember(std::string name, std::shared_ptr<const MeshPlan> plan) {
+  const std::lock_guard lock(mutex_);
+  recent_.emplace_front(std::move(name), std::move(plan));
+  if (recent_.size() > kRecentPlans) recent_.pop_back();
+}
+
+void Planner::forget() {
+  const std::lock_guard lock(mutex_);
+  recent_.clear();
+}
+
+}  // namespace tet

@@ -1,0 +1,75 @@
+// From a valid order to a counted mesh: find the file, load the grid, plan; each step once.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/base/parallel.h"
+#include "core/pipeline/mesh_plan.h"
+#include "server/grid_store.h"
+#include "server/request.h"
+#include "server/volume_cache.h"
+
+namespace tet {
+
+/// A counted mesh and its names.
+struct PlannedMesh {
+  std::shared_ptr<const MeshPlan> plan;
+  v1::MeshRequest canonical;
+  std::string mesh_id;
+  GridLease grid;  ///< keeps the file from being evicted
+};
+
+/// What a caller of the planner shares with the work done for it; outlives both by shared_ptr.
+struct PlanningWatch {
+  explicit PlanningWatch(Cancellation::Clock::time_point deadline) : cancellation(deadline) {}
+  Cancellation cancellation;
+  MeshProgress progress;
+};
+
+/// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
+/// once.
+///
+/// Thread safety: any thread may call any member. The pool's tasks must have ended before it is
+/// destroyed.
+class Planner {
+ public:
+  using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
+
+  Planner(TaskPool& pool, GridStore& store, std::uint64_t resident_bytes, MeshLimits limits);
+
+  /// Calls `done` on the pool. Errors: those of GridStore::acquire, load_volume and plan_mesh.
+  void plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done);
+
+  /// Plans being made now.
+  int running() const noexcept { return running_.load(); }
+
+ private:
+  using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
+
+  absl::StatusOr<PlannedMesh> plan_volume(const MeshOrder& order,
+                                          std::shared_ptr<const Volume> volume,
+                                          GridLease grid,
+                                          PlanningWatch& watch);
+  std::shared_ptr<const MeshPlan> recall(const std::string& name);
+  void remember(std::string name, std::shared_ptr<const MeshPlan> plan);
+  void forget();
+
+  TaskPool& pool_;
+  GridStore& store_;
+  const MeshLimits limits_;
+  VolumeCache volumes_;
+  std::atomic<int> running_{0};
+  std::mutex mutex_;
+  std::list<NamedPlan> recent_;  ///< most recently used first
+};
+
+}  // namespace tet

@@ -1,0 +1,191 @@
+#include "server/request.h"
+
+#include <cmath>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "proto/wire/sha256.h"
+#include "server/status.h"
+
+namespace tet {
+
+namespace {
+
+absl::Status wrong_field(std::string message) {
+  return with_reason(absl::InvalidArgumentError(std::move(message)), "INVALID_FIELD");
+}
+
+absl::StatusOr<Preset> parse_preset_field(v1::Preset preset) {
+  switch (preset) {
+    case v1::PRESET_UNSPECIFIED:
+    case v1::PRESET_DEFAULT:
+      return Preset::kDefault;
+    case v1::PRESET_MIN_ANGLE:
+      return Preset::kMinAngle;
+    default:
+      return wrong_field(absl::StrCat("preset ", static_cast<int>(preset), " is unknown"));
+  }
+}
+
+absl::StatusOr<std::optional<CoordinateType>> parse_coordinates(v1::CoordinateType type) {
+  switch (type) {
+    case v1::COORDINATE_TYPE_UNSPECIFIED:
+      return std::nullopt;
+    case v1::COORDINATE_TYPE_FLOAT32:
+      return CoordinateType::kFloat32;
+    case v1::COORDINATE_TYPE_FLOAT64:
+      return CoordinateType::kFloat64;
+    default:
+      return wrong_field(
+          absl::StrCat("coordinate_type ", static_cast<int>(type), " is unknown"));
+  }
+}
+
+absl::Status check_numbers(const v1::MeshRequest& request) {
+  if (request.has_spacing() && !(request.spacing() > 0 && std::isfinite(request.spacing()))) {
+    return wrong_field(
+        absl::StrCat("spacing ", request.spacing(), " is not positive and finite"));
+  }
+  if (request.has_iso() && !std::isfinite(request.iso())) {
+    return wrong_field(absl::StrCat("iso ", request.iso(), " is not finite"));
+  }
+  if (request.has_levels() && (request.levels() < 0 || request.levels() > kMaxLevels)) {
+    return wrong_field(
+        absl::StrCat("levels ", request.levels(), " is not from 0 to ", kMaxLevels));
+  }
+  return absl::OkStatus();
+}
+
+void set_point(const WorldPoint& point, v1::Point& message) {
+  message.set_x(point.x);
+  message.set_y(point.y);
+  message.set_z(point.z);
+}
+
+std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t>(count); }
+
+}  // namespace
+
+absl::StatusOr<std::string> parse_grid_name(const std::string& name) {
+  const std::string_view digest = digest_of_name(name);
+  if (!digest.empty()) return std::string(digest);
+  return wrong_field(absl::StrCat("name \"", name.substr(0, 100),
+                                  "\" is not grids/ and 64 lower-case hexadecimal digits"));
+}
+
+absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
+  const auto digest = parse_grid_name(request.name());
+  if (!digest.ok()) return digest.status();
+  if (const auto status = check_numbers(request); !status.ok()) return status;
+  const auto preset = parse_preset_field(request.preset());
+  if (!preset.ok()) return preset.status();
+  const auto coordinates = parse_coordinates(request.coordinate_type());
+  if (!coordinates.ok()) return coordinates.status();
+
+  MeshOrder order{*digest, request.grid_name(), {}};
+  if (request.has_spacing()) order.request.spacing = request.spacing();
+  if (request.has_iso()) order.request.iso = request.iso();
+  if (request.has_levels()) order.request.levels = request.levels();
+  order.request.preset = *preset;
+  order.request.coordinates = *coordinates;
+  return order;
+}
+
+absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request) {
+  auto mesh = parse_mesh_request(request.mesh());
+  if (!mesh.ok()) return mesh.status();
+  if (request.start_chunk() < 0) {
+    return wrong_field(absl::StrCat("start_chunk ", request.start_chunk(), " is negative"));
+  }
+  if (request.end_chunk() != 0 && request.end_chunk() < request.start_chunk()) {
+    return wrong_field(absl::StrCat("end_chunk ", request.end_chunk(), " is below start_chunk ",
+                                    request.start_chunk()));
+  }
+  return StreamOrder{*std::move(mesh), static_cast<std::uint64_t>(request.start_chunk()),
+                     static_cast<std::uint64_t>(request.end_chunk()),
+                     request.expected_mesh_id()};
+}
+
+v1::MeshRequest canonical_request(const MeshOrder& order,
+                                  const Volume& volume,
+                                  const MeshHeader* header) {
+  v1::MeshRequest canonical;
+  canonical.set_name(name_of_grid(order.digest));
+  canonical.set_grid_name(volume.name);
+  canonical.set_spacing(order.request.spacing.value_or(volume.transform.voxel_size));
+  canonical.set_iso(
+      order.request.iso.value_or(volume.kind == VolumeKind::kFogVolume ? 0.5 : 0.0));
+  canonical.set_levels(order.request.levels);
+  canonical.set_preset(to_proto(order.request.preset));
+  const auto coordinates =
+      header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
+  if (coordinates) canonical.set_coordinate_type(to_proto(*coordinates));
+  return canonical;
+}
+
+std::string mesh_id_of(const v1::MeshRequest& canonical) {
+  // Hexadecimal floats say every bit. The grid's name comes last: it may hold anything.
+  Sha256 digest;
+  digest.add(absl::StrFormat("tetstream mesh %s\n%s\n%a %a %d %d %d\n%s", kAlgorithmVersion,
+                             canonical.name(), canonical.spacing(), canonical.iso(),
+                             canonical.levels(), static_cast<int>(canonical.preset()),
+                             static_cast<int>(canonical.coordinate_type()),
+                             canonical.grid_name()));
+  return digest.finish_hex();
+}
+
+v1::CoordinateType to_proto(CoordinateType type) {
+  return type == CoordinateType::kFloat32 ? v1::COORDINATE_TYPE_FLOAT32
+                                          : v1::COORDINATE_TYPE_FLOAT64;
+}
+
+v1::IndexType to_proto(IndexType type) {
+  return type == IndexType::kUint32 ? v1::INDEX_TYPE_UINT32 : v1::INDEX_TYPE_UINT64;
+}
+
+v1::Preset to_proto(Preset preset) {
+  return preset == Preset::kMinAngle ? v1::PRESET_MIN_ANGLE : v1::PRESET_DEFAULT;
+}
+
+void to_proto(const GridInfo& info, v1::GridInfo& message) {
+  message.set_name(info.name);
+  message.set_value_type(info.value_type);
+  message.set_grid_class(info.grid_class);
+  message.set_voxel_size(info.voxel_size);
+  message.set_active_voxel_count(info.active_voxels);
+  message.set_background(info.background);
+  message.set_not_meshable_reason(info.not_meshable);
+  if (info.active_box.empty()) return;
+  v1::VoxelBox& box = *message.mutable_active_box();
+  box.set_min_x(info.active_box.min.x);
+  box.set_min_y(info.active_box.min.y);
+  box.set_min_z(info.active_box.min.z);
+  box.set_max_x(info.active_box.max.x);
+  box.set_max_y(info.active_box.max.y);
+  box.set_max_z(info.active_box.max.z);
+}
+
+void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
+  message.set_vertex_count(signed_count(header.vertex_count));
+  message.set_tet_count(signed_count(header.tet_count));
+  message.set_chunk_count(signed_count(header.chunk_count));
+  message.set_coordinate_type(to_proto(header.coordinate_type));
+  message.set_index_type(to_proto(header.index_type));
+  set_point(header.origin, *message.mutable_origin());
+  set_point(header.bounds.min, *message.mutable_bounds()->mutable_min());
+  set_point(header.bounds.max, *message.mutable_bounds()->mutable_max());
+  message.set_spacing(header.spacing);
+  message.set_levels(header.levels);
+}
+
+void to_proto(const QualityStats& stats, v1::QualityStats& message) {
+  message.set_min_dihedral_deg(stats.min_dihedral_deg);
+  message.set_max_dihedral_deg(stats.max_dihedral_deg);
+  message.set_volume(stats.volume);
+  for (const std::uint64_t count : stats.histogram) {
+    message.add_dihedral_histogram(signed_count(count));
+  }
+}
+
+}  // namespace tet

@@ -1,0 +1,59 @@
+// Messages in, core's types out, and back: the one place where requests are validated.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "core/grid/load.h"
+#include "core/mesh/quality.h"
+#include "core/pipeline/mesh_request.h"
+#include "tetstream/v1/grids.pb.h"
+#include "tetstream/v1/meshes.pb.h"
+
+namespace tet {
+
+namespace v1 = ::tetstream::v1;
+
+/// Part of every mesh id. Goes up with any change that may alter a mesh's bytes.
+inline constexpr char kAlgorithmVersion[] = "1";
+
+/// A valid request for a mesh.
+struct MeshOrder {
+  std::string digest;     ///< of the grid file
+  std::string grid_name;  ///< within it; may be empty
+  MeshRequest request;
+};
+
+/// A valid request for chunks of it.
+struct StreamOrder {
+  MeshOrder mesh;
+  std::uint64_t start_chunk = 0;
+  std::uint64_t end_chunk = 0;  ///< 0: all
+  std::string expected_mesh_id;
+};
+
+/// Errors: kInvalidArgument, naming the field, its value and what it may be.
+absl::StatusOr<std::string> parse_grid_name(const std::string& name);
+absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
+absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
+
+/// The request with every default filled in; `coordinates` stays unset only if `header` is
+/// null.
+v1::MeshRequest canonical_request(const MeshOrder& order,
+                                  const Volume& volume,
+                                  const MeshHeader* header);
+
+/// A mesh's name: the same for the same bytes. SHA-256 over digest, canonical request and
+/// algorithm version, as 64 hexadecimal digits.
+std::string mesh_id_of(const v1::MeshRequest& canonical);
+
+v1::CoordinateType to_proto(CoordinateType type);
+v1::IndexType to_proto(IndexType type);
+v1::Preset to_proto(Preset preset);
+void to_proto(const GridInfo& info, v1::GridInfo& message);
+void to_proto(const MeshHeader& header, v1::MeshHeader& message);
+void to_proto(const QualityStats& stats, v1::QualityStats& message);
+
+}  // namespace tet

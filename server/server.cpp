@@ -1,0 +1,117 @@
+#include "server/server.h"
+
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include "proto/wire/transport.h"
+#include "server/grid_service.h"
+#include "server/logging.h"
+#include "server/mesh_service.h"
+
+namespace tet {
+
+namespace {
+
+constexpr int kDiskThreads = 2;
+constexpr std::chrono::seconds kGoodbye{1};
+constexpr std::chrono::hours kForever{24 * 365};
+
+void set_readiness(grpc::Server& server, bool ready) {
+  auto* health = server.GetHealthCheckService();
+  health->SetServingStatus("", ready);
+  health->SetServingStatus("readiness", ready);
+}
+
+}  // namespace
+
+// In the order they are needed; destroyed in the other.
+struct Server::Parts {
+  Parts(Config server_config, std::unique_ptr<GridStore> grid_store)
+      : config(std::move(server_config)), store(std::move(grid_store)) {}
+
+  bool listen();
+
+  const Config config;
+  std::unique_ptr<GridStore> store;
+  CallRegistry calls;
+  DiskThreads disk{kDiskThreads};
+  MeshEngine engine{config, calls, *store};
+  GridService grid_service{*store, calls, disk};
+  MeshService mesh_service{engine};
+  std::unique_ptr<grpc::Server> server;
+  int port = 0;
+  bool stopped = false;
+};
+
+bool Server::Parts::listen() {
+  grpc::ServerBuilder builder;
+  for (const TransportSetting& setting : kTransportSettings) {
+    builder.AddChannelArgument(setting.name, setting.value);
+  }
+  // Two servers on one port would share its calls by chance.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
+  builder.AddListeningPort(config.listen, grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&grid_service);
+  builder.RegisterService(&mesh_service);
+  server = builder.BuildAndStart();
+  return server != nullptr && port != 0;
+}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
+  static const bool registered = [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    return true;
+  }();
+  static_cast<void>(registered);
+  auto store = GridStore::open(config.store, config.store_bytes);
+  if (!store.ok()) return store.status();
+  auto parts = std::make_unique<Parts>(config, *std::move(store));
+  if (!parts->listen()) {
+    return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
+  }
+  parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
+  set_readiness(*parts->server, true);
+  return std::unique_ptr<Server>(new Server(std::move(parts)));
+}
+
+Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Server::~Server() { stop(std::chrono::seconds(0)); }
+
+std::string Server::address() const {
+  const std::string& listen = parts_->config.listen;
+  return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", parts_->port);
+}
+
+int Server::port() const { return parts_->port; }
+
+const MeshEngine& Server::engine() const { return parts_->engine; }
+
+int Server::running_calls() const { return parts_->calls.running(); }
+
+// While it drains the server goes on answering health checks, so that whoever balances the load
+// sees NOT_SERVING; gRPC's own shutdown would close their connections first.
+void Server::stop(std::chrono::seconds drain) {
+  if (std::exchange(parts_->stopped, true)) return;
+  parts_->calls.drain();
+  set_readiness(*parts_->server, false);
+  const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
+  if (!idle) {
+    log_event(spdlog::level::warn, "cancelling",
+              {
+                  {"calls", parts_->calls.running()}
+    });
+  }
+  const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
+  parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
+  // gRPC is done; the last tasks of cancelled calls may not be.
+  parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kForever);
+}
+
+}  // namespace tet

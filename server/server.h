@@ -1,0 +1,40 @@
+// The whole server in one object: tetstreamd runs one, tests run many.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "server/config.h"
+#include "server/mesh_engine.h"
+
+namespace tet {
+
+/// Serves from `start` until `stop`. Thread-safe.
+class Server {
+ public:
+  /// Errors: kInternal (store), kUnavailable (cannot listen there), kInvalidArgument (address).
+  static absl::StatusOr<std::unique_ptr<Server>> start(const Config& config);
+  /// Stops at once if `stop` was not called.
+  ~Server();
+
+  /// host:port, the port being the one that was really taken.
+  std::string address() const;
+  int port() const;
+
+  /// Readiness turns to NOT_SERVING, new calls are refused, running ones may go on for `drain`;
+  /// then they are cancelled. Returns when nothing runs any more.
+  void stop(std::chrono::seconds drain);
+
+  const MeshEngine& engine() const;
+  int running_calls() const;
+
+ private:
+  struct Parts;
+  explicit Server(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace tet
