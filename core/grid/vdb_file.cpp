@@ -3,7 +3,6 @@
 #include <utility>
 
 #include <absl/strings/str_format.h>
-#include <openvdb/io/io.h>
 
 namespace tet {
 namespace {
@@ -32,8 +31,7 @@ void VdbFile::open(const std::string& path) {
     OPENVDB_THROW(vdb::IoError, absl::StrFormat("it has only %d bytes", size_));
   }
   stream_.seekg(0);
-  auto metadata = vdb::SharedPtr<vdb::io::StreamMetadata>(new vdb::io::StreamMetadata);
-  vdb::io::setStreamMetadataPtr(stream_, metadata, /*transfer=*/false);
+  vdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
   readHeader(stream_);
   setFormatVersion(stream_);
   setLibraryVersion(stream_);
@@ -82,13 +80,12 @@ void VdbFile::check_extent(const Entry& entry, std::int64_t position) const {
 
 void VdbFile::read_header(Entry& entry) {
   // What follows is read the way this grid was written; OpenVDB finds that beside the stream.
-  auto metadata = vdb::io::getStreamMetadataPtr(stream_);
-  metadata->setHalfFloat(entry.descriptor.saveFloatAsHalf());
+  metadata_->setHalfFloat(entry.descriptor.saveFloatAsHalf());
   vdb::io::setGridClass(stream_, vdb::GRID_UNKNOWN);
   vdb::io::setGridBackgroundValuePtr(stream_, nullptr);
   readGridCompression(stream_);
   entry.grid->readMeta(stream_);
-  metadata->gridMetadata() = static_cast<const vdb::MetaMap&>(*entry.grid);
+  metadata_->gridMetadata() = static_cast<const vdb::MetaMap&>(*entry.grid);
   vdb::io::setGridClass(stream_, static_cast<std::uint32_t>(entry.grid->getGridClass()));
   entry.grid->readTransform(stream_);
 }

@@ -9,6 +9,7 @@
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
 
 namespace tet {
@@ -51,6 +52,8 @@ class VdbFile : private openvdb::io::Archive {
   void read_header(Entry& entry);
   Entry& tree_owner(Entry& entry);
 
+  // OpenVDB keeps the address of this pointer in the stream, to tell how its data is stored.
+  openvdb::SharedPtr<openvdb::io::StreamMetadata> metadata_{new openvdb::io::StreamMetadata};
   std::ifstream stream_;
   std::int64_t size_ = 0;
   std::vector<Entry> entries_;

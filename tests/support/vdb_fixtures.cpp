@@ -1,0 +1,181 @@
+#include "tests/support/vdb_fixtures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/Prune.h>
+
+namespace tet::test {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::GridBase;
+using openvdb::Vec3d;
+using Solid = std::function<double(const Vec3d&)>;  // negative inside, about a distance
+
+constexpr double kExtent = 1.6;  // every solid lies within this of the origin, on each axis
+
+double sphere(const Vec3d& p, const Vec3d& centre, double radius) {
+  return (p - centre).length() - radius;
+}
+
+double torus(const Vec3d& p) { return std::hypot(std::hypot(p.x(), p.y()) - 1, p.z()) - 0.4; }
+
+double gyroid(const Vec3d& p) {
+  constexpr double kWaves = 4;  // per 2 pi world units
+  const Vec3d q = p * kWaves;
+  const double wave = std::sin(q.x()) * std::cos(q.y()) + std::sin(q.y()) * std::cos(q.z()) +
+                      std::sin(q.z()) * std::cos(q.x());
+  const double sheet = (std::abs(wave) - 0.6) / (kWaves * std::sqrt(3.0));
+  return std::max(sheet, p.length() - 1.2);
+}
+
+double two_spheres(const Vec3d& p) {
+  return std::min(sphere(p, {-0.7, 0, 0}, 0.5), sphere(p, {0.7, 0, 0}, 0.5));
+}
+
+double cavity(const Vec3d& p) { return std::max(p.length() - 1, 0.5 - p.length()); }
+
+/// Calls `visit(voxel, world position)` for every voxel within kExtent of the origin.
+template <class Visit>
+void for_each_voxel(double voxel, const Visit& visit) {
+  const int n = static_cast<int>(std::ceil(kExtent / voxel)) + 4;
+  Coord c;
+  for (c.x() = -n; c.x() <= n; ++c.x()) {
+    for (c.y() = -n; c.y() <= n; ++c.y()) {
+      for (c.z() = -n; c.z() <= n; ++c.z()) visit(c, c.asVec3d() * voxel);
+    }
+  }
+}
+
+GridBase::Ptr level_set(const Solid& solid, double voxel) {
+  const auto background = static_cast<float>(3 * voxel);
+  FloatGrid::Ptr grid = FloatGrid::create(background);
+  FloatGrid::Accessor values = grid->getAccessor();
+  for_each_voxel(voxel, [&](const Coord& c, const Vec3d& p) {
+    const auto phi = static_cast<float>(solid(p));
+    if (phi <= -background) {
+      values.setValueOff(c, -background);
+    } else if (phi < background) {
+      values.setValue(c, phi);
+    }
+  });
+  openvdb::tools::pruneInactive(grid->tree());
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  return grid;
+}
+
+GridBase::Ptr fog(double voxel) {
+  FloatGrid::Ptr grid = FloatGrid::create(0);
+  FloatGrid::Accessor values = grid->getAccessor();
+  for_each_voxel(voxel, [&](const Coord& c, const Vec3d& p) {
+    const double density = std::clamp(0.5 - (p.length() - 1) / (4 * voxel), 0.0, 1.0);
+    if (density > 0) values.setValue(c, static_cast<float>(density));
+  });
+  openvdb::tools::prune(grid->tree());
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  return grid;
+}
+
+GridBase::Ptr random_signs(double voxel) {
+  constexpr int kEdge = 40;
+  FloatGrid::Ptr grid = FloatGrid::create(static_cast<float>(3 * voxel));
+  FloatGrid::Accessor values = grid->getAccessor();
+  std::mt19937 random(20071);  // NOLINT(cert-msc51-cpp): the same file every time
+  const auto next = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
+  Coord c;
+  for (c.x() = 0; c.x() < kEdge; ++c.x()) {
+    for (c.y() = 0; c.y() < kEdge; ++c.y()) {
+      for (c.z() = 0; c.z() < kEdge; ++c.z()) {
+        values.setValue(c.offsetBy(-kEdge / 2), static_cast<float>(next() * voxel));
+      }
+    }
+  }
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  return grid;
+}
+
+GridBase::Ptr vec3() {
+  openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
+  grid->tree().setValue({1, 2, 3}, {1, 2, 3});
+  return grid;
+}
+
+GridBase::Ptr points(double voxel) {
+  const std::vector<openvdb::Vec3s> positions{
+      {0, 0, 0},
+      {0, 1, 0},
+      {1, 0, 1}
+  };
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+  return openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
+                                              openvdb::points::PointDataGrid>(positions,
+                                                                              *transform);
+}
+
+openvdb::math::Transform::Ptr sheared(double voxel) {
+  openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+  matrix.preScale(Vec3d(voxel));
+  matrix(1, 0) = voxel / 2;
+  return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+using Maker = std::function<GridBase::Ptr(double voxel)>;
+
+Maker level_set_of(const Solid& solid) {
+  return [solid](double voxel) { return level_set(solid, voxel); };
+}
+
+const std::vector<std::pair<std::string_view, Maker>>& makers() {
+  static const auto* const all = new std::vector<std::pair<std::string_view, Maker>>{
+      {      "sphere",                                    level_set_of([](const Vec3d& p) {
+                                    return sphere(p, {0, 0, 0}, 1);
+                                    })      },
+      {       "torus",                         level_set_of(torus)},
+      {      "gyroid",                        level_set_of(gyroid)},
+      { "two-spheres",                   level_set_of(two_spheres)},
+      {      "cavity",                        level_set_of(cavity)},
+      {"random-signs",                                random_signs},
+      {         "fog",                                         fog},
+      {       "empty", [](double) { return FloatGrid::create(1); }},
+      {        "vec3",               [](double) { return vec3(); }},
+      {      "points",                                      points},
+      {     "sheared",                                    level_set_of([](const Vec3d& p) {
+                                    return sphere(p, {0, 0, 0}, 1);
+                                    })      },
+  };
+  return *all;
+}
+
+}  // namespace
+
+std::vector<std::string_view> fixture_kinds() {
+  std::vector<std::string_view> kinds;
+  for (const auto& [kind, make] : makers()) kinds.push_back(kind);
+  return kinds;
+}
+
+void write_fixture(std::string_view kind, double voxel, const std::string& path) {
+  openvdb::initialize();
+  const auto maker = std::find_if(makers().begin(), makers().end(),
+                                  [&](const auto& entry) { return entry.first == kind; });
+  if (maker == makers().end()) {
+    throw std::invalid_argument("unknown fixture '" + std::string(kind) + "'");
+  }
+  const GridBase::Ptr grid = maker->second(voxel);
+  grid->setName(std::string(kind));
+  grid->setTransform(kind == "sheared"
+                         ? sheared(voxel)
+                         : openvdb::math::Transform::createLinearTransform(voxel));
+  openvdb::io::File(path).write(openvdb::GridCPtrVec{grid});
+}
+
+}  // namespace tet::test

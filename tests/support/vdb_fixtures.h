@@ -1,0 +1,25 @@
+// Small .vdb files of known solids, and of grids that must be refused.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tet::test {
+
+/// Every kind that `write_fixture` knows:
+///
+/// - level sets, half band three voxels: "sphere" (radius 1), "torus" (radii 1 and 0.4),
+/// "gyroid"
+///   (a sheet of one within radius 1.2), "two-spheres" (radius 0.5 at x = -0.7 and 0.7),
+///   "cavity" (radius 1 with a hole of radius 0.5), "random-signs" (40^3 voxels of any sign);
+/// - "fog": a density, 1 within the unit ball and 0 outside;
+/// - refused: "empty", "vec3", "points", "sheared".
+std::vector<std::string_view> fixture_kinds();
+
+/// Writes one grid named after its kind, with voxels of `voxel` world units, centred at the
+/// origin. Throws std::invalid_argument for an unknown kind, openvdb::Exception when it cannot
+/// write.
+void write_fixture(std::string_view kind, double voxel, const std::string& path);
+
+}  // namespace tet::test
