@@ -53,6 +53,21 @@ int run(const NamedCommand& command, const Cancellation& interruption) {
   return static_cast<int>(exit_code_of(status.code()));
 }
 
+/// Help and the version are "errors" too; an option that does not exist is told before one that
+/// is missing.
+int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) {
+    app.exit(error);
+    return static_cast<int>(ExitCode::kDone);
+  }
+  std::string message = error.what();
+  for (const std::string& rest : app.remaining(true)) {
+    if (rest.starts_with("-")) message = "unknown option " + rest;
+  }
+  std::fprintf(stderr, "tetstream: %s; try tetstream --help\n", message.c_str());
+  return static_cast<int>(ExitCode::kUsage);
+}
+
 int run_command_line(int argc, char** argv) {
   CLI::App app(kAbout, "tetstream");
   app.footer(kExamples);
@@ -62,8 +77,7 @@ int run_command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool asked_for_help = app.exit(error) == 0;
-    return static_cast<int>(asked_for_help ? ExitCode::kDone : ExitCode::kUsage);
+    return report_parse_error(app, error);
   }
   for (const NamedCommand& command : commands) {
     if (command.app->parsed()) return run(command, watch_for_interruption());

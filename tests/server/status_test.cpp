@@ -1,0 +1,54 @@
+#include "server/status.h"
+
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace tet {
+namespace {
+
+google::rpc::Status details_of(const absl::Status& status) {
+  google::rpc::Status rpc;
+  EXPECT_TRUE(rpc.ParseFromString(to_grpc(status).error_details()));
+  return rpc;
+}
+
+template <class Detail>
+Detail find_detail(const absl::Status& status) {
+  Detail found;
+  for (const auto& detail : details_of(status).details()) {
+    if (detail.Is<Detail>()) detail.UnpackTo(&found);
+  }
+  return found;
+}
+
+TEST(Status, KeepsCodeAndMessage) {
+  const grpc::Status status = to_grpc(absl::NotFoundError("no such grid"));
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(status.error_message(), "no such grid");
+}
+
+TEST(Status, AlwaysSaysAReason) {
+  const auto info = find_detail<google::rpc::ErrorInfo>(absl::NotFoundError("no such grid"));
+  EXPECT_EQ(info.reason(), "NOT_FOUND");
+  EXPECT_EQ(info.domain(), "tetstream");
+}
+
+TEST(Status, SaysValueAndLimit) {
+  const auto info = find_detail<google::rpc::ErrorInfo>(over_limit("tets of one mesh", 12, 10));
+  EXPECT_EQ(info.reason(), "LIMIT_EXCEEDED");
+  EXPECT_EQ(info.metadata().at("value"), "12");
+  EXPECT_EQ(info.metadata().at("limit"), "10");
+}
+
+TEST(Status, SaysWhenToRetry) {
+  const auto status = with_retry(absl::AbortedError("busy"), absl::Milliseconds(1500));
+  const auto retry = find_detail<google::rpc::RetryInfo>(status);
+  EXPECT_EQ(retry.retry_delay().seconds(), 1);
+  EXPECT_EQ(retry.retry_delay().nanos(), 500'000'000);
+  EXPECT_EQ(details_of(status).details_size(), 2);
+}
+
+}  // namespace
+}  // namespace tet

@@ -1,0 +1,95 @@
+#include "server/volume_cache.h"
+
+#include <atomic>
+#include <future>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tet {
+namespace {
+
+using Loaded = absl::StatusOr<std::shared_ptr<const Volume>>;
+
+Volume volume_of(std::size_t values) {
+  Volume volume;
+  volume.values.resize(values);
+  return volume;
+}
+
+const std::uint64_t kOneVolume = volume_of(1000).size_bytes();
+
+class CacheTest : public testing::Test {
+ protected:
+  VolumeCache cache(std::uint64_t budget) {
+    return {pool_, budget,
+            [this](const std::string&, const std::string& name) -> absl::StatusOr<Volume> {
+              ++loads_;
+              if (name == "bad") return absl::NotFoundError("no such grid");
+              std::this_thread::sleep_for(std::chrono::milliseconds(20));
+              return volume_of(1000);
+            },
+            [this] { ++releases_; }};
+  }
+
+  static std::future<Loaded> ask(VolumeCache& cache, const std::string& name) {
+    auto promise = std::make_shared<std::promise<Loaded>>();
+    cache.get({"digest", name}, "path", [promise](const Loaded& loaded) {
+      promise->set_value(loaded);
+    });
+    return promise->get_future();
+  }
+
+  /// Waits until nobody but the cache and the caller holds the volume.
+  static Loaded load(VolumeCache& cache, const std::string& name) {
+    Loaded loaded = ask(cache, name).get();
+    while (loaded.ok() && loaded->use_count() > 2) std::this_thread::yield();
+    return loaded;
+  }
+
+  std::atomic<int> loads_{0}, releases_{0};
+  TaskPool pool_{2};
+};
+
+TEST_F(CacheTest, LoadsOnceForRequestsThatMeet) {
+  VolumeCache volumes = cache(10 * kOneVolume);
+  auto first = ask(volumes, "a");
+  auto second = ask(volumes, "a");
+  EXPECT_EQ(*first.get(), *second.get());
+  EXPECT_EQ(loads_, 1);
+}
+
+TEST_F(CacheTest, EvictsTheLeastRecentlyUsed) {
+  VolumeCache volumes = cache(2 * kOneVolume);
+  for (const char* name : {"a", "b", "a", "c", "a"}) ASSERT_TRUE(load(volumes, name).ok());
+  EXPECT_EQ(loads_, 3);
+  ASSERT_TRUE(load(volumes, "b").ok());
+  EXPECT_EQ(loads_, 4);
+}
+
+TEST_F(CacheTest, RefusesWhatDoesNotFitBesideVolumesInUse) {
+  VolumeCache volumes = cache(kOneVolume);
+  auto held = load(volumes, "a");
+  EXPECT_EQ(load(volumes, "b").status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(releases_, 1);
+  held = absl::CancelledError();
+  EXPECT_TRUE(load(volumes, "b").ok());
+}
+
+TEST_F(CacheTest, RefusesAVolumeOverTheBudgetWithBothNumbers) {
+  VolumeCache volumes = cache(kOneVolume - 1);
+  const auto status = load(volumes, "a").status();
+  EXPECT_THAT(std::string(status.message()),
+              testing::HasSubstr(std::to_string(kOneVolume - 1)));
+}
+
+TEST_F(CacheTest, TriesAgainAfterAFailure) {
+  VolumeCache volumes = cache(kOneVolume);
+  EXPECT_EQ(load(volumes, "bad").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(load(volumes, "bad").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(loads_, 2);
+}
+
+}  // namespace
+}  // namespace tet
