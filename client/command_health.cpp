@@ -14,7 +14,7 @@ constexpr const char* kExamples = R"(
 Exits with 0 when the server says that it is serving, and with 3 otherwise.
 
 Example:
-  tetstream health --server localhost:50551
+  tetstream health --server localhost:7447
 )";
 
 absl::Status run_health(const std::string& server, const Cancellation& interruption) {

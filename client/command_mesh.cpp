@@ -27,7 +27,7 @@ Examples:
       one grid of several, at another density and another size of tets
   tetstream mesh part.stl -o part.vtu --voxel 0.1
       a closed surface; it becomes a level set with voxels of 0.1 first
-  tetstream mesh bunny.vdb -o bunny.vtu --server localhost:50551 --report bunny.json
+  tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
 

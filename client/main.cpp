@@ -19,7 +19,7 @@ constexpr const char* kExamples = R"(
 Examples:
   tetstream info bunny.vdb                      what is in the file
   tetstream mesh bunny.vdb -o bunny.vtu         mesh it in this process
-  tetstream mesh bunny.vdb -o bunny.vtu --server localhost:50551
+  tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447
   tetstream convert part.stl part.vdb --voxel 0.5
   tetstream mesh --help                         all options, with examples
 

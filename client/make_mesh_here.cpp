@@ -47,12 +47,8 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     bar.update(fraction, 1);
   };
   absl::StatusOr<MeshResult> result =
-      mesh_volume(pool,
-                  std::make_shared<const Volume>(*std::move(volume)),
-                  options.request,
-                  MeshLimits{},
-                  interruption,
-                  show);
+      mesh_volume(pool, std::make_shared<const Volume>(*std::move(volume)), options.request,
+                  MeshLimits{}, interruption, show);
   if (!result.ok()) return result.status();
   return MadeMesh{
       .mesh = std::move(result->mesh),
