@@ -131,8 +131,9 @@ CellSet cells_covering(const std::vector<BrickCube>& inside,
   return cells;
 }
 
-/// The candidates that lie inside; their nodes all have one sign, so one corner tells.
+/// The candidates that lie inside; their nodes all lie on one side, so one corner tells.
 BrickMask inside_cells(PhiSampler& sampler,
+                       const InsideTest& is_inside,
                        BrickCoord brick,
                        int level,
                        const BrickMask& candidates) {
@@ -141,7 +142,7 @@ BrickMask inside_cells(PhiSampler& sampler,
     const auto corner = [&](std::int32_t b, int i) {
       return (std::int64_t{b} * 8 + i) << level;
     };
-    if (sampler.inside(corner(brick.x, x), corner(brick.y, y), corner(brick.z, z))) {
+    if (is_inside(sampler, corner(brick.x, x), corner(brick.y, y), corner(brick.z, z))) {
       inside.set(x, y, z);
     }
   });
@@ -150,6 +151,7 @@ BrickMask inside_cells(PhiSampler& sampler,
 
 /// Level `level`, whose leaves are the inside cells among `candidates` that are not refined.
 OctreeLevel make_level(const PhiField& field,
+                       const InsideTest& is_inside,
                        int level,
                        CellSet candidates,
                        const CellSet& refined) {
@@ -164,8 +166,8 @@ OctreeLevel make_level(const PhiField& field,
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t at = refined_index.find(made.bricks[i]);
       if (at != kNoBrick) made.refined[i] = refined.cells[at];
-      made.leaf[i] =
-          inside_cells(sampler, made.bricks[i], level, made.leaf[i] & ~made.refined[i]);
+      made.leaf[i] = inside_cells(sampler, is_inside, made.bricks[i], level,
+                                  made.leaf[i] & ~made.refined[i]);
     }
   });
   return made;
@@ -241,35 +243,28 @@ HaloSet gather_halo(const OctreeLevel& level,
   return set;
 }
 
-BrickMask finest_cells(const HaloSet& corner, const HaloSet& centre) noexcept {
-  HaloSet cells = centre;
-  for (int step : {offset_index(1, 0, 0), offset_index(0, 1, 0), offset_index(0, 0, 1)}) {
-    cells |= seen_from(centre, step) | seen_from(centre, -step);
-  }
-  for (int o = 0; o < 8; ++o)
-    cells |= seen_from(corner, offset_index(o >> 2, o >> 1 & 1, o & 1));
-
+BrickMask with_siblings(BrickMask cells) noexcept {
   // Siblings are pairs along z, then y, then x: each bit of a pair takes the other's.
   constexpr std::uint64_t kEvenZ = 0x5555555555555555, kEvenY = 0x00ff00ff00ff00ff;
-  BrickMask mask = brick_part(cells);
-  for (std::uint64_t& slice : mask.slice) {
+  for (std::uint64_t& slice : cells.slice) {
     slice |= (slice >> 1 & kEvenZ) | (slice & kEvenZ) << 1;
     slice |= (slice >> 8 & kEvenY) | (slice & kEvenY) << 8;
   }
   for (std::size_t x = 0; x < 8; x += 2) {
-    mask.slice[x] |= mask.slice[x + 1];
-    mask.slice[x + 1] = mask.slice[x];
+    cells.slice[x] |= cells.slice[x + 1];
+    cells.slice[x + 1] = cells.slice[x];
   }
-  return mask;
+  return cells;
 }
 
 Octree build_octree(CellSet finest,
                     const PhiField& field,
-                    const std::vector<BrickCube>& inside,
+                    const InsideTest& is_inside,
+                    const std::vector<BrickCube>& cover,
                     int max_levels) {
   Octree tree;
   if (max_levels == 0) {
-    tree.levels.push_back(finest_level(cells_covering(inside, 0, finest.bricks)));
+    tree.levels.push_back(finest_level(cells_covering(cover, 0, finest.bricks)));
     return tree;
   }
   CellSet refined = parents_of_finest(finest);
@@ -277,8 +272,8 @@ Octree build_octree(CellSet finest,
   for (int level = 1; level <= max_levels; ++level) {
     CellSet above = refined_above(refined);
     CellSet candidates =
-        level < max_levels ? children_of(above) : cells_covering(inside, level, refined.bricks);
-    OctreeLevel made = make_level(field, level, std::move(candidates), refined);
+        level < max_levels ? children_of(above) : cells_covering(cover, level, refined.bricks);
+    OctreeLevel made = make_level(field, is_inside, level, std::move(candidates), refined);
     if (!any_leaf(made)) break;
     tree.levels.push_back(std::move(made));
     refined = std::move(above);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -54,17 +55,22 @@ HaloSet gather_halo(const OctreeLevel& level,
                     const std::vector<BrickMask>& masks,
                     BrickCoord brick) noexcept;
 
-/// Cells of a brick that must stay finest because a touched node could end up in one of their
-/// tets, widened to whole families of eight siblings. `corner` and `centre` are touched nodes
-/// of the brick and its halo, known in [-1, 8]^3.
-BrickMask finest_cells(const HaloSet& corner, const HaloSet& centre) noexcept;
+/// The cells with all their siblings: the seven others of the same parent.
+BrickMask with_siblings(BrickMask cells) noexcept;
+
+/// Whether a finest lattice corner lies inside the mesh. Called from many threads at once, each
+/// with its own sampler.
+using InsideTest =
+    std::function<bool(PhiSampler& sampler, std::int64_t x, std::int64_t y, std::int64_t z)>;
 
 /// Grows an octree above the finest leaves, at most `max_levels` levels; with `max_levels` 0
-/// every inside cell is a finest leaf. `inside` covers the inside (see FoundBricks); it is
-/// looked at only where `max_levels` keeps leaves from growing as large as they could.
+/// every inside cell is a finest leaf. Cells that are not `finest` have all their nodes on one
+/// side, which `is_inside` tells. `cover` covers the inside (see FoundBricks); it is looked at
+/// only where `max_levels` keeps leaves from growing as large as they could.
 Octree build_octree(CellSet finest,
                     const PhiField& field,
-                    const std::vector<BrickCube>& inside,
+                    const InsideTest& is_inside,
+                    const std::vector<BrickCube>& cover,
                     int max_levels);
 
 }  // namespace tet

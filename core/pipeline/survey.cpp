@@ -18,16 +18,15 @@ struct SurveyedBrick {
   BrickMask finest;
 };
 
-/// Nothing when no node in reach touches the surface.
+/// Nothing when every node in reach is `+`, or none is.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
                                           const WarpLimits& limits,
                                           StuffingWorkspace& workspace) {
   stuff_brick(sampler, brick, limits, workspace);
-  const auto touched = touched_nodes(workspace.lattice.cuts);
-  if (!touched[kCorner].any() && !touched[kCentre].any()) return std::nullopt;
-  return SurveyedBrick{keep_brick(workspace.lattice.warped),
-                       finest_cells(touched[kCorner], touched[kCentre])};
+  const WarpedLattice& warped = workspace.lattice.warped;
+  if (!has_both_sides(warped)) return std::nullopt;
+  return SurveyedBrick{keep_brick(warped), with_siblings(stuffed_cells(warped))};
 }
 
 }  // namespace
@@ -49,6 +48,17 @@ CellSet Survey::finest_cells() const {
     cells.cells.push_back(finest[i]);
   }
   return cells;
+}
+
+InsideTest Survey::inside_test() const {
+  return [this, index = BrickIndex(bricks)](PhiSampler& sampler, std::int64_t x, std::int64_t y,
+                                            std::int64_t z) {
+    const auto down = [](std::int64_t v) { return static_cast<std::int32_t>(v >> 3); };
+    const std::uint32_t at = index.find({down(x), down(y), down(z)});
+    if (at == kNoBrick) return sampler.inside(x, y, z);
+    return stuffed[at].plus[kCorner].test(static_cast<int>(x & 7), static_cast<int>(y & 7),
+                                          static_cast<int>(z & 7));
+  };
 }
 
 absl::Status check_cancelled(const Cancellation& cancellation) {

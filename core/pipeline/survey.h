@@ -35,6 +35,10 @@ struct Survey {
 
   /// The bricks that hold finest cells, as the octree wants them.
   CellSet finest_cells() const;
+
+  /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
+  /// it.
+  InsideTest inside_test() const;
 };
 
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.

@@ -52,6 +52,27 @@ StuffedBrick keep_brick(const WarpedLattice& lattice) noexcept {
   return brick;
 }
 
+BrickMask stuffed_cells(const WarpedLattice& lattice) noexcept {
+  const HaloSet& corner = lattice.plus[kCorner];
+  const HaloSet& centre = lattice.plus[kCentre];
+  HaloSet stuffed;
+  for (int axis = 0; axis < 3; ++axis) {
+    // The four tets around a face share both centres, so one of them is mixed if the six nodes
+    // are.
+    const HaloSet beyond = seen_from(centre, face_offset(axis));
+    HaloSet any = centre | beyond, all = centre & beyond;
+    for (int turn = 0; turn < 4; ++turn) {
+      const LatticeCoord at = face_turn(axis, turn);
+      const HaloSet node = seen_from(corner, offset_index(at.x, at.y, at.z));
+      any |= node;
+      all &= node;
+    }
+    const HaloSet mixed = any - all;
+    stuffed |= mixed | seen_from(mixed, -face_offset(axis));
+  }
+  return brick_part(stuffed);
+}
+
 FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) noexcept {
   FinestNodes nodes;
   nodes.leaf = leaf;

@@ -24,6 +24,10 @@ struct StuffedBrick {
 
 StuffedBrick keep_brick(const WarpedLattice& lattice) noexcept;
 
+/// Cells of the brick that have a part in a tet with both `+` and other nodes: only those tets
+/// are cut or moved, so only those cells must stay finest.
+BrickMask stuffed_cells(const WarpedLattice& lattice) noexcept;
+
 /// A finest brick and the seven beyond its upper faces, edges and corner, which its tets reach
 /// into; at 4*x + 2*y + z. Null where every node is `-`.
 using BrickNeighbourhood = std::array<const StuffedBrick*, 8>;

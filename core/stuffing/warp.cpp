@@ -75,20 +75,10 @@ void warp_lattice(const CutPoints& cuts,
   }
 }
 
-std::array<HaloSet, kNodeKinds> touched_nodes(const CutPoints& cuts) noexcept {
-  std::array<HaloSet, kNodeKinds> touched;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    touched[kind] = kNodes - (cuts.signs.inside[kind] | cuts.signs.outside[kind]);
-  }
-  for (int family = 0; family < kEdgeFamilies; ++family) {
-    const HaloSet& cut = cuts.cut[static_cast<std::size_t>(family)];
-    const NodeKind kind = family_kind(family);
-    const int direction = family_direction(family);
-    touched[kind] |= cut;
-    touched[end_kind(kind, direction)] |= seen_from(cut, -end_offset(kind, direction));
-  }
-  for (HaloSet& nodes : touched) nodes &= kNodes;
-  return touched;
+bool has_both_sides(const WarpedLattice& lattice) noexcept {
+  const HaloSet& corner = lattice.plus[kCorner];
+  const HaloSet& centre = lattice.plus[kCentre];
+  return (corner.any() || centre.any()) && ((kNodes - corner).any() || (kNodes - centre).any());
 }
 
 HaloSet used_zeros(const WarpedLattice& lattice, NodeKind kind) noexcept {

@@ -39,8 +39,8 @@ void warp_lattice(const CutPoints& cuts,
                   const WarpLimits& limits,
                   WarpedLattice& lattice) noexcept;
 
-/// Nodes in [kNodeMin, kNodeMax]^3 that are zero or have an edge that is cut, before any warp.
-std::array<HaloSet, kNodeKinds> touched_nodes(const CutPoints& cuts) noexcept;
+/// True when some of the nodes are `+` and some are not.
+bool has_both_sides(const WarpedLattice& lattice) noexcept;
 
 /// Zero nodes of the brick that a tet uses: those with a `+` neighbour.
 HaloSet used_zeros(const WarpedLattice& lattice, NodeKind kind) noexcept;

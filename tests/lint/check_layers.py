@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""Checks that includes point one way, and that each outside library stays where it belongs.
+
+    check_layers.py [ROOT]
+"""
+import pathlib
+import re
+import sys
+
+# A request passes through these in order; a folder includes itself and those before it.
+CORE = ["core/base", "core/grid", "core/octree", "core/lattice", "core/stuffing", "core/mesh",
+        "core/pipeline"]
+LAYERS = {folder: CORE[:i + 1] for i, folder in enumerate(CORE)}
+LAYERS["proto"] = ["proto"]
+LAYERS["server"] = [*CORE, "proto", "server"]
+LAYERS["client"] = [*CORE, "proto", "client"]
+
+# Outside library -> (how its includes look, the folders that may use it).
+NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support", "bench"]
+LIBRARIES = {
+    "OpenVDB": (r"openvdb/", ["core/grid", "tests/core/grid", "tests/support", "bench"]),
+    "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
+    "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
+}
+
+SOURCE_FOLDERS = ["core", "proto", "server", "client", "tests", "bench"]
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
+
+
+def is_inside(path, folder):
+    return path == folder or path.startswith(folder + "/")
+
+
+def read_includes(root):
+    """{file: [included, ...]}, as written; files relative to root, sorted."""
+    includes = {}
+    for folder in SOURCE_FOLDERS:
+        for path in (root / folder).rglob("*"):
+            if path.suffix in (".h", ".cpp") and path.is_file():
+                found = INCLUDE.findall(path.read_text(encoding="utf-8"))
+                includes[str(path.relative_to(root))] = [q or a for q, a in found]
+    return dict(sorted(includes.items()))
+
+
+def layer_errors(file, included):
+    """Ours including ours: only its own layer and those before it."""
+    layer = next((f for f in LAYERS if is_inside(file, f)), None)
+    if layer is None or included.split("/")[0] not in SOURCE_FOLDERS:
+        return
+    if not any(is_inside(included, allowed) for allowed in LAYERS[layer]):
+        yield f"{file}: {layer} must not include {included}"
+
+
+def library_errors(file, included):
+    """Ours including a library: only from the folders that may know it."""
+    for library, (pattern, folders) in LIBRARIES.items():
+        if re.match(pattern, included) and not any(is_inside(file, f) for f in folders):
+            yield f"{file}: includes {included}, but only {', '.join(folders)} may use {library}"
+
+
+def cycle_errors(includes):
+    """One line for each include that closes a cycle."""
+    state = {}  # file -> "open" while its includes are being followed, then "done"
+
+    def follow(file, chain):
+        state[file] = "open"
+        for included in includes[file]:
+            if state.get(included) == "open":
+                cycle = chain[chain.index(included):]
+                yield f"include cycle: {' -> '.join([*cycle, included])}"
+            elif included in includes and included not in state:
+                yield from follow(included, [*chain, included])
+        state[file] = "done"
+
+    for file in includes:
+        if file not in state:
+            yield from follow(file, [file])
+
+
+def find_errors(root):
+    includes = read_includes(root)
+    errors = [] if includes else [f"there are no sources under {root}"]
+    for file, all_included in includes.items():
+        for included in all_included:
+            errors += layer_errors(file, included)
+            errors += library_errors(file, included)
+    return errors + list(cycle_errors(includes))
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+    errors = find_errors(root)
+    print("\n".join(errors) or "every include points one way")
+    sys.exit(1 if errors else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+#!/usr/bin/python3
+"""check_layers.py on small trees that break one rule each."""
+import pathlib
+import tempfile
+import unittest
+
+import check_layers
+
+
+def errors_of(files):
+    """What check_layers says of a tree of {path: text}."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for path, text in files.items():
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
+            (root / path).write_text(text, encoding="utf-8")
+        return check_layers.find_errors(root)
+
+
+class CheckLayers(unittest.TestCase):
+    def test_accepts_includes_that_point_upstream(self):
+        self.assertEqual(errors_of({
+            "core/base/types.h": "#include <array>\n",
+            "core/base/parallel.cpp": "#include <tbb/task_arena.h>\n",
+            "core/grid/load.cpp": '#include <openvdb/io/File.h>\n#include "core/base/types.h"\n',
+            "core/pipeline/mesher.h": '#include "core/grid/load.h"\n',
+            "server/service.h": '#include "core/pipeline/mesher.h"\n#include <grpcpp/grpcpp.h>\n',
+            "tests/core/grid/load_test.cpp": "#include <openvdb/openvdb.h>\n",
+        }), [])
+
+    def test_refuses_an_include_that_points_downstream(self):
+        self.assertEqual(
+            errors_of({"core/octree/octree.h": '#include "core/lattice/bcc.h"\n'}),
+            ["core/octree/octree.h: core/octree must not include core/lattice/bcc.h"])
+
+    def test_refuses_a_core_that_knows_the_service(self):
+        self.assertEqual(len(errors_of({"core/mesh/a.h": '#include "server/b.h"\n'})), 1)
+        self.assertEqual(len(errors_of({"core/mesh/a.h": '#include "proto/b.h"\n'})), 1)
+        self.assertEqual(len(errors_of({"core/mesh/a.h": "#include <grpcpp/grpcpp.h>\n"})), 1)
+
+    def test_keeps_server_and_client_apart(self):
+        self.assertEqual(len(errors_of({"client/a.h": '#include "server/b.h"\n'})), 1)
+        self.assertEqual(len(errors_of({"server/a.h": '#include "client/b.h"\n'})), 1)
+
+    def test_keeps_code_that_ships_from_including_tests(self):
+        self.assertEqual(len(errors_of({"core/base/a.h": '#include "tests/support/b.h"\n'})), 1)
+
+    def test_keeps_each_library_in_its_folders(self):
+        for text in ("#include <openvdb/openvdb.h>", "#include <tbb/parallel_for.h>",
+                     "#include <oneapi/tbb.h>", "# include <google/protobuf/message.h>",
+                     '#include "tetstream/v1/meshes.pb.h"'):
+            with self.subTest(text):
+                self.assertEqual(len(errors_of({"core/mesh/a.cpp": text})), 1)
+
+    def test_reports_a_cycle_between_files(self):
+        self.assertEqual(
+            errors_of({
+                "core/base/a.h": '#include "core/base/b.h"\n',
+                "core/base/b.h": '#include "core/base/c.h"\n',
+                "core/base/c.h": '#include "core/base/a.h"\n',
+            }),
+            ["include cycle: core/base/a.h -> core/base/b.h -> core/base/c.h -> core/base/a.h"])
+
+    def test_refuses_a_tree_without_sources(self):
+        self.assertEqual(len(errors_of({"README.md": "nothing here\n"})), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,240 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/pipeline/mesh_plan.h"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "proto/wire/checksum.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+/// Everything one stream said.
+struct Received {
+  grpc::Status status;
+  v1::MeshHeader header;
+  std::vector<v1::MeshChunk> chunks;
+  std::optional<v1::MeshTrailer> trailer;
+};
+
+bool same_chunk(const v1::MeshChunk& a, const v1::MeshChunk& b) {
+  return a.SerializeAsString() == b.SerializeAsString();
+}
+
+class MeshServiceTest : public ServiceTest {
+ protected:
+  MeshServiceTest() { start(); }
+
+  /// Reads a stream to its end, or cancels it after `max_chunks`.
+  Received receive(const v1::StreamMeshRequest& request, std::size_t max_chunks = ~0U) {
+    Received received;
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, request);
+    for (v1::MeshEvent event; reader->Read(&event);) {
+      if (event.has_header()) received.header = event.header();
+      if (event.has_chunk()) received.chunks.push_back(event.chunk());
+      if (event.has_trailer()) received.trailer = event.trailer();
+      if (received.chunks.size() >= max_chunks) context.TryCancel();
+    }
+    received.status = reader->Finish();
+    return received;
+  }
+
+  grpc::StatusCode refusal(const v1::StreamMeshRequest& request) {
+    return receive(request).status.error_code();
+  }
+};
+
+TEST_F(MeshServiceTest, SendsHeaderChunksAndTrailer) {
+  const Received mesh = receive(stream_of(uniform_ball(16)));
+  ASSERT_TRUE(mesh.status.ok()) << mesh.status.error_message();
+  ASSERT_GT(mesh.chunks.size(), 2U);
+  std::int64_t tets = 0;
+  std::int64_t vertices = 0;
+  for (const v1::MeshChunk& chunk : mesh.chunks) {
+    EXPECT_EQ(chunk.first_tet(), tets);
+    EXPECT_EQ(chunk.first_vertex(), vertices);
+    EXPECT_EQ(chunk.checksum(), chunk_checksum(chunk.positions(), chunk.tets()));
+    EXPECT_LE(chunk.positions().size() + chunk.tets().size(), kChunkBytes);
+    tets += chunk.tet_count();
+    vertices += chunk.vertex_count();
+  }
+  EXPECT_EQ(tets, mesh.header.tet_count());
+  EXPECT_EQ(vertices, mesh.header.vertex_count());
+  EXPECT_EQ(static_cast<std::int64_t>(mesh.chunks.size()), mesh.header.chunk_count());
+  ASSERT_TRUE(mesh.trailer);
+  EXPECT_EQ(mesh.trailer->end_chunk(), mesh.header.chunk_count());
+  EXPECT_GE(mesh.trailer->quality().min_dihedral_deg(), 11.3);
+  EXPECT_LE(mesh.trailer->quality().max_dihedral_deg(), 154.9);
+  EXPECT_NEAR(mesh.trailer->quality().volume(), 4.18879, 0.03);
+}
+
+TEST_F(MeshServiceTest, GivesTheSameBytesWhereverAStreamIsCutAndResumed) {
+  const v1::MeshRequest ball = uniform_ball(16);
+  const Received whole = receive(stream_of(ball));
+  ASSERT_GT(whole.chunks.size(), 2U);
+  for (std::size_t cut = 1; cut <= whole.chunks.size(); ++cut) {
+    Received part = receive(stream_of(ball), cut);
+    ASSERT_GE(part.chunks.size(), cut);
+    part.chunks.resize(cut);
+    v1::StreamMeshRequest rest = stream_of(ball, static_cast<std::int64_t>(cut));
+    rest.set_expected_mesh_id(part.header.mesh_id());
+    const Received resumed = receive(rest);
+    ASSERT_TRUE(resumed.status.ok()) << resumed.status.error_message();
+    part.chunks.insert(part.chunks.end(), resumed.chunks.begin(), resumed.chunks.end());
+    ASSERT_EQ(part.chunks.size(), whole.chunks.size());
+    for (std::size_t i = 0; i < whole.chunks.size(); ++i) {
+      EXPECT_TRUE(same_chunk(part.chunks[i], whole.chunks[i])) << "cut " << cut << " chunk " << i;
+    }
+    ASSERT_TRUE(resumed.trailer);
+    EXPECT_EQ(resumed.trailer->first_chunk(), static_cast<std::int64_t>(cut));
+  }
+}
+
+TEST_F(MeshServiceTest, SendsTheChunksOfARangeAndNoTrailer) {
+  const v1::MeshRequest ball = uniform_ball(16);
+  const Received whole = receive(stream_of(ball));
+  const Received range = receive(stream_of(ball, 1, 2));
+  ASSERT_TRUE(range.status.ok());
+  ASSERT_EQ(range.chunks.size(), 1U);
+  EXPECT_TRUE(same_chunk(range.chunks[0], whole.chunks[1]));
+  EXPECT_FALSE(range.trailer);
+}
+
+TEST_F(MeshServiceTest, EstimatesTheHeaderItWouldSend) {
+  const v1::MeshRequest ball = uniform_ball(8);
+  const auto estimate = client_->estimate(ball, never_);
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  EXPECT_EQ(estimate->SerializeAsString(), receive(stream_of(ball)).header.SerializeAsString());
+  EXPECT_EQ(estimate->canonical_request().spacing(), 0.125);
+}
+
+TEST_F(MeshServiceTest, TellsItsLimits) {
+  const auto capabilities = client_->capabilities(never_);
+  ASSERT_TRUE(capabilities.ok());
+  EXPECT_EQ(capabilities->presets_size(), 2);
+  EXPECT_EQ(capabilities->max_chunk_bytes(), std::int64_t{kChunkBytes});
+  EXPECT_EQ(capabilities->limits().max_store_bytes(),
+            static_cast<std::int64_t>(config_.store_bytes));
+}
+
+TEST_F(MeshServiceTest, RefusesWhatItCannotMesh) {
+  v1::MeshRequest ball = uniform_ball(8);
+  EXPECT_EQ(refusal(stream_of(ball, 1000)), grpc::StatusCode::OUT_OF_RANGE);
+  v1::StreamMeshRequest other = stream_of(ball);
+  other.set_expected_mesh_id("another");
+  EXPECT_EQ(refusal(other), grpc::StatusCode::FAILED_PRECONDITION);
+  ball.set_spacing(-1);
+  EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::INVALID_ARGUMENT);
+  ball.clear_spacing();
+  ball.set_iso(100);
+  EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::FAILED_PRECONDITION);
+  ball.clear_iso();
+  ball.set_grid_name("nothing");
+  EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
+  ball.set_name("grids/" + std::string(64, '0'));
+  EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(MeshServiceTest, RefusesAMeshOverItsLimitWithDetails) {
+  config_.max_tets = 1000;
+  restart();
+  const Received refused = receive(stream_of(uniform_ball(8)));
+  EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(refused.status.error_message(), testing::HasSubstr("1000"));
+  google::rpc::Status rpc;
+  google::rpc::ErrorInfo info;
+  ASSERT_TRUE(rpc.ParseFromString(refused.status.error_details()));
+  ASSERT_TRUE(rpc.details(0).UnpackTo(&info));
+  EXPECT_EQ(info.domain(), "tetstream");
+}
+
+TEST_F(MeshServiceTest, ASlowReaderHoldsAFewChunksAndSlowsNobodyElse) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  grpc::ClientContext context;
+  const auto slow = meshes_->StreamMesh(&context, stream_of(ball));
+  v1::MeshEvent event;
+  while (slow->Read(&event) && !event.has_chunk()) {
+  }
+  const auto total = client_->estimate(ball, never_)->chunk_count();
+  const auto settled = [&] { return activity().chunks_in_flight == 0; };
+  ASSERT_TRUE(eventually(settled));
+  std::this_thread::sleep_for(50ms);
+  const std::int64_t made_for_slow = activity().chunks_made;
+  EXPECT_LT(made_for_slow, total);
+
+  const auto fast = client_->stream_mesh(ball, {}, never_);
+  ASSERT_TRUE(fast.ok()) << fast.status();
+  EXPECT_EQ(activity().chunks_made, made_for_slow + total);
+  context.TryCancel();
+  slow->Finish();
+  EXPECT_TRUE(work_stops());
+}
+
+TEST_F(MeshServiceTest, StopsWorkingForAClientThatLeft) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  const Received part = receive(stream_of(ball), 1);
+  EXPECT_EQ(part.status.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(work_stops());
+  EXPECT_LT(activity().chunks_made, part.header.chunk_count());
+}
+
+TEST_F(MeshServiceTest, StopsWorkingAtTheDeadline) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + 600ms);
+  const auto reader = meshes_->StreamMesh(&context, stream_of(ball));
+  v1::MeshEvent event;
+  ASSERT_TRUE(reader->Read(&event));
+  std::this_thread::sleep_until(context.deadline());
+  while (reader->Read(&event)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_TRUE(work_stops());
+}
+
+TEST_F(MeshServiceTest, TellsOneStreamTooManyToRetry) {
+  config_.max_streams = 1;
+  restart();
+  const v1::MeshRequest ball = uniform_ball(28);
+  grpc::ClientContext context;
+  const auto first = meshes_->StreamMesh(&context, stream_of(ball));
+  v1::MeshEvent event;
+  ASSERT_TRUE(first->Read(&event));
+  const Received second = receive(stream_of(ball));
+  EXPECT_EQ(second.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  google::rpc::Status rpc;
+  ASSERT_TRUE(rpc.ParseFromString(second.status.error_details()));
+  google::rpc::RetryInfo retry;
+  EXPECT_TRUE(std::any_of(rpc.details().begin(), rpc.details().end(),
+                          [&](const auto& detail) { return detail.UnpackTo(&retry); }));
+  EXPECT_EQ(retry.retry_delay().seconds(), 1);
+  context.TryCancel();
+  first->Finish();
+  ASSERT_TRUE(work_stops());
+  EXPECT_TRUE(receive(stream_of(ball, 0, 1)).status.ok());
+}
+
+TEST_F(MeshServiceTest, DrainsARunningStreamAndRefusesNewOnes) {
+  const v1::MeshRequest ball = uniform_ball(16);
+  grpc::ClientContext context;
+  const auto reader = meshes_->StreamMesh(&context, stream_of(ball));
+  v1::MeshEvent event;
+  ASSERT_TRUE(reader->Read(&event));
+  std::thread stopper([&] { server_->stop(10s); });
+  EXPECT_TRUE(eventually([&] {
+    return !client_->check_health("readiness", Cancellation(std::chrono::system_clock::now()))
+                .ok();
+  }));
+  EXPECT_TRUE(eventually(
+      [&] { return refusal(stream_of(ball)) == grpc::StatusCode::UNAVAILABLE; }));
+  bool whole = false;
+  while (reader->Read(&event)) whole |= event.has_trailer();
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_TRUE(whole);
+  stopper.join();
+}
+
+}  // namespace
+}  // namespace tet::test

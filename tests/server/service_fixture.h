@@ -1,0 +1,99 @@
+// A real server on a free port, and balls for it to mesh.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <grpcpp/create_channel.h>
+#include <gtest/gtest.h>
+
+#include "client/mesh_client.h"
+#include "server/logging.h"
+#include "server/server.h"
+#include "tests/server/test_folder.h"
+#include "tests/support/vdb_fixtures.h"
+#include "tetstream/v1/grids.grpc.pb.h"
+#include "tetstream/v1/meshes.grpc.pb.h"
+
+namespace tet::test {
+
+using namespace std::chrono_literals;
+
+/// Waits up to five seconds for `condition`.
+inline bool eventually(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + 5s;
+  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(5ms);
+  return condition();
+}
+
+class ServiceTest : public testing::Test {
+ protected:
+  ServiceTest() {
+    start_logging("error");
+    config_.listen = "127.0.0.1:0";
+    config_.store = folder_.file("store");
+    config_.threads = 2;
+  }
+
+  void start() {
+    auto server = Server::start(config_);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    channel_ = grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials());
+    grids_ = v1::GridService::NewStub(channel_);
+    meshes_ = v1::MeshService::NewStub(channel_);
+    client_ = MeshClient::connect(server_->address());
+  }
+
+  void restart() {
+    server_.reset();
+    start();
+  }
+
+  /// A unit ball of voxels 1/`radius` wide, as a file.
+  std::string ball_file(int radius) {
+    const std::string path = folder_.file("ball" + std::to_string(radius) + ".vdb");
+    if (!std::filesystem::exists(path)) write_fixture("sphere", 1.0 / radius, path);
+    return path;
+  }
+
+  /// Uploads that ball and asks for its uniform mesh: about 50 radius^3 tets.
+  v1::MeshRequest uniform_ball(int radius) {
+    const auto name = client_->upload_file(ball_file(radius), {}, never_);
+    EXPECT_TRUE(name.ok()) << name.status();
+    v1::MeshRequest request;
+    request.set_name(name.ok() ? *name : "");
+    request.set_levels(0);
+    return request;
+  }
+
+  v1::StreamMeshRequest stream_of(const v1::MeshRequest& mesh, std::int64_t start = 0,
+                                  std::int64_t end = 0) {
+    v1::StreamMeshRequest request;
+    *request.mutable_mesh() = mesh;
+    request.set_start_chunk(start);
+    request.set_end_chunk(end);
+    return request;
+  }
+
+  const Activity& activity() const { return server_->engine().activity; }
+
+  bool work_stops() const {
+    return eventually(
+        [&] { return activity().meshes == 0 && activity().chunks_in_flight == 0; });
+  }
+
+  TestFolder folder_;
+  Config config_;
+  Cancellation never_;
+  std::unique_ptr<Server> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::GridService::Stub> grids_;
+  std::unique_ptr<v1::MeshService::Stub> meshes_;
+  std::unique_ptr<MeshClient> client_;
+};
+
+}  // namespace tet::test
