@@ -18,7 +18,14 @@ Planner::Planner(TaskPool& pool,
     : pool_(pool),
       store_(store),
       limits_(limits),
-      volumes_(pool, resident_bytes, load_volume, [this] { forget(); }) {}
+      volumes_(
+          pool,
+          resident_bytes,
+          [limits = LoadLimits{resident_bytes}](const std::string& path,
+                                                const std::string& name) {
+            return load_volume(path, name, limits);
+          },
+          [this] { forget(); }) {}
 
 void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
   auto grid = store_.acquire(order.digest);

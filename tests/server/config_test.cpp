@@ -38,7 +38,8 @@ TEST(Config, UnderstandsUnits) {
 
 TEST(Config, RefusesNumbersWithTheirRange) {
   Config config;
-  for (const char* text : {"-1", "0", "x", "1kB", "", "99999999999999999999", "9999999999TiB"}) {
+  for (const char* text :
+       {"-1", "0", "x", "1kB", "", "99999999999999999999", "9999999999TiB"}) {
     const auto status = set_from_text(config, setting("store_bytes"), text);
     EXPECT_THAT(std::string(status.message()), HasSubstr("store_bytes \"" + std::string(text)));
   }
@@ -69,7 +70,8 @@ TEST(Config, NamesAWrongVariable) {
   Config config;
   const auto status = set_from_environment(config);
   ::unsetenv("TETSTREAM_LOG_LEVEL");
-  EXPECT_THAT(std::string(status.message()), HasSubstr("TETSTREAM_LOG_LEVEL: log_level \"loud\""));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("TETSTREAM_LOG_LEVEL: log_level \"loud\""));
 }
 
 }  // namespace

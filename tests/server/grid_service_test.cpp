@@ -35,7 +35,9 @@ class GridServiceTest : public ServiceTest {
   };
 
   /// Announces `name`, sends `text` from `offset` on in one message, and ends the stream.
-  Outcome upload(const std::string& name, const std::string& text, std::size_t size,
+  Outcome upload(const std::string& name,
+                 const std::string& text,
+                 std::size_t size,
                  std::int64_t offset = 0) {
     Outcome outcome;
     grpc::ClientContext context;

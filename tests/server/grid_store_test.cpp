@@ -1,7 +1,6 @@
 #include "server/grid_store.h"
 
 #include <csignal>
-
 #include <sys/resource.h>
 
 #include <gmock/gmock.h>

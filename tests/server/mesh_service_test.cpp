@@ -85,7 +85,8 @@ TEST_F(MeshServiceTest, GivesTheSameBytesWhereverAStreamIsCutAndResumed) {
     part.chunks.insert(part.chunks.end(), resumed.chunks.begin(), resumed.chunks.end());
     ASSERT_EQ(part.chunks.size(), whole.chunks.size());
     for (std::size_t i = 0; i < whole.chunks.size(); ++i) {
-      EXPECT_TRUE(same_chunk(part.chunks[i], whole.chunks[i])) << "cut " << cut << " chunk " << i;
+      EXPECT_TRUE(same_chunk(part.chunks[i], whole.chunks[i]))
+          << "cut " << cut << " chunk " << i;
     }
     ASSERT_TRUE(resumed.trailer);
     EXPECT_EQ(resumed.trailer->first_chunk(), static_cast<std::int64_t>(cut));
@@ -217,23 +218,35 @@ TEST_F(MeshServiceTest, TellsOneStreamTooManyToRetry) {
 }
 
 TEST_F(MeshServiceTest, DrainsARunningStreamAndRefusesNewOnes) {
-  const v1::MeshRequest ball = uniform_ball(16);
+  const v1::MeshRequest ball = uniform_ball(28);
+  const auto impatient = MeshClient::connect(server_->address(), RetryPolicy{.attempts = 1});
   grpc::ClientContext context;
   const auto reader = meshes_->StreamMesh(&context, stream_of(ball));
   v1::MeshEvent event;
   ASSERT_TRUE(reader->Read(&event));
   std::thread stopper([&] { server_->stop(10s); });
-  EXPECT_TRUE(eventually([&] {
-    return !client_->check_health("readiness", Cancellation(std::chrono::system_clock::now()))
-                .ok();
-  }));
-  EXPECT_TRUE(eventually(
-      [&] { return refusal(stream_of(ball)) == grpc::StatusCode::UNAVAILABLE; }));
+  EXPECT_TRUE(eventually([&] { return !impatient->check_health("readiness", never_).ok(); }));
+  EXPECT_TRUE(impatient->check_health("liveness", never_).ok());
+  EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::UNAVAILABLE);
   bool whole = false;
   while (reader->Read(&event)) whole |= event.has_trailer();
   EXPECT_TRUE(reader->Finish().ok());
   EXPECT_TRUE(whole);
   stopper.join();
+}
+
+TEST_F(MeshServiceTest, CancelsAStreamThatOutlivesTheDrain) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  grpc::ClientContext context;
+  const auto reader = meshes_->StreamMesh(&context, stream_of(ball));
+  v1::MeshEvent event;
+  ASSERT_TRUE(reader->Read(&event));
+  server_->stop(0s);
+  EXPECT_EQ(activity().meshes, 0);
+  EXPECT_EQ(activity().chunks_in_flight, 0);
+  while (reader->Read(&event)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ using namespace std::chrono_literals;
 /// Waits up to five seconds for `condition`.
 inline bool eventually(const std::function<bool()>& condition) {
   const auto end = std::chrono::steady_clock::now() + 5s;
-  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(5ms);
+  while (!condition() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(5ms);
   return condition();
 }
 
@@ -70,7 +71,8 @@ class ServiceTest : public testing::Test {
     return request;
   }
 
-  v1::StreamMeshRequest stream_of(const v1::MeshRequest& mesh, std::int64_t start = 0,
+  v1::StreamMeshRequest stream_of(const v1::MeshRequest& mesh,
+                                  std::int64_t start = 0,
                                   std::int64_t end = 0) {
     v1::StreamMeshRequest request;
     *request.mutable_mesh() = mesh;

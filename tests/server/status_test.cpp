@@ -17,7 +17,8 @@ google::rpc::Status details_of(const absl::Status& status) {
 template <class Detail>
 Detail find_detail(const absl::Status& status) {
   Detail found;
-  for (const auto& detail : details_of(status).details()) {
+  const google::rpc::Status rpc = details_of(status);
+  for (const auto& detail : rpc.details()) {
     if (detail.Is<Detail>()) detail.UnpackTo(&found);
   }
   return found;

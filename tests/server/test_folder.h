@@ -7,7 +7,6 @@
 #include <sstream>
 #include <string>
 #include <string_view>
-
 #include <unistd.h>
 
 namespace tet::test {

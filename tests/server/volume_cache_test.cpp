@@ -35,9 +35,8 @@ class CacheTest : public testing::Test {
 
   static std::future<Loaded> ask(VolumeCache& cache, const std::string& name) {
     auto promise = std::make_shared<std::promise<Loaded>>();
-    cache.get({"digest", name}, "path", [promise](const Loaded& loaded) {
-      promise->set_value(loaded);
-    });
+    cache.get({"digest", name}, "path",
+              [promise](const Loaded& loaded) { promise->set_value(loaded); });
     return promise->get_future();
   }
 

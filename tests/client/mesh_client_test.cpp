@@ -1,0 +1,182 @@
+#include "client/mesh_client.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/mesh_receiver.h"
+#include "core/grid/load.h"
+#include "core/pipeline/mesher.h"
+#include "tests/client/cutting_proxy.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
+
+bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+bool same_mesh(const TetMesh& a, const TetMesh& b) {
+  return a.header.tet_count == b.header.tet_count && a.header.origin == b.header.origin &&
+         same_bytes(a.positions.bytes(), b.positions.bytes()) &&
+         same_bytes(a.tets.bytes(), b.tets.bytes());
+}
+
+class MeshClientTest : public ServiceTest {
+ protected:
+  MeshClientTest() { start(); }
+
+  MeshResult mesh_here(int radius, const MeshRequest& request) {
+    TaskPool pool(1);
+    auto volume = load_volume(ball_file(radius), "");
+    EXPECT_TRUE(volume.ok()) << volume.status();
+    auto result = mesh_volume(pool, std::make_shared<const Volume>(*std::move(volume)), request,
+                              {}, never_, {});
+    EXPECT_TRUE(result.ok()) << result.status();
+    return *std::move(result);
+  }
+
+  MeshResult uniform_mesh_here(int radius) {
+    MeshRequest request;
+    request.levels = 0;
+    return mesh_here(radius, request);
+  }
+};
+
+TEST_F(MeshClientTest, ReceivesTheBytesThatAreMadeInProcess) {
+  const auto streamed = client_->stream_mesh(uniform_ball(16), {}, never_);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  const MeshResult here = uniform_mesh_here(16);
+  EXPECT_TRUE(same_mesh(streamed->mesh, here.mesh));
+  EXPECT_EQ(streamed->quality.volume, here.quality.volume);
+  EXPECT_EQ(streamed->quality.histogram, here.quality.histogram);
+}
+
+TEST_F(MeshClientTest, ReceivesGradedMeshesToo) {
+  v1::MeshRequest request = uniform_ball(16);
+  request.clear_levels();
+  const auto streamed = client_->stream_mesh(request, {}, never_);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(16, {}).mesh));
+}
+
+TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
+  const v1::MeshRequest ball = uniform_ball(16);
+  CuttingProxy proxy(server_->port(), kNoLimit, 2'500'000);
+  const auto client =
+      MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+  const auto streamed = client->stream_mesh(ball, {}, never_);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  EXPECT_GT(proxy.cuts(), 0);
+  EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(16).mesh));
+  EXPECT_GE(streamed->quality.min_dihedral_deg, 11.3);
+}
+
+TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {
+  const std::string big = folder_.write("big", std::string(12'000'000, 'x'));
+  CuttingProxy proxy(server_->port(), 7'000'000, kNoLimit);
+  const auto client =
+      MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+  const auto name = client->upload_file(big, {}, never_);
+  ASSERT_TRUE(name.ok()) << name.status();
+  // The first connection brought half; two more would be needed if it were sent again from 0.
+  EXPECT_EQ(proxy.cuts(), 1);
+  EXPECT_EQ(client_->list_grids(never_)->front().size_bytes(), 12'000'000);
+}
+
+TEST_F(MeshClientTest, SendsAStoredFileOnce) {
+  std::uint64_t sent = 0;
+  ClientProgress progress;
+  progress.upload = [&](std::uint64_t done, std::uint64_t) { sent = done; };
+  ASSERT_TRUE(client_->upload_file(ball_file(8), progress, never_).ok());
+  EXPECT_EQ(sent, std::filesystem::file_size(ball_file(8)));
+  sent = 0;
+  ASSERT_TRUE(client_->upload_file(ball_file(8), progress, never_).ok());
+  EXPECT_EQ(sent, 0U);
+}
+
+TEST_F(MeshClientTest, StopsSoonAfterACancellation) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  Cancellation cancellation;
+  ClientProgress progress;
+  progress.tets = [&](std::uint64_t done, std::uint64_t) {
+    if (done > 0) cancellation.cancel();
+  };
+  const auto streamed = client_->stream_mesh(ball, progress, cancellation);
+  EXPECT_EQ(streamed.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_TRUE(work_stops());
+}
+
+TEST_F(MeshClientTest, KeepsTheServersRefusal) {
+  v1::MeshRequest request;
+  request.set_name("grids/" + std::string(64, '0'));
+  EXPECT_EQ(client_->stream_mesh(request, {}, never_).status().code(),
+            absl::StatusCode::kNotFound);
+}
+
+TEST_F(MeshClientTest, GivesUpOnAServerThatIsNotThere) {
+  const auto client =
+      MeshClient::connect("127.0.0.1:1", {.attempts = 2, .first_backoff_ms = 10});
+  EXPECT_EQ(client->list_grids(never_).status().code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(MeshClientTest, RefusesAFileThatIsNotThere) {
+  EXPECT_EQ(client_->upload_file("/nowhere.vdb", {}, never_).status().code(),
+            absl::StatusCode::kNotFound);
+}
+
+/// A header of two vertices in one chunk.
+v1::MeshEvent small_header() {
+  v1::MeshEvent event;
+  event.mutable_header()->set_mesh_id("m");
+  event.mutable_header()->set_vertex_count(2);
+  event.mutable_header()->set_chunk_count(1);
+  event.mutable_header()->set_coordinate_type(v1::COORDINATE_TYPE_FLOAT32);
+  event.mutable_header()->set_index_type(v1::INDEX_TYPE_UINT32);
+  return event;
+}
+
+v1::MeshEvent small_chunk() {
+  v1::MeshEvent event;
+  event.mutable_chunk()->set_vertex_count(2);
+  event.mutable_chunk()->set_positions(std::string(24, '\1'));
+  event.mutable_chunk()->set_checksum(0x550f07d3);
+  return event;
+}
+
+TEST(MeshReceiver, RefusesBytesThatWereChanged) {
+  MeshReceiver receiver;
+  ASSERT_TRUE(receiver.take(small_header()).ok());
+  v1::MeshEvent changed = small_chunk();
+  changed.mutable_chunk()->mutable_positions()->at(7) = '\2';
+  EXPECT_EQ(receiver.take(changed).code(), absl::StatusCode::kDataLoss);
+  EXPECT_TRUE(receiver.take(small_chunk()).ok());
+}
+
+TEST(MeshReceiver, RefusesChunksOutOfPlace) {
+  MeshReceiver receiver;
+  EXPECT_FALSE(receiver.take(small_chunk()).ok());
+  ASSERT_TRUE(receiver.take(small_header()).ok());
+  v1::MeshEvent beyond = small_chunk();
+  beyond.mutable_chunk()->set_index(1);
+  EXPECT_FALSE(receiver.take(beyond).ok());
+  beyond = small_chunk();
+  beyond.mutable_chunk()->set_vertex_count(3);
+  EXPECT_FALSE(receiver.take(beyond).ok());
+}
+
+TEST(MeshReceiver, RefusesATrailerBeforeTheLastChunk) {
+  MeshReceiver receiver;
+  ASSERT_TRUE(receiver.take(small_header()).ok());
+  v1::MeshEvent trailer;
+  trailer.mutable_trailer();
+  EXPECT_EQ(receiver.take(trailer).code(), absl::StatusCode::kDataLoss);
+  EXPECT_FALSE(receiver.complete());
+}
+
+}  // namespace
+}  // namespace tet::test
