@@ -68,7 +68,7 @@ GridBase::Ptr level_set(const Solid& solid, double voxel) {
       values.setValue(c, phi);
     }
   });
-  openvdb::tools::pruneInactive(grid->tree());
+  openvdb::tools::pruneLevelSet(grid->tree());
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   return grid;
 }
