@@ -1,0 +1,170 @@
+// `tetstream mesh`: a volume or a closed surface in, a mesh file out.
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/ascii.h>
+#include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
+
+#include "client/command.h"
+#include "client/mesh_file.h"
+#include "client/mesh_maker.h"
+#include "client/mesh_report.h"
+#include "client/stopwatch.h"
+#include "client/surface_input.h"
+
+namespace tet {
+namespace {
+
+constexpr const char* kExamples = R"(
+Examples:
+  tetstream mesh bunny.vdb -o bunny.vtu
+      graded: finest at the surface, coarser inside
+  tetstream mesh bunny.vdb -o bunny.msh --levels 0
+      uniform: every tet of the finest size
+  tetstream mesh smoke.vdb -o smoke.vtkhdf --grid density --iso 0.2 --spacing 0.5
+      one grid of several, at another density and another size of tets
+  tetstream mesh part.stl -o part.vtu --voxel 0.1
+      a closed surface; it becomes a level set with voxels of 0.1 first
+  tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
+      the same bytes from a server, and a report on angles, times and the boundary
+)";
+
+/// What the command line says, before it is understood.
+struct MeshArguments {
+  MeshOptions options;
+  std::string preset = "default";
+  std::string coordinates;
+};
+
+void describe_options(CLI::App& app, MeshArguments& arguments) {
+  MeshOptions& options = arguments.options;
+  MeshRequest& request = options.request;
+  app.footer(kExamples);
+  app.add_option("INPUT", options.input,
+                 "A .vdb volume, or a closed .obj, .stl or .ply surface")
+      ->required();
+  app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
+      ->required();
+  app.add_option("--grid", options.grid, "Grid of the .vdb [its only meshable one]");
+  app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
+  app.add_option("--spacing", request.spacing,
+                 "Finest lattice spacing, world units [voxel size]");
+  app.add_option("--levels", request.levels,
+                 "Coarser octree levels inside; 0 is uniform [all]");
+  app.add_option("--preset", arguments.preset, "Angle bounds: default, min-angle or both-sides")
+      ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
+  app.add_option(
+         "--coordinates", arguments.coordinates,
+         "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")
+      ->check(CLI::IsMember({"float32", "float64"}));
+  app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
+  app.add_option("--threads", options.threads, "Threads of this process [every core]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
+  app.add_option("--report", options.report,
+                 "JSON file for counts, times, angles and boundary");
+}
+
+absl::Status check_input(const MeshOptions& options) {
+  if (is_surface_file(options.input)) {
+    if (options.grid.empty()) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", options.grid, ": a surface file has no grids"));
+  }
+  const std::string name = absl::AsciiStrToLower(options.input);
+  if (absl::EndsWith(name, ".json")) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        options.input,
+        " is a scene; scenes cannot be meshed yet, only .vdb, .obj, .stl and .ply"));
+  }
+  if (!absl::EndsWith(name, ".vdb")) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the input ", options.input, " must end in .vdb, .obj, .stl or .ply"));
+  }
+  if (options.voxel) {
+    return absl::InvalidArgumentError(
+        "--voxel is for surfaces; use --spacing to mesh a .vdb at another size");
+  }
+  return absl::OkStatus();
+}
+
+/// All that can be refused before hours of work.
+absl::Status check_options(const MeshOptions& options) {
+  absl::Status status = check_input(options);
+  if (status.ok()) status = mesh_format_of(options.output).status();
+  if (status.ok()) status = check_can_create(options.output);
+  if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
+  return status;
+}
+
+absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
+  MeshOptions options = arguments.options;
+  const std::optional<Preset> preset = parse_preset(arguments.preset);
+  if (!preset) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "preset ", arguments.preset, " is not there yet; take default or min-angle"));
+  }
+  options.request.preset = *preset;
+  if (arguments.coordinates == "float32")
+    options.request.coordinates = CoordinateType::kFloat32;
+  if (arguments.coordinates == "float64")
+    options.request.coordinates = CoordinateType::kFloat64;
+  return options;
+}
+
+absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
+                                   ProgressBar& bar,
+                                   const Cancellation& interruption) {
+  return options.server.empty() ? make_mesh_here(options, bar, interruption)
+                                : make_mesh_on_server(options, bar, interruption);
+}
+
+absl::Status write_mesh(const MeshOptions& options,
+                        MadeMesh& made,
+                        ProgressBar& bar,
+                        const Cancellation& interruption) {
+  const Stopwatch watch;
+  bar.begin("writing");
+  const WriteControl control{.cancellation = &interruption,
+                             .progress = [&](double fraction) { bar.update(fraction, 1); }};
+  const absl::Status status = write_mesh_file(options.output, made.mesh, control);
+  made.stages.push_back({"writing", watch.seconds()});
+  return status;
+}
+
+absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
+  const Stopwatch watch;
+  const absl::StatusOr<MeshOptions> options = understand(arguments);
+  if (!options.ok()) return options.status();
+  if (auto status = check_options(*options); !status.ok()) return status;
+
+  absl::StatusOr<MadeMesh> made = absl::UnknownError("not made");
+  {
+    ProgressBar bar;
+    made = make_mesh(*options, bar, interruption);
+    if (!made.ok()) return made.status();
+    if (auto status = write_mesh(*options, *made, bar, interruption); !status.ok())
+      return status;
+  }
+  const double seconds = watch.seconds();
+  if (!options->report.empty()) {
+    const std::string report = report_json(*made, measure_boundary(made->mesh), seconds);
+    if (auto status = write_text_file(options->report, report); !status.ok()) return status;
+  }
+  std::printf("%s\n", summary_line(options->output, *made, seconds).c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+Command add_mesh_command(CLI::App& app) {
+  const auto arguments = std::make_shared<MeshArguments>();
+  describe_options(app, *arguments);
+  return [arguments](const Cancellation& interruption) {
+    return run_mesh(*arguments, interruption);
+  };
+}
+
+}  // namespace tet

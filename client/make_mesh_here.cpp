@@ -1,0 +1,62 @@
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "client/mesh_maker.h"
+#include "client/stopwatch.h"
+#include "client/surface_input.h"
+#include "core/base/parallel.h"
+#include "core/grid/load.h"
+#include "core/pipeline/mesher.h"
+
+namespace tet {
+namespace {
+
+absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& bar) {
+  absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+  if (!input.ok()) return input.status();
+  absl::StatusOr<SurfaceVolume> converted =
+      surface_to_volume(input->surface, input->voxel_size);
+  if (!converted.ok()) return converted.status();
+  bar.say(options.input + ": " + describe_conversion(converted->report, input->voxel_size));
+  return std::move(converted->volume);
+}
+
+absl::StatusOr<Volume> read_volume(const MeshOptions& options, ProgressBar& bar) {
+  bar.begin("reading");
+  if (is_surface_file(options.input)) return convert_surface(options, bar);
+  return load_volume(options.input, options.grid);
+}
+
+}  // namespace
+
+absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
+                                        ProgressBar& bar,
+                                        const Cancellation& interruption) {
+  Stopwatch watch;
+  TaskPool pool(options.threads);
+  absl::StatusOr<Volume> volume = absl::UnknownError("not read");
+  pool.run([&] { volume = read_volume(options, bar); });
+  if (!volume.ok()) return volume.status();
+  const double reading_seconds = watch.lap();
+
+  bar.begin("planning");
+  std::once_flag planned;  // the first chunk says so
+  const auto show = [&](double fraction) {
+    std::call_once(planned, [&] { bar.begin("meshing"); });
+    bar.update(fraction, 1);
+  };
+  absl::StatusOr<MeshResult> result =
+      mesh_volume(pool, std::make_shared<const Volume>(*std::move(volume)), options.request,
+                  MeshLimits{}, interruption, show);
+  if (!result.ok()) return result.status();
+  return MadeMesh{
+      .mesh = std::move(result->mesh),
+      .quality = result->quality,
+      .stages = {{"reading", reading_seconds},
+                 {"planning", result->plan_seconds},
+                 {"meshing", result->fill_seconds}}
+  };
+}
+
+}  // namespace tet

@@ -1,0 +1,150 @@
+#include <filesystem>
+#include <optional>
+#include <stdlib.h>
+#include <utility>
+
+#include "client/mesh_client.h"
+#include "client/mesh_maker.h"
+#include "client/stopwatch.h"
+#include "client/surface_input.h"
+
+namespace tet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A directory of our own that is gone with us.
+class ScratchDirectory {
+ public:
+  ScratchDirectory() {
+    path_ = (fs::temp_directory_path() / "tetstream.XXXXXX").string();
+    made_ = mkdtemp(path_.data()) != nullptr;
+  }
+  ~ScratchDirectory() {
+    std::error_code ignored;
+    if (made_) fs::remove_all(path_, ignored);
+  }
+  ScratchDirectory(const ScratchDirectory&) = delete;
+  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+
+  std::string file(const std::string& name) const { return fs::path(path_) / name; }
+
+ private:
+  std::string path_;
+  bool made_ = false;
+};
+
+absl::Status convert_surface(const MeshOptions& options,
+                             const std::string& vdb_path,
+                             ProgressBar& bar) {
+  bar.begin("reading");
+  absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+  if (!input.ok()) return input.status();
+  const absl::StatusOr<ConversionReport> report =
+      surface_to_vdb(input->surface, input->voxel_size, vdb_path);
+  if (!report.ok()) return report.status();
+  bar.say(options.input + ": " + describe_conversion(*report, input->voxel_size));
+  return absl::OkStatus();
+}
+
+/// The stored file's name. A surface goes up as the level set it becomes here.
+absl::StatusOr<std::string> upload_input(MeshClient& client,
+                                         const MeshOptions& options,
+                                         ProgressBar& bar,
+                                         const Cancellation& interruption) {
+  std::string path = options.input;
+  std::optional<ScratchDirectory> scratch;
+  if (is_surface_file(path)) {
+    path = scratch.emplace().file("surface.vdb");
+    absl::Status status = convert_surface(options, path, bar);
+    if (!status.ok()) return status;
+  }
+  bar.begin("uploading", "B");
+  const ClientProgress progress{.upload =
+                                    [&](std::uint64_t done, std::uint64_t total) {
+                                      bar.update(static_cast<double>(done),
+                                                 static_cast<double>(total));
+                                    },
+                                .planning = {},
+                                .tets = {}};
+  return client.upload_file(path, progress, interruption);
+}
+
+v1::Preset wire_preset(Preset preset) {
+  return preset == Preset::kMinAngle ? v1::PRESET_MIN_ANGLE : v1::PRESET_DEFAULT;
+}
+
+v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {
+  if (!type) return v1::COORDINATE_TYPE_UNSPECIFIED;
+  return *type == CoordinateType::kFloat64 ? v1::COORDINATE_TYPE_FLOAT64
+                                           : v1::COORDINATE_TYPE_FLOAT32;
+}
+
+v1::MeshRequest wire_request(const MeshOptions& options, const std::string& name) {
+  v1::MeshRequest request;
+  request.set_name(name);
+  request.set_grid_name(options.grid);
+  if (options.request.spacing) request.set_spacing(*options.request.spacing);
+  if (options.request.iso) request.set_iso(*options.request.iso);
+  request.set_levels(options.request.levels);
+  request.set_preset(wire_preset(options.request.preset));
+  request.set_coordinate_type(wire_coordinates(options.request.coordinates));
+  return request;
+}
+
+/// Shows both halves of a stream, and tells when the first ended.
+class StreamWatch {
+ public:
+  explicit StreamWatch(ProgressBar& bar) : bar_(bar) { bar_.begin("planning", "bricks"); }
+
+  void planning(std::uint64_t done, std::uint64_t total) {
+    bar_.update(static_cast<double>(done), static_cast<double>(total));
+  }
+  void tets(std::uint64_t done, std::uint64_t total) {
+    if (!planning_seconds_) {
+      planning_seconds_ = watch_.lap();
+      bar_.begin("meshing", "tets");
+    }
+    bar_.update(static_cast<double>(done), static_cast<double>(total));
+  }
+
+  ClientProgress callbacks() {
+    return {.upload = {},
+            .planning = [this](auto done, auto total) { planning(done, total); },
+            .tets = [this](auto done, auto total) { tets(done, total); }};
+  }
+  std::vector<Stage> stages(double uploading_seconds) {
+    return {
+        {"uploading",             uploading_seconds},
+        { "planning", planning_seconds_.value_or(0)},
+        {  "meshing",                  watch_.lap()}
+    };
+  }
+
+ private:
+  ProgressBar& bar_;
+  Stopwatch watch_;
+  std::optional<double> planning_seconds_;
+};
+
+}  // namespace
+
+absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
+                                             ProgressBar& bar,
+                                             const Cancellation& interruption) {
+  Stopwatch watch;
+  const std::unique_ptr<MeshClient> client = MeshClient::connect(options.server);
+  const absl::StatusOr<std::string> name = upload_input(*client, options, bar, interruption);
+  if (!name.ok()) return name.status();
+  const double uploading_seconds = watch.lap();
+
+  StreamWatch stream(bar);
+  absl::StatusOr<StreamedMesh> streamed =
+      client->stream_mesh(wire_request(options, *name), stream.callbacks(), interruption);
+  if (!streamed.ok()) return streamed.status();
+  return MadeMesh{.mesh = std::move(streamed->mesh),
+                  .quality = streamed->quality,
+                  .stages = stream.stages(uploading_seconds)};
+}
+
+}  // namespace tet

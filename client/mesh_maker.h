@@ -1,0 +1,36 @@
+// The two ways to make a mesh: in this process, or on a server. The same bytes either way.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/mesh_options.h"
+#include "client/progress_bar.h"
+#include "core/base/cancel.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+struct Stage {
+  std::string name;
+  double seconds = 0;
+};
+
+struct MadeMesh {
+  TetMesh mesh;
+  QualityStats quality;
+  std::vector<Stage> stages;  ///< in the order they ran
+};
+
+absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
+                                        ProgressBar& bar,
+                                        const Cancellation& interruption);
+
+absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
+                                             ProgressBar& bar,
+                                             const Cancellation& interruption);
+
+}  // namespace tet

@@ -1,0 +1,21 @@
+// What `tetstream mesh` was asked for.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/pipeline/mesh_request.h"
+
+namespace tet {
+
+struct MeshOptions {
+  std::string input, output;
+  std::string grid;             ///< empty takes the only meshable grid
+  std::optional<double> voxel;  ///< of a surface that is converted first, world units
+  MeshRequest request;
+  int threads = 0;     ///< 0 takes every core
+  std::string server;  ///< HOST:PORT; empty meshes in this process
+  std::string report;  ///< path; empty writes none
+};
+
+}  // namespace tet

@@ -1,0 +1,56 @@
+#include "client/mesh_report.h"
+
+#include <absl/strings/str_format.h>
+#include <nlohmann/json.hpp>
+
+namespace tet {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const BoundaryTopology& boundary) {
+  return {
+      {            "triangles",             boundary.triangles},
+      {             "vertices",              boundary.vertices},
+      {           "components",            boundary.components},
+      { "euler_characteristic",  boundary.euler_characteristic},
+      {   "non_manifold_edges",    boundary.non_manifold_edges},
+      {"non_manifold_vertices", boundary.non_manifold_vertices}
+  };
+}
+
+Json json_of(const std::vector<Stage>& stages) {
+  Json seconds_of = Json::object();
+  for (const Stage& stage : stages) seconds_of[stage.name] = stage.seconds;
+  return seconds_of;
+}
+
+}  // namespace
+
+std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
+  return absl::StrFormat(
+      "%s: %d vertices, %d tets, dihedral angles %.2f to %.2f degrees, %.2f s", output,
+      made.mesh.header.vertex_count, made.mesh.header.tet_count, made.quality.min_dihedral_deg,
+      made.quality.max_dihedral_deg, seconds);
+}
+
+std::string report_json(const MadeMesh& made,
+                        const BoundaryTopology& boundary,
+                        double seconds) {
+  const Json report{
+      {          "vertices", made.mesh.header.vertex_count},
+      {              "tets",    made.mesh.header.tet_count},
+      {  "min_dihedral_deg", made.quality.min_dihedral_deg},
+      {  "max_dihedral_deg", made.quality.max_dihedral_deg},
+      {            "volume",           made.quality.volume},
+      {           "spacing",      made.mesh.header.spacing},
+      {            "levels",       made.mesh.header.levels},
+      {           "seconds",                       seconds},
+      {            "stages",          json_of(made.stages)},
+      {          "boundary",             json_of(boundary)},
+      {"dihedral_histogram",        made.quality.histogram}
+  };
+  return report.dump(2) + "\n";
+}
+
+}  // namespace tet

@@ -1,0 +1,71 @@
+#include "client/write_vtu.h"
+
+#include <string>
+
+#include <absl/strings/str_cat.h>
+
+#include "client/mesh_columns.h"
+
+namespace tet {
+namespace {
+
+/// Every appended column starts with its size in bytes.
+constexpr std::uint64_t kSizeBytes = sizeof(std::uint64_t);
+
+std::string data_array(const std::string& attributes, std::uint64_t offset) {
+  return absl::StrCat("        <DataArray ", attributes, " format=\"appended\" offset=\"",
+                      offset, "\"/>\n");
+}
+
+std::string header_text(const MeshHeader& mesh,
+                        const ColumnTypes& types,
+                        const ColumnSizes& sizes) {
+  const bool wide = types.coordinates == CoordinateType::kFloat64;
+  const std::string ids = types.ids == IndexType::kUint64 ? "Int64" : "Int32";
+  const std::uint64_t connectivity = kSizeBytes + sizes.points;
+  const std::uint64_t offsets = connectivity + kSizeBytes + sizes.connectivity;
+  return absl::StrCat(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n"
+      "  <UnstructuredGrid>\n"
+      "    <Piece NumberOfPoints=\"",
+      mesh.vertex_count, "\" NumberOfCells=\"", mesh.tet_count,
+      "\">\n"
+      "      <Points>\n",
+      data_array(absl::StrCat("type=\"", wide ? "Float64" : "Float32",
+                              "\" Name=\"Points\" NumberOfComponents=\"3\""),
+                 0),
+      "      </Points>\n"
+      "      <Cells>\n",
+      data_array(absl::StrCat("type=\"", ids, "\" Name=\"connectivity\""), connectivity),
+      data_array(absl::StrCat("type=\"", ids, "\" Name=\"offsets\""), offsets),
+      data_array("type=\"UInt8\" Name=\"types\"", offsets + kSizeBytes + sizes.offsets),
+      "      </Cells>\n"
+      "    </Piece>\n"
+      "  </UnstructuredGrid>\n"
+      "  <AppendedData encoding=\"raw\">\n_");
+}
+
+}  // namespace
+
+absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
+  const ColumnTypes types = choose_column_types(mesh.header);
+  const std::uint64_t tets = mesh.header.tet_count;
+  const ColumnSizes sizes = column_sizes(mesh.header, types, tets);
+
+  BlockWriter writer(file, sizes.total(), control);
+  writer.text(header_text(mesh.header, types, sizes));
+  writer.number(sizes.points);
+  write_points(writer, mesh, types.coordinates);
+  writer.number(sizes.connectivity);
+  write_connectivity(writer, mesh, types.ids);
+  writer.number(sizes.offsets);
+  write_offsets(writer, 1, tets, types.ids);  // where each tet ends
+  writer.number(sizes.types);
+  write_types(writer, tets);
+  writer.text("\n  </AppendedData>\n</VTKFile>\n");
+  return writer.status();
+}
+
+}  // namespace tet

@@ -1,0 +1,12 @@
+// VTK's XML unstructured grid (.vtu), with appended raw binary columns.
+#pragma once
+
+#include "client/block_writer.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Writes the whole mesh; `file` is left for the caller to commit.
+absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
+
+}  // namespace tet

@@ -1,0 +1,514 @@
+"""The tetstream command as a user and a script meet it: messages, exit codes, and files that are
+whole or not there.
+
+    cli_test.py DIRECTORY_OF_BINARIES [unittest options]
+"""
+
+import filecmp
+import json
+import os
+import pathlib
+import pty
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+DONE, REFUSED, USAGE, SERVER = 0, 1, 2, 3
+ENDINGS = (".vtu", ".msh", ".vtkhdf")
+
+
+def unused_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def wait_until(condition, seconds=20.0):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError("waited in vain")
+        time.sleep(0.01)
+
+
+class CommandTest(unittest.TestCase):
+    """A scratch directory with a few volumes beside an empty `out` that tests write to."""
+
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.inputs = pathlib.Path(scratch.name)
+        for kind, voxel in (("sphere", 0.05), ("fog", 0.1), ("torus", 0.02)):
+            cls.make_fixture(kind, voxel)
+        for kind in ("empty", "vec3", "points", "sheared"):
+            cls.make_fixture(kind, 0.1)
+
+    @classmethod
+    def make_fixture(cls, kind, voxel):
+        subprocess.run([BIN / "make_fixture", kind, str(voxel), cls.inputs / f"{kind}.vdb"], check=True)
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.out = pathlib.Path(scratch.name)
+
+    def tetstream(self, *arguments, **options):
+        return subprocess.run(
+            [BIN / "tetstream", *map(str, arguments)],
+            capture_output=True, text=True, timeout=120, check=False, **options)
+
+    def mesh(self, name="sphere.vdb", ending=".vtu", *arguments, **options):
+        return self.tetstream(
+            "mesh", self.inputs / name, "-o", self.out / f"mesh{ending}", *arguments, **options)
+
+    def assert_done(self, result):
+        self.assertEqual(result.returncode, DONE, result.stderr)
+
+    def assert_fails(self, result, code, *words):
+        """With this code, every word in one line on stderr, and no file left behind."""
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+        self.assert_nothing_written()
+
+    def assert_nothing_written(self):
+        self.assertEqual(sorted(path.name for path in self.out.iterdir()), [])
+
+
+class Mesh(CommandTest):
+    def test_writes_every_format_and_sums_up(self):
+        for ending in ENDINGS:
+            with self.subTest(ending=ending):
+                result = self.mesh("sphere.vdb", ending)
+                self.assert_done(result)
+                self.assertEqual(result.stderr, "")
+                self.assertRegex(
+                    result.stdout,
+                    rf"mesh{ending}: \d+ vertices, \d+ tets, "
+                    r"dihedral angles [\d.]+ to [\d.]+ degrees, [\d.]+ s\n")
+        self.assertEqual(len(list(self.out.iterdir())), len(ENDINGS))
+
+    def test_reports_what_scripts_read(self):
+        report_path = self.out / "report.json"
+        self.assert_done(self.mesh("torus.vdb", ".vtu", "--report", report_path))
+        report = json.loads(report_path.read_text())
+        self.assertGreaterEqual(report["min_dihedral_deg"], 11.3)
+        self.assertLessEqual(report["max_dihedral_deg"], 154.9)
+        self.assertAlmostEqual(report["volume"], 2 * 3.14159265**2 * 0.4**2, delta=0.01)
+        self.assertEqual(report["boundary"]["components"], 1)
+        self.assertEqual(report["boundary"]["euler_characteristic"], 0)
+        self.assertEqual(report["boundary"]["non_manifold_edges"], 0)
+        self.assertEqual(report["boundary"]["non_manifold_vertices"], 0)
+        self.assertEqual(sum(report["dihedral_histogram"]), 6 * report["tets"])
+        self.assertEqual(set(report["stages"]), {"reading", "planning", "meshing", "writing"})
+        self.assertLessEqual(sum(report["stages"].values()), report["seconds"] * 1.01)
+        self.assertGreater(report["vertices"], 1000)
+
+    def test_is_the_same_bytes_for_one_and_two_threads(self):
+        for ending in ENDINGS:
+            one, two = self.out / f"one{ending}", self.out / f"two{ending}"
+            for threads, path in ((1, one), (2, two)):
+                self.assert_done(self.tetstream(
+                    "mesh", self.inputs / "torus.vdb", "-o", path, "--threads", threads))
+            self.assertTrue(filecmp.cmp(one, two, shallow=False), ending)
+
+    def test_replaces_an_older_file(self):
+        (self.out / "mesh.vtu").write_text("old")
+        self.assert_done(self.mesh())
+        self.assertGreater((self.out / "mesh.vtu").stat().st_size, 1000)
+
+    def test_levels_0_has_more_tets_than_the_graded_default(self):
+        self.make_fixture("sphere", 0.02)
+        self.addCleanup(self.make_fixture, "sphere", 0.05)
+        counts = []
+        for levels in ((), ("--levels", "0")):
+            self.assert_done(self.mesh(
+                "sphere.vdb", ".vtu", "--report", self.out / "r.json", *levels))
+            counts.append(json.loads((self.out / "r.json").read_text())["tets"])
+        self.assertGreater(counts[1], 2 * counts[0])
+
+    def test_takes_an_iso_value_and_a_spacing(self):
+        self.assert_done(self.mesh(
+            "sphere.vdb", ".vtu", "--iso", "-0.1", "--spacing", "0.07",
+            "--report", self.out / "r.json"))
+        report = json.loads((self.out / "r.json").read_text())
+        self.assertAlmostEqual(report["volume"], 4 / 3 * 3.14159265 * 0.9**3, delta=0.05)
+        self.assertAlmostEqual(report["spacing"], 0.07)
+
+    def test_stores_float64_on_request(self):
+        self.assert_done(self.mesh("sphere.vdb", ".vtu", "--coordinates", "float64"))
+        self.assertIn(b'type="Float64"', (self.out / "mesh.vtu").read_bytes()[:1000])
+
+
+class Refusals(CommandTest):
+    def test_missing_file(self):
+        self.assert_fails(self.mesh("nowhere.vdb"), REFUSED, "nowhere.vdb")
+
+    def test_truncated_file(self):
+        whole = (self.inputs / "sphere.vdb").read_bytes()
+        for keep in (0, 10, 200, len(whole) // 2, len(whole) - 1):
+            with self.subTest(keep=keep):
+                (self.inputs / "cut.vdb").write_bytes(whole[:keep])
+                self.assert_fails(self.mesh("cut.vdb"), REFUSED, "cut.vdb")
+
+    def test_file_that_is_no_vdb(self):
+        (self.inputs / "text.vdb").write_text("hello\n" * 1000)
+        self.assert_fails(self.mesh("text.vdb"), REFUSED, "text.vdb")
+
+    def test_wrong_grid_name(self):
+        result = self.mesh("sphere.vdb", ".vtu", "--grid", "density")
+        self.assert_fails(result, REFUSED, "density", "sphere")
+
+    def test_grids_that_cannot_be_meshed(self):
+        for kind, word in (("vec3", "vec3"), ("points", "point"), ("sheared", "shear"),
+                           ("empty", "empty")):
+            with self.subTest(kind=kind):
+                result = self.mesh(f"{kind}.vdb")
+                self.assert_fails(result, REFUSED)
+                self.assertIn(word, result.stderr.lower())
+
+    def test_a_surface_value_that_nothing_crosses(self):
+        self.assert_fails(self.mesh("fog.vdb", ".vtu", "--iso", "7"), REFUSED, "7")
+
+    def test_numbers_out_of_range(self):
+        for option, value in (("--spacing", "0"), ("--spacing", "-1"), ("--spacing", "nan"),
+                              ("--iso", "inf"), ("--levels", "-1"), ("--levels", "99")):
+            with self.subTest(option=option, value=value):
+                self.assert_fails(self.mesh("sphere.vdb", ".vtu", option, value), REFUSED, value)
+
+    def test_unknown_input_endings_and_scenes(self):
+        for name in ("scene.json", "volume.nii", "volume"):
+            with self.subTest(name=name):
+                self.assert_fails(self.mesh(name), REFUSED, name, ".vdb")
+
+    def test_unknown_output_ending_before_the_input_is_looked_at(self):
+        result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "mesh.stl")
+        self.assert_fails(result, REFUSED, ".vtu, .msh or .vtkhdf")
+
+    def test_output_in_a_directory_that_is_not_there(self):
+        result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "no" / "m.vtu")
+        self.assert_fails(result, REFUSED, "No such file or directory")
+
+    def test_output_that_is_a_device(self):
+        link = self.inputs / "full.vtu"
+        link.symlink_to("/dev/full")
+        result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", link)
+        self.assert_fails(result, REFUSED, "not a regular file")
+
+    def test_report_that_cannot_be_written(self):
+        result = self.mesh("sphere.vdb", ".vtu", "--report", "/nowhere/report.json")
+        self.assert_fails(result, REFUSED, "/nowhere/report.json")
+
+    def test_options_of_the_other_kind_of_input(self):
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--voxel", "1"), REFUSED, "--spacing")
+        self.assert_fails(self.mesh("part.stl", ".vtu", "--grid", "a"), REFUSED, "no grids")
+
+    def test_preset_that_is_not_there_yet(self):
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--preset", "both-sides"), REFUSED,
+                          "both-sides")
+
+    def test_full_disk_leaves_the_old_file_alone(self):
+        def limit_file_size():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+        for ending in ENDINGS:
+            with self.subTest(ending=ending):
+                old = self.out / f"mesh{ending}"
+                old.write_text("old")
+                result = self.mesh("torus.vdb", ending, preexec_fn=limit_file_size)
+                self.assertEqual(result.returncode, REFUSED, result.stderr)
+                self.assertIn("File too large", result.stderr)
+                self.assertEqual(old.read_text(), "old")
+                old.unlink()
+                self.assert_nothing_written()
+
+
+class Usage(CommandTest):
+    def test_unknown_option(self):
+        self.assert_fails(self.tetstream("mesh", "--frobnicate"), USAGE, "--frobnicate")
+
+    def test_unknown_command_and_none(self):
+        self.assert_fails(self.tetstream("frobnicate"), USAGE)
+        self.assert_fails(self.tetstream(), USAGE)
+
+    def test_missing_arguments(self):
+        self.assert_fails(self.tetstream("mesh", "a.vdb"), USAGE, "--output")
+        self.assert_fails(self.tetstream("health"), USAGE, "--server")
+
+    def test_values_that_are_no_numbers_or_no_choice(self):
+        for option, value in (("--spacing", "wide"), ("--levels", "x"), ("--threads", "-1"),
+                              ("--preset", "best"), ("--coordinates", "int8")):
+            with self.subTest(option=option):
+                self.assert_fails(self.mesh("sphere.vdb", ".vtu", option, value), USAGE, option)
+
+    def test_help_teaches_by_example(self):
+        for command in ([], ["mesh"], ["info"], ["convert"], ["health"]):
+            result = self.tetstream(*command, "--help")
+            self.assert_done(result)
+            self.assertRegex(result.stdout, rf"Examples?:\n +tetstream {'.*'.join(command)}")
+
+    def test_version(self):
+        result = self.tetstream("--version")
+        self.assert_done(result)
+        self.assertRegex(result.stdout, r"^tetstream \d+\.\d+\.\d+\n$")
+
+
+class Info(CommandTest):
+    def test_prints_a_table(self):
+        result = self.tetstream("info", self.inputs / "sphere.vdb")
+        self.assert_done(result)
+        self.assertRegex(result.stdout, r"sphere +float +level set +0\.05 +\d+ +[\d x]+ +yes")
+
+    def test_says_why_a_grid_cannot_be_meshed(self):
+        result = self.tetstream("info", self.inputs / "vec3.vdb")
+        self.assert_done(result)
+        self.assertIn("no: ", result.stdout)
+
+    def test_prints_json(self):
+        result = self.tetstream("info", self.inputs / "fog.vdb", "--json")
+        self.assert_done(result)
+        (grid,) = json.loads(result.stdout)
+        self.assertEqual(grid["name"], "fog")
+        self.assertEqual(grid["class"], "fog volume")
+        self.assertEqual(grid["value_type"], "float")
+        self.assertTrue(grid["meshable"])
+
+    def test_of_a_missing_file(self):
+        self.assert_fails(self.tetstream("info", "nowhere.vdb"), REFUSED, "nowhere.vdb")
+
+
+CUBE = """\
+v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1
+f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"""
+LID = "f 2 4 8 6\n"
+
+
+class Convert(CommandTest):
+    def setUp(self):
+        super().setUp()
+        (self.inputs / "cube.obj").write_text(CUBE + LID)
+        (self.inputs / "open.obj").write_text(CUBE)
+
+    def convert(self, name, *arguments):
+        return self.tetstream("convert", self.inputs / name, self.out / "made.vdb", *arguments)
+
+    def test_makes_a_level_set_of_a_closed_surface(self):
+        result = self.convert("cube.obj", "--voxel", "0.1")
+        self.assert_done(result)
+        self.assertIn("8 vertices, 12 triangles, closed", result.stdout)
+        info = self.tetstream("info", self.out / "made.vdb", "--json")
+        self.assertEqual(json.loads(info.stdout)[0]["class"], "level set")
+
+    def test_says_that_a_surface_is_not_closed(self):
+        result = self.convert("open.obj", "--voxel", "0.1")
+        self.assert_done(result)
+        self.assertIn("not closed (4 open edges)", result.stdout)
+
+    def test_takes_a_voxel_of_the_extent_by_128(self):
+        result = self.convert("cube.obj")
+        self.assert_done(result)
+        self.assertIn("voxels of 0.0078125", result.stdout)
+
+    def test_mesh_converts_in_passing_and_says_so(self):
+        result = self.mesh("cube.obj", ".vtu", "--voxel", "0.1", "--report", self.out / "r.json")
+        self.assert_done(result)
+        self.assertIn("12 triangles, closed", result.stderr)
+        report = json.loads((self.out / "r.json").read_text())
+        self.assertAlmostEqual(report["volume"], 1, delta=0.1)
+
+    def test_refuses_what_is_no_surface(self):
+        (self.inputs / "text.ply").write_text("hello")
+        self.assert_fails(self.convert("text.ply"), REFUSED, "text.ply")
+        self.assert_fails(self.convert("missing.stl"), REFUSED, "missing.stl")
+        self.assert_fails(self.convert("sphere.vdb"), REFUSED, ".obj, .stl or .ply")
+
+    def test_refuses_voxels_without_a_size(self):
+        for voxel in ("0", "-1", "nan"):
+            self.assert_fails(self.convert("cube.obj", "--voxel", voxel), REFUSED, voxel)
+
+    def test_refuses_another_ending(self):
+        result = self.tetstream("convert", self.inputs / "cube.obj", self.out / "made.vtu")
+        self.assert_fails(result, REFUSED, ".vdb")
+
+
+class Interruption(CommandTest):
+    """Ctrl-C at several moments of a mesh that takes long."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.make_fixture("gyroid", 0.01)
+
+    def interrupt(self, sent, after_seconds, ending):
+        process = subprocess.Popen(
+            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / f"m{ending}",
+             "--levels", "0", "--spacing", "0.004", "--threads", "1"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(after_seconds)
+        process.send_signal(sent)
+        _, errors = process.communicate(timeout=30)
+        return process.returncode, errors
+
+    def test_stops_cleanly_whenever_it_comes(self):
+        for after_seconds, ending in ((0.3, ".vtu"), (1.0, ".msh"), (2.0, ".vtkhdf")):
+            with self.subTest(after_seconds=after_seconds):
+                code, errors = self.interrupt(signal.SIGINT, after_seconds, ending)
+                self.assertEqual(code, 130, errors)
+                self.assertEqual(len(errors.splitlines()), 1, errors)
+                self.assert_nothing_written()
+
+    def test_ends_with_128_and_the_signal(self):
+        code, errors = self.interrupt(signal.SIGTERM, 0.5, ".vtu")
+        self.assertEqual(code, 128 + signal.SIGTERM, errors)
+        self.assert_nothing_written()
+
+    def test_while_writing_removes_the_unfinished_file(self):
+        """The temporary file is there, so it must be writing; then the signal comes."""
+        self.make_fixture("gyroid", 0.02)
+        process = subprocess.Popen(
+            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / "m.msh",
+             "--levels", "0", "--spacing", "0.008"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0, 60)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assert_nothing_written()
+
+    def unfinished_bytes(self):
+        return sum(path.stat().st_size for path in self.out.glob(".tetstream.*.tmp"))
+
+
+class Terminal(CommandTest):
+    def mesh_on_terminal(self, environment):
+        """Runs with stderr on a terminal and returns what was drawn there."""
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [BIN / "tetstream", "mesh", self.inputs / "torus.vdb", "-o", self.out / "m.vtu"],
+            stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, **environment})
+        os.close(theirs)
+        drawn = b""
+        try:
+            while chunk := os.read(ours, 65536):
+                drawn += chunk
+        except OSError:  # how Linux tells that the other end is closed
+            pass
+        os.close(ours)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, DONE)
+        return drawn.decode()
+
+    def test_draws_a_bar_and_erases_it(self):
+        drawn = self.mesh_on_terminal({"TERM": "xterm"})
+        for stage in ("reading", "planning", "meshing", "writing"):
+            self.assertIn(stage, drawn)
+        self.assertTrue(drawn.endswith("\r\x1b[K"))
+
+    def test_draws_nothing_where_nothing_can_be_erased(self):
+        self.assertEqual(self.mesh_on_terminal({"TERM": "dumb"}), "")
+
+
+class OnAServer(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.address = f"127.0.0.1:{unused_port()}"
+        server = subprocess.Popen(
+            [BIN / "tetstreamd", "--listen", cls.address, "--store", cls.inputs / "store"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def stop():
+            server.terminate()
+            server.wait(30)
+
+        cls.addClassCleanup(stop)
+        wait_until(lambda: subprocess.run(
+            [BIN / "tetstream", "health", "--server", cls.address],
+            capture_output=True, check=False).returncode == DONE)
+
+    def test_health_of_a_serving_server(self):
+        result = self.tetstream("health", "--server", self.address)
+        self.assert_done(result)
+        self.assertEqual(result.stdout, f"{self.address}: serving\n")
+
+    def test_gives_the_same_bytes_as_this_process(self):
+        for ending in ENDINGS:
+            here, there = self.out / f"here{ending}", self.out / f"there{ending}"
+            for path, server in ((here, ()), (there, ("--server", self.address))):
+                self.assert_done(self.tetstream(
+                    "mesh", self.inputs / "torus.vdb", "-o", path, *server))
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
+
+    def test_gives_the_same_bytes_for_every_option(self):
+        options = ("--spacing", "0.08", "--iso", "0.02", "--levels", "1", "--preset", "min-angle",
+                   "--coordinates", "float64", "--grid", "sphere")
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        for path, server in ((here, ()), (there, ("--server", self.address))):
+            self.assert_done(self.tetstream(
+                "mesh", self.inputs / "sphere.vdb", "-o", path, *options, *server))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
+    def test_reports_the_same_mesh(self):
+        reports = []
+        for server in ((), ("--server", self.address)):
+            self.assert_done(self.mesh(
+                "torus.vdb", ".vtu", "--report", self.out / "r.json", *server))
+            reports.append(json.loads((self.out / "r.json").read_text()))
+        self.assertEqual(set(reports[1].pop("stages")),
+                         {"uploading", "planning", "meshing", "writing"})
+        del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
+        self.assertEqual(*reports)
+
+    def test_converts_a_surface_before_it_goes_up(self):
+        (self.inputs / "cube.obj").write_text(CUBE + LID)
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        for path, server in ((here, ()), (there, ("--server", self.address))):
+            self.assert_done(self.tetstream(
+                "mesh", self.inputs / "cube.obj", "-o", path, "--voxel", "0.1", *server))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
+    def test_refusals_are_the_servers_own(self):
+        server = ("--server", self.address)
+        self.assert_fails(self.mesh("nowhere.vdb", ".vtu", *server), REFUSED, "nowhere.vdb")
+        self.assert_fails(self.mesh("empty.vdb", ".vtu", *server), REFUSED)
+        self.assert_fails(self.mesh("vec3.vdb", ".vtu", *server), REFUSED, "vec3")
+        self.assert_fails(
+            self.mesh("sphere.vdb", ".vtu", "--grid", "density", *server), REFUSED, "density")
+        self.assert_fails(
+            self.mesh("sphere.vdb", ".vtu", "--spacing", "0", *server), REFUSED, "spacing")
+
+    def test_ctrl_c_stops_a_stream(self):
+        self.make_fixture("gyroid", 0.02)
+        process = subprocess.Popen(
+            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / "m.vtu",
+             "--levels", "0", "--spacing", "0.005", "--server", self.address],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assert_nothing_written()
+
+
+class WithoutAServer(CommandTest):
+    def test_an_unreachable_server(self):
+        server = ("--server", f"127.0.0.1:{unused_port()}")
+        self.assert_fails(self.tetstream("health", *server), SERVER, *server[1:])
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", *server), SERVER)
+
+    def test_a_server_whose_name_means_nothing(self):
+        result = self.tetstream("health", "--server", "no-such-host.invalid:1")
+        self.assert_fails(result, SERVER, "no-such-host.invalid:1")
+
+
+if __name__ == "__main__":
+    BIN = pathlib.Path(sys.argv.pop(1))
+    unittest.main(verbosity=2)

@@ -1,0 +1,113 @@
+"""Reads the files that write_samples makes with other people's readers: the same counts,
+coordinates and ids, and positive volumes.
+
+    read_back.py path/to/write_samples
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import meshio
+import numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import VTK_TETRA
+from vtkmodules.vtkIOHDF import vtkHDFReader
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+SAMPLES = {
+    "one": numpy.float32,
+    "near": numpy.float32,
+    "moved": numpy.float32,
+    "far": numpy.float64,
+    "wide": numpy.float64,
+    "blocks": numpy.float64,
+}
+
+
+def read_with_meshio(path):
+    mesh = meshio.read(path)
+    assert [block.type for block in mesh.cells] == ["tetra"], mesh.cells
+    return mesh.points, mesh.cells[0].data
+
+
+def read_with_vtk(reader, path):
+    reader.SetFileName(str(path))
+    reader.Update()
+    grid = reader.GetOutput()
+    assert reader.GetErrorCode() == 0
+    assert (vtk_to_numpy(grid.GetCellTypesArray()) == VTK_TETRA).all()
+    points = vtk_to_numpy(grid.GetPoints().GetData())
+    cells = grid.GetCells()
+    offsets = vtk_to_numpy(cells.GetOffsetsArray())
+    assert (offsets == 4 * numpy.arange(grid.GetNumberOfCells() + 1)).all()
+    return points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4)
+
+
+def volumes(points, tets):
+    a, b, c, d = (points[tets[:, k]].astype(float) for k in range(4))
+    return numpy.einsum("ij,ij->i", b - a, numpy.cross(c - a, d - a)) / 6
+
+
+class ReadBack(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.directory = pathlib.Path(cls.scratch.name)
+        subprocess.run([WRITE_SAMPLES, cls.directory], check=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def check_every_sample(self, ending, read, always_wide=False):
+        for name, coordinates in SAMPLES.items():
+            with self.subTest(name=name, ending=ending):
+                expected = json.loads((self.directory / f"{name}.json").read_text())
+                points, tets = read(self.directory / f"{name}{ending}")
+                self.assertEqual(points.dtype, numpy.float64 if always_wide else coordinates)
+                expected_points = numpy.array(expected["points"]).astype(points.dtype)
+                numpy.testing.assert_array_equal(points, expected_points)
+                numpy.testing.assert_array_equal(tets, expected["tets"])
+                self.assertGreater(volumes(points, tets).min(), 0.1)
+
+    def test_meshio_reads_vtu(self):
+        self.check_every_sample(".vtu", read_with_meshio)
+
+    def test_meshio_reads_msh(self):
+        self.check_every_sample(".msh", read_with_meshio, always_wide=True)
+
+    def test_vtk_reads_vtu(self):
+        self.check_every_sample(
+            ".vtu", lambda path: read_with_vtk(vtkXMLUnstructuredGridReader(), path)
+        )
+
+    def test_vtk_reads_vtkhdf(self):
+        self.check_every_sample(
+            ".vtkhdf", lambda path: read_with_vtk(vtkHDFReader(), path)
+        )
+
+    def test_vtkhdf_says_its_version_and_counts(self):
+        with h5py.File(self.directory / "near.vtkhdf") as file:
+            group = file["VTKHDF"]
+            self.assertEqual(list(group.attrs["Version"]), [1, 0])
+            self.assertEqual(group.attrs["Type"], b"UnstructuredGrid")
+            self.assertEqual(list(group["NumberOfPoints"]), [7**3])
+            self.assertEqual(list(group["NumberOfCells"]), [6 * 6**3])
+            self.assertEqual(list(group["NumberOfConnectivityIds"]), [24 * 6**3])
+
+    def test_the_same_mesh_is_the_same_bytes(self):
+        with tempfile.TemporaryDirectory() as again:
+            subprocess.run([WRITE_SAMPLES, again], check=True)
+            for path in sorted(self.directory.iterdir()):
+                other = pathlib.Path(again) / path.name
+                self.assertEqual(path.read_bytes(), other.read_bytes(), path.name)
+
+
+if __name__ == "__main__":
+    WRITE_SAMPLES = sys.argv.pop(1)
+    unittest.main(verbosity=2)
