@@ -69,11 +69,10 @@ class PlyBody {
   bool next_binary(PlyType type, double& value) {
     if (left() < type.size) return false;
     std::array<char, 8> number{};
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), type.size, number.begin());
     const bool native =
         (format_ == PlyFormat::kLittleEndian) == (std::endian::native == std::endian::little);
-    if (!native) {
-      std::reverse(number.begin(), number.begin() + static_cast<std::ptrdiff_t>(type.size));
+    for (std::size_t i = 0; i < type.size; ++i) {
+      number[native ? i : type.size - 1 - i] = bytes_[at_ + i];
     }
     value = decode(number, type);
     at_ += type.size;
