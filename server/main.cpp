@@ -91,25 +91,27 @@ absl::Status write_port(const std::string& path, int port) {
   return tet::move_file(unfinished, path);
 }
 
+int cannot_start(const absl::Status& status) {
+  tet::log_event(spdlog::level::err, "cannot_start",
+                 {
+                     {"message", std::string(status.message())}
+  });
+  return kFailed;
+}
+
 int serve(const tet::Config& config) {
   keep_large_blocks();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
   auto server = tet::Server::start(config);
-  absl::Status status = server.status();
-  if (status.ok()) status = write_port(config.port_file, (*server)->port());
-  if (!status.ok()) {
-    tet::log_event(spdlog::level::err, "cannot_start",
-                   {
-                       {"message", status.message()}
-    });
-    return kFailed;
-  }
+  if (!server.ok()) return cannot_start(server.status());
   tet::log_event(spdlog::level::info, "serving",
                  {
                      {"address", (*server)->address()},
                      {"version",    TETSTREAM_VERSION}
   });
+  const absl::Status told = write_port(config.port_file, (*server)->port());
+  if (!told.ok()) return cannot_start(told);
   int signal = 0;
   sigwait(&signals, &signal);
   tet::log_event(spdlog::level::info, "draining",
