@@ -372,10 +372,9 @@ class Interruption(CommandTest):
 
     def test_while_writing_removes_the_unfinished_file(self):
         """The temporary file is there, so it must be writing; then the signal comes."""
-        self.make_fixture("gyroid", 0.02)
         process = subprocess.Popen(
-            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / "m.msh",
-             "--levels", "0", "--spacing", "0.008"],
+            [BIN / "tetstream", "mesh", self.inputs / "sphere.vdb", "-o", self.out / "m.msh",
+             "--levels", "0", "--spacing", "0.02"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0, 60)
         process.send_signal(signal.SIGINT)
