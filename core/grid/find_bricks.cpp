@@ -182,6 +182,24 @@ void visit_lattice_bricks(const PhiField& field,
   }
 }
 
+/// A brick near the surface costs about 2 KiB until the mesh is made.
+constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
+
+absl::Status check_surface_bricks(double bricks) {
+  if (bricks <= static_cast<double>(kMaxSurfaceBricks)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "the surface would pass through about %.3g bricks of 8^3 cells; the limit is %d. Use a "
+      "larger spacing",
+      bricks, kMaxSurfaceBricks));
+}
+
+/// How many lattice bricks a voxel brick meets at most, reaching out by its halo.
+double lattice_bricks_per_brick(const PhiField& field) {
+  constexpr double kReach = 8 + 2;  // voxels, and as many cells
+  const double along = (kReach / field.spacing_voxels + kReach) / kBrickEdge;
+  return std::pow(std::max(1.0, along), 3);
+}
+
 /// Voxel bricks become the lattice bricks that see them.
 FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
   constexpr int kHaloReach = 3;
@@ -225,8 +243,19 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field) {
                               mine.near_surface.end());
     found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
   });
-  if (!field.at_voxels()) found = at_lattice(field, found);
+  if (!field.at_voxels()) {
+    const double seen = static_cast<double>(found.near_surface.size() + found.inside.size());
+    if (auto status = check_surface_bricks(seen * lattice_bricks_per_brick(field));
+        !status.ok()) {
+      return status;
+    }
+    found = at_lattice(field, found);
+  }
   sort_unique(found.near_surface);
+  if (auto status = check_surface_bricks(static_cast<double>(found.near_surface.size()));
+      !status.ok()) {
+    return status;
+  }
   return found;
 }
 

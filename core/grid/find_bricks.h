@@ -26,7 +26,8 @@ struct FoundBricks {
 };
 
 /// Looks at value ranges only, brick by brick; reads no samples. Parallel.
-/// Errors: kFailedPrecondition (inside has no end; claims more space than can be looked at).
+/// Errors: kFailedPrecondition (the inside has no end), kResourceExhausted (more
+/// space than can be looked at).
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field);
 
 }  // namespace tet

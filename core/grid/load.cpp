@@ -1,14 +1,10 @@
 #include "core/grid/load.h"
 
-#include <cerrno>
 #include <cstddef>
 #include <exception>
-#include <filesystem>
 #include <ios>
 #include <new>
-#include <system_error>
 #include <type_traits>
-#include <unistd.h>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
@@ -16,6 +12,7 @@
 #include <absl/strings/str_join.h>
 #include <openvdb/points/PointDataGrid.h>
 
+#include "core/grid/check_file.h"
 #include "core/grid/copy_grid.h"
 #include "core/grid/vdb_file.h"
 
@@ -25,22 +22,6 @@ namespace {
 /// The same error, told of `what`.
 absl::Status told_of(const std::string& what, const absl::Status& error) {
   return {error.code(), absl::StrCat(what, ": ", error.message())};
-}
-
-absl::Status check_file(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    return absl::NotFoundError(absl::StrFormat("there is no file '%s'", path));
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    return absl::InvalidArgumentError(absl::StrFormat("'%s' is not a regular file", path));
-  }
-  if (::access(path.c_str(), R_OK) != 0) {
-    return absl::PermissionDeniedError(
-        absl::StrFormat("'%s' may not be read by this user", path));
-  }
-  return absl::OkStatus();
 }
 
 absl::Status bad_file(const std::string& path, std::string_view why) {

@@ -60,6 +60,7 @@ void add_parts(CellSetBuilder& builder, BrickCoord brick, const HaloSet& cells) 
 CellSet parents_of_finest(const CellSet& finest) {
   CellSetBuilder builder;
   for (std::size_t i = 0; i < finest.bricks.size(); ++i) {
+    if (!finest.cells[i].any()) continue;
     HaloSet cells;
     add_brick(cells, finest.cells[i], 0, 0, 0);
     builder.add(parent_of(finest.bricks[i]), brick_part(parents(cells, finest.bricks[i])));

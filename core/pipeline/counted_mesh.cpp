@@ -15,7 +15,7 @@ constexpr std::size_t kBricksPerRange = 16;
 
 CountedMesh::CountedMesh(const PhiField& field, Survey survey, Octree tree, bool uniform)
     : survey_(std::move(survey)), tree_(std::move(tree)) {
-  // In a uniform mesh every brick with an inside node is there already.
+  // In a uniform mesh every brick with a vertex is there already.
   if (!uniform) insert_corner_bricks(tree_.levels[0]);
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
   find_stuffed(field);

@@ -194,7 +194,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, warps, cancellation, progress);
   if (!survey.ok()) return survey.status();
-  Octree tree = build_octree(survey->finest_cells(), field, survey->inside_test(),
+  Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              bricks->inside, asked->levels);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 

@@ -40,16 +40,6 @@ void stuff_brick(PhiSampler& sampler,
   warp_lattice(workspace.lattice.cuts, limits, workspace.lattice.warped);
 }
 
-CellSet Survey::finest_cells() const {
-  CellSet cells;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    if (!finest[i].any()) continue;
-    cells.bricks.push_back(bricks[i]);
-    cells.cells.push_back(finest[i]);
-  }
-  return cells;
-}
-
 InsideTest Survey::inside_test() const {
   return [this, index = BrickIndex(bricks)](PhiSampler& sampler, std::int64_t x, std::int64_t y,
                                             std::int64_t z) {

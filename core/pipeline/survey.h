@@ -31,10 +31,7 @@ void stuff_brick(PhiSampler& sampler,
 struct Survey {
   std::vector<BrickCoord> bricks;  ///< sorted
   std::vector<StuffedBrick> stuffed;
-  std::vector<BrickMask> finest;  ///< cells that must stay finest
-
-  /// The bricks that hold finest cells, as the octree wants them.
-  CellSet finest_cells() const;
+  std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
 
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
   /// it.

@@ -1,46 +1,164 @@
 #include "core/pipeline/mesh_plan.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
 #include "core/pipeline/mesher.h"
+#include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
 
-MeshResult mesh(const Volume& v, int levels, int threads = 2) {
-  TaskPool pool(threads);
-  MeshRequest r;
-  r.levels = levels;
-  auto result = mesh_volume(pool, std::make_shared<Volume>(v), r, {}, Cancellation(), nullptr);
-  if (!result.ok()) { printf("%s\n", result.status().ToString().c_str()); abort(); }
-  return *std::move(result);
+using ::testing::HasSubstr;
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan(Volume volume,
+                                                     const MeshRequest& request = {},
+                                                     const MeshLimits& limits = {}) {
+  return plan_mesh(std::make_shared<const Volume>(std::move(volume)), request, limits,
+                   Cancellation(), nullptr);
 }
 
-void report(const char* name, const MeshResult& r) {
-  auto c = check_conformity(r.mesh);
-  auto b = measure_boundary(r.mesh);
-  auto q = measure_quality(r.mesh);
-  printf("%s: v %zu t %zu levels %d angles %.3f %.3f (full %.3f %.3f) vol %.4f/%.4f  plan %.1f ms fill %.1f ms  b: comp %zu euler %ld nme %zu nmv %zu tris %zu\n", name, r.mesh.header.vertex_count,
-    r.mesh.header.tet_count, r.mesh.header.levels, r.quality.min_dihedral_deg, r.quality.max_dihedral_deg, q.min_dihedral_deg, q.max_dihedral_deg, r.quality.volume, q.volume, r.plan_seconds*1e3, r.fill_seconds*1e3, b.components, b.euler_characteristic, b.non_manifold_edges, b.non_manifold_vertices, b.triangles);
-  printf("  conform %d %s\n", c.conforming(), c.describe().c_str());
+std::vector<std::byte> chunk_bytes(const MeshPlan& plan,
+                                   std::uint64_t index,
+                                   MeshWorkspace& workspace) {
+  const ChunkExtent extent = plan.chunk(index);
+  const std::size_t positions =
+      extent.vertex_count * 3 * size_of(plan.header().coordinate_type);
+  const std::size_t tets = extent.tet_count * 4 * size_of(plan.header().index_type);
+  std::vector<std::byte> bytes(positions + tets);
+  plan.fill_chunk(index, workspace, std::span(bytes).first(positions),
+                  std::span(bytes).subspan(positions));
+  return bytes;
 }
 
-TEST(Mesh, Ball) {
-  auto ball = [](double R) { return test::narrow_band_volume({{-40,-40,-40},{40,40,40}}, 3, [=](VoxelCoord v){ return float(std::sqrt(double(v.x)*v.x+double(v.y)*v.y+double(v.z)*v.z)-R);}); };
-  auto b = ball(27.13);
-  report("uniform", mesh(b, 0));
-  report("graded", mesh(b, 24));
-  report("graded1", mesh(b, 1));
-  report("graded2", mesh(b, 2));
-  auto rnd = test::dense_volume({{0,0,0},{31,31,31}}, 1, [](VoxelCoord){ return float(rand()%2000-1000)/1000.f;});
-  report("random u", mesh(rnd, 0));
-  report("random g", mesh(rnd, 24));
+TEST(MeshPlan, CutsChunksThatJoinWithoutGapsAndStayWithinTheirSize) {
+  const auto made = plan(test::ball(40));
+  ASSERT_TRUE(made.ok()) << made.status();
+  const MeshHeader& header = (*made)->header();
+  ASSERT_GT(header.chunk_count, 5U);
+  std::uint64_t vertices = 0, tets = 0;
+  for (std::uint64_t i = 0; i < header.chunk_count; ++i) {
+    const ChunkExtent chunk = (*made)->chunk(i);
+    EXPECT_EQ(chunk.first_vertex, vertices);
+    EXPECT_EQ(chunk.first_tet, tets);
+    vertices += chunk.vertex_count;
+    tets += chunk.tet_count;
+    EXPECT_LE(chunk.vertex_count * 12 + chunk.tet_count * 16, kChunkBytes);
+  }
+  EXPECT_EQ(vertices, header.vertex_count);
+  EXPECT_EQ(tets, header.tet_count);
 }
+
+TEST(MeshPlan, MakesAChunkTheSameWhateverTheWorkspaceMadeBefore) {
+  const auto made = plan(test::random_signs(40, 8));
+  ASSERT_TRUE(made.ok()) << made.status();
+  const std::uint64_t chunks = (*made)->header().chunk_count;
+  ASSERT_GT(chunks, 3U);
+  MeshWorkspace used;
+  for (std::uint64_t i = chunks; i-- > 0;) {
+    MeshWorkspace fresh;
+    EXPECT_EQ(chunk_bytes(**made, i, used), chunk_bytes(**made, i, fresh)) << "chunk " << i;
+  }
+}
+
+TEST(MeshPlan, MakesTheSameBytesWhenItIsPlannedAgain) {
+  const auto first = plan(test::ball(30)), second = plan(test::ball(30));
+  ASSERT_TRUE(first.ok() && second.ok());
+  MeshWorkspace workspace;
+  const std::uint64_t last = (*first)->header().chunk_count - 1;
+  for (const std::uint64_t i : {std::uint64_t{0}, last / 2, last}) {
+    EXPECT_EQ(chunk_bytes(**first, i, workspace), chunk_bytes(**second, i, workspace));
+  }
+}
+
+TEST(MeshPlan, StoresDoublesWhereFloatsWouldBendAngles) {
+  const auto small = plan(test::ball(12));
+  ASSERT_TRUE(small.ok());
+  EXPECT_EQ((*small)->header().coordinate_type, CoordinateType::kFloat32);
+  // Two small balls nine thousand voxels apart.
+  const auto far = plan(test::narrow_band_volume(
+      {
+          {  -8, -8, -8},
+          {9008,  8,  8}
+  },
+      3, [](VoxelCoord v) {
+        const double x = v.x < 4500 ? v.x : v.x - 9000;
+        return static_cast<float>(std::hypot(x, v.y, v.z) - 5.2);
+      }));
+  ASSERT_TRUE(far.ok()) << far.status();
+  EXPECT_EQ((*far)->header().coordinate_type, CoordinateType::kFloat64);
+}
+
+void expect_refusal(Volume volume,
+                    const MeshRequest& request,
+                    absl::StatusCode code,
+                    const std::string& words,
+                    const MeshLimits& limits = {}) {
+  const auto made = plan(std::move(volume), request, limits);
+  ASSERT_FALSE(made.ok()) << "not refused: " << words;
+  EXPECT_EQ(made.status().code(), code) << made.status();
+  EXPECT_THAT(std::string(made.status().message()), HasSubstr(words));
+}
+
+TEST(MeshPlan, RefusesWhatItCannotMeshAndSaysWhy) {
+  MeshRequest request;
+  request.spacing = 0.0;
+  expect_refusal(test::ball(6), request, absl::StatusCode::kInvalidArgument,
+                 "spacing 0 is not a positive number");
+  request.spacing = std::numeric_limits<double>::quiet_NaN();
+  expect_refusal(test::ball(6), request, absl::StatusCode::kInvalidArgument, "spacing nan");
+  request = {};
+  request.levels = -1;
+  expect_refusal(test::ball(6), request, absl::StatusCode::kInvalidArgument, "levels -1");
+  request = {};
+  request.iso = -10;
+  expect_refusal(test::ball(6), request, absl::StatusCode::kFailedPrecondition,
+                 "nothing is inside at iso -10");
+  request.iso = 10;
+  expect_refusal(test::ball(6), request, absl::StatusCode::kFailedPrecondition,
+                 "the inside has no end");
+}
+
+TEST(MeshPlan, RefusesAMeshOverTheBudgetWithBothNumbers) {
+  MeshRequest request;
+  expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted,
+                 "the limit is 1000", {.max_tets = 1000});
+  request.levels = 0;
+  expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted,
+                 "interior grading", {.max_tets = 1000});
+  request.spacing = 1e-4;
+  expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted,
+                 "larger spacing");
+}
+
+TEST(MeshPlan, StopsWhenCancelledOrPastItsDeadline) {
+  const auto volume = std::make_shared<const Volume>(test::ball(10));
+  Cancellation cancelled;
+  cancelled.cancel();
+  EXPECT_EQ(plan_mesh(volume, {}, {}, cancelled, nullptr).status().code(),
+            absl::StatusCode::kCancelled);
+  const Cancellation late(Cancellation::Clock::now() - std::chrono::seconds(1));
+  EXPECT_EQ(plan_mesh(volume, {}, {}, late, nullptr).status().code(),
+            absl::StatusCode::kDeadlineExceeded);
+}
+
+TEST(MeshPlan, TellsProgressInBricks) {
+  MeshProgress progress;
+  const auto made = plan_mesh(std::make_shared<const Volume>(test::ball(20)), {}, {},
+                              Cancellation(), &progress);
+  ASSERT_TRUE(made.ok());
+  EXPECT_GT(progress.total, 20U);
+  EXPECT_EQ(progress.done, progress.total);
+}
+
 }  // namespace
 }  // namespace tet

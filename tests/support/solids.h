@@ -1,0 +1,37 @@
+// Solids and fields that the mesher's tests mesh, as volumes made without OpenVDB.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/grid/volume.h"
+
+namespace tet::test {
+
+/// A solid whose boundary is known.
+struct Solid {
+  std::string name;
+  Volume volume;
+  std::uint64_t components = 0;           ///< of the boundary
+  std::int64_t euler_characteristic = 0;  ///< of the whole boundary
+  double enclosed_volume = 0;             ///< world units cubed
+};
+
+/// Radius in voxels; the centre is off the lattice on purpose.
+Volume ball(double radius, const VoxelTransform& transform = {});
+
+/// Ball, torus, two balls, ball with a cavity: resolved, smooth, with known topology.
+std::vector<Solid> smooth_solids();
+
+/// A gyroid sheet of `edge` voxels cut by a ball.
+Volume gyroid_ball(int edge);
+
+/// An independent random value at every voxel: the harshest input there is. One value in
+/// `zero_every` is exactly zero; 0 for none.
+Volume random_signs(int edge, std::uint32_t seed, int zero_every = 0);
+
+/// A fog volume: density 1 inside a ball, falling to 0 over a few voxels.
+Volume fog_ball(double radius);
+
+}  // namespace tet::test
