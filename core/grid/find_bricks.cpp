@@ -137,7 +137,9 @@ void scan_region(const PhiField& field,
                  FoundBricks& found) {
   Signs sign = kNone;
   if (one_sign_around(field, reader, region, sign)) {
-    if (sign == kInside) found.inside.push_back({region, kRegionBricks});
+    constexpr int kLast = kRegionBricks - 1;
+    const BrickCoord last{region.x + kLast, region.y + kLast, region.z + kLast};
+    if (sign == kInside) found.inside.push_back({region, last});
     return;
   }
   signs.read(field, reader, region);
@@ -146,7 +148,7 @@ void scan_region(const PhiField& field,
       for (int z = 0; z < kRegionBricks; ++z) {
         const BrickCoord brick{region.x + x, region.y + y, region.z + z};
         if (signs.near_surface(x, y, z)) found.near_surface.push_back(brick);
-        if (signs.inside(x, y, z)) found.inside.push_back({brick, 1});
+        if (signs.inside(x, y, z)) found.inside.push_back({brick, brick});
       }
     }
   }
@@ -157,29 +159,22 @@ void sort_unique(std::vector<BrickCoord>& bricks) {
   bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
 }
 
-/// Lattice bricks whose cells, reached out by `reach` cells, meet a cube of voxel bricks.
-template <class Visit>
-void visit_lattice_bricks(const PhiField& field,
-                          BrickCube cube,
-                          int reach,
-                          const Visit& visit) {
+/// Lattice bricks whose cells, reached out by `reach` cells, meet a box of voxel bricks.
+BrickBox lattice_box(const PhiField& field, const BrickBox& box, int reach) {
   // Trilinear values mix a voxel with its neighbours, so a brick's signs reach one voxel
   // further.
   const auto low = [&](std::int32_t brick) {
     const double cell = std::floor((8.0 * brick - 1) / field.spacing_voxels) - reach;
-    return static_cast<std::int32_t>(std::floor(cell / 8));
+    return static_cast<std::int32_t>(std::floor(cell / kBrickEdge));
   };
   const auto high = [&](std::int32_t brick) {
-    const double cell =
-        std::ceil((8.0 * (brick + cube.edge) + 1) / field.spacing_voxels) + reach;
-    return static_cast<std::int32_t>(std::floor(cell / 8));
+    const double cell = std::ceil((8.0 * (brick + 1) + 1) / field.spacing_voxels) + reach;
+    return static_cast<std::int32_t>(std::floor(cell / kBrickEdge));
   };
-  for (std::int32_t x = low(cube.min.x); x <= high(cube.min.x); ++x) {
-    for (std::int32_t y = low(cube.min.y); y <= high(cube.min.y); ++y) {
-      for (std::int32_t z = low(cube.min.z); z <= high(cube.min.z); ++z)
-        visit(BrickCoord{x, y, z});
-    }
-  }
+  return {
+      { low(box.min.x),  low(box.min.y),  low(box.min.z)},
+      {high(box.max.x), high(box.max.y), high(box.max.z)}
+  };
 }
 
 /// A brick near the surface costs about 2 KiB until the mesh is made.
@@ -205,16 +200,19 @@ FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
   constexpr int kHaloReach = 3;
   FoundBricks found;
   for (const BrickCoord brick : voxel_bricks.near_surface) {
-    visit_lattice_bricks(field, {brick, 1}, kHaloReach,
-                         [&](BrickCoord seen) { found.near_surface.push_back(seen); });
+    for_each_brick(lattice_box(field, {brick, brick}, kHaloReach),
+                   [&](BrickCoord seen) { found.near_surface.push_back(seen); });
   }
-  std::vector<BrickCoord> inside;
-  for (const BrickCube& cube : voxel_bricks.inside) {
-    visit_lattice_bricks(field, cube, 1, [&](BrickCoord seen) { inside.push_back(seen); });
+  for (const BrickBox& box : voxel_bricks.inside) {
+    found.inside.push_back(lattice_box(field, box, 1));
   }
-  sort_unique(inside);
-  for (const BrickCoord brick : inside) found.inside.push_back({brick, 1});
   return found;
+}
+
+double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks) {
+  double bricks = 0;
+  for (const BrickBox& box : voxel_bricks) bricks += std::pow(box.max.x - box.min.x + 1, 3);
+  return bricks * kBrickCells / std::pow(field.spacing_voxels, 3);
 }
 
 }  // namespace
@@ -243,13 +241,16 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field) {
                               mine.near_surface.end());
     found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
   });
+  const double inside_cells = cells_in(field, found.inside);
+  found.inside_cells = inside_cells;
   if (!field.at_voxels()) {
-    const double seen = static_cast<double>(found.near_surface.size() + found.inside.size());
+    const double seen = static_cast<double>(found.near_surface.size());
     if (auto status = check_surface_bricks(seen * lattice_bricks_per_brick(field));
         !status.ok()) {
       return status;
     }
     found = at_lattice(field, found);
+    found.inside_cells = inside_cells;
   }
   sort_unique(found.near_surface);
   if (auto status = check_surface_bricks(static_cast<double>(found.near_surface.size()));

@@ -11,18 +11,30 @@
 
 namespace tet {
 
-/// A cube of finest-level bricks, `edge` bricks wide.
-struct BrickCube {
-  BrickCoord min;
-  std::int32_t edge = 1;
+/// A box of finest-level bricks, both ends included.
+struct BrickBox {
+  BrickCoord min, max;
 };
+
+/// Calls `visit(brick)` for each brick of a box.
+template <class Visit>
+void for_each_brick(const BrickBox& box, const Visit& visit) {
+  for (std::int32_t x = box.min.x; x <= box.max.x; ++x) {
+    for (std::int32_t y = box.min.y; y <= box.max.y; ++y) {
+      for (std::int32_t z = box.min.z; z <= box.max.z; ++z) visit(BrickCoord{x, y, z});
+    }
+  }
+}
 
 struct FoundBricks {
   /// Sorted, unique. Every brick in whose halo phi changes sign (or is zero) is among them.
   std::vector<BrickCoord> near_surface;
-  /// Cubes that cover every finest cell with an inside corner, those near the surface included;
+  /// Boxes that cover every finest cell with an inside corner, those near the surface included;
   /// they may overlap.
-  std::vector<BrickCube> inside;
+  std::vector<BrickBox> inside;
+  /// Finest cells in bricks with inside voxels: more than there are inside cells, by less than
+  /// one layer of bricks.
+  double inside_cells = 0;
 };
 
 /// Looks at value ranges only, brick by brick; reads no samples. Parallel.

@@ -111,19 +111,16 @@ CellSet children_of(const CellSet& parents) {
 }
 
 /// Every cell of the level's bricks that `inside` reaches into, and of `also`.
-CellSet cells_covering(const std::vector<BrickCube>& inside,
+CellSet cells_covering(const std::vector<BrickBox>& inside,
                        int level,
                        const std::vector<BrickCoord>& also) {
+  const auto above = [&](BrickCoord b) {
+    return BrickCoord{b.x >> level, b.y >> level, b.z >> level};
+  };
   std::vector<BrickCoord> bricks = also;
-  for (const BrickCube& cube : inside) {
-    const std::int32_t last = cube.edge - 1;
-    for (std::int32_t x = cube.min.x >> level; x <= (cube.min.x + last) >> level; ++x) {
-      for (std::int32_t y = cube.min.y >> level; y <= (cube.min.y + last) >> level; ++y) {
-        for (std::int32_t z = cube.min.z >> level; z <= (cube.min.z + last) >> level; ++z) {
-          bricks.push_back({x, y, z});
-        }
-      }
-    }
+  for (const BrickBox& box : inside) {
+    for_each_brick({above(box.min), above(box.max)},
+                   [&](BrickCoord brick) { bricks.push_back(brick); });
   }
   sort_unique(bricks);
   CellSet cells;
@@ -261,7 +258,7 @@ BrickMask with_siblings(BrickMask cells) noexcept {
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
-                    const std::vector<BrickCube>& cover,
+                    const std::vector<BrickBox>& cover,
                     int max_levels) {
   Octree tree;
   if (max_levels == 0) {

@@ -70,7 +70,7 @@ using InsideTest =
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
-                    const std::vector<BrickCube>& cover,
+                    const std::vector<BrickBox>& cover,
                     int max_levels);
 
 }  // namespace tet

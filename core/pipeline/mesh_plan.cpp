@@ -33,11 +33,8 @@ PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
 }
 
 /// Refuses a uniform mesh that could not fit, before anything is allocated for it.
-absl::Status check_uniform_budget(const std::vector<BrickCube>& inside,
-                                  const MeshLimits& limits) {
-  double bricks = 0;
-  for (const BrickCube& cube : inside) bricks += std::pow(cube.edge, 3);
-  const double tets = bricks * kBrickCells * kTetShapes;
+absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& limits) {
+  const double tets = found.inside_cells * kTetShapes;
   // Bricks near the surface count as full here, so the estimate is high: thin walls up to
   // eightfold.
   constexpr double kSlack = 8;
@@ -189,7 +186,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   if (!bricks.ok()) return bricks.status();
   const bool uniform = asked->levels == 0;
   if (uniform) {
-    if (auto status = check_uniform_budget(bricks->inside, limits); !status.ok()) return status;
+    if (auto status = check_uniform_budget(*bricks, limits); !status.ok()) return status;
   }
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, warps, cancellation, progress);
