@@ -17,8 +17,8 @@ namespace tet {
 namespace {
 
 constexpr const char* kExamples = R"(
-A closed surface becomes the level set of what it encloses. A surface with holes has no inside: it
-becomes a shell one voxel thick, and the command says so.
+A closed surface becomes the level set of what it encloses. A surface with holes has no inside:
+it becomes a shell one voxel thick, and the command says so.
 
 Examples:
   tetstream convert part.stl part.vdb --voxel 0.5

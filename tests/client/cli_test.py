@@ -1,89 +1,20 @@
-"""The tetstream command as a user and a script meet it: messages, exit codes, and files that are
-whole or not there.
+"""The tetstream command as a script meets it: messages, exit codes, and files that are whole
+or not there.
 
-    cli_test.py DIRECTORY_OF_BINARIES [unittest options]
+    TETSTREAM_BIN=build/dev/bin python3 tests/client/cli_test.py [unittest options]
 """
 
 import filecmp
 import json
-import os
-import pathlib
-import pty
 import resource
-import signal
-import socket
-import subprocess
-import sys
-import tempfile
-import time
 import unittest
 
-DONE, REFUSED, USAGE, SERVER = 0, 1, 2, 3
-ENDINGS = (".vtu", ".msh", ".vtkhdf")
-
-
-def unused_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def wait_until(condition, seconds=20.0):
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError("waited in vain")
-        time.sleep(0.01)
-
-
-class CommandTest(unittest.TestCase):
-    """A scratch directory with a few volumes beside an empty `out` that tests write to."""
-
-    @classmethod
-    def setUpClass(cls):
-        scratch = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(scratch.cleanup)
-        cls.inputs = pathlib.Path(scratch.name)
-        for kind, voxel in (("sphere", 0.05), ("fog", 0.1), ("torus", 0.02)):
-            cls.make_fixture(kind, voxel)
-        for kind in ("empty", "vec3", "points", "sheared"):
-            cls.make_fixture(kind, 0.1)
-
-    @classmethod
-    def make_fixture(cls, kind, voxel):
-        subprocess.run([BIN / "make_fixture", kind, str(voxel), cls.inputs / f"{kind}.vdb"], check=True)
-
-    def setUp(self):
-        scratch = tempfile.TemporaryDirectory()
-        self.addCleanup(scratch.cleanup)
-        self.out = pathlib.Path(scratch.name)
-
-    def tetstream(self, *arguments, **options):
-        return subprocess.run(
-            [BIN / "tetstream", *map(str, arguments)],
-            capture_output=True, text=True, timeout=120, check=False, **options)
-
-    def mesh(self, name="sphere.vdb", ending=".vtu", *arguments, **options):
-        return self.tetstream(
-            "mesh", self.inputs / name, "-o", self.out / f"mesh{ending}", *arguments, **options)
-
-    def assert_done(self, result):
-        self.assertEqual(result.returncode, DONE, result.stderr)
-
-    def assert_fails(self, result, code, *words):
-        """With this code, every word in one line on stderr, and no file left behind."""
-        self.assertEqual(result.returncode, code, result.stderr)
-        self.assertEqual(result.stdout, "")
-        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
-        for word in words:
-            self.assertIn(word, result.stderr)
-        self.assert_nothing_written()
-
-    def assert_nothing_written(self):
-        self.assertEqual(sorted(path.name for path in self.out.iterdir()), [])
+from command_case import CUBE, ENDINGS, LID, REFUSED, USAGE, CommandTest
 
 
 class Mesh(CommandTest):
+    volumes = {"sphere": 0.05, "torus": 0.02}
+
     def test_writes_every_format_and_sums_up(self):
         for ending in ENDINGS:
             with self.subTest(ending=ending):
@@ -149,6 +80,9 @@ class Mesh(CommandTest):
 
 
 class Refusals(CommandTest):
+    volumes = {"sphere": 0.05, "fog": 0.1, "torus": 0.05, "empty": 0.1, "vec3": 0.1,
+               "points": 0.1, "sheared": 0.1}
+
     def test_missing_file(self):
         self.assert_fails(self.mesh("nowhere.vdb"), REFUSED, "nowhere.vdb")
 
@@ -182,7 +116,8 @@ class Refusals(CommandTest):
         for option, value in (("--spacing", "0"), ("--spacing", "-1"), ("--spacing", "nan"),
                               ("--iso", "inf"), ("--levels", "-1"), ("--levels", "99")):
             with self.subTest(option=option, value=value):
-                self.assert_fails(self.mesh("sphere.vdb", ".vtu", option, value), REFUSED, value)
+                result = self.mesh("sphere.vdb", ".vtu", option, value)
+                self.assert_fails(result, REFUSED, value)
 
     def test_unknown_input_endings_and_scenes(self):
         for name in ("scene.json", "volume.nii", "volume"):
@@ -194,7 +129,8 @@ class Refusals(CommandTest):
         self.assert_fails(result, REFUSED, ".vtu, .msh or .vtkhdf")
 
     def test_output_in_a_directory_that_is_not_there(self):
-        result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "no" / "m.vtu")
+        result = self.tetstream(
+            "mesh", self.inputs / "sphere.vdb", "-o", self.out / "no" / "m.vtu")
         self.assert_fails(result, REFUSED, "No such file or directory")
 
     def test_output_that_is_a_device(self):
@@ -262,6 +198,8 @@ class Usage(CommandTest):
 
 
 class Info(CommandTest):
+    volumes = {"sphere": 0.05, "fog": 0.1, "vec3": 0.1}
+
     def test_prints_a_table(self):
         result = self.tetstream("info", self.inputs / "sphere.vdb")
         self.assert_done(result)
@@ -283,12 +221,6 @@ class Info(CommandTest):
 
     def test_of_a_missing_file(self):
         self.assert_fails(self.tetstream("info", "nowhere.vdb"), REFUSED, "nowhere.vdb")
-
-
-CUBE = """\
-v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1
-f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"""
-LID = "f 2 4 8 6\n"
 
 
 class Convert(CommandTest):
@@ -318,7 +250,8 @@ class Convert(CommandTest):
         self.assertIn("voxels of 0.0078125", result.stdout)
 
     def test_mesh_converts_in_passing_and_says_so(self):
-        result = self.mesh("cube.obj", ".vtu", "--voxel", "0.1", "--report", self.out / "r.json")
+        result = self.mesh(
+            "cube.obj", ".vtu", "--voxel", "0.1", "--report", self.out / "r.json")
         self.assert_done(result)
         self.assertIn("12 triangles, closed", result.stderr)
         report = json.loads((self.out / "r.json").read_text())
@@ -339,176 +272,5 @@ class Convert(CommandTest):
         self.assert_fails(result, REFUSED, ".vdb")
 
 
-class Interruption(CommandTest):
-    """Ctrl-C at several moments of a mesh that takes long."""
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.make_fixture("gyroid", 0.01)
-
-    def interrupt(self, sent, after_seconds, ending):
-        process = subprocess.Popen(
-            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / f"m{ending}",
-             "--levels", "0", "--spacing", "0.004", "--threads", "1"],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(after_seconds)
-        process.send_signal(sent)
-        _, errors = process.communicate(timeout=30)
-        return process.returncode, errors
-
-    def test_stops_cleanly_whenever_it_comes(self):
-        for after_seconds, ending in ((0.3, ".vtu"), (1.0, ".msh"), (2.0, ".vtkhdf")):
-            with self.subTest(after_seconds=after_seconds):
-                code, errors = self.interrupt(signal.SIGINT, after_seconds, ending)
-                self.assertEqual(code, 130, errors)
-                self.assertEqual(len(errors.splitlines()), 1, errors)
-                self.assert_nothing_written()
-
-    def test_ends_with_128_and_the_signal(self):
-        code, errors = self.interrupt(signal.SIGTERM, 0.5, ".vtu")
-        self.assertEqual(code, 128 + signal.SIGTERM, errors)
-        self.assert_nothing_written()
-
-    def test_while_writing_removes_the_unfinished_file(self):
-        """The temporary file is there, so it must be writing; then the signal comes."""
-        self.make_fixture("gyroid", 0.02)
-        process = subprocess.Popen(
-            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / "m.msh",
-             "--levels", "0", "--spacing", "0.008"],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0, 60)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=30)
-        self.assertEqual(process.returncode, 130, errors)
-        self.assert_nothing_written()
-
-    def unfinished_bytes(self):
-        return sum(path.stat().st_size for path in self.out.glob(".tetstream.*.tmp"))
-
-
-class Terminal(CommandTest):
-    def mesh_on_terminal(self, environment):
-        """Runs with stderr on a terminal and returns what was drawn there."""
-        ours, theirs = pty.openpty()
-        process = subprocess.Popen(
-            [BIN / "tetstream", "mesh", self.inputs / "torus.vdb", "-o", self.out / "m.vtu"],
-            stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, **environment})
-        os.close(theirs)
-        drawn = b""
-        try:
-            while chunk := os.read(ours, 65536):
-                drawn += chunk
-        except OSError:  # how Linux tells that the other end is closed
-            pass
-        os.close(ours)
-        process.communicate(timeout=60)
-        self.assertEqual(process.returncode, DONE)
-        return drawn.decode()
-
-    def test_draws_a_bar_and_erases_it(self):
-        drawn = self.mesh_on_terminal({"TERM": "xterm"})
-        for stage in ("reading", "planning", "meshing", "writing"):
-            self.assertIn(stage, drawn)
-        self.assertTrue(drawn.endswith("\r\x1b[K"))
-
-    def test_draws_nothing_where_nothing_can_be_erased(self):
-        self.assertEqual(self.mesh_on_terminal({"TERM": "dumb"}), "")
-
-
-class OnAServer(CommandTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.address = f"127.0.0.1:{unused_port()}"
-        server = subprocess.Popen(
-            [BIN / "tetstreamd", "--listen", cls.address, "--store", cls.inputs / "store"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-        def stop():
-            server.terminate()
-            server.wait(30)
-
-        cls.addClassCleanup(stop)
-        wait_until(lambda: subprocess.run(
-            [BIN / "tetstream", "health", "--server", cls.address],
-            capture_output=True, check=False).returncode == DONE)
-
-    def test_health_of_a_serving_server(self):
-        result = self.tetstream("health", "--server", self.address)
-        self.assert_done(result)
-        self.assertEqual(result.stdout, f"{self.address}: serving\n")
-
-    def test_gives_the_same_bytes_as_this_process(self):
-        for ending in ENDINGS:
-            here, there = self.out / f"here{ending}", self.out / f"there{ending}"
-            for path, server in ((here, ()), (there, ("--server", self.address))):
-                self.assert_done(self.tetstream(
-                    "mesh", self.inputs / "torus.vdb", "-o", path, *server))
-            self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
-
-    def test_gives_the_same_bytes_for_every_option(self):
-        options = ("--spacing", "0.08", "--iso", "0.02", "--levels", "1", "--preset", "min-angle",
-                   "--coordinates", "float64", "--grid", "sphere")
-        here, there = self.out / "here.vtu", self.out / "there.vtu"
-        for path, server in ((here, ()), (there, ("--server", self.address))):
-            self.assert_done(self.tetstream(
-                "mesh", self.inputs / "sphere.vdb", "-o", path, *options, *server))
-        self.assertTrue(filecmp.cmp(here, there, shallow=False))
-
-    def test_reports_the_same_mesh(self):
-        reports = []
-        for server in ((), ("--server", self.address)):
-            self.assert_done(self.mesh(
-                "torus.vdb", ".vtu", "--report", self.out / "r.json", *server))
-            reports.append(json.loads((self.out / "r.json").read_text()))
-        self.assertEqual(set(reports[1].pop("stages")),
-                         {"uploading", "planning", "meshing", "writing"})
-        del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
-        self.assertEqual(*reports)
-
-    def test_converts_a_surface_before_it_goes_up(self):
-        (self.inputs / "cube.obj").write_text(CUBE + LID)
-        here, there = self.out / "here.vtu", self.out / "there.vtu"
-        for path, server in ((here, ()), (there, ("--server", self.address))):
-            self.assert_done(self.tetstream(
-                "mesh", self.inputs / "cube.obj", "-o", path, "--voxel", "0.1", *server))
-        self.assertTrue(filecmp.cmp(here, there, shallow=False))
-
-    def test_refusals_are_the_servers_own(self):
-        server = ("--server", self.address)
-        self.assert_fails(self.mesh("nowhere.vdb", ".vtu", *server), REFUSED, "nowhere.vdb")
-        self.assert_fails(self.mesh("empty.vdb", ".vtu", *server), REFUSED)
-        self.assert_fails(self.mesh("vec3.vdb", ".vtu", *server), REFUSED, "vec3")
-        self.assert_fails(
-            self.mesh("sphere.vdb", ".vtu", "--grid", "density", *server), REFUSED, "density")
-        self.assert_fails(
-            self.mesh("sphere.vdb", ".vtu", "--spacing", "0", *server), REFUSED, "spacing")
-
-    def test_ctrl_c_stops_a_stream(self):
-        self.make_fixture("gyroid", 0.02)
-        process = subprocess.Popen(
-            [BIN / "tetstream", "mesh", self.inputs / "gyroid.vdb", "-o", self.out / "m.vtu",
-             "--levels", "0", "--spacing", "0.005", "--server", self.address],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(1)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=30)
-        self.assertEqual(process.returncode, 130, errors)
-        self.assert_nothing_written()
-
-
-class WithoutAServer(CommandTest):
-    def test_an_unreachable_server(self):
-        server = ("--server", f"127.0.0.1:{unused_port()}")
-        self.assert_fails(self.tetstream("health", *server), SERVER, *server[1:])
-        self.assert_fails(self.mesh("sphere.vdb", ".vtu", *server), SERVER)
-
-    def test_a_server_whose_name_means_nothing(self):
-        result = self.tetstream("health", "--server", "no-such-host.invalid:1")
-        self.assert_fails(result, SERVER, "no-such-host.invalid:1")
-
-
 if __name__ == "__main__":
-    BIN = pathlib.Path(sys.argv.pop(1))
     unittest.main(verbosity=2)

@@ -24,10 +24,12 @@ TEST(Conformity, AcceptsOneTet) {
 }
 
 TEST(Conformity, AcceptsTwoTetsAtAFace) {
-  const TetMesh mesh = make_mesh(unit_corner_and(WorldPoint{
-                                     1, 1, 1
-  }),
-                                 {{0, 1, 2, 3}, {4, 1, 3, 2}});
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3},
+      {4, 1, 3, 2}
+  };
+  const WorldPoint apex{1, 1, 1};
+  const TetMesh mesh = make_mesh(unit_corner_and(apex), tets);
   const ConformityReport report = check_conformity(mesh);
   EXPECT_TRUE(report.conforming()) << report.describe();
   EXPECT_EQ(report.inner_faces, 1U);
@@ -56,45 +58,50 @@ TEST(Conformity, AcceptsManyCubes) {
 }
 
 TEST(Conformity, NoticesAnInvertedTet) {
-  const ConformityReport report = check_conformity(make_mesh(kUnitCorner, {
-                                                                              {0, 2, 1, 3}
-  }));
+  const std::vector<Corners> tets{
+      {0, 2, 1, 3}
+  };
+  const ConformityReport report = check_conformity(make_mesh(kUnitCorner, tets));
   EXPECT_EQ(report.non_positive_tets.count, 1U);
   EXPECT_EQ(report.non_positive_tets.first, 0U);
   EXPECT_THAT(report.describe(), HasSubstr("1 tets that are not positive, first 0"));
 }
 
 TEST(Conformity, NoticesAFlatTet) {
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3}
+  };
   const std::vector<WorldPoint> points{
       {0, 0, 0},
       {1, 0, 0},
       {0, 1, 0},
       {1, 1, 0}
   };
-  const TetMesh mesh = make_mesh(points, {
-                                             {0, 1, 2, 3}
-  });
+  const TetMesh mesh = make_mesh(points, tets);
   EXPECT_EQ(check_conformity(mesh).non_positive_tets.count, 1U);
 }
 
 TEST(Conformity, NoticesAPositionThatIsNotANumber) {
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3}
+  };
   const std::vector<WorldPoint> points{
       {0, 0,            0},
       {1, 0,            0},
       {0, 1,            0},
       {0, 0, std::nan("")}
   };
-  const TetMesh mesh = make_mesh(points, {
-                                             {0, 1, 2, 3}
-  });
+  const TetMesh mesh = make_mesh(points, tets);
   EXPECT_EQ(check_conformity(mesh).non_positive_tets.count, 1U);
 }
 
 TEST(Conformity, NoticesTwoTetsOnOneSideOfAFace) {
-  const TetMesh mesh = make_mesh(unit_corner_and(WorldPoint{
-                                     0.1, 0.1, 0.1
-  }),
-                                 {{0, 1, 2, 3}, {4, 1, 2, 3}});
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3},
+      {4, 1, 2, 3}
+  };
+  const WorldPoint apex{0.1, 0.1, 0.1};
+  const TetMesh mesh = make_mesh(unit_corner_and(apex), tets);
   const ConformityReport report = check_conformity(mesh);
   EXPECT_EQ(report.non_positive_tets.count, 0U);
   EXPECT_EQ(report.folded_faces.count, 1U);
@@ -102,43 +109,48 @@ TEST(Conformity, NoticesTwoTetsOnOneSideOfAFace) {
 }
 
 TEST(Conformity, NoticesAFaceOfThreeTets) {
-  const TetMesh mesh = make_mesh(unit_corner_and(
-                                     WorldPoint{
-                                         1, 1, 1
-  },
-                                     WorldPoint{2, 2, 2}),
-                                 {{0, 1, 2, 3}, {4, 1, 3, 2}, {5, 1, 3, 2}});
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3},
+      {4, 1, 3, 2},
+      {5, 1, 3, 2}
+  };
+  const WorldPoint p4{1, 1, 1};
+  const WorldPoint p5{2, 2, 2};
+  const TetMesh mesh = make_mesh(unit_corner_and(p4, p5), tets);
   const ConformityReport report = check_conformity(mesh);
   EXPECT_EQ(report.crowded_faces.count, 1U);
   EXPECT_FALSE(report.conforming());
 }
 
 TEST(Conformity, NoticesATetThatIsThereTwice) {
-  const ConformityReport report =
-      check_conformity(make_mesh(kUnitCorner, {
-                                                  {0, 1, 2, 3},
-                                                  {0, 1, 2, 3}
-  }));
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3},
+      {0, 1, 2, 3}
+  };
+  const ConformityReport report = check_conformity(make_mesh(kUnitCorner, tets));
   EXPECT_EQ(report.folded_faces.count, 4U);
 }
 
 TEST(Conformity, NoticesAVertexThatNoTetUses) {
-  const ConformityReport report = check_conformity(make_mesh(unit_corner_and(WorldPoint{
-                                                                 5, 5, 5
-  }),
-                                                             {{0, 1, 2, 3}}));
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3}
+  };
+  const WorldPoint apex{5, 5, 5};
+  const ConformityReport report = check_conformity(make_mesh(unit_corner_and(apex), tets));
   EXPECT_EQ(report.unreferenced_vertices.count, 1U);
   EXPECT_EQ(report.unreferenced_vertices.first, 4U);
 }
 
 TEST(Conformity, NoticesTwoVerticesAtOnePlaceWhateverTheSignOfZero) {
-  const TetMesh mesh =
-      make_mesh(unit_corner_and(
-                    WorldPoint{
-                        -0.0, 0, 0
-  },
-                    WorldPoint{-1, 0, 0}, WorldPoint{0, -1, 0}, WorldPoint{0, 0, -1}),
-                {{0, 1, 2, 3}, {4, 5, 7, 6}});
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3},
+      {4, 5, 7, 6}
+  };
+  const WorldPoint p4{-0.0, 0, 0};
+  const WorldPoint p5{-1, 0, 0};
+  const WorldPoint p6{0, -1, 0};
+  const WorldPoint p7{0, 0, -1};
+  const TetMesh mesh = make_mesh(unit_corner_and(p4, p5, p6, p7), tets);
   const ConformityReport report = check_conformity(mesh);
   EXPECT_EQ(report.non_positive_tets.count, 0U);
   EXPECT_EQ(report.duplicate_vertices.count, 1U);
@@ -146,13 +158,12 @@ TEST(Conformity, NoticesTwoVerticesAtOnePlaceWhateverTheSignOfZero) {
 }
 
 TEST(Conformity, NoticesIdsOutOfRangeAndRepeated) {
-  const TetMesh mesh = make_mesh(kUnitCorner,
-                                 {
-                                     {0, 1, 2, 3},
-                                     {0, 1, 2, 4},
-                                     {0, 1, 1, 3}
-  },
-                                 {.ids = IndexType::kUint64});
+  const std::vector<Corners> tets{
+      {0, 1, 2, 3},
+      {0, 1, 2, 4},
+      {0, 1, 1, 3}
+  };
+  const TetMesh mesh = make_mesh(kUnitCorner, tets, {.ids = IndexType::kUint64});
   const ConformityReport report = check_conformity(mesh);
   EXPECT_EQ(report.bad_ids.count, 2U);
   EXPECT_EQ(report.bad_ids.first, 1U);

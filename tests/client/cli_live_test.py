@@ -1,0 +1,194 @@
+"""The tetstream command while it runs: stopped halfway, on a terminal, and with a real server.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/client/cli_live_test.py [unittest options]
+"""
+
+import filecmp
+import json
+import os
+import pty
+import signal
+import subprocess
+import time
+import unittest
+
+from command_case import (
+    CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, CommandTest, binaries, unused_port, wait_until)
+
+
+class Interruption(CommandTest):
+    """Ctrl-C at several moments of a mesh that takes long."""
+
+    volumes = {"sphere": 0.05, "gyroid": 0.02}
+
+    def interrupt(self, sent, after_seconds, ending):
+        process = subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.inputs / "gyroid.vdb",
+             "-o", self.out / f"m{ending}",
+             "--levels", "0", "--spacing", "0.003", "--threads", "1"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(after_seconds)
+        process.send_signal(sent)
+        _, errors = process.communicate(timeout=30)
+        return process.returncode, errors
+
+    def test_stops_cleanly_whenever_it_comes(self):
+        for after_seconds, ending in ((0.3, ".vtu"), (1.0, ".msh"), (2.0, ".vtkhdf")):
+            with self.subTest(after_seconds=after_seconds):
+                code, errors = self.interrupt(signal.SIGINT, after_seconds, ending)
+                self.assertEqual(code, 130, errors)
+                self.assertEqual(len(errors.splitlines()), 1, errors)
+                self.assert_nothing_written()
+
+    def test_ends_with_128_and_the_signal(self):
+        code, errors = self.interrupt(signal.SIGTERM, 0.5, ".vtu")
+        self.assertEqual(code, 128 + signal.SIGTERM, errors)
+        self.assert_nothing_written()
+
+    def test_while_writing_removes_the_unfinished_file(self):
+        """The temporary file is there, so it must be writing; then the signal comes."""
+        process = subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb",
+             "-o", self.out / "m.msh",
+             "--levels", "0", "--spacing", "0.02"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0, 60)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assert_nothing_written()
+
+    def unfinished_bytes(self):
+        return sum(path.stat().st_size for path in self.out.glob(".tetstream.*.tmp"))
+
+
+class Terminal(CommandTest):
+    volumes = {"torus": 0.04}
+
+    def mesh_on_terminal(self, environment):
+        """Runs with stderr on a terminal and returns what was drawn there."""
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.inputs / "torus.vdb",
+             "-o", self.out / "m.vtu"],
+            stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, **environment})
+        os.close(theirs)
+        drawn = b""
+        try:
+            while chunk := os.read(ours, 65536):
+                drawn += chunk
+        except OSError:  # how Linux tells that the other end is closed
+            pass
+        os.close(ours)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, DONE)
+        return drawn.decode()
+
+    def test_draws_a_bar_and_erases_it(self):
+        drawn = self.mesh_on_terminal({"TERM": "xterm"})
+        for stage in ("reading", "planning", "meshing", "writing"):
+            self.assertIn(stage, drawn)
+        self.assertTrue(drawn.endswith("\r\x1b[K"))
+
+    def test_draws_nothing_where_nothing_can_be_erased(self):
+        self.assertEqual(self.mesh_on_terminal({"TERM": "dumb"}), "")
+
+
+class OnAServer(CommandTest):
+    volumes = {"sphere": 0.05, "torus": 0.02, "gyroid": 0.02, "empty": 0.1, "vec3": 0.1}
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.address = f"127.0.0.1:{unused_port()}"
+        server = subprocess.Popen(
+            [binaries() / "tetstreamd", "--listen", cls.address,
+             "--store", cls.inputs / "store"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def stop():
+            server.terminate()
+            server.wait(30)
+
+        cls.addClassCleanup(stop)
+        wait_until(lambda: subprocess.run(
+            [binaries() / "tetstream", "health", "--server", cls.address],
+            capture_output=True, check=False).returncode == DONE)
+
+    def test_health_of_a_serving_server(self):
+        result = self.tetstream("health", "--server", self.address)
+        self.assert_done(result)
+        self.assertEqual(result.stdout, f"{self.address}: serving\n")
+
+    def test_gives_the_same_bytes_as_this_process(self):
+        for ending in ENDINGS:
+            here, there = self.out / f"here{ending}", self.out / f"there{ending}"
+            for path, server in ((here, ()), (there, ("--server", self.address))):
+                self.assert_done(self.tetstream(
+                    "mesh", self.inputs / "torus.vdb", "-o", path, *server))
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
+
+    def test_gives_the_same_bytes_for_every_option(self):
+        options = ("--spacing", "0.08", "--iso", "0.02", "--levels", "1",
+                   "--preset", "min-angle", "--coordinates", "float64", "--grid", "sphere")
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        for path, server in ((here, ()), (there, ("--server", self.address))):
+            self.assert_done(self.tetstream(
+                "mesh", self.inputs / "sphere.vdb", "-o", path, *options, *server))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
+    def test_reports_the_same_mesh(self):
+        reports = []
+        for server in ((), ("--server", self.address)):
+            self.assert_done(self.mesh(
+                "torus.vdb", ".vtu", "--report", self.out / "r.json", *server))
+            reports.append(json.loads((self.out / "r.json").read_text()))
+        self.assertEqual(set(reports[1].pop("stages")),
+                         {"uploading", "planning", "meshing", "writing"})
+        del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
+        self.assertEqual(*reports)
+
+    def test_converts_a_surface_before_it_goes_up(self):
+        (self.inputs / "cube.obj").write_text(CUBE + LID)
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        for path, server in ((here, ()), (there, ("--server", self.address))):
+            self.assert_done(self.tetstream(
+                "mesh", self.inputs / "cube.obj", "-o", path, "--voxel", "0.1", *server))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
+    def test_refusals_are_the_servers_own(self):
+        server = ("--server", self.address)
+        self.assert_fails(self.mesh("nowhere.vdb", ".vtu", *server), REFUSED, "nowhere.vdb")
+        self.assert_fails(self.mesh("empty.vdb", ".vtu", *server), REFUSED)
+        self.assert_fails(self.mesh("vec3.vdb", ".vtu", *server), REFUSED, "vec3")
+        self.assert_fails(
+            self.mesh("sphere.vdb", ".vtu", "--grid", "density", *server), REFUSED, "density")
+        self.assert_fails(
+            self.mesh("sphere.vdb", ".vtu", "--spacing", "0", *server), REFUSED, "spacing")
+
+    def test_ctrl_c_stops_a_stream(self):
+        process = subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.inputs / "gyroid.vdb",
+             "-o", self.out / "m.vtu",
+             "--levels", "0", "--spacing", "0.005", "--server", self.address],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assert_nothing_written()
+
+
+class WithoutAServer(CommandTest):
+    def test_an_unreachable_server(self):
+        server = ("--server", f"127.0.0.1:{unused_port()}")
+        self.assert_fails(self.tetstream("health", *server), SERVER, *server[1:])
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", *server), SERVER)
+
+    def test_a_server_whose_name_means_nothing(self):
+        result = self.tetstream("health", "--server", "no-such-host.invalid:1")
+        self.assert_fails(result, SERVER, "no-such-host.invalid:1")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

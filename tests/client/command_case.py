@@ -1,0 +1,85 @@
+"""What every test of the tetstream command stands on."""
+
+import os
+import pathlib
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+DONE, REFUSED, USAGE, SERVER = 0, 1, 2, 3
+ENDINGS = (".vtu", ".msh", ".vtkhdf")
+
+# A cube of two triangles a side, and the last side of it.
+CUBE = """\
+v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1
+f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"""
+LID = "f 2 4 8 6\n"
+
+
+def binaries():
+    """Where tetstream, tetstreamd and make_fixture are."""
+    return pathlib.Path(os.environ["TETSTREAM_BIN"])
+
+
+def unused_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def wait_until(condition, seconds=20.0):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError("waited in vain")
+        time.sleep(0.01)
+
+
+class CommandTest(unittest.TestCase):
+    """A scratch directory with a few volumes beside an empty `out` that tests write to."""
+
+    volumes = {"sphere": 0.05}  # kind of fixture: voxel size
+
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.inputs = pathlib.Path(scratch.name)
+        for kind, voxel in cls.volumes.items():
+            cls.make_fixture(kind, voxel)
+
+    @classmethod
+    def make_fixture(cls, kind, voxel):
+        path = cls.inputs / f"{kind}.vdb"
+        subprocess.run([binaries() / "make_fixture", kind, str(voxel), path], check=True)
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.out = pathlib.Path(scratch.name)
+
+    def tetstream(self, *arguments, **options):
+        return subprocess.run(
+            [binaries() / "tetstream", *map(str, arguments)],
+            capture_output=True, text=True, timeout=120, check=False, **options)
+
+    def mesh(self, name="sphere.vdb", ending=".vtu", *arguments, **options):
+        return self.tetstream(
+            "mesh", self.inputs / name, "-o", self.out / f"mesh{ending}", *arguments, **options)
+
+    def assert_done(self, result):
+        self.assertEqual(result.returncode, DONE, result.stderr)
+
+    def assert_fails(self, result, code, *words):
+        """With this code, every word in one line on stderr, and no file left behind."""
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+        self.assert_nothing_written()
+
+    def assert_nothing_written(self):
+        self.assertEqual(sorted(path.name for path in self.out.iterdir()), [])
