@@ -38,8 +38,8 @@ struct Prepared {
   }
 
   Octree octree(int levels) const {
-    return build_octree(survey.finest_cells(), field, survey.inside_test(), found.inside,
-                        levels);
+    return build_octree({survey.bricks, survey.finest}, field, survey.inside_test(),
+                        found.inside, levels);
   }
 };
 
