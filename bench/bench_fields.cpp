@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/grid/surface_file.h"
+#include "core/grid/surface_to_volume.h"
 #include "core/grid/volume_builder.h"
 
 namespace tet::bench {
@@ -56,6 +58,13 @@ struct Gyroid {
     return std::max(sheet / (1.5F * k), ball(x, y, z));
   }
 };
+
+template <class T>
+T checked(absl::StatusOr<T> value) {
+  if (value.ok()) return *std::move(value);
+  std::fprintf(stderr, "cannot make a volume: %s\n", value.status().ToString().c_str());
+  std::abort();
+}
 
 /// Sorts a region's bricks into those with values and those that are constant inside.
 template <class Distance>
@@ -121,10 +130,8 @@ std::shared_ptr<const Volume> narrow_band(const Distance& distance) {
   for_each_index(volume.bricks.size(), [&](std::size_t i) {
     evaluate_brick(distance, volume.bricks[i], &volume.values[i * kBrickCells]);
   });
-  auto indexed = index_volume(std::move(volume), std::move(inside));
-  if (indexed.ok()) return std::make_shared<const Volume>(*std::move(indexed));
-  std::fprintf(stderr, "bad volume: %s\n", indexed.status().ToString().c_str());
-  std::abort();
+  return std::make_shared<const Volume>(
+      checked(index_volume(std::move(volume), std::move(inside))));
 }
 
 Ball ball_of_volume(float voxels) { return {std::cbrt(voxels * 3 / (4 * kPi))}; }
@@ -154,6 +161,14 @@ std::shared_ptr<const Volume> make_solid(Solid solid, const BenchSize& size) {
       return narrow_band(Gyroid{ball_of_volume(2 * voxels)});
   }
   return nullptr;
+}
+
+std::shared_ptr<const Volume> make_bunny(double voxel_size) {
+  const absl::StatusOr<TriangleSurface> surface =
+      read_surface("/usr/share/glmark2/models/bunny.obj");
+  if (absl::IsNotFound(surface.status())) return nullptr;
+  return std::make_shared<const Volume>(
+      checked(surface_to_volume(checked(surface), voxel_size)).volume);
 }
 
 }  // namespace tet::bench

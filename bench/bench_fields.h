@@ -30,4 +30,8 @@ inline constexpr BenchSize kLarge{"1e7", 1e7};
 /// A level set with voxels of size 1 and a band of 3 on either side. Parallel.
 std::shared_ptr<const Volume> make_solid(Solid solid, const BenchSize& size);
 
+/// The demo's scanned model, about 2 world units wide, from Debian's glmark2-data package; null
+/// where the package is not installed. Takes seconds.
+std::shared_ptr<const Volume> make_bunny(double voxel_size);
+
 }  // namespace tet::bench
