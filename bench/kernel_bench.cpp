@@ -1,0 +1,243 @@
+// Each stage of the mesher alone, on one thread, in the order in which a mesh passes through
+// them.
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "bench/bench_fields.h"
+#include "core/base/parallel.h"
+#include "core/grid/find_bricks.h"
+#include "core/mesh/boundary.h"
+#include "core/mesh/quality.h"
+#include "core/octree/octree.h"
+#include "core/pipeline/counted_mesh.h"
+#include "core/pipeline/fill_brick.h"
+#include "core/pipeline/mesher.h"
+#include "core/pipeline/survey.h"
+
+namespace tet::bench {
+namespace {
+
+/// A solid, and what the stages before the measured one make of it.
+struct Prepared {
+  std::shared_ptr<const Volume> volume;
+  PhiField field;
+  FoundBricks found;
+  Survey survey;
+
+  Prepared(Solid solid, const BenchSize& size) : volume(make_solid(solid, size)) {
+    field.volume = volume.get();
+    found = find_bricks(field).value();
+    survey = survey_bricks(field, found.near_surface, {}, {}, nullptr).value();
+  }
+
+  Octree octree(int levels) const {
+    return build_octree({survey.bricks, survey.finest}, field, survey.inside_test(),
+                        found.inside, levels);
+  }
+};
+
+/// Work per second beside the time: `items` of what `unit` says, in each iteration.
+void count_items(benchmark::State& state, const char* unit, double items) {
+  state.counters[unit] =
+      benchmark::Counter(items, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+using Body = std::function<void(benchmark::State& state, const Prepared& prepared)>;
+
+/// Registers `stage/solid/size`; all that it does happens on one thread.
+void add(const std::string& stage, Solid solid, const BenchSize& size, const Body& body) {
+  const std::string name = stage + "/" + name_of(solid) + "/" + size.label;
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    TaskPool pool(1);
+    pool.run([&] { body(state, Prepared(solid, size)); });
+  });
+}
+
+// Stages of the whole volume.
+
+void find_the_bricks(benchmark::State& state, const Prepared& prepared) {
+  for (auto _ : state) benchmark::DoNotOptimize(find_bricks(prepared.field));
+  count_items(state, "regions/s", static_cast<double>(prepared.volume->regions.size()));
+}
+
+void survey(benchmark::State& state, const Prepared& prepared) {
+  const auto& bricks = prepared.found.near_surface;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(survey_bricks(prepared.field, bricks, {}, {}, nullptr));
+  }
+  count_items(state, "bricks/s", static_cast<double>(bricks.size()));
+}
+
+void grow_octree(benchmark::State& state, const Prepared& prepared, int levels) {
+  for (auto _ : state) benchmark::DoNotOptimize(prepared.octree(levels));
+  count_items(state, "bricks/s", static_cast<double>(prepared.survey.bricks.size()));
+}
+
+void count_mesh(benchmark::State& state, const Prepared& prepared, int levels) {
+  double bricks = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    Survey survey = prepared.survey;
+    Octree tree = prepared.octree(levels);
+    state.ResumeTiming();
+    const CountedMesh mesh(prepared.field, std::move(survey), std::move(tree), levels == 0);
+    bricks = static_cast<double>(mesh.brick_count());
+  }
+  count_items(state, "bricks/s", bricks);
+}
+
+// Stages of one brick near the surface.
+
+/// Bricks spread over the surface; few, so that they stay in the cache as a task's one does.
+std::vector<BrickCoord> some_surface_bricks(const Prepared& prepared) {
+  constexpr std::size_t kBricks = 8;
+  const auto& bricks = prepared.survey.bricks;
+  std::vector<BrickCoord> some;
+  for (std::size_t i = 0; i < kBricks; ++i) some.push_back(bricks[i * bricks.size() / kBricks]);
+  return some;
+}
+
+using BrickStage = std::function<void(PhiSampler&, BrickCoord, StuffingWorkspace&)>;
+
+void each_brick(benchmark::State& state, const Prepared& prepared, const BrickStage& stage) {
+  const std::vector<BrickCoord> bricks = some_surface_bricks(prepared);
+  const auto work = std::make_unique_for_overwrite<StuffingWorkspace[]>(bricks.size());
+  PhiSampler sampler(prepared.field);
+  for (std::size_t i = 0; i < bricks.size(); ++i) stuff_brick(sampler, bricks[i], {}, work[i]);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < bricks.size(); ++i) stage(sampler, bricks[i], work[i]);
+    benchmark::ClobberMemory();
+  }
+  count_items(state, "bricks/s", static_cast<double>(bricks.size()));
+}
+
+void sample(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
+  sampler.sample(brick, work.samples);
+}
+
+void cut(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
+  find_cut_points(work.samples, sampler, brick, work.lattice.cuts);
+}
+
+void warp(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
+  warp_lattice(work.lattice.cuts, {}, work.lattice.warped);
+}
+
+void keep(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
+  benchmark::DoNotOptimize(keep_brick(work.lattice.warped));
+  benchmark::DoNotOptimize(stuffed_cells(work.lattice.warped));
+}
+
+// Filling: one brick after another of a counted mesh.
+
+bool is_surface_brick(const CountedMesh& mesh, BrickPlace place) {
+  return place.level == 0 && mesh.touches_surface(place.brick);
+}
+bool is_inside_brick(const CountedMesh& mesh, BrickPlace place) {
+  return place.level == 0 && !mesh.touches_surface(place.brick);
+}
+bool is_coarse_brick(const CountedMesh&, BrickPlace place) { return place.level > 0; }
+
+using ChooseBrick = bool (*)(const CountedMesh& mesh, BrickPlace place);
+
+/// Bricks with tets that `choose` likes.
+std::vector<std::size_t> chosen_bricks(const CountedMesh& mesh, ChooseBrick choose) {
+  std::vector<std::size_t> bricks;
+  for (std::size_t i = 0; i < mesh.brick_count(); ++i) {
+    if (mesh.first_tet(i + 1) > mesh.first_tet(i) && choose(mesh, mesh.place(i))) {
+      bricks.push_back(i);
+    }
+  }
+  return bricks;
+}
+
+void fill(benchmark::State& state, const Prepared& prepared, int levels, ChooseBrick choose) {
+  const CountedMesh mesh(prepared.field, prepared.survey, prepared.octree(levels), levels == 0);
+  MeshWorkspace workspace;
+  const LatticeToWorld to_world{prepared.volume->transform.linear, {}, false};
+  const WarpLimits limits;
+  BrickFiller filler(mesh, prepared.field, limits, to_world, workspace.impl());
+  std::vector<std::byte> positions, tets;
+  const std::vector<std::size_t> bricks = chosen_bricks(mesh, choose);
+  if (bricks.empty()) return state.SkipWithError("the mesh has no such brick");
+  double filled = 0;
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const std::size_t brick = bricks[next++ % bricks.size()];
+    const std::uint64_t tet_count = mesh.first_tet(brick + 1) - mesh.first_tet(brick);
+    positions.resize((mesh.first_vertex(brick + 1) - mesh.first_vertex(brick)) * 12);
+    tets.resize(tet_count * 16);
+    filler.fill(brick, {CoordinateType::kFloat32, positions}, {IndexType::kUint32, tets});
+    filled += static_cast<double>(tet_count);
+  }
+  state.counters["tets/s"] = benchmark::Counter(filled, benchmark::Counter::kIsRate);
+}
+
+// What is measured of a finished mesh.
+
+using MeasureMesh = std::function<void(const TetMesh&)>;
+
+void measure(benchmark::State& state,
+             const Prepared& prepared,
+             const MeasureMesh& measure_mesh) {
+  TaskPool pool(1);
+  MeshRequest request;
+  request.levels = 0;
+  const MeshResult result =
+      mesh_volume(pool, prepared.volume, request, {}, {}, nullptr).value();
+  for (auto _ : state) measure_mesh(result.mesh);
+  count_items(state, "tets/s", static_cast<double>(result.mesh.header.tet_count));
+}
+
+void add_stages(Solid solid, const BenchSize& size) {
+  using namespace std::placeholders;
+  add("find_bricks", solid, size, find_the_bricks);
+  add("survey", solid, size, survey);
+  add("octree_uniform", solid, size, std::bind(grow_octree, _1, _2, 0));
+  add("octree_graded", solid, size, std::bind(grow_octree, _1, _2, kMaxLevels));
+  add("count_uniform", solid, size, std::bind(count_mesh, _1, _2, 0));
+  add("count_graded", solid, size, std::bind(count_mesh, _1, _2, kMaxLevels));
+  add("measure_quality", solid, size, std::bind(measure, _1, _2, measure_quality));
+  add("measure_boundary", solid, size, std::bind(measure, _1, _2, measure_boundary));
+}
+
+/// The smallest size at which a ball has bricks far inside, and coarse ones.
+constexpr BenchSize kWithInside{"5e5", 5e5};
+
+void add_brick_stages() {
+  using namespace std::placeholders;
+  const auto add_here = [](const char* stage, Solid solid, const Body& body) {
+    add(stage, solid, kWithInside, body);
+  };
+  add_here("brick_sample", Solid::kGyroid, std::bind(each_brick, _1, _2, sample));
+  add_here("brick_cut_points", Solid::kGyroid, std::bind(each_brick, _1, _2, cut));
+  add_here("brick_warp", Solid::kGyroid, std::bind(each_brick, _1, _2, warp));
+  add_here("brick_keep", Solid::kGyroid, std::bind(each_brick, _1, _2, keep));
+  add_here("fill_surface", Solid::kGyroid, std::bind(fill, _1, _2, 0, is_surface_brick));
+  add_here("fill_inside", Solid::kBall, std::bind(fill, _1, _2, 0, is_inside_brick));
+  add_here("fill_coarse", Solid::kBall, std::bind(fill, _1, _2, kMaxLevels, is_coarse_brick));
+}
+
+}  // namespace
+}  // namespace tet::bench
+
+int main(int argc, char** argv) {
+  using namespace tet::bench;
+  add_brick_stages();
+  for (const BenchSize& size : {kSmall, kMedium}) {
+    add_stages(Solid::kBall, size);
+    add_stages(Solid::kGyroid, size);
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
