@@ -129,13 +129,19 @@ constexpr HaloSet seen_from(const HaloSet& set, int offset) noexcept {
   HaloSet out;
   const int words = offset >> 6;  // rounds down, so that `bits` is in [0, 64)
   const int bits = offset & 63;
-  const auto at = [&](int i) -> std::uint64_t {
-    return i >= 0 && i < HaloSet::kWords ? set.word[static_cast<std::size_t>(i)] : 0;
-  };
-  for (int i = 0; i < HaloSet::kWords; ++i) {
-    const std::uint64_t low = at(i + words) >> bits;
-    const std::uint64_t high = bits == 0 ? 0 : at(i + words + 1) << (64 - bits);
-    out.word[static_cast<std::size_t>(i)] = low | high;
+  // Two plain loops over whole words, so that they vectorise; out of range is empty.
+  const int begin = words < 0 ? -words : 0;
+  const int end = words < 0 ? HaloSet::kWords : HaloSet::kWords - words;
+  for (int i = begin; i < end; ++i) {
+    out.word[static_cast<std::size_t>(i)] =
+        set.word[static_cast<std::size_t>(i + words)] >> bits;
+  }
+  if (bits == 0) return out;
+  const int high_begin = begin > 0 ? begin - 1 : 0;
+  const int high_end = words < 0 ? end : end - 1;
+  for (int i = high_begin; i < high_end; ++i) {
+    out.word[static_cast<std::size_t>(i)] |= set.word[static_cast<std::size_t>(i + words + 1)]
+                                             << (64 - bits);
   }
   return out;
 }

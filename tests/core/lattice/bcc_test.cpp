@@ -41,7 +41,9 @@ TEST(Bcc, FillsSpaceWithTwelveTetsACell) {
     std::array<LatticeCoord, 4> node;
     for (std::size_t i = 0; i < 4; ++i) {
       node[i] = node_coord(shape.kind[i], halo_index(0, 0, 0) + shape.offset[i]);
-      if (i > 0) EXPECT_LT(node[i - 1], node[i]) << "nodes come in the order of coordinates";
+      if (i > 0) {
+        EXPECT_LT(node[i - 1], node[i]) << "nodes come in the order of coordinates";
+      }
     }
     const std::int64_t six =
         internal::triple_product(node[1] - node[0], node[2] - node[0], node[3] - node[0]);
