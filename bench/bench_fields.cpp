@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/grid/find_bricks.h"
 #include "core/grid/surface_file.h"
 #include "core/grid/surface_to_volume.h"
 #include "core/grid/volume_builder.h"
@@ -51,11 +52,12 @@ struct Gyroid {
   float extent() const { return ball.extent(); }
   float operator()(float x, float y, float z) const {
     constexpr float kPeriod = 24;  // voxels
-    constexpr float k = 2 * kPi / kPeriod;
-    const float sheet = std::sin(k * x) * std::cos(k * y) + std::sin(k * y) * std::cos(k * z) +
-                        std::sin(k * z) * std::cos(k * x);
-    // The slope is between 1.2 k and 1.7 k where the sheet is zero.
-    return std::max(sheet / (1.5F * k), ball(x, y, z));
+    constexpr float kWave = 2 * kPi / kPeriod;
+    const float u = kWave * x, v = kWave * y, w = kWave * z;
+    const float sheet =
+        std::sin(u) * std::cos(v) + std::sin(v) * std::cos(w) + std::sin(w) * std::cos(u);
+    // Where the sheet is zero its slope is between 1.2 and 1.7 waves.
+    return std::max(sheet / (1.5F * kWave), ball(x, y, z));
   }
 };
 
@@ -73,22 +75,19 @@ void classify_region(const Distance& distance,
                      Volume& volume,
                      std::vector<ConstantBrick>& inside) {
   const std::size_t inside_before = inside.size();
-  for (int x = region.x; x < region.x + Region::kEdgeBricks; ++x) {
-    for (int y = region.y; y < region.y + Region::kEdgeBricks; ++y) {
-      for (int z = region.z; z < region.z + Region::kEdgeBricks; ++z) {
-        const auto middle = [](int brick) { return 8 * static_cast<float>(brick) + 3.5F; };
-        const float phi = distance(middle(x), middle(y), middle(z));
-        if (phi < -kBrickReach) {
-          inside.push_back({
-              {x, y, z},
-              -kBand
-          });
-        } else if (phi < kBrickReach) {
-          volume.bricks.push_back({x, y, z});
-        }
-      }
+  constexpr int kLast = Region::kEdgeBricks - 1;
+  const BrickBox box{
+      region, {region.x + kLast, region.y + kLast, region.z + kLast}
+  };
+  for_each_brick(box, [&](BrickCoord brick) {
+    const auto middle = [](int along) { return 8 * static_cast<float>(along) + 3.5F; };
+    const float phi = distance(middle(brick.x), middle(brick.y), middle(brick.z));
+    if (phi < -kBrickReach) {
+      inside.push_back({brick, -kBand});
+    } else if (phi < kBrickReach) {
+      volume.bricks.push_back(brick);
     }
-  }
+  });
   if (inside.size() - inside_before == Region{}.constant.size()) {
     inside.resize(inside_before);
     volume.cubes.push_back({
@@ -118,13 +117,11 @@ std::shared_ptr<const Volume> narrow_band(const Distance& distance) {
   std::vector<ConstantBrick> inside;
   const int edge = Region::kEdgeBricks;
   const int regions = static_cast<int>(std::ceil((distance.extent() + kBand) / 128));
-  for (int x = -regions; x < regions; ++x) {
-    for (int y = -regions; y < regions; ++y) {
-      for (int z = -regions; z < regions; ++z) {
-        classify_region(distance, {x * edge, y * edge, z * edge}, volume, inside);
-      }
-    }
-  }
+  const BrickCoord first{-regions, -regions, -regions},
+      last{regions - 1, regions - 1, regions - 1};
+  for_each_brick({first, last}, [&](BrickCoord r) {
+    classify_region(distance, {r.x * edge, r.y * edge, r.z * edge}, volume, inside);
+  });
   std::sort(volume.bricks.begin(), volume.bricks.end());
   volume.values.resize(volume.bricks.size() * kBrickCells);
   for_each_index(volume.bricks.size(), [&](std::size_t i) {
