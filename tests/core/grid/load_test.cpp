@@ -322,9 +322,9 @@ TEST_F(Load, RefusesWhatIsNoVdbFile) {
 TEST_F(Load, RefusesFormatsThatItDoesNotKnow) {
   write_vdb(path_, {ball(8)});
   const std::string whole = test::read_bytes(path_);
-  for (const char version : {'\x09', '\xFF'}) {
+  for (const char version : {'\xD7', '\xE1'}) {
     std::string bytes = whole;
-    bytes[8] = version;  // of 224: the low byte after the magic number
+    bytes[8] = version;  // 215 or 225: the low byte, after the magic number
     test::write_bytes(path_, bytes);
     EXPECT_THAT(load_volume(path_, "").status().message(), HasSubstr("only 216 to 224"));
   }
