@@ -111,7 +111,8 @@ absl::Status read_list(PlyBody& body, const PlyProperty& property, std::vector<d
   if (!body.next(*property.count_type, count) || count < 0 || count != std::floor(count)) {
     return byte_error(body, absl::StrFormat("no length of '%s' there", property.name));
   }
-  if (count > static_cast<double>((body.left() + 1) / body.smallest(property.type))) {
+  const std::size_t most = (body.left() + 1) / body.smallest(property.type);
+  if (count > static_cast<double>(most)) {
     return byte_error(body, absl::StrFormat("'%s' claims %.0f entries, but %d bytes are left",
                                             property.name, count, body.left()));
   }
@@ -135,9 +136,8 @@ absl::Status read_row(PlyBody& body, const PlyElement& element, PlyRow& row) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
     if (property.count_type) {
-      const absl::Status status =
-          read_list(body, property, holds_corners(property) ? row.list : skipped);
-      if (!status.ok()) return status;
+      auto& list = holds_corners(property) ? row.list : skipped;
+      if (absl::Status s = read_list(body, property, list); !s.ok()) return s;
     } else if (!body.next(property.type, row.values[i])) {
       return byte_error(body, absl::StrFormat("no number for '%s' there", property.name));
     }

@@ -36,11 +36,12 @@ void VdbFile::open(const std::string& path) {
   setFormatVersion(stream_);
   setLibraryVersion(stream_);
   setDataCompression(stream_);
-  if (fileVersion() < kOldestFormat) {
+  if (fileVersion() < kOldestFormat || fileVersion() > vdb::OPENVDB_FILE_VERSION) {
     OPENVDB_THROW(vdb::IoError,
-                  absl::StrFormat("its format %d is older than %d: write it again with a newer "
-                                  "OpenVDB",
-                                  fileVersion(), kOldestFormat));
+                  absl::StrFormat("its format is %d, and only %d to %d can be read: write it "
+                                  "again with OpenVDB %s",
+                                  fileVersion(), kOldestFormat, vdb::OPENVDB_FILE_VERSION,
+                                  OPENVDB_LIBRARY_VERSION_STRING));
   }
 }
 

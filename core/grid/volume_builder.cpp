@@ -38,10 +38,10 @@ BrickCoord region_of(BrickCoord b) noexcept {
 }
 
 std::size_t index_in_region(BrickCoord b) noexcept {
-  constexpr std::int32_t kMask = Region::kEdgeBricks - 1;
-  return static_cast<std::size_t>(((b.x & kMask) * Region::kEdgeBricks + (b.y & kMask)) *
-                                      Region::kEdgeBricks +
-                                  (b.z & kMask));
+  const auto low = [](std::int32_t v) {
+    return static_cast<std::size_t>(v & (Region::kEdgeBricks - 1));
+  };
+  return (low(b.x) * Region::kEdgeBricks + low(b.y)) * Region::kEdgeBricks + low(b.z);
 }
 
 /// Range of a brick's values; NaN twice when one of them is not finite.

@@ -319,6 +319,17 @@ TEST_F(Load, RefusesWhatIsNoVdbFile) {
   EXPECT_EQ(list_grids(path_).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST_F(Load, RefusesFormatsThatItDoesNotKnow) {
+  write_vdb(path_, {ball(8)});
+  const std::string whole = test::read_bytes(path_);
+  for (const char version : {'\xD7', '\xE1'}) {
+    std::string bytes = whole;
+    bytes[8] = version;  // 215 or 225: the low byte, after the magic number
+    test::write_bytes(path_, bytes);
+    EXPECT_THAT(load_volume(path_, "").status().message(), HasSubstr("only 216 to 224"));
+  }
+}
+
 TEST_F(Load, ListsWhatTheFileHolds) {
   const openvdb::GridBase::Ptr vectors = openvdb::Vec3SGrid::create();
   vectors->setName("velocity");
