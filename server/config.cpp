@@ -16,24 +16,56 @@ namespace tet {
 
 namespace {
 
+// Clients upload in pieces of a megabyte.
+constexpr std::uint64_t kMinMessage = std::uint64_t{2} << 20;
+constexpr std::uint64_t kMaxMessage = std::uint64_t{1} << 30;
 // TOML's own integers end here.
 constexpr std::uint64_t kMaxBytes = std::numeric_limits<std::int64_t>::max();
 
+Setting text(std::string Config::*field, const char* key, const char* help) {
+  return {key, help, field};
+}
+
+Setting number(std::uint64_t Config::*field,
+               std::uint64_t min,
+               std::uint64_t max,
+               const char* key,
+               const char* help) {
+  return {key, help, field, min, max};
+}
+
 const Setting kSettings[] = {
-    {           "listen",        "host:port to serve on; port 0 takes a free one",            &Config::listen},
-    {            "store", "directory of the stored grid files; made when missing",             &Config::store},
-    {      "store_bytes",       "disk for grid files; the least used are evicted",       &Config::store_bytes,1,
-     kMaxBytes},
-    {   "resident_bytes",                        "memory for grids ready to mesh",    &Config::resident_bytes,                                                                         1, kMaxBytes},
-    {          "threads",                   "meshing threads; 0 takes every core",           &Config::threads,0, 4096},
-    {      "max_streams",           "meshes made at once; more are told to retry",       &Config::max_streams,1,
-     100000},
-    {         "max_tets",                                      "tets of one mesh",          &Config::max_tets,                                                                             1, kMaxBytes},
-    {"max_request_bytes",                             "one message from a client", &Config::max_request_bytes,                                                                                                  65536,
-     1 << 30},
-    {    "drain_seconds",        "how long running calls may go on after SIGTERM",     &Config::drain_seconds,0, 86400},
-    {        "log_level",                "trace, debug, info, warn, error or off",         &Config::log_level                                                                        },
-    {        "port_file",       "write the chosen port to this file once serving",         &Config::port_file                                                                                                 },
+    text(&Config::listen, "listen", "host:port to serve on; port 0 takes a free one"),
+    text(&Config::store, "store", "directory of the stored grid files; made when missing"),
+    number(&Config::store_bytes,
+           1,
+           kMaxBytes,
+           "store_bytes",
+           "disk for grid files; the least used are evicted"),
+    number(&Config::resident_bytes,
+           1,
+           kMaxBytes,
+           "resident_bytes",
+           "memory for grids ready to mesh"),
+    number(&Config::threads, 0, 4096, "threads", "meshing threads; 0 takes every core"),
+    number(&Config::max_streams,
+           1,
+           100'000,
+           "max_streams",
+           "meshes made at once; more are told to retry"),
+    number(&Config::max_tets, 1, kMaxBytes, "max_tets", "tets of one mesh"),
+    number(&Config::max_request_bytes,
+           kMinMessage,
+           kMaxMessage,
+           "max_request_bytes",
+           "one message from a client"),
+    number(&Config::drain_seconds,
+           0,
+           86'400,
+           "drain_seconds",
+           "how long running calls may go on after SIGTERM"),
+    text(&Config::log_level, "log_level", "trace, debug, info, warn, error or off"),
+    text(&Config::port_file, "port_file", "write the chosen port to this file once serving"),
 };
 
 std::optional<std::uint64_t> parse_number(std::string_view text) {

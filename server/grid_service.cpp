@@ -19,10 +19,6 @@ constexpr int kMaxNames = 1000;
 constexpr int kDefaultPage = 100;
 constexpr int kMaxPage = 1000;
 
-absl::Status wrong_field(std::string message) {
-  return with_reason(absl::InvalidArgumentError(std::move(message)), "INVALID_FIELD");
-}
-
 void describe(const ListedGrid& listed, v1::GridFile& file) {
   file.set_name(name_of_grid(listed.digest));
   file.set_size_bytes(static_cast<std::int64_t>(listed.size_bytes));
@@ -64,10 +60,10 @@ absl::Status list_page(const GridStore& store,
                        const v1::ListGridsRequest& request,
                        v1::ListGridsResponse& response) {
   if (request.page_size() < 0) {
-    return wrong_field(absl::StrCat("page_size ", request.page_size(), " is negative"));
+    return invalid_field(absl::StrCat("page_size ", request.page_size(), " is negative"));
   }
   if (!request.page_token().empty() && !is_sha256_hex(request.page_token())) {
-    return wrong_field("page_token is not one that this service gave");
+    return invalid_field("page_token is not one that this service gave");
   }
   const int wanted = request.page_size() == 0 ? kDefaultPage : request.page_size();
   const auto size = static_cast<std::size_t>(std::min(wanted, kMaxPage));

@@ -23,9 +23,8 @@ enum ExitCode { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
 
 constexpr char kAbout[] =
     "Meshes OpenVDB grids and streams the tetrahedra over gRPC.\n\n"
-    "A setting is taken from its flag, else from its TETSTREAM_* variable, else from the "
-    "config\n"
-    "file, else its default; --print-config shows the outcome, as a config file.\n\n"
+    "A setting is taken from its flag, else from its TETSTREAM_* variable, else from the\n"
+    "config file, else its default; --print-config shows the outcome, as a config file.\n\n"
     "  tetstreamd --store /var/lib/tetstream --store-bytes 200GiB\n"
     "  TETSTREAM_THREADS=8 tetstreamd --config /etc/tetstream.toml --print-config\n\n"
     "SIGTERM and SIGINT let running calls finish for --drain-seconds. Exit codes: 0 done, 1 a\n"

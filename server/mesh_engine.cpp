@@ -28,8 +28,8 @@ MeshEngine::MeshEngine(const Config& server_config,
                        GridStore& store)
     : config(server_config),
       calls(call_registry),
-      pool(static_cast<int>(config.threads)),
-      planner(pool, store, config.resident_bytes, MeshLimits{config.max_tets}) {}
+      planner(pool, store, config.resident_bytes, MeshLimits{config.max_tets}),
+      pool(static_cast<int>(config.threads)) {}
 
 absl::StatusOr<MeshTicket> MeshEngine::admit() {
   if (const absl::Status status = calls.admission(); !status.ok()) return status;

@@ -48,8 +48,8 @@ struct MeshEngine {
   CallRegistry& calls;
   Activity activity;
   WorkspacePool workspaces;
-  TaskPool pool;
   Planner planner;
+  TaskPool pool;  ///< last, so that its tasks end before what they use
 };
 
 }  // namespace tet

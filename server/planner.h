@@ -38,8 +38,8 @@ struct PlanningWatch {
 /// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
 /// once.
 ///
-/// Thread safety: any thread may call any member. The pool's tasks must have ended before it is
-/// destroyed.
+/// Thread safety: any thread may call any member. The pool is not used before the first `plan`;
+/// its tasks must have ended before the planner is destroyed.
 class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;

@@ -12,10 +12,6 @@ namespace tet {
 
 namespace {
 
-absl::Status wrong_field(std::string message) {
-  return with_reason(absl::InvalidArgumentError(std::move(message)), "INVALID_FIELD");
-}
-
 absl::StatusOr<Preset> parse_preset_field(v1::Preset preset) {
   switch (preset) {
     case v1::PRESET_UNSPECIFIED:
@@ -24,7 +20,7 @@ absl::StatusOr<Preset> parse_preset_field(v1::Preset preset) {
     case v1::PRESET_MIN_ANGLE:
       return Preset::kMinAngle;
     default:
-      return wrong_field(absl::StrCat("preset ", static_cast<int>(preset), " is unknown"));
+      return invalid_field(absl::StrCat("preset ", static_cast<int>(preset), " is unknown"));
   }
 }
 
@@ -37,21 +33,21 @@ absl::StatusOr<std::optional<CoordinateType>> parse_coordinates(v1::CoordinateTy
     case v1::COORDINATE_TYPE_FLOAT64:
       return CoordinateType::kFloat64;
     default:
-      return wrong_field(
+      return invalid_field(
           absl::StrCat("coordinate_type ", static_cast<int>(type), " is unknown"));
   }
 }
 
 absl::Status check_numbers(const v1::MeshRequest& request) {
   if (request.has_spacing() && !(request.spacing() > 0 && std::isfinite(request.spacing()))) {
-    return wrong_field(
+    return invalid_field(
         absl::StrCat("spacing ", request.spacing(), " is not positive and finite"));
   }
   if (request.has_iso() && !std::isfinite(request.iso())) {
-    return wrong_field(absl::StrCat("iso ", request.iso(), " is not finite"));
+    return invalid_field(absl::StrCat("iso ", request.iso(), " is not finite"));
   }
   if (request.has_levels() && (request.levels() < 0 || request.levels() > kMaxLevels)) {
-    return wrong_field(
+    return invalid_field(
         absl::StrCat("levels ", request.levels(), " is not from 0 to ", kMaxLevels));
   }
   return absl::OkStatus();
@@ -70,8 +66,8 @@ std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t
 absl::StatusOr<std::string> parse_grid_name(const std::string& name) {
   const std::string_view digest = digest_of_name(name);
   if (!digest.empty()) return std::string(digest);
-  return wrong_field(absl::StrCat("name \"", name.substr(0, 100),
-                                  "\" is not grids/ and 64 lower-case hexadecimal digits"));
+  return invalid_field(absl::StrCat("name \"", name.substr(0, 100),
+                                    "\" is not grids/ and 64 lower-case hexadecimal digits"));
 }
 
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
@@ -96,11 +92,11 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   auto mesh = parse_mesh_request(request.mesh());
   if (!mesh.ok()) return mesh.status();
   if (request.start_chunk() < 0) {
-    return wrong_field(absl::StrCat("start_chunk ", request.start_chunk(), " is negative"));
+    return invalid_field(absl::StrCat("start_chunk ", request.start_chunk(), " is negative"));
   }
   if (request.end_chunk() != 0 && request.end_chunk() < request.start_chunk()) {
-    return wrong_field(absl::StrCat("end_chunk ", request.end_chunk(), " is below start_chunk ",
-                                    request.start_chunk()));
+    return invalid_field(absl::StrCat("end_chunk ", request.end_chunk(),
+                                      " is below start_chunk ", request.start_chunk()));
   }
   return StreamOrder{*std::move(mesh), static_cast<std::uint64_t>(request.start_chunk()),
                      static_cast<std::uint64_t>(request.end_chunk()),

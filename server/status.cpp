@@ -38,6 +38,10 @@ absl::Status with_reason(absl::Status status, std::string_view reason) {
   return status;
 }
 
+absl::Status invalid_field(const std::string& message) {
+  return with_reason(absl::InvalidArgumentError(message), "INVALID_FIELD");
+}
+
 absl::Status with_retry(absl::Status status, absl::Duration delay) {
   google::rpc::RetryInfo retry;
   const std::int64_t seconds = absl::IDivDuration(delay, absl::Seconds(1), &delay);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include <absl/status/status.h>
@@ -12,6 +13,10 @@ namespace tet {
 
 /// Names the failure for programs: the ErrorInfo's reason, UPPER_SNAKE_CASE.
 absl::Status with_reason(absl::Status status, std::string_view reason);
+
+/// kInvalidArgument with reason INVALID_FIELD; `message` names the field, its value and what it
+/// may be.
+absl::Status invalid_field(const std::string& message);
 
 /// Says that it is worth trying again after `delay`.
 absl::Status with_retry(absl::Status status, absl::Duration delay);

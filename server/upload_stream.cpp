@@ -51,9 +51,7 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
   const auto digest = parse_grid_name(start.name());
   if (!digest.ok()) return digest.status();
   if (start.size_bytes() < 1) {
-    return with_reason(absl::InvalidArgumentError(
-                           absl::StrCat("size_bytes ", start.size_bytes(), " is not positive")),
-                       "INVALID_FIELD");
+    return invalid_field(absl::StrCat("size_bytes ", start.size_bytes(), " is not positive"));
   }
   auto upload = store_.begin_upload(*digest, static_cast<std::uint64_t>(start.size_bytes()));
   if (!upload.ok() && !absl::IsAlreadyExists(upload.status())) return upload.status();

@@ -32,9 +32,8 @@ void VolumeCache::get(const VolumeKey& key, const std::string& path, Answer answ
 
 void VolumeCache::load(const VolumeKey& key, const std::string& path) {
   absl::StatusOr<Volume> read = loader_(path, key.grid_name);
-  const Loaded loaded = read.ok()
-                            ? admit(key, std::make_shared<const Volume>(*std::move(read)))
-                            : Loaded(read.status());
+  const Loaded loaded = read.ok() ? admit(key, std::make_shared<const Volume>(*std::move(read)))
+                                  : Loaded(read.status());
 
   const std::lock_guard lock(mutex_);
   const auto entry = entries_.find(key);
