@@ -86,8 +86,19 @@ inline constexpr int kHaloNodes = 16 * 16 * 16;
 
 /// One bit for each `halo_index`; set operations work on 64 of them at a time.
 struct HaloSet {
-  static constexpr int kWords = kHaloNodes / 64;
-  std::array<std::uint64_t, kWords> word{};
+  static constexpr std::size_t kWords = kHaloNodes / 64;
+  std::array<std::uint64_t, kWords> word;
+
+  constexpr HaloSet() noexcept : word{} {}
+
+  /// The set whose word i is `word_of(i)`: one pass, and no set is cleared or copied on the
+  /// way.
+  template <class WordOf>
+  static constexpr HaloSet from_words(const WordOf& word_of) noexcept {
+    HaloSet set(kUnset);
+    for (std::size_t i = 0; i < kWords; ++i) set.word[i] = word_of(i);
+    return set;
+  }
 
   constexpr bool test(int index) const noexcept {
     return (word[static_cast<std::size_t>(index >> 6)] >> (index & 63) & 1) != 0;
@@ -119,30 +130,47 @@ struct HaloSet {
     for (std::size_t i = 0; i < kWords; ++i) word[i] &= ~o.word[i];
     return *this;
   }
-  friend constexpr HaloSet operator|(HaloSet a, const HaloSet& b) noexcept { return a |= b; }
-  friend constexpr HaloSet operator&(HaloSet a, const HaloSet& b) noexcept { return a &= b; }
-  friend constexpr HaloSet operator-(HaloSet a, const HaloSet& b) noexcept { return a -= b; }
+  friend constexpr HaloSet operator|(const HaloSet& a, const HaloSet& b) noexcept {
+    return from_words([&](std::size_t i) { return a.word[i] | b.word[i]; });
+  }
+  friend constexpr HaloSet operator&(const HaloSet& a, const HaloSet& b) noexcept {
+    return from_words([&](std::size_t i) { return a.word[i] & b.word[i]; });
+  }
+  friend constexpr HaloSet operator-(const HaloSet& a, const HaloSet& b) noexcept {
+    return from_words([&](std::size_t i) { return a.word[i] & ~b.word[i]; });
+  }
+
+ private:
+  enum Unset { kUnset };
+  explicit constexpr HaloSet(Unset) noexcept {}
+
+  friend constexpr HaloSet seen_from(const HaloSet& set, int offset) noexcept;
 };
 
 /// The set seen from a neighbour: bit i of the result is bit i + offset of `set`.
 constexpr HaloSet seen_from(const HaloSet& set, int offset) noexcept {
-  HaloSet out;
+  constexpr int kWords = static_cast<int>(HaloSet::kWords);
   const int words = offset >> 6;  // rounds down, so that `bits` is in [0, 64)
   const int bits = offset & 63;
-  // Two plain loops over whole words, so that they vectorise; out of range is empty.
+  const auto at = [&](int i) { return set.word[static_cast<std::size_t>(i)]; };
+  const auto within = [](int i) { return i >= 0 && i < kWords; };
+  // Shifted twice, so that nothing is shifted by 64.
+  const auto high_part = [&](std::uint64_t word) { return word << 1 << (63 - bits); };
+  HaloSet out(HaloSet::kUnset);
+  const auto edge = [&](int i) {
+    const std::uint64_t low = within(i + words) ? at(i + words) >> bits : 0;
+    const std::uint64_t high = within(i + words + 1) ? high_part(at(i + words + 1)) : 0;
+    out.word[static_cast<std::size_t>(i)] = low | high;
+  };
+  // Between the edges both words exist: a plain loop, which vectorises.
   const int begin = words < 0 ? -words : 0;
-  const int end = words < 0 ? HaloSet::kWords : HaloSet::kWords - words;
+  const int end = words < 0 ? kWords - 1 : kWords - 1 - words;
+  for (int i = 0; i < begin; ++i) edge(i);
   for (int i = begin; i < end; ++i) {
     out.word[static_cast<std::size_t>(i)] =
-        set.word[static_cast<std::size_t>(i + words)] >> bits;
+        at(i + words) >> bits | high_part(at(i + words + 1));
   }
-  if (bits == 0) return out;
-  const int high_begin = begin > 0 ? begin - 1 : 0;
-  const int high_end = words < 0 ? end : end - 1;
-  for (int i = high_begin; i < high_end; ++i) {
-    out.word[static_cast<std::size_t>(i)] |= set.word[static_cast<std::size_t>(i + words + 1)]
-                                             << (64 - bits);
-  }
+  for (int i = end > begin ? end : begin; i < kWords; ++i) edge(i);
   return out;
 }
 
@@ -160,7 +188,7 @@ constexpr HaloSet halo_cube(int min, int max) noexcept {
 /// Calls `visit(index)` for each set bit, in increasing order.
 template <class Visit>
 void for_each_bit(const HaloSet& set, const Visit& visit) {
-  for (int w = 0; w < HaloSet::kWords; ++w) {
+  for (int w = 0; w < static_cast<int>(HaloSet::kWords); ++w) {
     for (std::uint64_t bits = set.word[static_cast<std::size_t>(w)]; bits != 0;
          bits &= bits - 1) {
       visit(w * 64 + std::countr_zero(bits));

@@ -76,12 +76,15 @@ class RegionSigns {
   static constexpr int kEdge = kRegionBricks + 2;
 
   void read(const PhiField& field, VolumeReader& reader, BrickCoord region) noexcept {
-    std::size_t next = 0;
-    for (int x = -1; x <= kRegionBricks; ++x) {
-      for (int y = -1; y <= kRegionBricks; ++y) {
-        for (int z = -1; z <= kRegionBricks; ++z) {
-          const auto brick = reader.brick({region.x + x, region.y + y, region.z + z});
-          own_[next++] = signs_of(field, brick.range);
+    // Part by part of the 27 regions that the halo reaches into: entering one is what costs.
+    for (int part = 0; part < 27; ++part) {
+      const Span xs(part / 9 - 1), ys(part / 3 % 3 - 1), zs(part % 3 - 1);
+      for (int x = xs.begin; x < xs.end; ++x) {
+        for (int y = ys.begin; y < ys.end; ++y) {
+          for (int z = zs.begin; z < zs.end; ++z) {
+            const auto brick = reader.brick({region.x + x, region.y + y, region.z + z});
+            own_[index(x, y, z)] = signs_of(field, brick.range);
+          }
         }
       }
     }
@@ -103,6 +106,15 @@ class RegionSigns {
   }
 
  private:
+  /// The bricks along one axis that lie in the region before (-1), itself (0) or the one after
+  /// (1).
+  struct Span {
+    int begin, end;
+    explicit Span(int part)
+        : begin(part < 0 ? -1 : part * kRegionBricks),
+          end(part < 0 ? 0 : part * kRegionBricks + (part == 0 ? kRegionBricks : 1)) {}
+  };
+
   static std::size_t index(int x, int y, int z) noexcept {
     return static_cast<std::size_t>(((x + 1) * kEdge + y + 1) * kEdge + z + 1);
   }

@@ -68,11 +68,15 @@ void CountedMesh::count_bricks() {
     first_brick_.push_back(bricks);
     bricks += level.bricks.size();
   }
-  std::vector<std::uint64_t> tets(bricks);
+  std::vector<std::uint64_t> vertices(bricks), tets(bricks);
   for_each_index(
-      bricks, [&](std::size_t i) { tets[i] = tets_of(place(i)); }, kBricksPerRange);
-  first_vertex_ =
-      offsets_from_counts(bricks, [&](std::size_t i) { return vertices_of(place(i)); });
+      bricks,
+      [&](std::size_t i) {
+        vertices[i] = vertices_of(place(i));
+        tets[i] = tets_of(place(i));
+      },
+      kBricksPerRange);
+  first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
   first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });
   for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
     const auto begin = first_vertex_.begin() + static_cast<std::ptrdiff_t>(first_brick_[l]);
