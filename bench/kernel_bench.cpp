@@ -123,6 +123,7 @@ void sample(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
 }
 
 void cut(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
+  find_signs(work.samples, work.lattice.cuts.signs);
   find_cut_points(work.samples, sampler, brick, work.lattice.cuts);
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/base/brick_mask.h"
 
@@ -104,10 +105,14 @@ struct TetShape {
   std::array<NodeKind, 4> kind{};
   std::array<std::int16_t, 4> offset{};
   std::array<std::uint8_t, 6> edge_family{};  ///< of edges 01, 02, 03, 12, 13, 23
+  /// Which of the six nodes around the face each is: 0 and 1 are the centres before and behind
+  /// it, 2 + turn its corners.
+  std::array<std::uint8_t, 4> face_node{};
   bool negative = false;
 };
 
 inline constexpr int kTetShapes = 12;
+inline constexpr std::size_t kFaceNodes = 6;
 inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kTetEdge{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}
 };
@@ -129,11 +134,16 @@ constexpr std::uint8_t family_between(LatticeCoord low, LatticeCoord high) {
   return 255;
 }
 
-constexpr TetShape shape_of(std::array<LatticeCoord, 4> node) {
+constexpr TetShape shape_of(std::array<LatticeCoord, 4> node, int edge) {
+  const std::array<LatticeCoord, 4> around_face = node;
   std::sort(node.begin(), node.end());
   TetShape shape;
   for (std::size_t i = 0; i < 4; ++i) {
     shape.kind[i] = kind_of(node[i]);
+    const auto given = static_cast<std::size_t>(
+        std::find(around_face.begin(), around_face.end(), node[i]) - around_face.begin());
+    shape.face_node[i] = static_cast<std::uint8_t>(
+        given < 2 ? given : 2 + (static_cast<std::size_t>(edge) + given - 2) % 4);
     shape.offset[i] = static_cast<std::int16_t>(node_index(node[i]) - halo_index(0, 0, 0));
   }
   for (std::size_t e = 0; e < 6; ++e) {
@@ -161,7 +171,8 @@ constexpr std::array<TetShape, kTetShapes> make_tet_shapes() {
     for (int edge = 0; edge < 4; ++edge) {
       shapes[static_cast<std::size_t>(axis * 4 + edge)] =
           shape_of({kCellCentre, kCellCentre + kDirection[static_cast<std::size_t>(axis)],
-                    face_corner(axis, edge), face_corner(axis, edge + 1)});
+                    face_corner(axis, edge), face_corner(axis, edge + 1)},
+                   edge);
     }
   }
   return shapes;
@@ -171,6 +182,11 @@ constexpr std::array<TetShape, kTetShapes> make_tet_shapes() {
 
 /// Shapes 4a .. 4a+3 lie around the cell's upper face across axis a.
 inline constexpr std::array<TetShape, kTetShapes> kTetShape = internal::make_tet_shapes();
+
+/// The four shapes around a cell's upper face across an axis.
+constexpr std::span<const TetShape, 4> shapes_across(int axis) noexcept {
+  return std::span(kTetShape).subspan(static_cast<std::size_t>(axis) * 4).first<4>();
+}
 
 static_assert(
     [] {

@@ -23,7 +23,7 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
                                           const WarpLimits& limits,
                                           StuffingWorkspace& workspace) {
-  stuff_brick(sampler, brick, limits, workspace);
+  if (!stuff_brick(sampler, brick, limits, workspace)) return std::nullopt;
   const WarpedLattice& warped = workspace.lattice.warped;
   if (!has_both_sides(warped)) return std::nullopt;
   return SurveyedBrick{keep_brick(warped), with_siblings(stuffed_cells(warped))};
@@ -31,13 +31,17 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
 
 }  // namespace
 
-void stuff_brick(PhiSampler& sampler,
+bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
                  const WarpLimits& limits,
                  StuffingWorkspace& workspace) noexcept {
+  StuffedLattice& lattice = workspace.lattice;
   sampler.sample(brick, workspace.samples);
-  find_cut_points(workspace.samples, sampler, brick, workspace.lattice.cuts);
-  warp_lattice(workspace.lattice.cuts, limits, workspace.lattice.warped);
+  find_signs(workspace.samples, lattice.cuts.signs);
+  if (lattice.cuts.signs.one_sided()) return false;
+  find_cut_points(workspace.samples, sampler, brick, lattice.cuts);
+  warp_lattice(lattice.cuts, limits, lattice.warped);
+  return true;
 }
 
 InsideTest Survey::inside_test() const {

@@ -21,8 +21,9 @@ struct StuffingWorkspace {
   StuffedLattice lattice;
 };
 
-/// Stuffs a brick: the method, from its samples to its warped lattice.
-void stuff_brick(PhiSampler& sampler,
+/// Stuffs a brick: the method, from its samples to its warped lattice. False, and no lattice,
+/// when every sample lies on one side of the surface.
+bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
                  const WarpLimits& limits,
                  StuffingWorkspace& workspace) noexcept;

@@ -27,20 +27,6 @@ RowSigns row_signs(const float* row) noexcept {
 /// Where samples are valid; see BrickSamples.
 constexpr std::array<HaloSet, kNodeKinds> kSampled{halo_cube(-2, 10), halo_cube(-2, 9)};
 
-void find_signs(const BrickSamples& samples, NodeSigns& signs) noexcept {
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    const auto& phi = kind == kCorner ? samples.corner : samples.centre;
-    HaloSet inside, outside;
-    for (std::size_t row = 0; row < kHaloNodes / 16; ++row) {
-      const RowSigns bits = row_signs(&phi[row * 16]);
-      inside.word[row / 4] |= bits.below << (row % 4 * 16);
-      outside.word[row / 4] |= bits.above << (row % 4 * 16);
-    }
-    signs.inside[kind] = inside & kSampled[kind];
-    signs.outside[kind] = outside & kSampled[kind];
-  }
-}
-
 /// Edges of a family with an end among the nodes that a brick needs to know.
 constexpr HaloSet edges_in_reach(int family) noexcept {
   const NodeKind kind = family_kind(family);
@@ -175,11 +161,33 @@ void find_fractions(const BrickSamples& samples,
 
 }  // namespace
 
+void find_signs(const BrickSamples& samples, NodeSigns& signs) noexcept {
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    const auto& phi = kind == kCorner ? samples.corner : samples.centre;
+    HaloSet inside, outside;
+    for (std::size_t row = 0; row < kHaloNodes / 16; ++row) {
+      const RowSigns bits = row_signs(&phi[row * 16]);
+      inside.word[row / 4] |= bits.below << (row % 4 * 16);
+      outside.word[row / 4] |= bits.above << (row % 4 * 16);
+    }
+    signs.inside[kind] = inside & kSampled[kind];
+    signs.outside[kind] = outside & kSampled[kind];
+  }
+}
+
+bool NodeSigns::one_sided() const noexcept {
+  const auto every_sample = [](const std::array<HaloSet, kNodeKinds>& nodes) {
+    return !(kSampled[kCorner] - nodes[kCorner]).any() &&
+           !(kSampled[kCentre] - nodes[kCentre]).any();
+  };
+  const bool none_inside = !inside[kCorner].any() && !inside[kCentre].any();
+  return none_inside || every_sample(inside);
+}
+
 void find_cut_points(const BrickSamples& samples,
                      PhiSampler& sampler,
                      BrickCoord brick,
                      CutPoints& cuts) noexcept {
-  find_signs(samples, cuts.signs);
   const NodeSigns& signs = cuts.signs;
   for (int family = 0; family < kEdgeFamilies; ++family) {
     const auto f = static_cast<std::size_t>(family);

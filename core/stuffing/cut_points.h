@@ -15,7 +15,12 @@ namespace tet {
 struct NodeSigns {
   std::array<HaloSet, kNodeKinds> inside;   ///< phi < 0: the `+` of the stencils
   std::array<HaloSet, kNodeKinds> outside;  ///< phi > 0: the `-`
+
+  /// True when every sample is inside, or none is.
+  bool one_sided() const noexcept;
 };
+
+void find_signs(const BrickSamples& samples, NodeSigns& signs) noexcept;
 
 /// Nodes whose signs and warps a brick needs to know: its own, one more on each side.
 inline constexpr int kNodeMin = -1, kNodeMax = 8;
@@ -32,7 +37,8 @@ struct CutPoints {
   std::array<std::array<float, kHaloNodes>, kEdgeFamilies> fraction;
 };
 
-/// Finds signs and cut points; `sampler` answers for the true field between lattice nodes.
+/// Finds the cut points between nodes whose signs are known; `sampler` answers for the true
+/// field between lattice nodes.
 void find_cut_points(const BrickSamples& samples,
                      PhiSampler& sampler,
                      BrickCoord brick,

@@ -52,9 +52,9 @@ class CutTet {
          const StuffedLattice& lattice)
       : shape_(shape), cell_(cell), lattice_(lattice) {
     for (std::size_t i = 0; i < 4; ++i) {
-      sign_[i] = signs.plus[i].test(cell)   ? NodeSign::kPlus
-                 : signs.zero[i].test(cell) ? NodeSign::kZero
-                                            : NodeSign::kMinus;
+      sign_[i] = signs.plus[i]->test(cell)   ? NodeSign::kPlus
+                 : signs.zero[i]->test(cell) ? NodeSign::kZero
+                                             : NodeSign::kMinus;
       if (sign_[i] == NodeSign::kPlus) plus_[plus_count_++] = i;
       if (sign_[i] == NodeSign::kMinus) minus_[minus_count_++] = i;
     }
@@ -263,14 +263,16 @@ Index* fill_finest(const FinestNodes& nodes,
                    Index* tets,
                    QualityMeter& meter,
                    BackgroundCounts& counts) noexcept {
-  for (std::size_t s = 0; s < kTetShapes; ++s) {
-    const TetShape& shape = kTetShape[s];
-    const ShapeSigns signs = signs_of_shape(nodes, shape, static_cast<int>(s / 4));
-    tets = write_whole(shape, signs, ids, tets);
-    counts.bcc += signs.regular.count();
-    if (lattice == nullptr) continue;
-    measure_moved(shape, signs, *lattice, meter);
-    tets = write_cut(shape, signs, ids, *lattice, tets, meter);
+  for (int axis = 0; axis < 3; ++axis) {
+    const FaceSigns faces = signs_around_faces(nodes, axis);
+    for (const TetShape& shape : shapes_across(axis)) {
+      const ShapeSigns signs = signs_of_shape(faces, shape);
+      tets = write_whole(shape, signs, ids, tets);
+      counts.bcc += signs.regular.count();
+      if (lattice == nullptr) continue;
+      measure_moved(shape, signs, *lattice, meter);
+      tets = write_cut(shape, signs, ids, *lattice, tets, meter);
+    }
   }
   return write_half_pyramids_of_finest(nodes, ids, tets, counts);
 }

@@ -21,10 +21,10 @@ std::uint64_t count_stencil_tets(const ShapeSigns& signs) noexcept {
     // Bit-sliced sums: `odd` and `pairs` are the two low digits of the number of + nodes.
     std::uint64_t odd = 0, pairs = 0, any_zero = 0;
     for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint64_t plus = signs.plus[i].word[w];
+      const std::uint64_t plus = signs.plus[i]->word[w];
       pairs |= odd & plus;  // with at most three +, a carry happens once
       odd ^= plus;
-      any_zero |= signs.zero[i].word[w];
+      any_zero |= signs.zero[i]->word[w];
     }
     const std::uint64_t two = cut & pairs & ~odd, three = cut & pairs & odd;
     count += static_cast<std::uint64_t>(std::popcount(two));              // ++0-: 2
@@ -93,27 +93,51 @@ std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
           (brick.plus[kCentre] & brick_part(leaf)) | brick.zero[kCentre]};
 }
 
-ShapeSigns signs_of_shape(const FinestNodes& nodes, const TetShape& shape, int axis) noexcept {
-  ShapeSigns signs;
-  const HaloSet tets = nodes.leaf & seen_from(nodes.leaf, face_offset(axis)) & kOwnCells;
-  HaloSet any_plus, all_plus = tets, any_minus;
-  for (std::size_t i = 0; i < 4; ++i) {
-    signs.plus[i] = seen_from(nodes.plus[shape.kind[i]], shape.offset[i]);
-    signs.zero[i] = seen_from(nodes.zero[shape.kind[i]], shape.offset[i]);
-    any_plus |= signs.plus[i];
-    all_plus &= signs.plus[i];
-    any_minus |= tets - (signs.plus[i] | signs.zero[i]);
+FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept {
+  FaceSigns faces;
+  const int across = face_offset(axis);
+  faces.tets = nodes.leaf & seen_from(nodes.leaf, across) & kOwnCells;
+  faces.plus[0] = nodes.plus[kCentre];
+  faces.zero[0] = nodes.zero[kCentre];
+  faces.plus[1] = seen_from(nodes.plus[kCentre], across);
+  faces.zero[1] = seen_from(nodes.zero[kCentre], across);
+  for (int turn = 0; turn < 4; ++turn) {
+    const LatticeCoord at = face_turn(axis, turn);
+    const int offset = offset_index(at.x, at.y, at.z);
+    const auto node = static_cast<std::size_t>(2 + turn);
+    faces.plus[node] = seen_from(nodes.plus[kCorner], offset);
+    faces.zero[node] = seen_from(nodes.zero[kCorner], offset);
   }
-  signs.whole = (tets & any_plus) - any_minus;
-  signs.regular = all_plus;
-  signs.cut = tets & any_plus & any_minus;
+  return faces;
+}
+
+ShapeSigns signs_of_shape(const FaceSigns& faces, const TetShape& shape) noexcept {
+  ShapeSigns signs;
+  for (std::size_t i = 0; i < 4; ++i) {
+    signs.plus[i] = &faces.plus[shape.face_node[i]];
+    signs.zero[i] = &faces.zero[shape.face_node[i]];
+  }
+  const auto& [p0, p1, p2, p3] = signs.plus;
+  const auto& [z0, z1, z2, z3] = signs.zero;
+  for (std::size_t w = 0; w < HaloSet::kWords; ++w) {
+    const std::uint64_t tets = faces.tets.word[w];
+    const std::uint64_t any_plus = p0->word[w] | p1->word[w] | p2->word[w] | p3->word[w];
+    const std::uint64_t no_minus = (p0->word[w] | z0->word[w]) & (p1->word[w] | z1->word[w]) &
+                                   (p2->word[w] | z2->word[w]) & (p3->word[w] | z3->word[w]);
+    signs.whole.word[w] = tets & any_plus & no_minus;
+    signs.regular.word[w] = tets & p0->word[w] & p1->word[w] & p2->word[w] & p3->word[w];
+    signs.cut.word[w] = tets & any_plus & ~no_minus;
+  }
   return signs;
 }
 
 std::uint64_t count_finest(const FinestNodes& nodes) noexcept {
   std::uint64_t count = 0;
-  for (std::size_t s = 0; s < kTetShapes; ++s) {
-    count += count_stencil_tets(signs_of_shape(nodes, kTetShape[s], static_cast<int>(s / 4)));
+  for (int axis = 0; axis < 3; ++axis) {
+    const FaceSigns faces = signs_around_faces(nodes, axis);
+    for (const TetShape& shape : shapes_across(axis)) {
+      count += count_stencil_tets(signs_of_shape(faces, shape));
+    }
   }
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     count +=

@@ -44,15 +44,24 @@ FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) 
 std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
                                                   const HaloSet& leaf) noexcept;
 
-/// One tet shape's tets within a brick, by the cell they belong to: four sets for four nodes.
-struct ShapeSigns {
-  std::array<HaloSet, 4> plus, zero;
-  HaloSet whole;    ///< no `-` node and at least one `+`
-  HaloSet regular;  ///< all `+`: nothing moved, a BCC tet
-  HaloSet cut;      ///< at least one `+` and one `-`
+/// The six nodes around every cell's upper face across one axis, by the cell: what the four tet
+/// shapes around the face choose theirs from (see TetShape::face_node).
+struct FaceSigns {
+  std::array<HaloSet, kFaceNodes> plus, zero;
+  HaloSet tets;  ///< cells of the brick whose face has finest leaves on both sides
 };
 
-ShapeSigns signs_of_shape(const FinestNodes& nodes, const TetShape& shape, int axis) noexcept;
+FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept;
+
+/// One tet shape's tets within a brick, by the cell they belong to.
+struct ShapeSigns {
+  std::array<const HaloSet*, 4> plus, zero;  ///< of the four nodes; within the FaceSigns
+  HaloSet whole;                             ///< no `-` node and at least one `+`
+  HaloSet regular;                           ///< all `+`: nothing moved, a BCC tet
+  HaloSet cut;                               ///< at least one `+` and one `-`
+};
+
+ShapeSigns signs_of_shape(const FaceSigns& faces, const TetShape& shape) noexcept;
 
 /// Tets that the stencils and the half pyramids of a finest brick emit.
 std::uint64_t count_finest(const FinestNodes& nodes) noexcept;

@@ -57,21 +57,23 @@ void warp_lattice(const CutPoints& cuts,
   for (int family = 0; family < kEdgeFamilies; ++family) {
     find_violations(cuts, family, limits, lattice);
   }
+  std::array<HaloSet, kNodeKinds>
+      unmoved;  // nodes that keep their sign, and so their cut points
   for (const NodeKind kind : {kCorner, kCentre}) {
     lattice.warped[kind] &= kNodes;
-    const HaloSet unmoved =
-        (cuts.signs.inside[kind] | cuts.signs.outside[kind]) - lattice.warped[kind];
-    lattice.zero[kind] = kNodes - unmoved;
-    lattice.plus[kind] = (cuts.signs.inside[kind] - lattice.warped[kind]) & kNodes;
+    unmoved[kind] =
+        ((cuts.signs.inside[kind] | cuts.signs.outside[kind]) & kNodes) - lattice.warped[kind];
+    lattice.zero[kind] = kNodes - unmoved[kind];
+    lattice.plus[kind] = cuts.signs.inside[kind] & unmoved[kind];
   }
   for (int family = 0; family < kEdgeFamilies; ++family) {
     const auto f = static_cast<std::size_t>(family);
     const NodeKind kind = family_kind(family);
     const NodeKind end = end_kind(kind, family_direction(family));
     const int offset = end_offset(kind, family_direction(family));
-    const HaloSet whole =
-        (kNodes - lattice.zero[kind]) & seen_from(kNodes - lattice.zero[end], offset);
-    lattice.cut[f] = cuts.cut[f] & whole;
+    lattice.cut[f] = seen_from(unmoved[end], offset);
+    lattice.cut[f] &= unmoved[kind];
+    lattice.cut[f] &= cuts.cut[f];
   }
 }
 

@@ -24,6 +24,7 @@ inline std::unique_ptr<StuffedForTest> stuff(const Volume& volume,
   PhiSampler sampler(field);
   auto stuffed = std::make_unique<StuffedForTest>();
   sampler.sample(brick, stuffed->samples);
+  find_signs(stuffed->samples, stuffed->cuts.signs);
   find_cut_points(stuffed->samples, sampler, brick, stuffed->cuts);
   warp_lattice(stuffed->cuts, limits, stuffed->warped);
   return stuffed;
