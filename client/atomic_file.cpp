@@ -61,7 +61,7 @@ absl::Status sync_directory_of(const std::string& path) {
   const int result = fsync(descriptor);
   // Some file systems cannot sync a directory; the file itself is safe by then.
   const bool failed = result != 0 && errno != EINVAL;
-  const absl::Status status = failed ? io_error("write", directory) : absl::OkStatus();
+  absl::Status status = failed ? io_error("write", directory) : absl::OkStatus();
   close(descriptor);
   return status;
 }

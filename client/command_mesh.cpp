@@ -129,7 +129,7 @@ absl::Status write_mesh(const MeshOptions& options,
   bar.begin("writing");
   const WriteControl control{.cancellation = &interruption,
                              .progress = [&](double fraction) { bar.update(fraction, 1); }};
-  const absl::Status status = write_mesh_file(options.output, made.mesh, control);
+  absl::Status status = write_mesh_file(options.output, made.mesh, control);
   made.stages.push_back({"writing", watch.seconds()});
   return status;
 }

@@ -11,10 +11,9 @@ namespace {
 
 using ::testing::ElementsAre;
 
-const std::vector<WorldPoint> kNoMatterWhere(16);
-
 BoundaryTopology topology_of(const std::vector<Corners>& tets) {
-  return measure_boundary(make_mesh(kNoMatterWhere, tets));
+  const std::vector<WorldPoint> no_matter_where(16);
+  return measure_boundary(make_mesh(no_matter_where, tets));
 }
 
 TEST(Boundary, OfOneTetIsItsFourFacesSeenFromOutside) {

@@ -11,7 +11,7 @@ using ::testing::HasSubstr;
 
 template <class... Points>
 std::vector<WorldPoint> unit_corner_and(Points... more) {
-  std::vector<WorldPoint> points = kUnitCorner;
+  std::vector<WorldPoint> points = unit_corner();
   (points.push_back(more), ...);
   return points;
 }
@@ -61,7 +61,7 @@ TEST(Conformity, NoticesAnInvertedTet) {
   const std::vector<Corners> tets{
       {0, 2, 1, 3}
   };
-  const ConformityReport report = check_conformity(make_mesh(kUnitCorner, tets));
+  const ConformityReport report = check_conformity(make_mesh(unit_corner(), tets));
   EXPECT_EQ(report.non_positive_tets.count, 1U);
   EXPECT_EQ(report.non_positive_tets.first, 0U);
   EXPECT_THAT(report.describe(), HasSubstr("1 tets that are not positive, first 0"));
@@ -127,7 +127,7 @@ TEST(Conformity, NoticesATetThatIsThereTwice) {
       {0, 1, 2, 3},
       {0, 1, 2, 3}
   };
-  const ConformityReport report = check_conformity(make_mesh(kUnitCorner, tets));
+  const ConformityReport report = check_conformity(make_mesh(unit_corner(), tets));
   EXPECT_EQ(report.folded_faces.count, 4U);
 }
 
@@ -163,7 +163,7 @@ TEST(Conformity, NoticesIdsOutOfRangeAndRepeated) {
       {0, 1, 2, 4},
       {0, 1, 1, 3}
   };
-  const TetMesh mesh = make_mesh(kUnitCorner, tets, {.ids = IndexType::kUint64});
+  const TetMesh mesh = make_mesh(unit_corner(), tets, {.ids = IndexType::kUint64});
   const ConformityReport report = check_conformity(mesh);
   EXPECT_EQ(report.bad_ids.count, 2U);
   EXPECT_EQ(report.bad_ids.first, 1U);

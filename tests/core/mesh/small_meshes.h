@@ -60,16 +60,18 @@ inline TetMesh make_mesh(const std::vector<WorldPoint>& positions,
   return mesh;
 }
 
-inline const std::vector<WorldPoint> kUnitCorner{
-    {0, 0, 0},
-    {1, 0, 0},
-    {0, 1, 0},
-    {0, 0, 1}
-};
+inline std::vector<WorldPoint> unit_corner() {
+  return {
+      {0, 0, 0},
+      {1, 0, 0},
+      {0, 1, 0},
+      {0, 0, 1}
+  };
+}
 
 /// One tet at a corner of the unit cube; volume 1/6.
 inline TetMesh one_tet(const Storage& storage = {}) {
-  return make_mesh(kUnitCorner,
+  return make_mesh(unit_corner(),
                    {
                        {0, 1, 2, 3}
   },
