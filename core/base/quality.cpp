@@ -4,26 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/tet_geometry.h"
+
 namespace tet {
 namespace {
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
-
-struct Vector {
-  double x, y, z;
-};
-
-Vector from_to(const WorldPoint& a, const WorldPoint& b) noexcept {
-  return {b.x - a.x, b.y - a.y, b.z - a.z};
-}
-
-Vector cross(const Vector& u, const Vector& v) noexcept {
-  return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-}
-
-double dot(const Vector& u, const Vector& v) noexcept {
-  return u.x * v.x + u.y * v.y + u.z * v.z;
-}
 
 /// sign(cos) * cos^2 falls from 1 to -1 as the angle grows from 0 to 180 degrees.
 double signed_square_of_cosine(double degrees) {
@@ -91,14 +77,11 @@ void QualityMeter::add_tet(const WorldPoint& a,
                            const WorldPoint& b,
                            const WorldPoint& c,
                            const WorldPoint& d) noexcept {
-  const Vector ab = from_to(a, b), ac = from_to(a, c), ad = from_to(a, d);
-  // Normals of the faces opposite a, b, c, d, all pointing inwards.
-  const std::array<Vector, 4> normal{cross(from_to(b, d), from_to(b, c)), cross(ac, ad),
-                                     cross(ad, ab), cross(ab, ac)};
+  const std::array<Vector, 4> normal = face_normals(a, b, c, d);
   std::array<double, 4> per_square;
   for (std::size_t i = 0; i < 4; ++i) per_square[i] = 1 / dot(normal[i], normal[i]);
 
-  six_volumes_ += dot(ab, normal[1]);
+  six_volumes_ += dot(from_to(a, b), normal[1]);
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = i + 1; j < 4; ++j) {
       const double inward = -dot(normal[i], normal[j]);

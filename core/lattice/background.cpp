@@ -70,15 +70,6 @@ class BrickIds {
 };
 
 template <class Index>
-Index* put(Index* out, Index a, Index b, Index c, Index d) noexcept {
-  out[0] = a;
-  out[1] = b;
-  out[2] = c;
-  out[3] = d;
-  return out + 4;
-}
-
-template <class Index>
 Index* write_pairs(const BackgroundCells& cells,
                    int axis,
                    BrickIds<Index>& ids,
@@ -94,13 +85,13 @@ Index* write_pairs(const BackgroundCells& cells,
       const Index from = ids.finer_corner(2 * (c.x + a.x), 2 * (c.y + a.y), 2 * (c.z + a.z));
       const Index to = ids.finer_corner(2 * (c.x + b.x), 2 * (c.y + b.y), 2 * (c.z + b.z));
       if (!middle[static_cast<std::size_t>(turn)].test(index)) {
-        out = put(out, low, high, from, to);
+        out = write_tet(out, low, high, from, to);
         continue;
       }
       const Index mid =
           ids.finer_corner(2 * c.x + a.x + b.x, 2 * c.y + a.y + b.y, 2 * c.z + a.z + b.z);
-      out = put(out, low, high, from, mid);
-      out = put(out, low, high, mid, to);
+      out = write_tet(out, low, high, from, mid);
+      out = write_tet(out, low, high, mid, to);
     }
   });
   return out;
@@ -122,10 +113,10 @@ Index* write_quadrisected(const BackgroundCells& cells,
                          b = face_turn(direction, (turn + 1) & 3);
       const Index mid =
           ids.finer_corner(2 * c.x + a.x + b.x, 2 * c.y + a.y + b.y, 2 * c.z + a.z + b.z);
-      out = put(out, centre, face_centre,
-                ids.finer_corner(2 * (c.x + a.x), 2 * (c.y + a.y), 2 * (c.z + a.z)), mid);
-      out = put(out, centre, face_centre, mid,
-                ids.finer_corner(2 * (c.x + b.x), 2 * (c.y + b.y), 2 * (c.z + b.z)));
+      out = write_tet(out, centre, face_centre,
+                      ids.finer_corner(2 * (c.x + a.x), 2 * (c.y + a.y), 2 * (c.z + a.z)), mid);
+      out = write_tet(out, centre, face_centre, mid,
+                      ids.finer_corner(2 * (c.x + b.x), 2 * (c.y + b.y), 2 * (c.z + b.z)));
     }
   });
   return out;

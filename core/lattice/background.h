@@ -66,6 +66,16 @@ constexpr LatticeCoord face_turn(int direction, int turn) noexcept {
   return at;
 }
 
+/// Writes one tet's ids; returns the end.
+template <class Index>
+Index* write_tet(Index* out, Index a, Index b, Index c, Index d) noexcept {
+  out[0] = a;
+  out[1] = b;
+  out[2] = c;
+  out[3] = d;
+  return out + 4;
+}
+
 /// The two half pyramids of cell (x, y, z): the face's diagonal joins the larger face's centre,
 /// which is odd along both of its axes, to its corner, which is even.
 template <class Index, class CornerId>
@@ -88,9 +98,8 @@ Index* write_half_pyramids(int direction,
     const LatticeCoord c = face_turn(direction, (start + turn) & 3);
     corner[static_cast<std::size_t>(turn)] = corner_id(x + c.x, y + c.y, z + c.z);
   }
-  const std::array<Index, 8> both{centre, corner[0], corner[1], corner[2],
-                                  centre, corner[0], corner[2], corner[3]};
-  return std::copy(both.begin(), both.end(), tets);
+  tets = write_tet(tets, centre, corner[0], corner[1], corner[2]);
+  return write_tet(tets, centre, corner[0], corner[2], corner[3]);
 }
 
 }  // namespace tet

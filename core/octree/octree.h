@@ -36,7 +36,11 @@ struct OctreeLevel {
   std::vector<BrickCoord> bricks;  ///< sorted, unique
   std::vector<BrickMask> leaf;     ///< level 0: cells to be stuffed; above: leaves inside
   std::vector<BrickMask> refined;  ///< cells divided into the eight below; none at level 0
-  BrickIndex index;
+  BrickIndex index;  ///< of `bricks`, which it refers to: a level may be moved but not copied
+
+  OctreeLevel() = default;
+  OctreeLevel(OctreeLevel&&) = default;
+  OctreeLevel& operator=(OctreeLevel&&) = default;
 
   /// Adds empty bricks where `more` (sorted) has ones that are not there yet.
   void insert_bricks(const std::vector<BrickCoord>& more);

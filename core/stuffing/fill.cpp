@@ -137,15 +137,6 @@ class CutTet {
   std::size_t plus_count_ = 0, minus_count_ = 0;
 };
 
-template <class Index>
-Index* put(Index* out, Index a, Index b, Index c, Index d) noexcept {
-  out[0] = a;
-  out[1] = b;
-  out[2] = c;
-  out[3] = d;
-  return out + 4;
-}
-
 /// Whole tets keep their four nodes.
 template <class Index>
 Index* write_whole(const TetShape& shape,
@@ -158,7 +149,7 @@ Index* write_whole(const TetShape& shape,
   };
   const Index *a = column(0), *b = column(1), *c = column(third), *d = column(fourth);
   for_each_bit(signs.whole,
-               [&](int cell) { out = put(out, a[cell], b[cell], c[cell], d[cell]); });
+               [&](int cell) { out = write_tet(out, a[cell], b[cell], c[cell], d[cell]); });
   return out;
 }
 
@@ -189,8 +180,8 @@ Index* write_cut(const TetShape& shape,
     for (std::size_t t = 0; t < stencil.tet_count; ++t) {
       auto [a, b, c, d] = stencil.tet[t];
       if (shape.negative) std::swap(c, d);
-      out = put(out, cut_tet.id(a, ids), cut_tet.id(b, ids), cut_tet.id(c, ids),
-                cut_tet.id(d, ids));
+      out = write_tet(out, cut_tet.id(a, ids), cut_tet.id(b, ids), cut_tet.id(c, ids),
+                      cut_tet.id(d, ids));
       meter.add_tet(cut_tet.place(a), cut_tet.place(b), cut_tet.place(c), cut_tet.place(d));
     }
   });

@@ -4,31 +4,17 @@
 #include <array>
 #include <cstddef>
 
+#include "core/base/tet_geometry.h"
+
 namespace tet {
 namespace {
-
-struct Vector {
-  double x, y, z;
-};
-
-Vector from_to(const WorldPoint& a, const WorldPoint& b) noexcept {
-  return {b.x - a.x, b.y - a.y, b.z - a.z};
-}
-Vector cross(const Vector& u, const Vector& v) noexcept {
-  return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-}
-double dot(const Vector& u, const Vector& v) noexcept {
-  return u.x * v.x + u.y * v.y + u.z * v.z;
-}
 
 /// Largest squared cosine of a tet's dihedral angles: 1 for a flat one.
 double worst_square_of_cosine(const WorldPoint& a,
                               const WorldPoint& b,
                               const WorldPoint& c,
                               const WorldPoint& d) noexcept {
-  const Vector ab = from_to(a, b), ac = from_to(a, c), ad = from_to(a, d);
-  const std::array<Vector, 4> normal{cross(from_to(b, d), from_to(b, c)), cross(ac, ad),
-                                     cross(ad, ab), cross(ab, ac)};
+  const std::array<Vector, 4> normal = face_normals(a, b, c, d);
   std::array<double, 4> square;
   for (std::size_t i = 0; i < 4; ++i) square[i] = dot(normal[i], normal[i]);
   double worst = 0;
