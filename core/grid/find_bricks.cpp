@@ -28,17 +28,25 @@ Signs signs_of(const PhiField& field, ValueRange range) noexcept {
 constexpr std::size_t kMaxRegions = std::size_t{1} << 22;
 constexpr int kRegionBricks = Region::kEdgeBricks;
 
+/// Calls `visit` for a region and the 26 around it.
+template <class Visit>
+void for_each_region_around(BrickCoord region, const Visit& visit) {
+  for_each_brick(
+      {
+          {-1, -1, -1},
+          { 1,  1,  1}
+  },
+      [&](BrickCoord step) {
+        visit(BrickCoord{region.x + kRegionBricks * step.x, region.y + kRegionBricks * step.y,
+                         region.z + kRegionBricks * step.z});
+      });
+}
+
 /// Every region with bricks or inside constants, and all that touch one; sorted, unique.
 absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
   std::vector<BrickCoord> regions;
   const auto add_with_neighbours = [&](BrickCoord region) {
-    for (int x = -kRegionBricks; x <= kRegionBricks; x += kRegionBricks) {
-      for (int y = -kRegionBricks; y <= kRegionBricks; y += kRegionBricks) {
-        for (int z = -kRegionBricks; z <= kRegionBricks; z += kRegionBricks) {
-          regions.push_back({region.x + x, region.y + y, region.z + z});
-        }
-      }
-    }
+    for_each_region_around(region, [&](BrickCoord around) { regions.push_back(around); });
   };
   for (const Region& region : field.volume->regions) add_with_neighbours(region.min);
   std::size_t cube_regions = 0;
@@ -52,15 +60,18 @@ absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
         cube_regions, kMaxRegions));
   }
   for (const ConstantCube& cube : field.volume->cubes) {
-    const int edge = cube.edge / kBrickEdge;
-    const BrickCoord min{cube.min.x / 8, cube.min.y / 8, cube.min.z / 8};
-    for (int x = 0; x < edge; x += kRegionBricks) {
-      for (int y = 0; y < edge; y += kRegionBricks) {
-        for (int z = 0; z < edge; z += kRegionBricks) {
-          add_with_neighbours({min.x + x, min.y + y, min.z + z});
-        }
-      }
-    }
+    const std::int32_t last = cube.edge / (kRegionBricks * kBrickEdge) - 1;
+    const BrickCoord min{cube.min.x / kBrickEdge, cube.min.y / kBrickEdge,
+                         cube.min.z / kBrickEdge};
+    for_each_brick(
+        {
+            {   0,    0,    0},
+            {last, last, last}
+    },
+        [&](BrickCoord at) {
+          add_with_neighbours({min.x + kRegionBricks * at.x, min.y + kRegionBricks * at.y,
+                               min.z + kRegionBricks * at.z});
+        });
     // Neighbours repeat 27 times; keep the list from growing with them.
     std::sort(regions.begin(), regions.end());
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
@@ -78,15 +89,17 @@ class RegionSigns {
   void read(const PhiField& field, VolumeReader& reader, BrickCoord region) noexcept {
     // Part by part of the 27 regions that the halo reaches into: entering one is what costs.
     for (int part = 0; part < 27; ++part) {
-      const Span xs(part / 9 - 1), ys(part / 3 % 3 - 1), zs(part % 3 - 1);
-      for (int x = xs.begin; x < xs.end; ++x) {
-        for (int y = ys.begin; y < ys.end; ++y) {
-          for (int z = zs.begin; z < zs.end; ++z) {
-            const auto brick = reader.brick({region.x + x, region.y + y, region.z + z});
-            own_[index(x, y, z)] = signs_of(field, brick.range);
-          }
-        }
-      }
+      const Span x(part / 9 - 1), y(part / 3 % 3 - 1), z(part % 3 - 1);
+      for_each_brick(
+          {
+              {x.first, y.first, z.first},
+              { x.last,  y.last,  z.last}
+      },
+          [&](BrickCoord at) {
+            const auto brick =
+                reader.brick({region.x + at.x, region.y + at.y, region.z + at.z});
+            own_[index(at.x, at.y, at.z)] = signs_of(field, brick.range);
+          });
     }
     around_ = own_;
     for (const std::size_t step :
@@ -109,10 +122,10 @@ class RegionSigns {
   /// The bricks along one axis that lie in the region before (-1), itself (0) or the one after
   /// (1).
   struct Span {
-    int begin, end;
+    int first, last;
     explicit Span(int part)
-        : begin(part < 0 ? -1 : part * kRegionBricks),
-          end(part < 0 ? 0 : part * kRegionBricks + (part == 0 ? kRegionBricks : 1)) {}
+        : first(part < 0 ? -1 : part * kRegionBricks),
+          last(part == 0 ? kRegionBricks - 1 : first) {}
   };
 
   static std::size_t index(int x, int y, int z) noexcept {
@@ -127,17 +140,13 @@ bool one_sign_around(const PhiField& field,
                      BrickCoord region,
                      Signs& sign) {
   int seen = kNone;
-  for (int x = -kRegionBricks; x <= kRegionBricks; x += kRegionBricks) {
-    for (int y = -kRegionBricks; y <= kRegionBricks; y += kRegionBricks) {
-      for (int z = -kRegionBricks; z <= kRegionBricks; z += kRegionBricks) {
-        float value = 0;
-        if (!reader.constant_region({region.x + x, region.y + y, region.z + z}, value)) {
-          return false;
-        }
-        seen |= signs_of(field, {value, value});
-      }
-    }
-  }
+  bool constant = true;
+  for_each_region_around(region, [&](BrickCoord around) {
+    float value = 0;
+    constant = constant && reader.constant_region(around, value);
+    seen |= signs_of(field, {value, value});
+  });
+  if (!constant) return false;
   sign = static_cast<Signs>(seen);
   return sign != kBoth;
 }

@@ -86,19 +86,19 @@ void PhiSampler::gather_values(BrickCoord brick, BrickSamples& samples) noexcept
 }
 
 void PhiSampler::interpolate(BrickCoord brick, BrickSamples& samples) noexcept {
-  const auto fill = [&](std::array<float, kHaloNodes>& column, int last, double shift) {
+  const auto fill = [&](const HaloSet& nodes, double shift, auto& column) {
     column.fill(0);
-    for (int x = kMinNode; x <= last; ++x) {
-      for (int y = kMinNode; y <= last; ++y) {
-        for (int z = kMinNode; z <= last; ++z) {
-          column[static_cast<std::size_t>(halo_index(x, y, z))] = at(
-              8.0 * brick.x + x + shift, 8.0 * brick.y + y + shift, 8.0 * brick.z + z + shift);
-        }
-      }
-    }
+    for_each_bit(nodes, [&](int index) {
+      column[static_cast<std::size_t>(index)] =
+          at(8.0 * brick.x + (index >> 8) - 2 + shift,
+             8.0 * brick.y + (index >> 4 & 15) - 2 + shift,
+             8.0 * brick.z + (index & 15) - 2 + shift);
+    });
   };
-  fill(samples.corner, kMaxCorner, 0);
-  fill(samples.centre, kMaxCentre, 0.5);
+  constexpr HaloSet kCorners = halo_cube(kMinNode, kMaxCorner);
+  constexpr HaloSet kCentres = halo_cube(kMinNode, kMaxCentre);
+  fill(kCorners, 0, samples.corner);
+  fill(kCentres, 0.5, samples.centre);
 }
 
 bool PhiSampler::inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {

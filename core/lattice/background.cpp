@@ -33,13 +33,6 @@ HaloSet faces_to_refined(const BackgroundCells& cells, int direction) noexcept {
   return cells.leaf & seen_from(cells.refined, face_offset(direction)) & kOwnCells;
 }
 
-/// A cell of the brick by its coordinates.
-struct Cell {
-  int x, y, z;
-  explicit Cell(int index)
-      : x((index >> 8) - 2), y((index >> 4 & 15) - 2), z((index & 15) - 2) {}
-};
-
 /// Ids around one brick, looked up once each: corners of the level below, 17 along each edge.
 template <class Index>
 class BrickIds {
@@ -165,8 +158,7 @@ Index* fill_background(const BackgroundCells& cells,
       const auto corner = [&](int x, int y, int z) {
         return ids.finer_corner(2 * x, 2 * y, 2 * z);
       };
-      tets = write_half_pyramids(direction, c.x, c.y, c.z, ids.centre(c.x, c.y, c.z), corner,
-                                 tets);
+      tets = write_half_pyramids(direction, c, ids.centre(c.x, c.y, c.z), corner, tets);
     });
   }
   return tets;

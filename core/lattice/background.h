@@ -66,6 +66,13 @@ constexpr LatticeCoord face_turn(int direction, int turn) noexcept {
   return at;
 }
 
+/// A cell of a brick, or of its halo.
+struct Cell {
+  int x, y, z;
+  constexpr explicit Cell(int halo_index) noexcept
+      : x((halo_index >> 8) - 2), y((halo_index >> 4 & 15) - 2), z((halo_index & 15) - 2) {}
+};
+
 /// Writes one tet's ids; returns the end.
 template <class Index>
 Index* write_tet(Index* out, Index a, Index b, Index c, Index d) noexcept {
@@ -76,27 +83,23 @@ Index* write_tet(Index* out, Index a, Index b, Index c, Index d) noexcept {
   return out + 4;
 }
 
-/// The two half pyramids of cell (x, y, z): the face's diagonal joins the larger face's centre,
+/// The two half pyramids of a cell: the face's diagonal joins the larger face's centre,
 /// which is odd along both of its axes, to its corner, which is even.
 template <class Index, class CornerId>
-Index* write_half_pyramids(int direction,
-                           int x,
-                           int y,
-                           int z,
-                           Index centre,
-                           const CornerId& corner_id,
-                           Index* tets) noexcept {
+Index* write_half_pyramids(
+    int direction, Cell cell, Index centre, const CornerId& corner_id, Index* tets) noexcept {
   const int axis = direction % 3;
   const auto along_face_odd = [&](LatticeCoord c) {
-    return (axis == 0 || ((x + c.x) & 1) != 0) && (axis == 1 || ((y + c.y) & 1) != 0) &&
-           (axis == 2 || ((z + c.z) & 1) != 0);
+    return (axis == 0 || ((cell.x + c.x) & 1) != 0) &&
+           (axis == 1 || ((cell.y + c.y) & 1) != 0) && (axis == 2 || ((cell.z + c.z) & 1) != 0);
   };
   int start = 0;
   while (!along_face_odd(face_turn(direction, start))) ++start;
   std::array<Index, 4> corner;
   for (int turn = 0; turn < 4; ++turn) {
     const LatticeCoord c = face_turn(direction, (start + turn) & 3);
-    corner[static_cast<std::size_t>(turn)] = corner_id(x + c.x, y + c.y, z + c.z);
+    corner[static_cast<std::size_t>(turn)] =
+        corner_id(cell.x + c.x, cell.y + c.y, cell.z + c.z);
   }
   tets = write_tet(tets, centre, corner[0], corner[1], corner[2]);
   return write_tet(tets, centre, corner[0], corner[2], corner[3]);

@@ -151,7 +151,7 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   std::span<std::byte> positions,
                                   std::span<std::byte> tets) const noexcept {
-  const ChunkExtent extent = chunk(index);
+  [[maybe_unused]] const ChunkExtent extent = chunk(index);
   const std::size_t vertex_bytes = 3 * size_of(header().coordinate_type);
   const std::size_t tet_bytes = 4 * size_of(header().index_type);
   TET_CHECK(positions.size() == extent.vertex_count * vertex_bytes);

@@ -66,6 +66,13 @@ float bracketed_zero(float a, float b, const Phi& phi) noexcept {
   return t;
 }
 
+/// An edge of the lattice, by its lower node.
+struct Edge {
+  NodeKind kind;
+  int low;  // halo index
+  int direction;
+};
+
 /// Zero on the edge between two centres: the trilinear field is linear on either side of the
 /// face.
 float zero_through_face(
@@ -90,11 +97,10 @@ float zero_through_face(
 
 /// Zero on a short edge: the trilinear field is a cubic along the cell's diagonal.
 float zero_on_diagonal(const BrickSamples& samples,
-                       NodeKind low_kind,
-                       int low,
-                       int direction,
+                       const Edge& edge,
                        float a,
                        float b) noexcept {
+  const auto [low_kind, low, direction] = edge;
   const int centre = low_kind == kCentre ? low : low + end_offset(kCorner, direction);
   const int corner = low_kind == kCorner ? low : low + end_offset(kCentre, direction);
   // The corner as a vertex of its cell, each coordinate 0 or 1; steps lead away from it.
@@ -106,23 +112,19 @@ float zero_on_diagonal(const BrickSamples& samples,
   const float near_sum = phi[sx] + phi[sy] + phi[sz];
   const float far_sum = phi[sx + sy] + phi[sx + sz] + phi[sy + sz];
   const float here = phi[0], far = phi[sx + sy + sz];
+  const bool from_corner = low_kind == kCorner;
   return bracketed_zero(a, b, [&](float t) {
-    const float s = 0.5F * (low_kind == kCorner ? t : 1 - t);
+    const float s = 0.5F * (from_corner ? t : 1 - t);
     const float r = 1 - s;
     return r * r * (r * here + s * near_sum) + s * s * (r * far_sum + s * far);
   });
 }
 
 /// Zero on any edge of a lattice that does not sit on the voxels: phi is asked for.
-float zero_of_field(PhiSampler& sampler,
-                    BrickCoord brick,
-                    NodeKind kind,
-                    int low,
-                    int direction,
-                    float a,
-                    float b) noexcept {
-  const LatticeCoord from = node_coord(kind, low);
-  const LatticeCoord along = kDirection[static_cast<std::size_t>(direction)];
+float zero_of_field(
+    PhiSampler& sampler, BrickCoord brick, const Edge& edge, float a, float b) noexcept {
+  const LatticeCoord from = node_coord(edge.kind, edge.low);
+  const LatticeCoord along = kDirection[static_cast<std::size_t>(edge.direction)];
   return bracketed_zero(a, b, [&](float t) {
     const double s = static_cast<double>(t);
     return sampler.at(8.0 * brick.x + 0.5 * (from.x + s * along.x),
@@ -148,9 +150,9 @@ void find_fractions(const BrickSamples& samples,
     const float a = low_phi[i];
     const float b = high_phi[static_cast<std::size_t>(low + offset)];
     if (!at_voxels) {
-      fraction[i] = zero_of_field(sampler, brick, kind, low, direction, a, b);
+      fraction[i] = zero_of_field(sampler, brick, {kind, low, direction}, a, b);
     } else if (!is_long(direction)) {
-      fraction[i] = zero_on_diagonal(samples, kind, low, direction, a, b);
+      fraction[i] = zero_on_diagonal(samples, {kind, low, direction}, a, b);
     } else if (kind == kCentre) {
       fraction[i] = zero_through_face(samples, low, direction, a, b);
     } else {

@@ -200,9 +200,8 @@ Index* write_half_pyramids_of_finest(const FinestNodes& nodes,
       const auto corner = [&](int x, int y, int z) {
         return ids.node[kCorner][static_cast<std::size_t>(halo_index(x, y, z))];
       };
-      out =
-          write_half_pyramids(direction, (cell >> 8) - 2, (cell >> 4 & 15) - 2, (cell & 15) - 2,
-                              ids.node[kCentre][static_cast<std::size_t>(cell)], corner, out);
+      out = write_half_pyramids(direction, Cell(cell),
+                                ids.node[kCentre][static_cast<std::size_t>(cell)], corner, out);
     });
   }
   return out;
