@@ -217,9 +217,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
         absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
                         header.tet_count, limits.max_tets));
   }
-  header.index_type = header.vertex_count > std::numeric_limits<std::uint32_t>::max()
-                          ? IndexType::kUint64
-                          : IndexType::kUint32;
+  const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
+  header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
   impl->place_in_world(request);
   impl->cut_into_chunks();
   return std::make_shared<const MeshPlan>(std::move(impl));

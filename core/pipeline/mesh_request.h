@@ -26,6 +26,8 @@ struct MeshRequest {
   Preset preset = Preset::kDefault;
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
   std::optional<CoordinateType> coordinates;
+  /// uint32 unless given, and uint64 where there are more vertices than that can count.
+  std::optional<IndexType> indices;
 };
 
 /// Budget of one mesh; a request over it is refused before anything is allocated for it.

@@ -98,6 +98,23 @@ TEST(MeshPlan, StoresDoublesWhereFloatsWouldBendAngles) {
   EXPECT_EQ((*far)->header().coordinate_type, CoordinateType::kFloat64);
 }
 
+TEST(MeshPlan, MakesTheSameTetsWithWideIds) {
+  MeshRequest wide;
+  wide.indices = IndexType::kUint64;
+  TaskPool pool(2);
+  const auto volume = std::make_shared<const Volume>(test::ball(20));
+  const auto make = [&](const MeshRequest& request) {
+    auto result = mesh_volume(pool, volume, request, {}, Cancellation(), nullptr);
+    return std::move(result->mesh);
+  };
+  const TetMesh narrow_mesh = make({}), wide_mesh = make(wide);
+  ASSERT_EQ(wide_mesh.header.index_type, IndexType::kUint64);
+  ASSERT_EQ(wide_mesh.header.tet_count, narrow_mesh.header.tet_count);
+  for (std::uint64_t i = 0; i < narrow_mesh.header.tet_count; ++i) {
+    ASSERT_EQ(wide_mesh.tet(i), narrow_mesh.tet(i)) << "tet " << i;
+  }
+}
+
 void expect_refusal(Volume volume,
                     const MeshRequest& request,
                     absl::StatusCode code,

@@ -1,0 +1,79 @@
+#include "core/grid/find_bricks.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "core/grid/volume_builder.h"
+#include "tests/support/volume_fixtures.h"
+
+namespace tet {
+namespace {
+
+PhiField field_of(const Volume& volume, double spacing_voxels = 1) {
+  PhiField field;
+  field.volume = &volume;
+  field.spacing_voxels = spacing_voxels;
+  return field;
+}
+
+TEST(FindBricks, SeesTheSurfaceBetweenATileAndTheBackground) {
+  // No brick has values of its own: the surface lies between constants alone.
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  builder.add_constant_cube({128, -128, 0}, 128, -1);
+  const Volume tile = *std::move(builder).build();
+  const auto found = find_bricks(field_of(tile));
+  ASSERT_TRUE(found.ok()) << found.status();
+  // A layer of bricks on either side of the cube's faces: 18^3 less the 14^3 deep inside.
+  EXPECT_EQ(found->near_surface.size(), 18U * 18 * 18 - 14 * 14 * 14);
+  EXPECT_TRUE(std::is_sorted(found->near_surface.begin(), found->near_surface.end()));
+  EXPECT_DOUBLE_EQ(found->inside_cells, 128.0 * 128 * 128);
+}
+
+TEST(FindBricks, SeesATileThatSpansRegionsAsOne) {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  builder.add_constant_cube({-128, 0, 0}, 128, -1);
+  builder.add_constant_cube({0, 0, 0}, 128, -1);
+  const Volume tiles = *std::move(builder).build();
+  const auto found = find_bricks(field_of(tiles));
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->near_surface.size(), 34U * 18 * 18 - 30 * 14 * 14);
+}
+
+TEST(FindBricks, SeesConstantBricksInsideARegion) {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  builder.add_constant_brick({15, 3, 3}, -1);  // its neighbours lie in two regions
+  const Volume brick = *std::move(builder).build();
+  const auto found = find_bricks(field_of(brick));
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->near_surface.size(), 27U);
+}
+
+TEST(FindBricks, MapsVoxelBricksToTheLattice) {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  builder.add_constant_brick({0, 0, 0}, -1);
+  const Volume brick = *std::move(builder).build();
+  for (const double spacing : {0.5, 2.0, 3.7}) {
+    const auto found = find_bricks(field_of(brick, spacing));
+    ASSERT_TRUE(found.ok()) << found.status();
+    PhiSampler sampler(field_of(brick, spacing));
+    // Every lattice corner that is inside lies in a brick that is listed.
+    for (int x = -20; x < 40; ++x) {
+      const int y = 2, z = 2;
+      if (!sampler.inside(x, y, z)) continue;
+      const BrickCoord seen{x >> 3, y >> 3, z >> 3};
+      EXPECT_TRUE(
+          std::binary_search(found->near_surface.begin(), found->near_surface.end(), seen))
+          << "spacing " << spacing << " corner " << x;
+    }
+  }
+}
+
+TEST(FindBricks, RefusesAnInsideWithoutEnd) {
+  const Volume everywhere = *VolumeBuilder(VolumeKind::kLevelSet, -1).build();
+  EXPECT_EQ(find_bricks(field_of(everywhere)).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+}  // namespace
+}  // namespace tet
