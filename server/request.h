@@ -16,9 +16,6 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
-/// Part of every mesh id. Goes up with any change that may alter a mesh's bytes.
-inline constexpr char kAlgorithmVersion[] = "1";
-
 /// A valid request for a mesh.
 struct MeshOrder {
   std::string digest;     ///< of the grid file

@@ -27,14 +27,26 @@ int thread_count(int requested) {
 
 #ifndef TET_STD_THREADS
 
+namespace {
+
+constexpr int kMaxThreads = 256;
+
+/// By default oneTBB makes one worker fewer than there are cores, for a caller that works too;
+/// but whoever posts does not. The smallest limit alive counts for the whole process, so there
+/// is one: arenas, not this, bound how many threads a pool takes.
+void allow_a_worker_for_every_thread() {
+  static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                         kMaxThreads + 1);
+}
+
+}  // namespace
+
 struct TaskPool::Impl {
   explicit Impl(int threads)
-      // oneTBB keeps one thread fewer than cores for itself; posted work needs them all.
-      : parallelism(tbb::global_control::max_allowed_parallelism,
-                    static_cast<std::size_t>(threads) + 1),
-        arena(threads, /*reserved_for_masters=*/0) {}
+      : arena(std::min(threads, kMaxThreads), /*reserved_for_masters=*/0) {
+    allow_a_worker_for_every_thread();
+  }
 
-  tbb::global_control parallelism;
   tbb::task_arena arena;
   std::mutex mutex;
   std::condition_variable idle;

@@ -40,10 +40,9 @@ absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& li
   constexpr double kSlack = 8;
   if (tets <= kSlack * static_cast<double>(limits.max_tets)) return absl::OkStatus();
   return absl::ResourceExhaustedError(
-      absl::StrFormat("the uniform mesh would have about %.3g tets; the limit is %.3g. Mesh "
-                      "with interior grading "
-                      "(levels above 0) or a larger spacing",
-                      tets, static_cast<double>(limits.max_tets)));
+      absl::StrFormat("the uniform mesh would have about %.3g tets; the limit is %d. Mesh with "
+                      "interior grading (levels above 0) or a larger spacing",
+                      tets, limits.max_tets));
 }
 
 /// Finest-level bricks that hold vertices, as a box of lattice corners.

@@ -105,6 +105,18 @@ Volume random_signs(int edge, std::uint32_t seed, int zero_every) {
       });
 }
 
+Volume ball_with_flipped_tiles(double radius) {
+  Volume volume = ball(radius);
+  std::mt19937 random(7);
+  for (Region& region : volume.regions) {
+    for (std::size_t i = 0; i < region.constant.size(); ++i) {
+      const bool inside = region.brick_index[i] == Region::kConstant && region.constant[i] < 0;
+      if (inside && random() % 3 == 0) region.constant[i] = volume.background;
+    }
+  }
+  return volume;
+}
+
 Volume fog_ball(double radius) {
   Volume volume = dense_volume(cube(static_cast<int>(radius) + 8), 0, [=](VoxelCoord v) {
     return static_cast<float>(std::clamp(0.5 + (radius - distance(v, kCentre)) / 4, 0.0, 1.0));

@@ -31,6 +31,10 @@ Volume gyroid_ball(int edge);
 /// `zero_every` is exactly zero; 0 for none.
 Volume random_signs(int edge, std::uint32_t seed, int zero_every = 0);
 
+/// A ball with some of its constant inside bricks turned outside: surfaces between constants,
+/// where no brick has values of its own.
+Volume ball_with_flipped_tiles(double radius);
+
 /// A fog volume: density 1 inside a ball, falling to 0 over a few voxels.
 Volume fog_ball(double radius);
 

@@ -52,6 +52,7 @@ std::vector<Field> all_fields() {
   fields.push_back({"gyroid", test::gyroid_ball(40)});
   fields.push_back({"random signs", test::random_signs(20, 1)});
   fields.push_back({"random signs and zeros", test::random_signs(20, 2, 3)});
+  fields.push_back({"flipped tiles", test::ball_with_flipped_tiles(27)});
   fields.push_back({"fog", test::fog_ball(12.2)});
   return fields;
 }
