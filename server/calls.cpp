@@ -98,7 +98,7 @@ grpc::Status Call::finish(const absl::Status& status) {
 }
 
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 DiskThreads& disk,
+                                 TaskPool& disk,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work) {

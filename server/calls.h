@@ -12,7 +12,7 @@
 #include <grpcpp/support/server_callback.h>
 #include <nlohmann/json.hpp>
 
-#include "server/disk_threads.h"
+#include "core/base/parallel.h"
 
 namespace tet {
 
@@ -67,7 +67,7 @@ class Call {
 /// What the gRPC handlers of a unary method have in common: `work` runs on `disk`, never on
 /// gRPC's own threads, and its status ends the call.
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 DiskThreads& disk,
+                                 TaskPool& disk,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);

@@ -1,8 +1,8 @@
 // GridService: uploads, and what is stored.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "server/calls.h"
-#include "server/disk_threads.h"
 #include "server/grid_store.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 
@@ -14,7 +14,7 @@ namespace v1 = ::tetstream::v1;
 /// uploads do not wait for meshes; the store and both others outlive the service.
 class GridService final : public v1::GridService::CallbackService {
  public:
-  GridService(GridStore& store, CallRegistry& calls, DiskThreads& disk)
+  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk)
       : store_(store), calls_(calls), disk_(disk) {}
 
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
@@ -35,7 +35,7 @@ class GridService final : public v1::GridService::CallbackService {
  private:
   GridStore& store_;
   CallRegistry& calls_;
-  DiskThreads& disk_;
+  TaskPool& disk_;
 };
 
 }  // namespace tet

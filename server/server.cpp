@@ -38,7 +38,7 @@ struct Server::Parts {
   const Config config;
   std::unique_ptr<GridStore> store;
   CallRegistry calls;
-  DiskThreads disk{kDiskThreads};
+  TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
   GridService grid_service{*store, calls, disk};
   MeshService mesh_service{engine};

@@ -19,7 +19,7 @@ absl::Status out_of_order(const char* message) {
 
 UploadStream::UploadStream(GridStore& store,
                            CallRegistry& calls,
-                           DiskThreads& disk,
+                           TaskPool& disk,
                            const grpc::CallbackServerContext& context,
                            v1::UploadGridResponse& response)
     : store_(store), disk_(disk), call_(calls, context, "UploadGrid"), response_(response) {

@@ -6,8 +6,8 @@
 
 #include <grpcpp/support/server_callback.h>
 
+#include "core/base/parallel.h"
 #include "server/calls.h"
-#include "server/disk_threads.h"
 #include "server/grid_store.h"
 #include "server/grid_upload.h"
 #include "tetstream/v1/grids.pb.h"
@@ -24,7 +24,7 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadGridRequest>
  public:
   UploadStream(GridStore& store,
                CallRegistry& calls,
-               DiskThreads& disk,
+               TaskPool& disk,
                const grpc::CallbackServerContext& context,
                v1::UploadGridResponse& response);
 
@@ -38,7 +38,7 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadGridRequest>
   void finish(const absl::Status& status);
 
   GridStore& store_;
-  DiskThreads& disk_;
+  TaskPool& disk_;
   Call call_;
   v1::UploadGridResponse& response_;
   v1::UploadGridRequest message_;
