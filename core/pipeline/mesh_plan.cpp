@@ -45,6 +45,17 @@ absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& li
                       tets, limits.max_tets));
 }
 
+/// Refuses a surface whose bricks could not be kept, before any of them is looked at.
+absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limits) {
+  const std::uint64_t bricks = found.near_surface.size();
+  const std::uint64_t bytes = bricks * kSurveyBytesPerBrick;
+  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "%d bricks of 8^3 cells lie near the surface, and counting them would take %d bytes; the "
+      "limit is %d. Use a larger spacing",
+      bricks, bytes, limits.max_plan_bytes));
+}
+
 /// Finest-level bricks that hold vertices, as a box of lattice corners.
 VoxelBox corner_box(const CountedMesh& mesh) {
   VoxelBox box{
@@ -187,6 +198,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   if (uniform) {
     if (auto status = check_uniform_budget(*bricks, limits); !status.ok()) return status;
   }
+  if (auto status = check_plan_budget(*bricks, limits); !status.ok()) return status;
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, warps, cancellation, progress);
   if (!survey.ok()) return survey.status();

@@ -36,6 +36,8 @@ struct MeshRequest {
 /// Budget of one mesh; a request over it is refused before anything is allocated for it.
 struct MeshLimits {
   std::uint64_t max_tets = 4'000'000'000;
+  /// Memory for what is kept of the bricks near the surface while the mesh is counted and made.
+  std::uint64_t max_plan_bytes = std::uint64_t{4} << 30;
 };
 
 /// A request with every default filled in.

@@ -39,6 +39,11 @@ struct Survey {
   InsideTest inside_test() const;
 };
 
+/// Memory that a brick takes at most until the mesh is made: while the survey runs it is held
+/// twice.
+inline constexpr std::uint64_t kSurveyBytesPerBrick =
+    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord));
+
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,

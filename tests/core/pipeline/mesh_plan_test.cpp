@@ -157,6 +157,11 @@ TEST(MeshPlan, RefusesAMeshOverTheBudgetWithBothNumbers) {
                  "larger spacing");
 }
 
+TEST(MeshPlan, RefusesASurfaceThatItCouldNotKeepInMemory) {
+  expect_refusal(test::ball(20), {}, absl::StatusCode::kResourceExhausted,
+                 "the limit is 100000", {.max_plan_bytes = 100000});
+}
+
 TEST(MeshPlan, StopsWhenCancelledOrPastItsDeadline) {
   const auto volume = std::make_shared<const Volume>(test::ball(10));
   Cancellation cancelled;
