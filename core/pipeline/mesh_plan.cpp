@@ -74,24 +74,20 @@ VoxelBox corner_box(const CountedMesh& mesh) {
   return box;
 }
 
-/// World box around a box of lattice corners.
-WorldBox world_box(const VoxelTransform& lattice, const VoxelBox& box) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  WorldBox world{
-      { kInf,  kInf,  kInf},
-      {-kInf, -kInf, -kInf}
-  };
-  for (int corner = 0; corner < 8; ++corner) {
-    const WorldPoint p =
-        lattice.to_world({static_cast<double>(corner & 1 ? box.max.x : box.min.x),
-                          static_cast<double>(corner & 2 ? box.max.y : box.min.y),
-                          static_cast<double>(corner & 4 ? box.max.z : box.min.z)});
-    world.min = {std::min(world.min.x, p.x), std::min(world.min.y, p.y),
-                 std::min(world.min.z, p.z)};
-    world.max = {std::max(world.max.x, p.x), std::max(world.max.y, p.y),
-                 std::max(world.max.z, p.z)};
+VoxelPoint point_of(VoxelCoord v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+
+/// Why there is no mesh, though the volume and the request are fine.
+absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
+  if (!thin.any()) {
+    return absl::FailedPreconditionError(
+        absl::StrFormat("nothing is inside at iso %g, so there is nothing to mesh", asked.iso));
   }
-  return world;
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
+      "left to mesh; a grid sampled and meshed at about %.3g would resolve it",
+      asked.iso, asked.spacing, thin.suggested_spacing));
 }
 
 }  // namespace
@@ -103,6 +99,7 @@ struct MeshPlan::Impl {
   CountedMesh mesh;
   MeshHeader header;
   LatticeToWorld to_world;
+  ThinWalls thin_walls;
   std::vector<std::size_t> first_brick;  // of each chunk, and one more
 
   void place_in_world(const MeshRequest& request);
@@ -123,7 +120,7 @@ void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
   header.origin =
       lattice.to_world({static_cast<double>(centre.x), static_cast<double>(centre.y),
                         static_cast<double>(centre.z)});
-  header.bounds = world_box(lattice, box);
+  header.bounds = lattice.to_world_box(point_of(box.min), point_of(box.max));
   header.spacing = lattice.voxel_size;
   header.coordinate_type = request.coordinates.value_or(
       extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
@@ -149,6 +146,8 @@ MeshPlan::MeshPlan(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 MeshPlan::~MeshPlan() = default;
 
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
+
+const ThinWalls& MeshPlan::thin_walls() const noexcept { return impl_->thin_walls; }
 
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   const std::size_t begin = impl_->first_brick[index], end = impl_->first_brick[index + 1];
@@ -206,6 +205,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
                              bricks->inside, asked->levels);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
+  ThinWalls thin_walls = gather_thin_walls(survey->thin, field.lattice_transform());
   const int levels = static_cast<int>(tree.levels.size()) - 1;
   auto impl = std::make_unique<MeshPlan::Impl>(
       MeshPlan::Impl{std::move(volume),
@@ -214,14 +214,14 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
                      CountedMesh(field, *std::move(survey), std::move(tree), uniform),
                      {},
                      {},
+                     std::move(thin_walls),
                      {}});
   MeshHeader& header = impl->header;
   header.vertex_count = impl->mesh.first_vertex(impl->mesh.brick_count());
   header.tet_count = impl->mesh.first_tet(impl->mesh.brick_count());
   header.levels = levels;
   if (header.tet_count == 0) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "nothing is inside at iso %g, so there is nothing to mesh", asked->iso));
+    return nothing_to_mesh(*asked, impl->thin_walls);
   }
   if (header.tet_count > limits.max_tets) {
     return absl::ResourceExhaustedError(

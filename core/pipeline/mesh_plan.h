@@ -16,6 +16,7 @@
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/thin_walls.h"
 
 namespace tet {
 
@@ -51,6 +52,8 @@ class MeshPlan {
   ~MeshPlan();
 
   const MeshHeader& header() const noexcept;
+  /// Where the lattice is too coarse for the surface's walls.
+  const ThinWalls& thin_walls() const noexcept;
   ChunkExtent chunk(std::uint64_t index) const noexcept;
 
   /// Makes one chunk. Its bytes depend on (volume, request, index) alone.

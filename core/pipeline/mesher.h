@@ -13,6 +13,7 @@ namespace tet {
 struct MeshResult {
   TetMesh mesh;
   QualityStats quality;
+  ThinWalls thin_walls;
   double plan_seconds = 0;  ///< survey, octree and count
   double fill_seconds = 0;
 };

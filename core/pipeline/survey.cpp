@@ -18,12 +18,29 @@ struct SurveyedBrick {
   BrickMask finest;
 };
 
+/// Where the lattice is too coarse for a brick's walls; empty for nearly every brick.
+ThinSpots find_thin_spots(PhiSampler& sampler,
+                          BrickCoord brick,
+                          bool stuffed,
+                          const StuffingWorkspace& workspace) {
+  ThinSpots spots;
+  if (stuffed) find_thin_nodes(workspace.samples, workspace.lattice.cuts, spots);
+  // Between nodes of a finer lattice the field has no more to say than at them.
+  if (sampler.field().spacing_voxels > 1) {
+    find_thin_edges(workspace.samples, sampler, brick, spots);
+  }
+  return spots;
+}
+
 /// Nothing when every node in reach is `+`, or none is.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
                                           const WarpLimits& limits,
-                                          StuffingWorkspace& workspace) {
-  if (!stuff_brick(sampler, brick, limits, workspace)) return std::nullopt;
+                                          StuffingWorkspace& workspace,
+                                          ThinSpots& spots) {
+  const bool stuffed = stuff_brick(sampler, brick, limits, workspace);
+  spots = find_thin_spots(sampler, brick, stuffed, workspace);
+  if (!stuffed) return std::nullopt;
   const WarpedLattice& warped = workspace.lattice.warped;
   if (!has_both_sides(warped)) return std::nullopt;
   return SurveyedBrick{keep_brick(warped), with_siblings(stuffed_cells(warped))};
@@ -68,11 +85,14 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      MeshProgress* progress) {
   if (progress != nullptr) progress->total = candidates.size();
   std::vector<std::optional<SurveyedBrick>> found(candidates.size());
+  std::vector<std::unique_ptr<ThinSpots>> thin(candidates.size());  // null where there are none
   for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
     const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
+    ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      found[i] = survey_brick(sampler, candidates[i], limits, *workspace);
+      found[i] = survey_brick(sampler, candidates[i], limits, *workspace, spots);
+      if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
   });
@@ -80,6 +100,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
 
   Survey survey;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (thin[i]) survey.thin.push_back({candidates[i], *thin[i]});
     if (!found[i]) continue;
     survey.bricks.push_back(candidates[i]);
     survey.stuffed.push_back(found[i]->stuffed);

@@ -10,6 +10,7 @@
 #include "core/grid/find_bricks.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/mesh_plan.h"
+#include "core/pipeline/thin_walls.h"
 #include "core/stuffing/fill.h"
 #include "core/stuffing/stuffed_brick.h"
 
@@ -33,6 +34,7 @@ struct Survey {
   std::vector<BrickCoord> bricks;  ///< sorted
   std::vector<StuffedBrick> stuffed;
   std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
+  std::vector<ThinBrick> thin;    ///< sorted; few, and not all of them among `bricks`
 
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
   /// it.
@@ -42,7 +44,7 @@ struct Survey {
 /// Memory that a brick takes at most until the mesh is made: while the survey runs it is held
 /// twice.
 inline constexpr std::uint64_t kSurveyBytesPerBrick =
-    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord));
+    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(ThinBrick));
 
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
