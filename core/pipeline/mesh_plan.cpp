@@ -103,7 +103,7 @@ struct MeshPlan::Impl {
   std::vector<std::size_t> first_brick;  // of each chunk, and one more
 
   void place_in_world(const MeshRequest& request);
-  void cut_into_chunks();
+  void cut_into_chunks(std::size_t chunk_bytes);
 };
 
 void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
@@ -127,7 +127,7 @@ void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
   to_world = {lattice.linear, centre, lattice.mirrors()};
 }
 
-void MeshPlan::Impl::cut_into_chunks() {
+void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   const std::size_t vertex_bytes = 3 * size_of(header.coordinate_type);
   const std::size_t tet_bytes = 4 * size_of(header.index_type);
   const auto bytes_before = [&](std::size_t brick) {
@@ -135,7 +135,7 @@ void MeshPlan::Impl::cut_into_chunks() {
   };
   first_brick.push_back(0);
   for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {
-    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= kChunkBytes;
+    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= chunk_bytes;
     if (!fits && brick > first_brick.back()) first_brick.push_back(brick);
   }
   first_brick.push_back(mesh.brick_count());
@@ -231,7 +231,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
   header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
   impl->place_in_world(request);
-  impl->cut_into_chunks();
+  impl->cut_into_chunks(limits.chunk_bytes);
   return std::make_shared<const MeshPlan>(std::move(impl));
 }
 

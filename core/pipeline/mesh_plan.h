@@ -20,10 +20,6 @@
 
 namespace tet {
 
-/// A chunk's columns are cut to stay within this many bytes together, the size that travels
-/// best.
-inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
-
 /// Scratch memory of one task, reused from chunk to chunk. Not thread-safe: one per task.
 class MeshWorkspace {
  public:
