@@ -63,6 +63,15 @@ FanMasks fans_within(const BrickBox& domain,
   return find_fans(lattice, nodes, rules);
 }
 
+/// True where every node that was inside has moved onto the surface. The samples alone would
+/// then take some of the brick for inside.
+bool lost_its_inside(const StuffedLattice& lattice) noexcept {
+  constexpr HaloSet kOwn = halo_cube(0, 7);
+  const WarpedLattice& warped = lattice.warped;
+  return !warped.plus[kCorner].any() && !warped.plus[kCentre].any() &&
+         (lattice.cuts.signs.inside[kCorner] & kOwn).any();
+}
+
 /// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
@@ -74,7 +83,9 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   spots = find_thin_spots(sampler, brick, stuffed, workspace);
   if (!stuffed) return std::nullopt;
   const WarpedLattice& warped = workspace.lattice.warped;
-  if (!touches_surface(warped, rules)) return std::nullopt;
+  if (!touches_surface(warped, rules) && !lost_its_inside(workspace.lattice)) {
+    return std::nullopt;
+  }
   SurveyedBrick found{
       keep_brick(warped, rules), with_siblings(stuffed_cells(warped, rules)), {}};
   if (space.domain) {
