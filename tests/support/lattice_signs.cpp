@@ -51,16 +51,23 @@ LatticeCoord LatticeSigns::node_of(std::size_t index) const noexcept {
           doubled(cell % nz, min_.z)};
 }
 
-int LatticeSigns::at(LatticeCoord node) const noexcept {
-  const auto beyond = [](std::int32_t doubled, std::int32_t brick, std::int32_t cells) {
+bool LatticeSigns::holds(LatticeCoord node, std::int32_t margin) const noexcept {
+  const auto within = [&](std::int32_t doubled, std::int32_t brick, std::int32_t cells) {
     const std::int32_t at = (doubled >> 1) - brick * kBrickEdge;
-    return at < 0 || at >= cells;
+    return at >= margin && at < cells - margin;
   };
-  if (beyond(node.x, min_.x, cells_[0]) || beyond(node.y, min_.y, cells_[1]) ||
-      beyond(node.z, min_.z, cells_[2])) {
-    return 1;
-  }
-  return sign_[index_of(node)];
+  return within(node.x, min_.x, cells_[0]) && within(node.y, min_.y, cells_[1]) &&
+         within(node.z, min_.z, cells_[2]);
+}
+
+bool LatticeSigns::holds(LatticeCoord node) const noexcept { return holds(node, 0); }
+
+bool LatticeSigns::in_margin(LatticeCoord node) const noexcept {
+  return !holds(node, kBrickEdge);
+}
+
+int LatticeSigns::at(LatticeCoord node) const noexcept {
+  return holds(node) ? sign_[index_of(node)] : 1;
 }
 
 bool LatticeSigns::has_opposite_neighbour(LatticeCoord node) const noexcept {
@@ -68,9 +75,9 @@ bool LatticeSigns::has_opposite_neighbour(LatticeCoord node) const noexcept {
                              [&](LatticeCoord d) { return opposite(node, node + d); });
 }
 
-bool LatticeSigns::deep_inside(LatticeCoord node) const noexcept {
-  return at(node) < 0 &&
-         std::ranges::all_of(kDirection, [&](LatticeCoord d) { return at(node + d) < 0; });
+bool LatticeSigns::deep(LatticeCoord node, int sign) const noexcept {
+  return at(node) == sign &&
+         std::ranges::all_of(kDirection, [&](LatticeCoord d) { return at(node + d) == sign; });
 }
 
 }  // namespace tet::test

@@ -21,8 +21,11 @@ class LatticeSigns {
   /// Both strict.
   bool opposite(LatticeCoord a, LatticeCoord b) const noexcept { return at(a) * at(b) < 0; }
   bool has_opposite_neighbour(LatticeCoord node) const noexcept;
-  /// The node and its 14 neighbours are inside: no cut point is near, whatever the warp.
-  bool deep_inside(LatticeCoord node) const noexcept;
+  /// The node and its 14 neighbours have the sign: no cut point is near, whatever the warp.
+  bool deep(LatticeCoord node, int sign) const noexcept;
+  bool holds(LatticeCoord node) const noexcept;
+  /// In the outermost bricks of the box, or beyond it.
+  bool in_margin(LatticeCoord node) const noexcept;
 
   /// A number for each node of the box, below `node_count`.
   std::size_t index_of(LatticeCoord node) const noexcept;
@@ -30,6 +33,9 @@ class LatticeSigns {
   LatticeCoord node_of(std::size_t index) const noexcept;
 
  private:
+  /// Within the box but for `margin` cells on every side.
+  bool holds(LatticeCoord node, std::int32_t margin) const noexcept;
+
   BrickCoord min_;
   std::array<std::int32_t, 3> cells_{};
   std::vector<std::int8_t> sign_;  // corner and centre of each cell in turn

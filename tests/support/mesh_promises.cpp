@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include "core/grid/volume_reader.h"
@@ -27,8 +28,24 @@ struct AngleBounds {
 };
 
 AngleBounds angle_bounds(Preset preset) {
-  return preset == Preset::kMinAngle ? AngleBounds{11.8, 161.2} : AngleBounds{11.3, 154.9};
+  switch (preset) {
+    case Preset::kDefault:
+      return {11.3, 154.9};
+    case Preset::kMinAngle:
+      return {11.8, 161.2};
+    case Preset::kBothSides:
+      return {9.4, 157.7};
+  }
+  return {};
 }
+
+/// What the lattice says of the place where a vertex lies.
+enum VertexPlace : std::uint8_t {
+  kInsideNode = 1,
+  kOutsideNode = 2,
+  kSurface = 4,     ///< a zero node, or the surface crosses an edge there
+  kOffLattice = 8,  ///< on no lattice edge
+};
 
 /// A field, its mesh, and what the checks want to know of both.
 struct Meshed {
@@ -36,15 +53,19 @@ struct Meshed {
   const RandomField& field;
   const LatticeSigns& signs;
   MeshResult result;
-  std::vector<Triangle> boundary;
+  QualityStats measured;
+  std::vector<std::uint8_t> place;  ///< of each vertex: VertexPlace
+  std::vector<bool> is_vertex;      ///< uniform meshes: which lattice nodes are
+  std::vector<Triangle> boundary;   ///< of the inside
 
   const TetMesh& mesh() const noexcept { return result.mesh; }
   bool uniform() const noexcept { return result.mesh.header.levels == 0; }
+  bool both_sides() const noexcept { return result.mesh.header.has_regions; }
 };
 
 std::string check_angles(const Meshed& meshed) {
   const auto [min, max] = angle_bounds(meshed.given.preset);
-  const QualityStats measured = measure_quality(meshed.mesh());
+  const QualityStats& measured = meshed.measured;
   const QualityStats& reported = meshed.result.quality;
   if (measured.min_dihedral_deg < min || measured.max_dihedral_deg > max) {
     return absl::StrFormat("dihedral angles of %.4f to %.4f degrees", measured.min_dihedral_deg,
@@ -100,16 +121,27 @@ LatticePlace place_on_lattice(const std::array<double, 3>& p) {
   return length(longest) - length(shortest) < kNear ? place(high) : LatticePlace{};
 }
 
-LatticePlace place_of(const Meshed& meshed, std::uint64_t vertex) {
-  const WorldPoint p = meshed.mesh().vertex(vertex);
+/// Notes where the vertices lie.
+void find_places(Meshed& meshed) {
+  const LatticeSigns& signs = meshed.signs;
   const double doubled = 2 / meshed.given.spacing;
-  return place_on_lattice({p.x * doubled, p.y * doubled, p.z * doubled});
-}
-
-/// True where the surface passes: at a zero node, or on an edge that changes sign.
-bool on_surface(const LatticeSigns& signs, const LatticePlace& place) {
-  if (!place.is_node()) return signs.opposite(place.low, place.high);
-  return signs.at(place.low) == 0 || signs.has_opposite_neighbour(place.low);
+  if (meshed.uniform()) meshed.is_vertex.resize(signs.node_count());
+  for (std::uint64_t v = 0; v < meshed.mesh().header.vertex_count; ++v) {
+    const WorldPoint p = meshed.mesh().vertex(v);
+    const LatticePlace place = place_on_lattice({p.x * doubled, p.y * doubled, p.z * doubled});
+    std::uint8_t flags = place.on_lattice ? 0 : kOffLattice;
+    if (place.on_lattice && !place.is_node()) {
+      flags = signs.opposite(place.low, place.high) ? kSurface : 0;
+    } else if (place.on_lattice) {
+      const int sign = signs.at(place.low);
+      if (sign != 0) flags = sign < 0 ? kInsideNode : kOutsideNode;
+      if (sign == 0 || signs.has_opposite_neighbour(place.low)) flags |= kSurface;
+      if (meshed.uniform() && signs.holds(place.low)) {
+        meshed.is_vertex[signs.index_of(place.low)] = true;
+      }
+    }
+    meshed.place.push_back(flags);
+  }
 }
 
 std::string describe(const Meshed& meshed, std::uint64_t vertex, const char* what) {
@@ -118,21 +150,41 @@ std::string describe(const Meshed& meshed, std::uint64_t vertex, const char* wha
 }
 
 std::string check_vertices(const Meshed& meshed) {
-  const LatticeSigns& signs = meshed.signs;
-  std::vector<bool> is_vertex(meshed.uniform() ? signs.node_count() : 0);
-  for (std::uint64_t v = 0; v < meshed.mesh().header.vertex_count; ++v) {
-    const LatticePlace place = place_of(meshed, v);
-    if (!place.on_lattice) return describe(meshed, v, "is on no lattice edge");
-    const bool inside = place.is_node() && signs.at(place.low) < 0;
-    if (!inside && !on_surface(signs, place)) {
-      return describe(meshed, v, "is neither inside nor where the surface passes");
+  if (meshed.both_sides()) return "";  // vertices may lie on either side; see check_regions
+  for (std::uint64_t v = 0; v < meshed.place.size(); ++v) {
+    if ((meshed.place[v] & (kInsideNode | kSurface)) == 0) {
+      return describe(meshed, v, "is neither an inside node nor where the surface passes");
     }
-    if (inside && meshed.uniform()) is_vertex[signs.index_of(place.low)] = true;
   }
-  for (std::size_t i = 0; i < is_vertex.size(); ++i) {
-    const LatticeCoord node = signs.node_of(i);
-    if (!is_vertex[i] && signs.deep_inside(node)) {
-      return absl::StrFormat("the node (%.1f, %.1f, %.1f) deep inside is no vertex",
+  return "";
+}
+
+/// No tet reaches a node beyond the surface.
+std::string check_regions(const Meshed& meshed) {
+  for (std::uint64_t t = 0; t < meshed.mesh().header.tet_count; ++t) {
+    const bool inside = meshed.mesh().region(t) == MeshRegion::kInside;
+    const std::uint8_t beyond = inside ? kOutsideNode : kInsideNode;
+    for (const std::uint64_t v : meshed.mesh().tet(t)) {
+      if (meshed.place[v] == beyond) {
+        return describe(meshed, v,
+                        inside ? "is outside, its tet is not" : "is inside, its tet is not");
+      }
+    }
+  }
+  return "";
+}
+
+/// Every node far from the surface is a vertex of the uniform mesh.
+std::string check_nodes(const Meshed& meshed) {
+  for (std::size_t i = 0; i < meshed.is_vertex.size(); ++i) {
+    if (meshed.is_vertex[i]) continue;
+    const LatticeCoord node = meshed.signs.node_of(i);
+    // Outside, the mesh ends with the box, a brick before the signs do.
+    const bool missing =
+        meshed.signs.deep(node, -1) ||
+        (meshed.both_sides() && meshed.signs.deep(node, 1) && !meshed.signs.in_margin(node));
+    if (missing) {
+      return absl::StrFormat("the node (%.1f, %.1f, %.1f) far from the surface is no vertex",
                              0.5 * node.x, 0.5 * node.y, 0.5 * node.z);
     }
   }
@@ -140,17 +192,17 @@ std::string check_vertices(const Meshed& meshed) {
 }
 
 std::string check_boundary(const Meshed& meshed) {
-  constexpr double kMaxDistance = 0.02;  // voxels
   VolumeReader reader(meshed.field.volume);
   for (const Triangle& triangle : meshed.boundary) {
     for (const std::uint64_t v : triangle) {
-      if (!on_surface(meshed.signs, place_of(meshed, v))) {
+      const bool fan = meshed.both_sides() && meshed.place[v] == kOffLattice;
+      if (!fan && (meshed.place[v] & kSurface) == 0) {
         return describe(meshed, v, "is on the boundary, where no surface passes");
       }
-      if (!meshed.field.smooth) continue;
+      if (fan || meshed.field.max_surface_phi == 0) continue;
       const WorldPoint p = meshed.mesh().vertex(v);
       const double phi = reader.trilinear({p.x, p.y, p.z});
-      if (std::abs(phi) > kMaxDistance) {
+      if (std::abs(phi) > meshed.field.max_surface_phi) {
         return describe(meshed, v, absl::StrFormat("is off the surface by %g", phi).c_str());
       }
     }
@@ -178,7 +230,8 @@ std::string check_topology(const Meshed& meshed) {
 std::string check_mesh(const Meshed& meshed) {
   const ConformityReport conformity = check_conformity(meshed.mesh());
   if (!conformity.conforming()) return conformity.describe();
-  for (const auto& check : {check_angles, check_vertices, check_boundary, check_topology}) {
+  for (const auto& check : {check_angles, check_vertices, check_regions, check_nodes,
+                            check_boundary, check_topology}) {
     if (std::string violation = check(meshed); !violation.empty()) return violation;
   }
   return "";
@@ -208,7 +261,8 @@ std::string check_bytes(const Meshed& meshed,
     const bool same =
         again.ok() &&
         std::ranges::equal(again->mesh.tets.bytes(), meshed.mesh().tets.bytes()) &&
-        std::ranges::equal(again->mesh.positions.bytes(), meshed.mesh().positions.bytes());
+        std::ranges::equal(again->mesh.positions.bytes(), meshed.mesh().positions.bytes()) &&
+        std::ranges::equal(again->mesh.regions.bytes(), meshed.mesh().regions.bytes());
     if (!same) {
       return absl::StrFormat("%d threads and chunks of %d bytes make another mesh", threads,
                              limits.chunk_bytes);
@@ -239,6 +293,61 @@ LatticeSigns signs_around(const RandomField& field, double spacing) {
   };
 }
 
+/// The inside of a mesh of both sides, with all the vertices of the whole.
+TetMesh inside_of(const TetMesh& whole) {
+  MeshHeader header = whole.header;
+  header.has_regions = false;
+  header.tet_count = 0;
+  for (std::uint64_t t = 0; t < whole.header.tet_count; ++t) {
+    header.tet_count += whole.region(t) == MeshRegion::kInside;
+  }
+  TetMesh mesh(header);
+  std::ranges::copy(whole.positions.bytes(), mesh.positions.bytes().begin());
+  const std::size_t row = 4 * size_of(header.index_type);
+  std::byte* out = mesh.tets.bytes().data();
+  for (std::uint64_t t = 0; t < whole.header.tet_count; ++t) {
+    if (whole.region(t) != MeshRegion::kInside) continue;
+    out = std::ranges::copy(whole.tets.bytes().subspan(t * row, row), out).out;
+  }
+  return mesh;
+}
+
+Meshed examine(const FieldCase& given,
+               const RandomField& field,
+               const LatticeSigns& signs,
+               MeshResult result) {
+  Meshed meshed{given, field, signs, std::move(result), {}, {}, {}, {}};
+  meshed.measured = measure_quality(meshed.mesh());
+  meshed.boundary = meshed.both_sides() ? boundary_triangles(inside_of(meshed.mesh()))
+                                        : boundary_triangles(meshed.mesh());
+  find_places(meshed);
+  return meshed;
+}
+
+/// The first promise that one of the two meshes breaks.
+std::string check_both(const Meshed& uniform,
+                       const Meshed& graded,
+                       const std::shared_ptr<const Volume>& volume,
+                       const MeshRequest& request) {
+  std::string violation = check_mesh(uniform);
+  if (!violation.empty()) return absl::StrCat("uniform: ", violation);
+  violation = check_mesh(graded);
+  if (violation.empty()) violation = check_graded_against_uniform(graded, uniform);
+  if (violation.empty() && graded.given.seed % 4 == 0) {
+    violation = check_bytes(graded, volume, request);
+  }
+  return violation.empty() ? violation : absl::StrCat("graded: ", violation);
+}
+
+/// A field that leaves nothing to mesh is no violation.
+std::string check_refusal(const absl::Status& uniform, const absl::Status& graded) {
+  if (absl::IsFailedPrecondition(uniform) && uniform == graded &&
+      absl::StrContains(uniform.message(), "to mesh")) {
+    return "";
+  }
+  return absl::StrCat("uniform: ", uniform.ToString(), "; graded: ", graded.ToString());
+}
+
 /// Notes a mesh's size and angles.
 void add(Outcome& outcome, const MeshResult& result) {
   outcome.tets += result.mesh.header.tet_count;
@@ -263,41 +372,23 @@ Outcome check_promises(const FieldCase& given, TaskPool& pool) {
   request.preset = given.preset;
   request.coordinates =
       given.seed % 2 == 0 ? CoordinateType::kFloat32 : CoordinateType::kFloat64;
-  Outcome outcome;
   const auto mesh = [&](int levels) {
     request.levels = levels;
     return mesh_volume(pool, volume, request, {}, Cancellation(), nullptr);
   };
   absl::StatusOr<MeshResult> uniform = mesh(0), graded = mesh(kMaxLevels);
+  Outcome outcome;
   if (!uniform.ok() || !graded.ok()) {
-    const bool nothing = absl::IsFailedPrecondition(uniform.status()) &&
-                         uniform.status() == graded.status() &&
-                         absl::StrContains(uniform.status().message(), "to mesh");
-    if (!nothing) {
-      outcome.violation =
-          absl::StrCat(uniform.status().ToString(), "; graded: ", graded.status().ToString());
-    }
+    outcome.violation = check_refusal(uniform.status(), graded.status());
     return outcome;
   }
   add(outcome, *uniform);
   add(outcome, *graded);
   pool.run([&] {
     const LatticeSigns signs = signs_around(field, given.spacing);
-    const auto with_boundary = [&](MeshResult result) {
-      Meshed meshed{given, field, signs, std::move(result), {}};
-      meshed.boundary = boundary_triangles(meshed.mesh());
-      return meshed;
-    };
-    const Meshed plain = with_boundary(*std::move(uniform));
-    const Meshed coarse = with_boundary(*std::move(graded));
-    outcome.violation = check_mesh(plain);
-    if (outcome.violation.empty()) outcome.violation = check_mesh(coarse);
-    if (outcome.violation.empty()) {
-      outcome.violation = check_graded_against_uniform(coarse, plain);
-    }
-    if (outcome.violation.empty() && given.seed % 4 == 0) {
-      outcome.violation = check_bytes(coarse, volume, request);
-    }
+    outcome.violation =
+        check_both(examine(given, field, signs, *std::move(uniform)),
+                   examine(given, field, signs, *std::move(graded)), volume, request);
   });
   return outcome;
 }

@@ -31,12 +31,14 @@ struct Outcome {
 ///
 /// - it conforms, and its tets are positive (core/mesh/conformity.h);
 /// - its dihedral angles keep the preset's bounds, and the reported ones are those it has;
-/// - every vertex is a node inside, a zero node, or on a lattice edge whose ends have strictly
-///   opposite signs; a boundary vertex is one of the latter two (the first guarantee), and on
-///   smooth fields within a fiftieth of a voxel of the zero surface;
-/// - no tet lies outside and nothing inside is left out (the second guarantee): vertices are as
-///   above, every node that is inside with its 14 neighbours is a vertex of the uniform mesh,
-///   and both meshes have the same volume and as many boundary triangles;
+/// - the boundary of the inside lies where the surface passes (the first guarantee): at zero
+///   nodes, on lattice edges whose ends have strictly opposite signs, or, between two sides,
+///   amid four such points; and on smooth fields where phi is near zero;
+/// - everything is on its side (the second guarantee): no inside tet has an outside node, and
+///   no outside tet an inside one, where nodes without a neighbour of the other sign cannot
+///   have moved; without outside, every other vertex lies where the surface passes; all nodes
+///   that are alike with their 14 neighbours are vertices of the uniform mesh; and both meshes
+///   have the same volume and as many boundary triangles;
 /// - on fields whose features are resolved, the boundary is a manifold of the field's own
 ///   topology (the third guarantee).
 ///

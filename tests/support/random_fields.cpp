@@ -55,7 +55,7 @@ VoxelBox box_of(std::uint32_t seed, int edge) {
 }
 
 RandomField made(std::uint32_t seed, int edge, const VoxelFunction& value) {
-  return {dense_volume(box_of(seed, edge), 1, value), false, std::nullopt};
+  return {dense_volume(box_of(seed, edge), 1, value), 0, std::nullopt};
 }
 
 RandomField signs(std::uint32_t seed, int edge) {
@@ -180,7 +180,7 @@ RandomField noise(std::uint32_t seed, int edge) {
   const auto waves = random_waves(seed);
   RandomField field =
       made(seed, edge, [&](VoxelCoord v) { return static_cast<float>(sum_of(waves, v)); });
-  field.smooth = true;
+  field.max_surface_phi = 0.1;  // up to 0.04 at the edges of the box
   return field;
 }
 
@@ -250,7 +250,7 @@ RandomField shapes(std::uint32_t seed, int edge) {
   };
   return {
       narrow_band_volume({{low, low, low}, {high, high, high}},
-      kBand, phi), true, topology
+      kBand, phi), 0.02, topology
   };
 }
 

@@ -18,8 +18,9 @@ struct Topology {
 
 struct RandomField {
   Volume volume;  ///< a level set with voxels of 1
-  /// The trilinear field is so smooth that two secant steps end on its surface.
-  bool smooth = false;
+  /// How far from zero phi may be where the boundary lies, as two secant steps end near a
+  /// smooth field's surface; 0 where nothing is known.
+  double max_surface_phi = 0;
   /// Where every feature is several voxels wide, so that meshes must have it.
   std::optional<Topology> topology;
 };
