@@ -103,7 +103,7 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
   lattice_ = nullptr;
   if (place.level == 0 && mesh_.touches_surface(place.brick)) {
     stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], mesh_.rules(),
-                workspace_.stuffing);
+                mesh_.restored(), workspace_.stuffing);
     lattice_ = &workspace_.stuffing.lattice;
   }
   if (header_.coordinate_type == CoordinateType::kFloat32) {
