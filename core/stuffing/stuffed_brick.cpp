@@ -41,8 +41,8 @@ StuffedBrick StuffedBrick::all_inside() noexcept {
 
 bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
   if (has_both_sides(lattice)) return true;
-  // Outside, a node that moved is a vertex whatever is around it.
-  return rules.both_sides && (lattice.warped[kCorner].any() || lattice.warped[kCentre].any());
+  // Outside, a zero is a vertex whatever is around it, moved or not.
+  return rules.both_sides && (lattice.zero[kCorner].any() || lattice.zero[kCentre].any());
 }
 
 StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
@@ -73,7 +73,8 @@ BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules
     const auto any = [](HaloSet& set, const HaloSet& more) { set |= more; };
     const auto all = [](HaloSet& set, const HaloSet& more) { set &= more; };
     HaloSet mixed = around_face(lattice.plus, any) - around_face(lattice.plus, all);
-    if (rules.both_sides) mixed |= around_face(lattice.warped, any);
+    // Unmoved zeros too: half pyramids take all their nodes to be on one side.
+    if (rules.both_sides) mixed |= around_face(lattice.zero, any);
     stuffed |= mixed | seen_from(mixed, -face_offset(axis));
   }
   return brick_part(stuffed);
