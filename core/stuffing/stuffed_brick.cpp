@@ -49,8 +49,9 @@ StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules
   StuffedBrick brick;
   for (const NodeKind kind : {kCorner, kCentre}) {
     brick.plus[kind] = brick_part(lattice.plus[kind]);
-    brick.zero[kind] =
-        brick_part(rules.both_sides ? lattice.zero[kind] : used_zeros(lattice, kind));
+    // Between two sides, zeros far from the inside are `-`, as they are where no brick looks.
+    const HaloSet used = used_zeros(lattice, kind);
+    brick.zero[kind] = brick_part(rules.both_sides ? used | lattice.warped[kind] : used);
   }
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) brick.cut[f] = brick_part(lattice.cut[f]);
   return brick;
