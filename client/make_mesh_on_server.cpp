@@ -152,6 +152,7 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
   if (!streamed.ok()) return streamed.status();
   return MadeMesh{.mesh = std::move(streamed->mesh),
                   .quality = streamed->quality,
+                  .thin_walls = std::move(streamed->thin_walls),
                   .stages = stream.stages(uploading_seconds)};
 }
 

@@ -13,6 +13,7 @@
 #include "core/base/cancel.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -31,6 +32,7 @@ struct RetryPolicy {
 struct StreamedMesh {
   TetMesh mesh;
   QualityStats quality;
+  ThinWalls thin_walls;
   std::string mesh_id;
   v1::MeshRequest canonical_request;
 };

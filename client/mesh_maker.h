@@ -11,6 +11,7 @@
 #include "core/base/cancel.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/pipeline/thin_walls.h"
 
 namespace tet {
 
@@ -22,6 +23,7 @@ struct Stage {
 struct MadeMesh {
   TetMesh mesh;
   QualityStats quality;
+  ThinWalls thin_walls;
   std::vector<Stage> stages;  ///< in the order they ran
 };
 

@@ -46,6 +46,23 @@ MeshHeader to_core(const v1::MeshHeader& message) {
   return header;
 }
 
+ThinWalls to_core(const v1::ThinWalls& message) {
+  ThinWalls walls;
+  walls.inside = unsigned_count(message.inside_spots());
+  walls.outside = unsigned_count(message.outside_spots());
+  walls.region_count = unsigned_count(message.region_count());
+  for (const v1::ThinRegion& region : message.regions()) {
+    walls.regions.push_back({
+        {to_core(region.box().min()), to_core(region.box().max())},
+        unsigned_count(region.inside_spots()),
+        unsigned_count(region.outside_spots())
+    });
+  }
+  walls.thickness = message.thickness();
+  walls.suggested_spacing = message.suggested_spacing();
+  return walls;
+}
+
 bool is_valid(const v1::MeshHeader& header) {
   return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
          is_count(header.chunk_count()) &&
@@ -131,6 +148,7 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
     return bad_stream("it ended before the mesh was whole");
   }
   complete_ = true;
+  received_.thin_walls = to_core(trailer.thin_walls());
   const v1::QualityStats& quality = trailer.quality();
   has_quality_ = trailer.first_chunk() == 0 &&
                  unsigned_count(trailer.end_chunk()) == header.chunk_count &&

@@ -1,5 +1,7 @@
 #include "client/mesh_report.h"
 
+#include <utility>
+
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +21,28 @@ Json json_of(const BoundaryTopology& boundary) {
   };
 }
 
+Json json_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
+
+Json json_of(const ThinWalls& walls) {
+  Json regions = Json::array();
+  for (const ThinWalls::Region& region : walls.regions) {
+    regions.push_back({
+        {          "min", json_of(region.box.min)},
+        {          "max", json_of(region.box.max)},
+        { "inside_spots",           region.inside},
+        {"outside_spots",          region.outside}
+    });
+  }
+  return {
+      {     "inside_spots",            walls.inside},
+      {    "outside_spots",           walls.outside},
+      {     "region_count",      walls.region_count},
+      {          "regions",      std::move(regions)},
+      {        "thickness",         walls.thickness},
+      {"suggested_spacing", walls.suggested_spacing}
+  };
+}
+
 Json json_of(const std::vector<Stage>& stages) {
   Json seconds_of = Json::object();
   for (const Stage& stage : stages) seconds_of[stage.name] = stage.seconds;
@@ -32,6 +56,15 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
       "%s: %d vertices, %d tets, dihedral angles %.2f to %.2f degrees, %.2f s", output,
       made.mesh.header.vertex_count, made.mesh.header.tet_count, made.quality.min_dihedral_deg,
       made.quality.max_dihedral_deg, seconds);
+}
+
+std::string thin_walls_warning(const ThinWalls& walls) {
+  if (!walls.any()) return "";
+  return absl::StrFormat(
+      "warning: the lattice does not resolve %d spots of thin walls and %d of narrow gaps, in "
+      "%d "
+      "regions; a grid sampled and meshed at about %.3g would",
+      walls.inside, walls.outside, walls.region_count, walls.suggested_spacing);
 }
 
 std::string report_json(const MadeMesh& made,
@@ -48,6 +81,7 @@ std::string report_json(const MadeMesh& made,
       {           "seconds",                       seconds},
       {            "stages",          json_of(made.stages)},
       {          "boundary",             json_of(boundary)},
+      {        "thin_walls",      json_of(made.thin_walls)},
       {"dihedral_histogram",        made.quality.histogram}
   };
   return report.dump(2) + "\n";

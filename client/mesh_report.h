@@ -12,8 +12,12 @@ namespace tet {
 /// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s".
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
+/// What to tell of walls that the lattice cannot resolve, in one line; empty without any.
+std::string thin_walls_warning(const ThinWalls& walls);
+
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
-/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary.
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary,
+/// thin_walls.
 std::string report_json(const MadeMesh& made, const BoundaryTopology& boundary, double seconds);
 
 }  // namespace tet

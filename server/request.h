@@ -9,6 +9,7 @@
 #include "core/grid/load.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -52,5 +53,6 @@ v1::Preset to_proto(Preset preset);
 void to_proto(const GridInfo& info, v1::GridInfo& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);
+void to_proto(const ThinWalls& walls, v1::ThinWalls& message);
 
 }  // namespace tet

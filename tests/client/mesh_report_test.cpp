@@ -10,7 +10,8 @@ namespace tet {
 namespace {
 
 MadeMesh made_cube() {
-  MadeMesh made{.mesh = kuhn_mesh(1), .quality = {}, .stages = {{"planning", 0.5}}};
+  MadeMesh made{
+      .mesh = kuhn_mesh(1), .quality = {}, .thin_walls = {}, .stages = {{"planning", 0.5}}};
   made.quality = measure_quality(made.mesh);
   return made;
 }
@@ -31,6 +32,28 @@ TEST(MeshReport, HasTheKeysThatScriptsReadAndTheirValues) {
   EXPECT_EQ(report["boundary"]["non_manifold_edges"], 0);
   EXPECT_EQ(report["boundary"]["non_manifold_vertices"], 0);
   EXPECT_EQ(report["dihedral_histogram"].size(), 180U);
+}
+
+TEST(MeshReport, TellsOfWallsThatTheLatticeCannotResolve) {
+  MadeMesh made = made_cube();
+  EXPECT_EQ(thin_walls_warning(made.thin_walls), "");
+  made.thin_walls.inside = 30;
+  made.thin_walls.outside = 4;
+  made.thin_walls.region_count = 17;
+  made.thin_walls.suggested_spacing = 0.25;
+  ThinWalls::Region& region = made.thin_walls.regions.emplace_back();
+  region.box.max = {3, 4, 5.5};
+  EXPECT_EQ(
+      thin_walls_warning(made.thin_walls),
+      "warning: the lattice does not resolve 30 spots of thin walls and 4 of narrow gaps, "
+      "in 17 regions; a grid sampled and meshed at about 0.25 would");
+  const auto walls =
+      nlohmann::json::parse(report_json(made, measure_boundary(made.mesh), 1))["thin_walls"];
+  EXPECT_EQ(walls["inside_spots"], 30);
+  EXPECT_EQ(walls["outside_spots"], 4);
+  EXPECT_EQ(walls["region_count"], 17);
+  EXPECT_EQ(walls["suggested_spacing"], 0.25);
+  EXPECT_EQ(walls["regions"][0]["max"], nlohmann::json({3, 4, 5.5}));
 }
 
 TEST(MeshReport, SumsUpInOneLine) {
