@@ -61,10 +61,10 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
 std::string thin_walls_warning(const ThinWalls& walls) {
   if (!walls.any()) return "";
   return absl::StrFormat(
-      "warning: the lattice does not resolve %d spots of thin walls and %d of narrow gaps, in "
-      "%d "
-      "regions; a grid sampled and meshed at about %.3g would",
-      walls.inside, walls.outside, walls.region_count, walls.suggested_spacing);
+      "warning: the lattice does not resolve %d spots of thin walls and %d of narrow gaps, "
+      "in %d region%s; a grid sampled and meshed at about %.3g would",
+      walls.inside, walls.outside, walls.region_count, walls.region_count == 1 ? "" : "s",
+      walls.suggested_spacing);
 }
 
 std::string report_json(const MadeMesh& made,
