@@ -23,6 +23,7 @@ std::uint64_t mix(std::uint64_t x) noexcept {
 std::vector<std::uint64_t> xor_faces_around_vertices(const TetMesh& mesh) {
   std::vector<std::uint64_t> accumulated(mesh.header.vertex_count);
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    if (mesh.region(i) != MeshRegion::kInside) continue;
     const auto tet = mesh.tet(i);
     std::array<std::uint64_t, 4> corner;
     for (std::size_t k = 0; k < 4; ++k) corner[k] = mix(tet[k]);
@@ -40,6 +41,7 @@ std::vector<SortedFace> faces_between_boundary_vertices(const TetMesh& mesh) {
   const auto accumulated = xor_faces_around_vertices(mesh);
   std::vector<SortedFace> faces;
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    if (mesh.region(i) != MeshRegion::kInside) continue;
     const auto tet = mesh.tet(i);
     std::array<bool, 4> on_boundary;
     for (std::size_t k = 0; k < 4; ++k) on_boundary[k] = accumulated[tet[k]] != 0;

@@ -1,4 +1,4 @@
-// The boundary surface of a mesh and its topology.
+// The boundary surface of the inside and its topology.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tet {
 
-/// Topology of the boundary: the triangles that belong to one tet only.
+/// Topology of the boundary: the triangles that belong to one tet of the inside only.
 struct BoundaryTopology {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -24,12 +24,14 @@ struct BoundaryTopology {
 };
 
 /// The boundary triangles, counter-clockwise seen from outside, sorted by their smallest
-/// vertex.
+/// vertex. Of a mesh with regions they bound the inside's tets; outside tets are skipped, so a
+/// box that cuts the surface leaves the triangles of its faces too.
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh);
 
 /// Topology of triangles whose vertex ids are below `vertex_count`.
 BoundaryTopology measure_topology(std::vector<Triangle> triangles, std::uint64_t vertex_count);
 
+/// Topology of boundary_triangles.
 BoundaryTopology measure_boundary(const TetMesh& mesh);
 
 }  // namespace tet
