@@ -5,8 +5,6 @@
 namespace tet {
 namespace {
 
-constexpr HaloSet kOwnCells = halo_cube(0, 7);
-
 /// Offset of the two other cells around edge `turn` of a cell's upper face across `axis`.
 constexpr int beside_edge(int axis, int turn) noexcept {
   // Edges run from corner `turn` to the next: they lie low in v, high in u, high in v, low in

@@ -11,6 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/grid/domain.h"
+#include "core/pipeline/boundary_count.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/survey.h"
@@ -59,7 +60,7 @@ absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limit
 
 /// Both sides of a domain, or the inside alone, which must have an end.
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field, const MeshRequest& request) {
-  MeshedSpace space{stuffing_rules(request.preset), {}};
+  MeshedSpace space{stuffing_rules(request.preset), {}, request.manifold};
   if (!space.rules.both_sides) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
     return space;
@@ -252,6 +253,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
   if (!survey.ok()) return survey.status();
+  const std::optional<BoundaryTopology> boundary = count_boundary(*survey);
+  survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              {bricks->inside, space->domain}, asked->levels);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -260,7 +263,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, *asked, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, {}, {}, {}});
+      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, boundary, {}, {}});
   impl->place_in_world(request);
   impl->cut_into_chunks();
   return std::make_shared<const MeshPlan>(std::move(impl));

@@ -3,13 +3,10 @@
 #include <bit>
 #include <cstddef>
 
-#include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
 
 namespace tet {
 namespace {
-
-constexpr HaloSet kOwnCells = halo_cube(0, 7);
 
 /// Tets that the stencils of one shape emit: 1, and more where nodes are cut away (see
 /// stencil.h).
@@ -170,11 +167,13 @@ UsedByTets used_by_tets(const BrickSurroundings& bricks, const HaloSet& leaf) no
   return used;
 }
 
-FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept {
+FaceSigns signs_around_faces(const FinestNodes& nodes,
+                             int axis,
+                             const HaloSet& cells) noexcept {
   FaceSigns faces;
   faces.region = nodes.region;
   const int across = face_offset(axis);
-  faces.tets = nodes.leaf & seen_from(nodes.leaf, across) & kOwnCells;
+  faces.tets = nodes.leaf & seen_from(nodes.leaf, across) & cells;
   faces.plus[0] = nodes.plus[kCentre];
   faces.zero[0] = nodes.zero[kCentre];
   faces.plus[1] = seen_from(nodes.plus[kCentre], across);
