@@ -23,7 +23,7 @@ Json json_of(const BoundaryTopology& boundary) {
 }
 
 Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
-  Json boundary = json_of(made.boundary ? *made.boundary : measure_boundary(made.mesh));
+  Json boundary = json_of(made.boundary ? *made.boundary : measure_inside_boundary(made.mesh));
   if (request.manifold && made.boundary) {
     boundary["restored_nodes"] = made.boundary->restored_nodes;
   }

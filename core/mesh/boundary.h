@@ -1,4 +1,4 @@
-// The boundary surface of the inside and its topology.
+// The boundary surface of a mesh and its topology.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tet {
 
-/// Topology of the boundary: the triangles that belong to one tet of the inside only.
+/// Topology of the boundary: the triangles that belong to one tet only.
 struct BoundaryTopology {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -24,14 +24,17 @@ struct BoundaryTopology {
 };
 
 /// The boundary triangles, counter-clockwise seen from outside, sorted by their smallest
-/// vertex. Of a mesh with regions they bound the inside's tets; outside tets are skipped, so a
-/// box that cuts the surface leaves the triangles of its faces too.
+/// vertex.
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh);
+/// Those of the tets in `region` alone, as if there were no others: the surface, and what of
+/// the box's faces the region reaches.
+std::vector<Triangle> boundary_triangles(const TetMesh& mesh, MeshRegion region);
 
 /// Topology of triangles whose vertex ids are below `vertex_count`.
 BoundaryTopology measure_topology(std::vector<Triangle> triangles, std::uint64_t vertex_count);
 
-/// Topology of boundary_triangles.
 BoundaryTopology measure_boundary(const TetMesh& mesh);
+/// The same of the tets inside alone; where there are no others, of the whole mesh.
+BoundaryTopology measure_inside_boundary(const TetMesh& mesh);
 
 }  // namespace tet

@@ -84,7 +84,7 @@ TEST_F(MeshClientTest, ReceivesBothSidesAndTheirRegions) {
 
 /// As measured on what was received.
 BoundaryTopology measured(const StreamedMesh& streamed) {
-  BoundaryTopology boundary = measure_boundary(streamed.mesh);
+  BoundaryTopology boundary = measure_inside_boundary(streamed.mesh);
   boundary.restored_nodes = streamed.boundary ? streamed.boundary->restored_nodes : 0;
   return boundary;
 }

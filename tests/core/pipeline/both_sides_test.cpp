@@ -103,17 +103,16 @@ TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
           {-48, -48, -48},
           { 48,  48,  48}
       };
-      MeshResult result = mesh(solid.volume, request);
+      const MeshResult result = mesh(solid.volume, request);
       EXPECT_NEAR(result.quality.volume, volume_of(*request.box), 1e-3)
           << "the box is flat where the surface does not reach it";
       const TetMesh inside = part(result.mesh, MeshRegion::kInside);
       EXPECT_NEAR(measure_quality(inside).volume, solid.enclosed_volume,
                   0.01 * solid.enclosed_volume);
-      const BoundaryTopology surface = measure_boundary(result.mesh);
+      const BoundaryTopology surface = measure_inside_boundary(result.mesh);
       EXPECT_EQ(surface, measure_boundary(inside));
       EXPECT_EQ(surface.components, solid.components);
       EXPECT_EQ(surface.euler_characteristic, solid.euler_characteristic);
-      result.mesh.header.has_regions = false;  // all of it is one solid
       const BoundaryTopology box = measure_boundary(result.mesh);
       EXPECT_EQ(box.components, 1U);
       EXPECT_EQ(box.euler_characteristic, 2);

@@ -60,7 +60,7 @@ std::vector<std::pair<std::string, Volume>> fields() {
 /// What was counted is what the finished mesh has.
 void expect_counted_as_measured(const MeshResult& result) {
   ASSERT_TRUE(result.boundary.has_value());
-  BoundaryTopology measured = measure_boundary(result.mesh);
+  BoundaryTopology measured = measure_inside_boundary(result.mesh);
   measured.restored_nodes = result.boundary->restored_nodes;
   EXPECT_EQ(result.boundary->triangles, measured.triangles);
   EXPECT_EQ(result.boundary->vertices, measured.vertices);
