@@ -53,6 +53,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   return MadeMesh{
       .mesh = std::move(result->mesh),
       .quality = result->quality,
+      .boundary = result->boundary,
       .thin_walls = std::move(result->thin_walls),
       .stages = {{"reading", reading_seconds},
                  {"planning", result->plan_seconds},

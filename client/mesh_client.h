@@ -11,6 +11,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
+#include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/thin_walls.h"
@@ -32,6 +33,7 @@ struct RetryPolicy {
 struct StreamedMesh {
   TetMesh mesh;
   QualityStats quality;
+  std::optional<BoundaryTopology> boundary;  ///< of the inside, if the server told it
   ThinWalls thin_walls;
   std::string mesh_id;
   v1::MeshRequest canonical_request;

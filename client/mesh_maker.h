@@ -1,6 +1,7 @@
 // The two ways to make a mesh: in this process, or on a server. The same bytes either way.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "client/mesh_options.h"
 #include "client/progress_bar.h"
 #include "core/base/cancel.h"
+#include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/thin_walls.h"
@@ -23,6 +25,8 @@ struct Stage {
 struct MadeMesh {
   TetMesh mesh;
   QualityStats quality;
+  /// Of the inside, if it was counted with the mesh; else to be measured.
+  std::optional<BoundaryTopology> boundary;
   ThinWalls thin_walls;
   std::vector<Stage> stages;  ///< in the order they ran
 };

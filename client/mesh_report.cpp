@@ -5,6 +5,9 @@
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/mesh/boundary.h"
+#include "core/mesh/regions.h"
+
 namespace tet {
 namespace {
 
@@ -43,19 +46,47 @@ Json json_of(const ThinWalls& walls) {
   };
 }
 
+Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
+  Json boundary = json_of(made.boundary ? *made.boundary : measure_inside_boundary(made.mesh));
+  if (request.manifold && made.boundary) {
+    boundary["restored_nodes"] = made.boundary->restored_nodes;
+  }
+  return boundary;
+}
+
+Json region_json(const TetMesh& mesh, MeshRegion region) {
+  return {
+      {  "tets",     count_tets(mesh, region)},
+      {"volume", measure_volume(mesh, region)}
+  };
+}
+
 Json json_of(const std::vector<Stage>& stages) {
   Json seconds_of = Json::object();
   for (const Stage& stage : stages) seconds_of[stage.name] = stage.seconds;
   return seconds_of;
 }
 
+std::string tets_of_each_side(const TetMesh& mesh) {
+  if (!mesh.header.has_regions) return "";
+  return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
+                         count_tets(mesh, MeshRegion::kOutside));
+}
+
+std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
+  const std::uint64_t nodes = boundary ? boundary->restored_nodes : 0;
+  if (nodes == 0) return "";
+  return absl::StrFormat(", %d %s restored", nodes, nodes == 1 ? "node" : "nodes");
+}
+
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
   return absl::StrFormat(
-      "%s: %d vertices, %d tets, dihedral angles %.2f to %.2f degrees, %.2f s", output,
-      made.mesh.header.vertex_count, made.mesh.header.tet_count, made.quality.min_dihedral_deg,
-      made.quality.max_dihedral_deg, seconds);
+      "%s: %d vertices, %d tets%s, dihedral angles %.2f to %.2f degrees%s, %.2f s", output,
+      made.mesh.header.vertex_count, made.mesh.header.tet_count, tets_of_each_side(made.mesh),
+      made.quality.min_dihedral_deg, made.quality.max_dihedral_deg,
+      restored_nodes(made.boundary), seconds);
 }
 
 std::string thin_walls_warning(const ThinWalls& walls) {
@@ -67,10 +98,8 @@ std::string thin_walls_warning(const ThinWalls& walls) {
       walls.suggested_spacing);
 }
 
-std::string report_json(const MadeMesh& made,
-                        const BoundaryTopology& boundary,
-                        double seconds) {
-  const Json report{
+std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds) {
+  Json report{
       {          "vertices", made.mesh.header.vertex_count},
       {              "tets",    made.mesh.header.tet_count},
       {  "min_dihedral_deg", made.quality.min_dihedral_deg},
@@ -80,10 +109,16 @@ std::string report_json(const MadeMesh& made,
       {            "levels",       made.mesh.header.levels},
       {           "seconds",                       seconds},
       {            "stages",          json_of(made.stages)},
-      {          "boundary",             json_of(boundary)},
-      {        "thin_walls",      json_of(made.thin_walls)},
+      {          "boundary",            boundary_json(made,request)},
+      {        "thin_walls",      json_of(made.thin_walls)                             },
       {"dihedral_histogram",        made.quality.histogram}
   };
+  if (made.mesh.header.has_regions) {
+    report["regions"] = {
+        { "inside", region_json(made.mesh,  MeshRegion::kInside)},
+        {"outside", region_json(made.mesh, MeshRegion::kOutside)}
+    };
+  }
   return report.dump(2) + "\n";
 }
 

@@ -2,22 +2,26 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "client/mesh_maker.h"
-#include "core/mesh/boundary.h"
+#include "core/pipeline/mesh_request.h"
 
 namespace tet {
 
-/// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s".
+/// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s"; with the
+/// tets of each side where both are meshed, and the nodes restored for a manifold if there are
+/// any.
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// What to tell of walls that the lattice cannot resolve, in one line; empty without any.
 std::string thin_walls_warning(const ThinWalls& walls);
 
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
-/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary,
-/// thin_walls.
-std::string report_json(const MadeMesh& made, const BoundaryTopology& boundary, double seconds);
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, thin_walls,
+/// boundary (of the inside; restored_nodes where a manifold was asked for and the box cuts no
+/// surface), and of meshes of both sides regions (inside and outside: tets, volume).
+///
+/// Measures what was not counted with the mesh.
+std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);
 
 }  // namespace tet

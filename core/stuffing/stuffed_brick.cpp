@@ -49,9 +49,11 @@ StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules
   StuffedBrick brick;
   for (const NodeKind kind : {kCorner, kCentre}) {
     brick.plus[kind] = brick_part(lattice.plus[kind]);
-    // Between two sides, zeros far from the inside are `-`, as they are where no brick looks.
-    const HaloSet used = used_zeros(lattice, kind);
-    brick.zero[kind] = brick_part(rules.both_sides ? used | lattice.warped[kind] : used);
+    HaloSet zero = used_zeros(lattice, kind);
+    // Outside, a node that moved is a vertex whatever is around it. Other zeros are as good as
+    // `-`.
+    if (rules.both_sides) zero |= lattice.warped[kind];
+    brick.zero[kind] = brick_part(zero);
   }
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) brick.cut[f] = brick_part(lattice.cut[f]);
   return brick;

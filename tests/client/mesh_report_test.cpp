@@ -10,16 +10,28 @@ namespace tet {
 namespace {
 
 MadeMesh made_cube() {
-  MadeMesh made{
-      .mesh = kuhn_mesh(1), .quality = {}, .thin_walls = {}, .stages = {{"planning", 0.5}}};
+  MadeMesh made{.mesh = kuhn_mesh(1),
+                .quality = {},
+                .boundary = {},
+                .thin_walls = {},
+                .stages = {{"planning", 0.5}}};
   made.quality = measure_quality(made.mesh);
   return made;
 }
 
+nlohmann::json report_of(const MadeMesh& made, const MeshRequest& request = {}) {
+  return nlohmann::json::parse(report_json(made, request, 2.5));
+}
+
+/// One tet of six inside.
+MadeMesh made_both_sides() {
+  MadeMesh made = made_cube();
+  made.mesh = with_regions(std::move(made.mesh), [](std::uint64_t tet) { return tet == 0; });
+  return made;
+}
+
 TEST(MeshReport, HasTheKeysThatScriptsReadAndTheirValues) {
-  const MadeMesh made = made_cube();
-  const auto report =
-      nlohmann::json::parse(report_json(made, measure_boundary(made.mesh), 2.5));
+  const auto report = report_of(made_cube());
   EXPECT_EQ(report["vertices"], 8);
   EXPECT_EQ(report["tets"], 6);
   EXPECT_NEAR(report["min_dihedral_deg"].get<double>(), 45, 1e-9);
@@ -32,6 +44,36 @@ TEST(MeshReport, HasTheKeysThatScriptsReadAndTheirValues) {
   EXPECT_EQ(report["boundary"]["non_manifold_edges"], 0);
   EXPECT_EQ(report["boundary"]["non_manifold_vertices"], 0);
   EXPECT_EQ(report["dihedral_histogram"].size(), 180U);
+  EXPECT_FALSE(report.contains("regions"));
+  EXPECT_FALSE(report["boundary"].contains("restored_nodes"));
+}
+
+TEST(MeshReport, TakesTheBoundaryThatWasCountedWithTheMesh) {
+  MadeMesh made = made_cube();
+  made.boundary = BoundaryTopology{.triangles = 99};
+  EXPECT_EQ(report_of(made)["boundary"]["triangles"], 99);
+}
+
+TEST(MeshReport, TellsRestoredNodesWhereAManifoldWasAskedFor) {
+  MadeMesh made = made_cube();
+  MeshRequest request;
+  request.manifold = true;
+  EXPECT_FALSE(report_of(made, request)["boundary"].contains("restored_nodes"))
+      << "they cannot be measured";
+  made.boundary = BoundaryTopology{};
+  EXPECT_EQ(report_of(made, request)["boundary"]["restored_nodes"], 0);
+  made.boundary->restored_nodes = 3;
+  EXPECT_EQ(report_of(made, request)["boundary"]["restored_nodes"], 3);
+}
+
+TEST(MeshReport, TellsBothSidesApart) {
+  const auto report = report_of(made_both_sides());
+  EXPECT_EQ(report["tets"], 6);
+  EXPECT_EQ(report["regions"]["inside"]["tets"], 1);
+  EXPECT_EQ(report["regions"]["outside"]["tets"], 5);
+  EXPECT_DOUBLE_EQ(report["regions"]["inside"]["volume"], 1.0 / 6);
+  EXPECT_DOUBLE_EQ(report["regions"]["outside"]["volume"], 5.0 / 6);
+  EXPECT_EQ(report["boundary"]["triangles"], 4) << "of the inside";
 }
 
 TEST(MeshReport, TellsOfWallsThatTheLatticeCannotResolve) {
@@ -47,8 +89,7 @@ TEST(MeshReport, TellsOfWallsThatTheLatticeCannotResolve) {
       thin_walls_warning(made.thin_walls),
       "warning: the lattice does not resolve 30 spots of thin walls and 4 of narrow gaps, "
       "in 17 regions; a grid sampled and meshed at about 0.25 would");
-  const auto walls =
-      nlohmann::json::parse(report_json(made, measure_boundary(made.mesh), 1))["thin_walls"];
+  const auto walls = report_of(made)["thin_walls"];
   EXPECT_EQ(walls["inside_spots"], 30);
   EXPECT_EQ(walls["outside_spots"], 4);
   EXPECT_EQ(walls["region_count"], 17);
@@ -59,6 +100,15 @@ TEST(MeshReport, TellsOfWallsThatTheLatticeCannotResolve) {
 TEST(MeshReport, SumsUpInOneLine) {
   EXPECT_EQ(summary_line("cube.vtu", made_cube(), 0.25),
             "cube.vtu: 8 vertices, 6 tets, dihedral angles 45.00 to 90.00 degrees, 0.25 s");
+}
+
+TEST(MeshReport, SumsUpBothSidesAndWhatWasRestoredInOneLine) {
+  MadeMesh made = made_both_sides();
+  made.boundary = BoundaryTopology{.restored_nodes = 1};
+  EXPECT_EQ(
+      summary_line("cube.vtu", made, 0.25),
+      "cube.vtu: 8 vertices, 6 tets (1 inside, 5 outside), dihedral angles 45.00 to 90.00 "
+      "degrees, 1 node restored, 0.25 s");
 }
 
 TEST(ExitCode, TellsWhoIsToBlame) {

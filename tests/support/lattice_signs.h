@@ -20,6 +20,8 @@ class LatticeSigns {
   int at(LatticeCoord node) const noexcept;
   /// Both strict.
   bool opposite(LatticeCoord a, LatticeCoord b) const noexcept { return at(a) * at(b) < 0; }
+  /// One end is inside, the other zero.
+  bool touch(LatticeCoord a, LatticeCoord b) const noexcept { return at(a) + at(b) == -1; }
   bool has_opposite_neighbour(LatticeCoord node) const noexcept;
   /// The node and its 14 neighbours have the sign: no cut point is near, whatever the warp.
   bool deep(LatticeCoord node, int sign) const noexcept;
