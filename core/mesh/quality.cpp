@@ -12,10 +12,13 @@ constexpr std::size_t kTetsPerRange = 16384;
 
 QualityStats measure_range(const TetMesh& mesh, std::uint64_t begin, std::uint64_t end) {
   QualityMeter meter;
-  for (std::uint64_t i = begin; i < end; ++i) {
-    const auto [a, b, c, d] = mesh.tet(i);
-    meter.add_tet(mesh.stored_position(a), mesh.stored_position(b), mesh.stored_position(c),
-                  mesh.stored_position(d));
+  TetBatch batch;
+  BatchAngles angles;
+  for (std::uint64_t i = begin; i < end; i += TetBatch::kSize) {
+    const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - i);
+    mesh.load(i, count, batch);
+    measure_batch(batch, angles);
+    meter.add_batch(angles, count);
   }
   return meter.stats();
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "core/base/tet_batch.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -72,11 +73,38 @@ struct TetMesh {
   WorldPoint vertex(std::uint64_t i) const noexcept;
   /// As stored: relative to `header.origin`, so that angles far from it keep every bit.
   WorldPoint stored_position(std::uint64_t i) const noexcept;
+  /// Moves a vertex; `position` is relative to `header.origin` and rounded as it is stored.
+  void store_position(std::uint64_t i, const WorldPoint& position) noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
+  /// Stored positions of `count` tets from `first` on; lanes beyond repeat the last tet.
+  void load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept;
 
   /// Where a chunk's columns lie within the mesh's.
   std::span<std::byte> positions_of(const ChunkExtent& chunk) noexcept;
   std::span<std::byte> tets_of(const ChunkExtent& chunk) noexcept;
+
+ private:
+  template <class Number, std::size_t N>
+  static std::array<Number, N> read_row(const ByteBuffer& column, std::uint64_t row) noexcept {
+    std::array<Number, N> numbers;
+    std::memcpy(numbers.data(), column.bytes().data() + row * sizeof(numbers), sizeof(numbers));
+    return numbers;
+  }
 };
+
+inline WorldPoint TetMesh::stored_position(std::uint64_t i) const noexcept {
+  if (header.coordinate_type == CoordinateType::kFloat64) {
+    const auto [x, y, z] = read_row<double, 3>(positions, i);
+    return {x, y, z};
+  }
+  const auto [x, y, z] = read_row<float, 3>(positions, i);
+  return {x, y, z};
+}
+
+inline std::array<std::uint64_t, 4> TetMesh::tet(std::uint64_t i) const noexcept {
+  if (header.index_type == IndexType::kUint64) return read_row<std::uint64_t, 4>(tets, i);
+  const auto [a, b, c, d] = read_row<std::uint32_t, 4>(tets, i);
+  return {a, b, c, d};
+}
 
 }  // namespace tet

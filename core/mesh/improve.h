@@ -1,0 +1,36 @@
+// Better dihedral angles: a few vertices move, the tets stay as they are.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/cancel.h"
+#include "core/base/dihedral.h"
+#include "core/grid/phi_field.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Angles that need no improvement. The whole time goes into those outside, so a wider goal is
+/// quicker; with this one meshes of resolved solids end above 20 degrees.
+inline constexpr double kGoodMinDihedralDeg = 22, kGoodMaxDihedralDeg = 140;
+
+struct Improvement {
+  AngleRange before;  ///< of the whole mesh
+  std::uint64_t moved_vertices = 0;
+};
+
+/// Moves vertices of tets with angles that are not good, boundary ones along the surface of
+/// `field`, until those angles are or nothing helps. The tets stay the same and positive.
+///
+/// The smallest angle of the mesh never falls and the largest never grows; no star gets an
+/// angle that is both worse than all it had and not good. A vertex goes half a spacing at most;
+/// on the surface it stays within 1e-4 spacings of phi = 0, and where the boundary is farther
+/// from it than that it does not move. Parallel; one result for any number of threads. Stops
+/// early when cancelled, at any valid mesh.
+Improvement improve_mesh(TetMesh& mesh,
+                         const PhiField& field,
+                         const LatticeToWorld& to_world,
+                         const Cancellation& cancellation);
+
+}  // namespace tet
