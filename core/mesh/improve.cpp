@@ -1,6 +1,7 @@
 #include "core/mesh/improve.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <vector>
 
@@ -29,7 +30,7 @@ struct AngleSurvey {
   }
 };
 
-AngleSurvey survey_range(const TetMesh& mesh,
+AngleSurvey survey_range(const MeshView& view,
                          const AngleGoal& goal,
                          std::uint64_t begin,
                          std::uint64_t end) {
@@ -38,7 +39,7 @@ AngleSurvey survey_range(const TetMesh& mesh,
   BatchAngles angles;
   for (std::uint64_t first = begin; first < end; first += TetBatch::kSize) {
     const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - first);
-    mesh.load(first, count, batch);
+    view.load(first, count, batch);
     measure_batch(batch, angles);
     for (std::size_t i = 0; i < count; ++i) {
       const AngleRange range{angles.largest_cosine[i], angles.smallest_cosine[i]};
@@ -54,7 +55,7 @@ AngleSurvey survey_angles(const TetMesh& mesh, const AngleGoal& goal) {
   std::vector<AngleSurvey> ranges((tets + kTetsPerRange - 1) / kTetsPerRange);
   for_each_index(ranges.size(), [&](std::size_t r) {
     const std::uint64_t begin = r * kTetsPerRange;
-    ranges[r] = survey_range(mesh, goal, begin, std::min(begin + kTetsPerRange, tets));
+    ranges[r] = survey_range(mesh.view(), goal, begin, std::min(begin + kTetsPerRange, tets));
   });
   AngleSurvey survey;
   for (const AngleSurvey& range : ranges) survey.add(range);
@@ -152,11 +153,17 @@ Improvement improve_mesh(TetMesh& mesh,
                          const PhiField& field,
                          const LatticeToWorld& to_world,
                          const Cancellation& cancellation) {
+  const auto start = std::chrono::steady_clock::now();
   const AngleSurvey survey = survey_angles(mesh, good_angles());
-  if (survey.bad_tets.empty()) return {survey.angles, 0};
-  Sweeper sweeper(mesh, field, to_world, survey);
-  for (int i = 0; i < kSweeps && !cancellation.requested(); ++i) sweeper.sweep();
-  return {survey.angles, sweeper.moved_vertices()};
+  Improvement improvement{.before = survey.angles};
+  if (!survey.bad_tets.empty()) {
+    Sweeper sweeper(mesh, field, to_world, survey);
+    for (int i = 0; i < kSweeps && !cancellation.requested(); ++i) sweeper.sweep();
+    improvement.moved_vertices = sweeper.moved_vertices();
+  }
+  improvement.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return improvement;
 }
 
 }  // namespace tet

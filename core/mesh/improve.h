@@ -18,6 +18,7 @@ inline constexpr double kGoodMinDihedralDeg = 22, kGoodMaxDihedralDeg = 140;
 struct Improvement {
   AngleRange before;  ///< of the whole mesh
   std::uint64_t moved_vertices = 0;
+  double seconds = 0;
 };
 
 /// Moves vertices of tets with angles that are not good, boundary ones along the surface of

@@ -34,7 +34,7 @@ WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
   return {header.origin.x + x, header.origin.y + y, header.origin.z + z};
 }
 
-void TetMesh::load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept {
+void MeshView::load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept {
   for (std::size_t lane = 0; lane < TetBatch::kSize; ++lane) {
     const auto corners = tet(first + std::min(lane, count - 1));
     for (std::size_t k = 0; k < 4; ++k) batch.set(lane, k, stored_position(corners[k]));

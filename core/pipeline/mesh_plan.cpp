@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "core/base/check.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/fill_brick.h"
+#include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
@@ -56,6 +58,20 @@ absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limit
       bricks, bytes, limits.max_plan_bytes));
 }
 
+/// Refuses an improvement for which the mesh could not be kept. It needs the mesh, and for its
+/// poor tets less than as much again, as random signs showed.
+absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
+  const std::uint64_t vertex_bytes = 3 * size_of(header.coordinate_type);
+  const std::uint64_t tet_bytes = 4 * size_of(header.index_type);
+  const std::uint64_t bytes =
+      2 * (header.vertex_count * vertex_bytes + header.tet_count * tet_bytes);
+  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "
+      "spacing, or mesh without improvement",
+      header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
+}
+
 /// Finest-level bricks that hold vertices, as a box of lattice corners.
 VoxelBox corner_box(const CountedMesh& mesh) {
   VoxelBox box{
@@ -92,6 +108,20 @@ WorldBox world_box(const VoxelTransform& lattice, const VoxelBox& box) {
                  std::max(world.max.z, p.z)};
   }
   return world;
+}
+
+/// Improves the mesh, which is whole for as long as that takes.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& plan,
+                                                             const MeshLimits& limits,
+                                                             const Cancellation& cancellation) {
+  if (auto status = check_improvement_budget(plan.header(), limits); !status.ok()) {
+    return status;
+  }
+  absl::StatusOr<FilledMesh> filled = fill_mesh(plan, cancellation, nullptr);
+  if (!filled.ok()) return filled.status();
+  const Improvement improvement = plan.improve(filled->mesh, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  return plan.with_positions(std::move(filled->mesh.positions), improvement);
 }
 
 }  // namespace
@@ -145,7 +175,7 @@ void MeshPlan::Impl::cut_into_chunks() {
   header.chunk_count = first_brick.size() - 1;
 }
 
-MeshPlan::MeshPlan(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+MeshPlan::MeshPlan(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 MeshPlan::~MeshPlan() = default;
 
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
@@ -161,6 +191,18 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   std::span<std::byte> positions,
                                   std::span<std::byte> tets) const noexcept {
+  const QualityStats stats = fill_unimproved(index, workspace, positions, tets);
+  if (!improvement_) return stats;
+  const std::size_t first = chunk(index).first_vertex * 3 * size_of(header().coordinate_type);
+  std::memcpy(positions.data(), positions_.bytes().data() + first, positions.size());
+  return measure_tets(
+      {header().coordinate_type, header().index_type, positions_.bytes(), tets});
+}
+
+QualityStats MeshPlan::fill_unimproved(std::uint64_t index,
+                                       MeshWorkspace& workspace,
+                                       std::span<std::byte> positions,
+                                       std::span<std::byte> tets) const noexcept {
   [[maybe_unused]] const ChunkExtent extent = chunk(index);
   const std::size_t vertex_bytes = 3 * size_of(header().coordinate_type);
   const std::size_t tet_bytes = 4 * size_of(header().index_type);
@@ -180,6 +222,18 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
     tets = tets.subspan(brick_tets * tet_bytes);
   }
   return filler.stats();
+}
+
+Improvement MeshPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
+  return improve_mesh(mesh, impl_->field, impl_->to_world, cancellation);
+}
+
+std::shared_ptr<const MeshPlan> MeshPlan::with_positions(ByteBuffer positions,
+                                                         const Improvement& improvement) const {
+  const auto plan = std::make_shared<MeshPlan>(impl_);
+  plan->positions_ = std::move(positions);
+  plan->improvement_ = improvement;
+  return plan;
 }
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
@@ -232,7 +286,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
   impl->place_in_world(request);
   impl->cut_into_chunks();
-  return std::make_shared<const MeshPlan>(std::move(impl));
+  const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
+  if (!request.improve) return plan;
+  return improve_plan(*plan, limits, cancellation);
 }
 
 }  // namespace tet

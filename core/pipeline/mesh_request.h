@@ -27,6 +27,7 @@ struct MeshRequest {
   std::optional<double> iso;      ///< 0 for level sets and 0.5 for fog volumes unless given
   int levels = kMaxLevels;        ///< octree levels above the finest; 0 is the uniform mesh
   Preset preset = Preset::kDefault;
+  bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
   std::optional<CoordinateType> coordinates;
   /// uint32 unless given, and uint64 where there are more vertices than that can count.
@@ -36,7 +37,8 @@ struct MeshRequest {
 /// Budget of one mesh; a request over it is refused before anything is allocated for it.
 struct MeshLimits {
   std::uint64_t max_tets = 4'000'000'000;
-  /// Memory for what is kept of the bricks near the surface while the mesh is counted and made.
+  /// Memory for what is kept of the bricks near the surface while the mesh is counted and made;
+  /// and, while it is improved for a plan, for the mesh.
   std::uint64_t max_plan_bytes = std::uint64_t{4} << 30;
 };
 
