@@ -23,6 +23,8 @@ Examples:
       graded: finest at the surface, coarser inside
   tetstream mesh bunny.vdb -o bunny.msh --levels 0
       uniform: every tet of the finest size
+  tetstream mesh bunny.vdb -o bunny.vtu --improve --report bunny.json
+      better worst angles, and a report on how much better
   tetstream mesh smoke.vdb -o smoke.vtkhdf --grid density --iso 0.2 --spacing 0.5
       one grid of several, at another density and another size of tets
   tetstream mesh part.stl -o part.vtu --voxel 0.1
@@ -55,6 +57,8 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
                  "Coarser octree levels inside; 0 is uniform [all]");
   app.add_option("--preset", arguments.preset, "Angle bounds: default, min-angle or both-sides")
       ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
+  app.add_flag("--improve", request.improve,
+               "Move vertices, on the surface along it, to better the worst angles");
   app.add_option(
          "--coordinates", arguments.coordinates,
          "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")

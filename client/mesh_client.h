@@ -11,6 +11,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "tetstream/v1/grids.pb.h"
@@ -31,6 +32,7 @@ struct RetryPolicy {
 struct StreamedMesh {
   TetMesh mesh;
   QualityStats quality;
+  std::optional<Improvement> improvement;  ///< where the request asked for it
   std::string mesh_id;
   v1::MeshRequest canonical_request;
 };

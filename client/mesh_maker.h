@@ -1,6 +1,7 @@
 // The two ways to make a mesh: in this process, or on a server. The same bytes either way.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "client/mesh_options.h"
 #include "client/progress_bar.h"
 #include "core/base/cancel.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -22,7 +24,8 @@ struct Stage {
 struct MadeMesh {
   TetMesh mesh;
   QualityStats quality;
-  std::vector<Stage> stages;  ///< in the order they ran
+  std::optional<Improvement> improvement;  ///< where the request asked for it
+  std::vector<Stage> stages;               ///< in the order they ran
 };
 
 absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,

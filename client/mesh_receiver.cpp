@@ -45,6 +45,13 @@ MeshHeader to_core(const v1::MeshHeader& message) {
   return header;
 }
 
+Improvement to_core(const v1::Improvement& message) {
+  return {.min_dihedral_before_deg = message.min_dihedral_before_deg(),
+          .max_dihedral_before_deg = message.max_dihedral_before_deg(),
+          .moved_vertices = unsigned_count(message.moved_vertices()),
+          .seconds = message.seconds()};
+}
+
 bool is_valid(const v1::MeshHeader& header) {
   return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
          is_count(header.chunk_count()) &&
@@ -128,6 +135,7 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
     return bad_stream("it ended before the mesh was whole");
   }
   complete_ = true;
+  if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
   const v1::QualityStats& quality = trailer.quality();
   has_quality_ = trailer.first_chunk() == 0 &&
                  unsigned_count(trailer.end_chunk()) == header.chunk_count &&

@@ -25,6 +25,17 @@ Json json_of(const std::vector<Stage>& stages) {
   return seconds_of;
 }
 
+Json json_of(const Improvement& improvement, const QualityStats& after) {
+  return {
+      {"min_before_deg", improvement.min_dihedral_before_deg},
+      {"max_before_deg", improvement.max_dihedral_before_deg},
+      { "min_after_deg",              after.min_dihedral_deg},
+      { "max_after_deg",              after.max_dihedral_deg},
+      {"moved_vertices",          improvement.moved_vertices},
+      {       "seconds",                 improvement.seconds}
+  };
+}
+
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
@@ -37,7 +48,7 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
 std::string report_json(const MadeMesh& made,
                         const BoundaryTopology& boundary,
                         double seconds) {
-  const Json report{
+  Json report{
       {          "vertices", made.mesh.header.vertex_count},
       {              "tets",    made.mesh.header.tet_count},
       {  "min_dihedral_deg", made.quality.min_dihedral_deg},
@@ -50,6 +61,7 @@ std::string report_json(const MadeMesh& made,
       {          "boundary",             json_of(boundary)},
       {"dihedral_histogram",        made.quality.histogram}
   };
+  if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   return report.dump(2) + "\n";
 }
 

@@ -13,7 +13,9 @@ namespace tet {
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
-/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary.
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary; and
+/// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
+/// seconds) of a mesh that was improved.
 std::string report_json(const MadeMesh& made, const BoundaryTopology& boundary, double seconds);
 
 }  // namespace tet

@@ -85,6 +85,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (request.has_levels()) order.request.levels = request.levels();
   order.request.preset = *preset;
   order.request.coordinates = *coordinates;
+  order.request.improve = request.improve();
   return order;
 }
 
@@ -114,6 +115,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
       order.request.iso.value_or(volume.kind == VolumeKind::kFogVolume ? 0.5 : 0.0));
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
+  canonical.set_improve(order.request.improve);
   const auto coordinates =
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
   if (coordinates) canonical.set_coordinate_type(to_proto(*coordinates));
@@ -123,10 +125,10 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
 std::string mesh_id_of(const v1::MeshRequest& canonical) {
   // Hexadecimal floats say every bit. The grid's name comes last: it may hold anything.
   Sha256 digest;
-  digest.add(absl::StrFormat("tetstream mesh %s\n%s\n%a %a %d %d %d\n%s", kAlgorithmVersion,
+  digest.add(absl::StrFormat("tetstream mesh %s\n%s\n%a %a %d %d %d %d\n%s", kAlgorithmVersion,
                              canonical.name(), canonical.spacing(), canonical.iso(),
                              canonical.levels(), static_cast<int>(canonical.preset()),
-                             static_cast<int>(canonical.coordinate_type()),
+                             static_cast<int>(canonical.coordinate_type()), canonical.improve(),
                              canonical.grid_name()));
   return digest.finish_hex();
 }
@@ -173,6 +175,13 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   set_point(header.bounds.max, *message.mutable_bounds()->mutable_max());
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
+}
+
+void to_proto(const Improvement& improvement, v1::Improvement& message) {
+  message.set_min_dihedral_before_deg(improvement.min_dihedral_before_deg);
+  message.set_max_dihedral_before_deg(improvement.max_dihedral_before_deg);
+  message.set_moved_vertices(signed_count(improvement.moved_vertices));
+  message.set_seconds(improvement.seconds);
 }
 
 void to_proto(const QualityStats& stats, v1::QualityStats& message) {

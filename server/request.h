@@ -7,6 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/grid/load.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesh_request.h"
 #include "tetstream/v1/grids.pb.h"
@@ -51,6 +52,7 @@ v1::IndexType to_proto(IndexType type);
 v1::Preset to_proto(Preset preset);
 void to_proto(const GridInfo& info, v1::GridInfo& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
+void to_proto(const Improvement& improvement, v1::Improvement& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);
 
 }  // namespace tet

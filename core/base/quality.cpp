@@ -64,9 +64,10 @@ void QualityMeter::add_tet(const WorldPoint& a,
                            const WorldPoint& d) noexcept {
   const std::array<Vector, 4> normal = face_normals(a, b, c, d);
   six_volumes_ += dot(from_to(a, b), normal[1]);
-  for (const double cosine : dihedral_cosines(normal)) {
-    angles_.add(cosine);
-    ++histogram_[kBinOf(cosine)];
+  const std::array<double, 6> cosines = dihedral_cosines(normal);
+  for (std::size_t edge = 0; edge < 6; ++edge) {
+    angles_.add(cosines[edge]);
+    ++histograms_[edge][kBinOf(cosines[edge])];
   }
 }
 
@@ -74,13 +75,17 @@ void QualityMeter::add_batch(const BatchAngles& angles, std::size_t count) noexc
   for (std::size_t i = 0; i < count; ++i) {
     six_volumes_ += angles.six_volumes[i];
     angles_.add({angles.largest_cosine[i], angles.smallest_cosine[i]});
-    for (const auto& cosine : angles.cosine) ++histogram_[kBinOf(cosine[i])];
+    for (std::size_t edge = 0; edge < 6; ++edge) {
+      ++histograms_[edge][kBinOf(angles.cosine[edge][i])];
+    }
   }
 }
 
 QualityStats QualityMeter::stats() const noexcept {
   QualityStats stats;
-  stats.histogram = histogram_;
+  for (const auto& histogram : histograms_) {
+    for (std::size_t d = 0; d < histogram.size(); ++d) stats.histogram[d] += histogram[d];
+  }
   stats.volume = six_volumes_ / 6;
   if (angles_.empty()) return stats;
   stats.min_dihedral_deg = degrees_of(angles_.largest_cosine);

@@ -45,7 +45,9 @@ class QualityMeter {
   QualityStats stats() const noexcept;
 
  private:
-  std::array<std::uint64_t, QualityStats::kBins> histogram_{};
+  /// One histogram for each of a tet's edges: tets in a row are often alike, and counting into
+  /// one bin again and again waits for the last store each time.
+  std::array<std::array<std::uint64_t, QualityStats::kBins>, 6> histograms_{};
   AngleRange angles_;
   double six_volumes_ = 0;
 };

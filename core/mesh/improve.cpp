@@ -155,7 +155,11 @@ Improvement improve_mesh(TetMesh& mesh,
                          const Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const AngleSurvey survey = survey_angles(mesh, good_angles());
-  Improvement improvement{.before = survey.angles};
+  Improvement improvement;
+  if (!survey.angles.empty()) {
+    improvement.min_dihedral_before_deg = degrees_of(survey.angles.largest_cosine);
+    improvement.max_dihedral_before_deg = degrees_of(survey.angles.smallest_cosine);
+  }
   if (!survey.bad_tets.empty()) {
     Sweeper sweeper(mesh, field, to_world, survey);
     for (int i = 0; i < kSweeps && !cancellation.requested(); ++i) sweeper.sweep();

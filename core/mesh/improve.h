@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "core/base/cancel.h"
-#include "core/base/dihedral.h"
 #include "core/grid/phi_field.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
@@ -15,8 +14,10 @@ namespace tet {
 /// quicker; with this one meshes of resolved solids end above 20 degrees.
 inline constexpr double kGoodMinDihedralDeg = 22, kGoodMaxDihedralDeg = 140;
 
+/// Angles are those of the whole mesh.
 struct Improvement {
-  AngleRange before;  ///< of the whole mesh
+  double min_dihedral_before_deg = 180;
+  double max_dihedral_before_deg = 0;
   std::uint64_t moved_vertices = 0;
   double seconds = 0;
 };

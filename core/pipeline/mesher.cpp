@@ -40,9 +40,11 @@ absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
   result.fill_seconds = seconds_since(start);
 
   if (!request.improve) return result;
+  start = Clock::now();
   result.improvement = (*plan)->improve(result.mesh, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   result.quality = measure_chunks(**plan, result.mesh);
+  result.improve_seconds = seconds_since(start);
   if (progress) progress(1);
   return result;
 }

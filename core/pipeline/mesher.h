@@ -17,6 +17,7 @@ struct MeshResult {
   std::optional<Improvement> improvement;  ///< where the request asks for it
   double plan_seconds = 0;                 ///< survey, octree and count
   double fill_seconds = 0;
+  double improve_seconds = 0;  ///< and to measure what it improved
 };
 
 /// Plans and fills a mesh on `pool`, and improves it where the request asks for it. Errors:

@@ -10,7 +10,8 @@ namespace tet {
 namespace {
 
 MadeMesh made_cube() {
-  MadeMesh made{.mesh = kuhn_mesh(1), .quality = {}, .stages = {{"planning", 0.5}}};
+  MadeMesh made{
+      .mesh = kuhn_mesh(1), .quality = {}, .improvement = {}, .stages = {{"planning", 0.5}}};
   made.quality = measure_quality(made.mesh);
   return made;
 }
@@ -31,6 +32,25 @@ TEST(MeshReport, HasTheKeysThatScriptsReadAndTheirValues) {
   EXPECT_EQ(report["boundary"]["non_manifold_edges"], 0);
   EXPECT_EQ(report["boundary"]["non_manifold_vertices"], 0);
   EXPECT_EQ(report["dihedral_histogram"].size(), 180U);
+}
+
+TEST(MeshReport, TellsWhatAnImprovementDid) {
+  MadeMesh made = made_cube();
+  const auto parsed = [&] {
+    return nlohmann::json::parse(report_json(made, measure_boundary(made.mesh), 1));
+  };
+  EXPECT_FALSE(parsed().contains("improvement"));
+  made.improvement = {.min_dihedral_before_deg = 30,
+                      .max_dihedral_before_deg = 100,
+                      .moved_vertices = 4,
+                      .seconds = 0.25};
+  const auto improvement = parsed()["improvement"];
+  EXPECT_EQ(improvement["min_before_deg"], 30);
+  EXPECT_EQ(improvement["max_before_deg"], 100);
+  EXPECT_EQ(improvement["min_after_deg"], made.quality.min_dihedral_deg);
+  EXPECT_EQ(improvement["max_after_deg"], made.quality.max_dihedral_deg);
+  EXPECT_EQ(improvement["moved_vertices"], 4);
+  EXPECT_EQ(improvement["seconds"], 0.25);
 }
 
 TEST(MeshReport, SumsUpInOneLine) {

@@ -63,8 +63,8 @@ TEST(Improve, RaisesTheSmallestAngleAndLowersTheLargest) {
     EXPECT_LT(after.max_dihedral_deg, before.max_dihedral_deg);
     EXPECT_NEAR(after.volume, before.volume, 1e-4);
     EXPECT_TRUE(check_conformity(mesh).conforming()) << check_conformity(mesh).describe();
-    EXPECT_DOUBLE_EQ(degrees_of(improvement.before.largest_cosine), before.min_dihedral_deg);
-    EXPECT_DOUBLE_EQ(degrees_of(improvement.before.smallest_cosine), before.max_dihedral_deg);
+    EXPECT_EQ(improvement.min_dihedral_before_deg, before.min_dihedral_deg);
+    EXPECT_EQ(improvement.max_dihedral_before_deg, before.max_dihedral_deg);
   }
 }
 

@@ -102,9 +102,8 @@ TEST(ImprovedMesh, ReportsWhatItsBytesHaveAndWhatTheyHadBefore) {
     EXPECT_EQ(improved.quality.histogram, after.histogram);
     EXPECT_NEAR(improved.quality.volume, after.volume, 1e-9 * after.volume);
     ASSERT_TRUE(improved.improvement.has_value());
-    const AngleRange& range = improved.improvement->before;
-    EXPECT_EQ(degrees_of(range.largest_cosine), before.min_dihedral_deg);
-    EXPECT_EQ(degrees_of(range.smallest_cosine), before.max_dihedral_deg);
+    EXPECT_EQ(improved.improvement->min_dihedral_before_deg, before.min_dihedral_deg);
+    EXPECT_EQ(improved.improvement->max_dihedral_before_deg, before.max_dihedral_deg);
     EXPECT_GT(improved.improvement->moved_vertices, 0U);
   }
 }
