@@ -81,6 +81,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   capabilities.set_algorithm_version(kAlgorithmVersion);
   add_preset(capabilities, v1::PRESET_DEFAULT, 11.3, 154.9);
   add_preset(capabilities, v1::PRESET_MIN_ANGLE, 11.8, 161.2);
+  add_preset(capabilities, v1::PRESET_BOTH_SIDES, 9.4, 157.7);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT32);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
   capabilities.set_max_chunk_bytes(std::int64_t{kChunkBytes});

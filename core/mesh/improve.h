@@ -22,13 +22,14 @@ struct Improvement {
   double seconds = 0;
 };
 
-/// Moves vertices of tets with angles that are not good, boundary ones along the surface of
-/// `field`, until those angles are or nothing helps. The tets stay the same and positive.
+/// Moves vertices of tets with angles that are not good until those angles are or nothing
+/// helps. The tets stay the same and positive.
 ///
 /// The smallest angle of the mesh never falls and the largest never grows; no star gets an
-/// angle that is both worse than all it had and not good. A vertex goes half a spacing at most;
-/// on the surface it stays within 1e-4 spacings of phi = 0, and where the boundary is farther
-/// from it than that it does not move. Parallel; one result for any number of threads. Stops
+/// angle that is both worse than all it had and not good. A vertex goes half a spacing at most.
+/// One on the surface of `field` (the boundary, or between regions) stays there, within 1e-4
+/// spacings. Those on the box around two regions do not move, nor does a boundary that is off
+/// the surface. Parallel; one result for any number of threads. Stops
 /// early when cancelled, at any valid mesh.
 Improvement improve_mesh(TetMesh& mesh,
                          const PhiField& field,

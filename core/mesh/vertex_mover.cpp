@@ -45,16 +45,26 @@ const std::array<Vector, 14> kWays = ways_to_go();
 
 double length(const Vector& v) noexcept { return std::sqrt(dot(v, v)); }
 
-/// XOR of hashes of the faces around a vertex, as seen from each tet: inner ones cancel, so
-/// zero means that all are, but for an accident once in 2^64.
-std::uint64_t boundary_hash(const TetMesh& mesh, std::span<const TetCorner> star) noexcept {
-  std::uint64_t hash = 0;
+/// What the faces around a vertex say, by XOR of their hashes as seen from each tet: those
+/// seen twice cancel, so zero means that all are, but for an accident once in 2^64.
+struct FacesAround {
+  std::uint64_t all = 0;
+  std::uint64_t outside = 0;  ///< of the outside region's tets alone
+
+  bool on_boundary() const noexcept { return all != 0; }
+  bool between_regions() const noexcept { return outside != 0; }
+};
+
+FacesAround faces_around(const TetMesh& mesh, std::span<const TetCorner> star) noexcept {
+  FacesAround faces;
   for (const TetCorner corner : star) {
     const Triangle link = face_of(mesh.tet(corner.tet()), corner.corner());
     const std::uint64_t a = mix_bits(link[0]), b = mix_bits(link[1]), c = mix_bits(link[2]);
-    hash ^= mix_bits(a + b) ^ mix_bits(b + c) ^ mix_bits(c + a);
+    const std::uint64_t hash = mix_bits(a + b) ^ mix_bits(b + c) ^ mix_bits(c + a);
+    faces.all ^= hash;
+    if (mesh.region(corner.tet()) == MeshRegion::kOutside) faces.outside ^= hash;
   }
-  return hash;
+  return faces;
 }
 
 }  // namespace
@@ -73,7 +83,11 @@ VertexMover::VertexMover(const TetMesh& mesh,
 
 VertexMover::Freedom VertexMover::freedom_of(std::span<const TetCorner> star,
                                              const WorldPoint& place) noexcept {
-  if (boundary_hash(mesh_, star) == 0) return Freedom::kAnywhere;
+  const FacesAround faces = faces_around(mesh_, star);
+  // Where both sides are meshed the surface runs between them, and the boundary is a box.
+  const bool on_box = mesh_.header.has_regions && faces.on_boundary();
+  if (on_box) return Freedom::kNowhere;
+  if (!faces.on_boundary() && !faces.between_regions()) return Freedom::kAnywhere;
   const PhiSlope here = projector_.at(place);
   slope_ = here.gradient;
   return projector_.is_on_surface(here) ? Freedom::kSurface : Freedom::kNowhere;

@@ -41,9 +41,9 @@ class VertexMover {
  private:
   /// Where a vertex may go.
   enum class Freedom : std::uint8_t {
-    kAnywhere,  // inside
-    kSurface,   // on the boundary, which is the surface there
-    kNowhere,   // on the boundary, but not on the surface
+    kAnywhere,  // within a region
+    kSurface,   // on the boundary or between regions, which is on the surface there
+    kNowhere,   // there, but not on the surface; or on the box around both sides
   };
 
   Freedom freedom_of(std::span<const TetCorner> star, const WorldPoint& place) noexcept;

@@ -28,8 +28,7 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
   for_each_range(chunks, 1, [&](std::size_t begin, std::size_t end) {
     MeshWorkspace workspace;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      const ChunkExtent extent = plan.chunk(i);
-      stats[i] = plan.fill_chunk(i, workspace, mesh.positions_of(extent), mesh.tets_of(extent));
+      stats[i] = plan.fill_chunk(i, workspace, mesh.columns_of(plan.chunk(i)));
       if (progress) progress(static_cast<double>(++done) / static_cast<double>(chunks));
     }
   });
@@ -41,9 +40,9 @@ QualityStats measure_chunks(const MeshPlan& plan, const TetMesh& mesh) {
   std::vector<QualityStats> stats(plan.header().chunk_count);
   for_each_index(stats.size(), [&](std::size_t i) {
     const ChunkExtent extent = plan.chunk(i);
-    const std::size_t row = 4 * size_of(mesh.header.index_type);
+    const std::size_t first = ChunkSizes(mesh.header, 0, extent.first_tet).tets;
     MeshView chunk = mesh.view();
-    chunk.tets = chunk.tets.subspan(extent.first_tet * row, extent.tet_count * row);
+    chunk.tets = chunk.tets.subspan(first, ChunkSizes(mesh.header, 0, extent.tet_count).tets);
     stats[i] = measure_tets(chunk);
   });
   return sum_of(stats);

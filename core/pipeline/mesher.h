@@ -14,8 +14,9 @@ namespace tet {
 struct MeshResult {
   TetMesh mesh;
   QualityStats quality;
-  std::optional<Improvement> improvement;  ///< where the request asks for it
-  double plan_seconds = 0;                 ///< survey, octree and count
+  std::optional<Improvement> improvement;    ///< where the request asks for it
+  std::optional<BoundaryTopology> boundary;  ///< see MeshPlan::boundary
+  double plan_seconds = 0;                   ///< survey, octree and count
   double fill_seconds = 0;
   double improve_seconds = 0;  ///< and to measure what it improved
 };

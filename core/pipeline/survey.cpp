@@ -3,10 +3,13 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <absl/status/status.h>
 
 #include "core/base/parallel.h"
+#include "core/pipeline/manifold.h"
+#include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
@@ -16,31 +19,116 @@ constexpr std::size_t kBricksPerRange = 8;
 struct SurveyedBrick {
   StuffedBrick stuffed;
   BrickMask finest;
+  FanMasks fans;
+  SurveyedSurface surface;
+  bool at_domain_face = false;  ///< some tet near a face of the domain is cut or moved
 };
 
-/// Nothing when every node in reach is `+`, or none is.
+struct SurveyWorkspace {
+  StuffingWorkspace stuffing;
+  SurfaceWorkspace surface;
+};
+
+bool holds(const BrickBox& box, BrickCoord b) noexcept {
+  return b.x >= box.min.x && b.x <= box.max.x && b.y >= box.min.y && b.y <= box.max.y &&
+         b.z >= box.min.z && b.z <= box.max.z;
+}
+
+/// Cells of a brick and its halo that a domain holds.
+HaloSet domain_cells(const BrickBox& domain, BrickCoord brick) noexcept {
+  HaloSet cells;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (!holds(domain, {brick.x + x, brick.y + y, brick.z + z})) continue;
+        add_brick(cells, BrickMask::all(), x, y, z);
+      }
+    }
+  }
+  return cells;
+}
+
+/// Cells of a brick of the domain that lie at one of its faces.
+BrickMask outermost_cells(const BrickBox& domain, BrickCoord b) noexcept {
+  BrickMask cells;
+  for_each_bit(BrickMask::all(), [&](int x, int y, int z) {
+    const auto outermost = [](std::int32_t brick, int i, std::int32_t min, std::int32_t max) {
+      return (brick == min && i == 0) || (brick == max && i == kBrickEdge - 1);
+    };
+    if (outermost(b.x, x, domain.min.x, domain.max.x) ||
+        outermost(b.y, y, domain.min.y, domain.max.y) ||
+        outermost(b.z, z, domain.min.z, domain.max.z)) {
+      cells.set(x, y, z);
+    }
+  });
+  return cells;
+}
+
+FanMasks fans_within(const BrickBox& domain,
+                     BrickCoord brick,
+                     const StuffingRules& rules,
+                     const StuffedLattice& lattice) noexcept {
+  const FinestNodes nodes{.plus = lattice.warped.plus,
+                          .zero = lattice.warped.zero,
+                          .leaf = domain_cells(domain, brick)};
+  return find_fans(lattice, nodes, rules);
+}
+
+/// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
-                                          const WarpLimits& limits,
-                                          StuffingWorkspace& workspace) {
-  if (!stuff_brick(sampler, brick, limits, workspace)) return std::nullopt;
-  const WarpedLattice& warped = workspace.lattice.warped;
-  if (!has_both_sides(warped)) return std::nullopt;
-  return SurveyedBrick{keep_brick(warped), with_siblings(stuffed_cells(warped))};
+                                          const MeshedSpace& space,
+                                          const RestoredNodes* restored,
+                                          SurveyWorkspace& workspace) {
+  const StuffingRules& rules = space.rules;
+  if (!stuff_brick(sampler, brick, rules, restored, workspace.stuffing)) return std::nullopt;
+  const StuffedLattice& lattice = workspace.stuffing.lattice;
+  if (!touches_surface(lattice.warped, rules)) return std::nullopt;
+  SurveyedBrick found;
+  found.stuffed = keep_brick(lattice.warped, rules);
+  // A brick beyond the domain may own corners on its faces, but has no cell in it.
+  if (space.domain && !holds(*space.domain, brick)) return found;
+  const BrickMask stuffed = stuffed_cells(lattice.warped, rules);
+  found.finest = with_siblings(stuffed);
+  found.surface = survey_surface(lattice.warped, workspace.surface);
+  if (!space.domain) return found;
+  found.fans = fans_within(*space.domain, brick, rules, lattice);
+  found.at_domain_face = (stuffed & outermost_cells(*space.domain, brick)).any();
+  return found;
+}
+
+/// Gathers what was found, in the order of the bricks.
+Survey gather(const std::vector<BrickCoord>& candidates,
+              std::vector<std::optional<SurveyedBrick>>& found,
+              bool both_sides) {
+  Survey survey;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!found[i]) continue;
+    survey.bricks.push_back(candidates[i]);
+    survey.stuffed.push_back(found[i]->stuffed);
+    survey.finest.push_back(found[i]->finest);
+    if (both_sides) survey.fans.push_back(found[i]->fans);
+    survey.surface.add(found[i]->surface.counts);
+    survey.parts.push_back(std::move(found[i]->surface.parts));
+    survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
+  }
+  return survey;
 }
 
 }  // namespace
 
 bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
-                 const WarpLimits& limits,
+                 const StuffingRules& rules,
+                 const RestoredNodes* restored,
                  StuffingWorkspace& workspace) noexcept {
   StuffedLattice& lattice = workspace.lattice;
   sampler.sample(brick, workspace.samples);
   find_signs(workspace.samples, lattice.cuts.signs);
   if (lattice.cuts.signs.one_sided()) return false;
   find_cut_points(workspace.samples, sampler, brick, lattice.cuts);
-  warp_lattice(lattice.cuts, limits, lattice.warped);
+  warp_lattice(lattice.cuts, rules.limits, lattice.warped);
+  if (restored != nullptr) restore_nodes(restored->around(brick), rules.limits, lattice);
   return true;
 }
 
@@ -63,28 +151,29 @@ absl::Status check_cancelled(const Cancellation& cancellation) {
 
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
-                                     const WarpLimits& limits,
+                                     const MeshedSpace& space,
                                      const Cancellation& cancellation,
                                      MeshProgress* progress) {
   if (progress != nullptr) progress->total = candidates.size();
+  std::shared_ptr<const RestoredNodes> restored;
+  if (space.manifold) {
+    auto nodes = find_nodes_to_restore(field, candidates, space.rules, cancellation);
+    if (!nodes.ok()) return nodes.status();
+    restored = *std::move(nodes);
+  }
   std::vector<std::optional<SurveyedBrick>> found(candidates.size());
   for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
-    const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
+    const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      found[i] = survey_brick(sampler, candidates[i], limits, *workspace);
+      found[i] = survey_brick(sampler, candidates[i], space, restored.get(), *workspace);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
-  Survey survey;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!found[i]) continue;
-    survey.bricks.push_back(candidates[i]);
-    survey.stuffed.push_back(found[i]->stuffed);
-    survey.finest.push_back(found[i]->finest);
-  }
+  Survey survey = gather(candidates, found, space.rules.both_sides);
+  survey.restored = std::move(restored);
   return survey;
 }
 
