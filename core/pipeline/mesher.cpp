@@ -37,6 +37,7 @@ absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
   if (!filled.ok()) return filled.status();
   result.mesh = std::move(filled->mesh);
   result.quality = filled->quality;
+  result.thin_walls = (*plan)->thin_walls();
   result.boundary = (*plan)->boundary();
   result.fill_seconds = seconds_since(start);
 

@@ -14,7 +14,8 @@ namespace tet {
 struct MeshResult {
   TetMesh mesh;
   QualityStats quality;
-  std::optional<Improvement> improvement;    ///< where the request asks for it
+  std::optional<Improvement> improvement;  ///< where the request asks for it
+  ThinWalls thin_walls;
   std::optional<BoundaryTopology> boundary;  ///< see MeshPlan::boundary
   double plan_seconds = 0;                   ///< survey, octree and count
   double fill_seconds = 0;

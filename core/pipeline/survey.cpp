@@ -29,6 +29,20 @@ struct SurveyWorkspace {
   SurfaceWorkspace surface;
 };
 
+/// Where the lattice is too coarse for a brick's walls; empty for nearly every brick.
+ThinSpots find_thin_spots(PhiSampler& sampler,
+                          BrickCoord brick,
+                          bool stuffed,
+                          const StuffingWorkspace& workspace) {
+  ThinSpots spots;
+  if (stuffed) find_thin_nodes(workspace.samples, workspace.lattice.cuts, spots);
+  // Between nodes of a finer lattice the field has no more to say than at them.
+  if (sampler.field().spacing_voxels > 1) {
+    find_thin_edges(workspace.samples, sampler, brick, spots);
+  }
+  return spots;
+}
+
 bool holds(const BrickBox& box, BrickCoord b) noexcept {
   return b.x >= box.min.x && b.x <= box.max.x && b.y >= box.min.y && b.y <= box.max.y &&
          b.z >= box.min.z && b.z <= box.max.z;
@@ -74,26 +88,38 @@ FanMasks fans_within(const BrickBox& domain,
   return find_fans(lattice, nodes, rules);
 }
 
+/// True where every node that was inside has moved onto the surface. The samples alone would
+/// then take some of the brick for inside.
+bool lost_its_inside(const StuffedLattice& lattice) noexcept {
+  constexpr HaloSet kOwn = halo_cube(0, 7);
+  const WarpedLattice& warped = lattice.warped;
+  return !warped.plus[kCorner].any() && !warped.plus[kCentre].any() &&
+         (lattice.cuts.signs.inside[kCorner] & kOwn).any();
+}
+
 /// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
                                           const MeshedSpace& space,
                                           const RestoredNodes* restored,
-                                          SurveyWorkspace& workspace) {
+                                          SurveyWorkspace& workspace,
+                                          ThinSpots& spots) {
   const StuffingRules& rules = space.rules;
-  if (!stuff_brick(sampler, brick, rules, restored, workspace.stuffing)) return std::nullopt;
+  const bool stuffed = stuff_brick(sampler, brick, rules, restored, workspace.stuffing);
+  spots = find_thin_spots(sampler, brick, stuffed, workspace.stuffing);
+  if (!stuffed) return std::nullopt;
   const StuffedLattice& lattice = workspace.stuffing.lattice;
-  if (!touches_surface(lattice.warped, rules)) return std::nullopt;
+  if (!touches_surface(lattice.warped, rules) && !lost_its_inside(lattice)) return std::nullopt;
   SurveyedBrick found;
   found.stuffed = keep_brick(lattice.warped, rules);
   // A brick beyond the domain may own corners on its faces, but has no cell in it.
   if (space.domain && !holds(*space.domain, brick)) return found;
-  const BrickMask stuffed = stuffed_cells(lattice.warped, rules);
-  found.finest = with_siblings(stuffed);
+  const BrickMask cells = stuffed_cells(lattice.warped, rules);
+  found.finest = with_siblings(cells);
   found.surface = survey_surface(lattice.warped, workspace.surface);
   if (!space.domain) return found;
   found.fans = fans_within(*space.domain, brick, rules, lattice);
-  found.at_domain_face = (stuffed & outermost_cells(*space.domain, brick)).any();
+  found.at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
   return found;
 }
 
@@ -162,11 +188,14 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     restored = *std::move(nodes);
   }
   std::vector<std::optional<SurveyedBrick>> found(candidates.size());
+  std::vector<std::unique_ptr<ThinSpots>> thin(candidates.size());  // null where there are none
   for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
     const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
+    ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      found[i] = survey_brick(sampler, candidates[i], space, restored.get(), *workspace);
+      found[i] = survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+      if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
   });
@@ -174,6 +203,9 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
 
   Survey survey = gather(candidates, found, space.rules.both_sides);
   survey.restored = std::move(restored);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (thin[i]) survey.thin.push_back({candidates[i], *thin[i]});
+  }
   return survey;
 }
 

@@ -12,6 +12,7 @@
 #include "core/grid/find_bricks.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/mesh_plan.h"
+#include "core/pipeline/thin_walls.h"
 #include "core/stuffing/fill.h"
 #include "core/stuffing/restored_nodes.h"
 #include "core/stuffing/stuffed_brick.h"
@@ -39,6 +40,7 @@ struct Survey {
   std::vector<StuffedBrick> stuffed;
   std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
   std::vector<FanMasks> fans;     ///< where both sides are meshed; empty otherwise
+  std::vector<ThinBrick> thin;    ///< sorted; few, and not all of them among `bricks`
   std::shared_ptr<const RestoredNodes> restored;  ///< may be null
 
   SurfaceCounts surface;
@@ -53,7 +55,8 @@ struct Survey {
 /// Memory that a brick takes at most until the mesh is made: while the survey runs it is held
 /// twice.
 inline constexpr std::uint64_t kSurveyBytesPerBrick =
-    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(FanMasks)) +
+    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(FanMasks) +
+         sizeof(ThinBrick)) +
     128 * sizeof(SurfaceLink);
 
 /// What is meshed: both sides of the surface within a domain, or the inside alone.

@@ -1,13 +1,12 @@
 #include "core/stuffing/node_link.h"
 
+#include <array>
 #include <bit>
+#include <cstddef>
+#include <cstdint>
 
 namespace tet {
 namespace {
-
-bool has(DirectionSet set, std::size_t direction) noexcept {
-  return (set >> direction & 1) != 0;
-}
 
 template <class Visit>
 void for_each_direction(DirectionSet set, const Visit& visit) {
@@ -16,61 +15,95 @@ void for_each_direction(DirectionSet set, const Visit& visit) {
   }
 }
 
-/// Boundary triangles at the edge between two zero nodes. Around it lie tets of two ring nodes
-/// each: `+` and `+`, or `+` and `0`, are inside; the surface runs through `+` and `-`.
-int triangles_at_edge(const NodeLink& link, std::size_t direction) noexcept {
-  const auto& ring = kRing[direction];
-  int triangles = 0;
-  for (std::size_t i = 0; i < ring.size; ++i) {
-    const std::size_t at = ring.direction[i];
-    const std::size_t next = ring.direction[i + 1 == ring.size ? 0 : i + 1];
-    const bool plus = has(link.plus, at), next_plus = has(link.plus, next);
-    if (has(link.zero, at)) {
-      const std::size_t before = ring.direction[i == 0 ? ring.size - 1 : i - 1];
-      if (has(link.plus, before) != next_plus) ++triangles;
-    } else if (!has(link.zero, next) && plus != next_plus) {
-      ++triangles;
+/// A ring as bits in its cyclic order, of 4 or 6.
+using RingSet = unsigned;
+
+/// Reads a ring out of a set of directions, seven of them at a time.
+class RingReader {
+ public:
+  constexpr RingReader() {
+    for (std::size_t d = 0; d < kDirections; ++d) {
+      for (unsigned half = 0; half < 2; ++half) {
+        for (unsigned bits = 0; bits < 128; ++bits) {
+          ring_[d][half][bits] = read(kRing[d], bits << (7 * half));
+        }
+      }
     }
   }
-  return triangles;
+  RingSet operator()(DirectionSet set, std::size_t direction) const noexcept {
+    return ring_[direction][0][set & 127U] | ring_[direction][1][set >> 7];
+  }
+
+ private:
+  static constexpr std::uint8_t read(const internal::Ring& ring, unsigned set) {
+    unsigned bits = 0;
+    for (std::size_t i = 0; i < ring.size; ++i) bits |= (set >> ring.direction[i] & 1) << i;
+    return static_cast<std::uint8_t>(bits);
+  }
+  std::array<std::array<std::array<std::uint8_t, 128>, 2>, kDirections> ring_{};
+};
+constexpr RingReader kReadRing;
+
+/// The edge to a zero node, seen along itself: around it lie tets of two ring nodes each. `+`
+/// and
+/// `+`, or `+` and `0`, are inside; the surface runs through `+` and `-`.
+struct EdgeRing {
+  RingSet plus, zero;
+  std::size_t size;
+
+  RingSet next(RingSet set) const noexcept {
+    return (set >> 1 | set << (size - 1)) & ((1U << size) - 1);
+  }
+  RingSet before(RingSet set) const noexcept {
+    return (set << 1 | set >> (size - 1)) & ((1U << size) - 1);
+  }
+  int triangles() const noexcept {
+    const RingSet at_faces = zero & (before(plus) ^ next(plus));
+    const RingSet within_tets = ~zero & ~next(zero) & (plus ^ next(plus));
+    return std::popcount(at_faces) + std::popcount(within_tets & ((1U << size) - 1));
+  }
+  /// Ring nodes that are zero and lie between two `+`: their faces are inside.
+  RingSet inner_faces() const noexcept { return zero & before(plus) & next(plus); }
+};
+
+EdgeRing ring_of(const NodeLink& link, std::size_t direction) noexcept {
+  return {kReadRing(link.plus, direction), kReadRing(link.zero, direction),
+          kRing[direction].size};
 }
 
 /// Vertices - edges + triangles of the part of the link that lies between `+` nodes.
 int euler_characteristic(DirectionSet plus) noexcept {
   int vertices = 0, edge_ends = 0, triangle_corners = 0;
   for_each_direction(plus, [&](std::size_t d) {
+    const EdgeRing ring = ring_of({plus, 0}, d);
     ++vertices;
-    edge_ends += std::popcount(static_cast<unsigned>(plus & kLinkNeighbours[d]));
-    const auto& ring = kRing[d];
-    for (std::size_t i = 0; i < ring.size; ++i) {
-      const std::size_t next = ring.direction[i + 1 == ring.size ? 0 : i + 1];
-      triangle_corners += has(plus, ring.direction[i]) && has(plus, next);
-    }
+    edge_ends += std::popcount(ring.plus);
+    triangle_corners += std::popcount(ring.plus & ring.next(ring.plus));
   });
   return vertices - edge_ends / 2 + triangle_corners / 3;
 }
 
 /// Zero nodes of the link that lie within the inside, and the edges between zero nodes that do.
 struct InnerZeros {
-  int nodes = 0, edges = 0;
+  int nodes = 0, edge_ends = 0;
   std::array<DirectionSet, kDirections> beyond{};  ///< `+` nodes joined across such edges
+
+  void join(std::size_t a, std::size_t b) noexcept {
+    beyond[a] = static_cast<DirectionSet>(beyond[a] | (1U << b));
+    beyond[b] = static_cast<DirectionSet>(beyond[b] | (1U << a));
+  }
 };
 
 InnerZeros inner_zeros(const NodeLink& link) noexcept {
   InnerZeros inner;
   for_each_direction(link.zero, [&](std::size_t z) {
-    const bool beside_plus = (link.plus & kLinkNeighbours[z]) != 0;
-    if (beside_plus && triangles_at_edge(link, z) == 0) ++inner.nodes;
-    const auto& ring = kRing[z];
-    for (std::size_t i = 0; i < ring.size; ++i) {
-      const std::size_t other = ring.direction[i];
-      if (other < z || !has(link.zero, other)) continue;
-      const std::size_t a = ring.direction[i == 0 ? ring.size - 1 : i - 1];
-      const std::size_t b = ring.direction[i + 1 == ring.size ? 0 : i + 1];
-      if (!has(link.plus, a) || !has(link.plus, b)) continue;
-      ++inner.edges;
-      inner.beyond[a] = static_cast<DirectionSet>(inner.beyond[a] | (1U << b));
-      inner.beyond[b] = static_cast<DirectionSet>(inner.beyond[b] | (1U << a));
+    const EdgeRing ring = ring_of(link, z);
+    if (ring.plus != 0 && ring.triangles() == 0) ++inner.nodes;
+    for (RingSet faces = ring.inner_faces(); faces != 0; faces &= faces - 1) {
+      const auto at = static_cast<std::size_t>(std::countr_zero(faces));
+      ++inner.edge_ends;  // each edge is met from both of its ends
+      inner.join(kRing[z].direction[(at + ring.size - 1) % ring.size],
+                 kRing[z].direction[(at + 1) % ring.size]);
     }
   });
   return inner;
@@ -99,7 +132,7 @@ int components(DirectionSet plus, const InnerZeros& inner) noexcept {
 SurfaceAtNode surface_at(const NodeLink& link) noexcept {
   SurfaceAtNode surface;
   for_each_direction(link.zero, [&](std::size_t d) {
-    const int pairs = triangles_at_edge(link, d) / 2;
+    const int pairs = ring_of(link, d).triangles() / 2;
     if (pairs <= 1) return;
     surface.manifold = false;
     if (d >= kOwnedDirections) return;
@@ -109,7 +142,7 @@ SurfaceAtNode surface_at(const NodeLink& link) noexcept {
   // The inside, on the sphere, is an open surface: its parts have 2 * parts - chi ends in all,
   // and each end is a cycle of boundary triangles.
   const InnerZeros inner = inner_zeros(link);
-  const int chi = euler_characteristic(link.plus) + inner.nodes - inner.edges;
+  const int chi = euler_characteristic(link.plus) + inner.nodes - inner.edge_ends / 2;
   const int cycles = 2 * components(link.plus, inner) - chi;
   surface.on_surface = cycles > 0;
   if (cycles > 1) surface.manifold = false;

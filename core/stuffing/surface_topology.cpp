@@ -209,31 +209,38 @@ void for_each_vertex(SurfaceWorkspace& workspace, const Visit& visit) {
   }
 }
 
-/// Parts are numbered in the order of their first vertices.
+/// A flat piece of surface through a brick has about this many.
+constexpr std::size_t kUsualLinks = 128;
+
+/// Finds the parts and numbers them in the order of their first vertices; returns how many
+/// vertices the brick has.
 std::uint64_t find_parts(SurfaceWorkspace& workspace, SurfaceParts& parts) {
   std::vector<std::uint16_t> roots;
   const auto part_of = [&](std::uint16_t root) {
-    return static_cast<std::size_t>(std::find(roots.begin(), roots.end(), root) -
-                                    roots.begin());
+    return static_cast<std::uint16_t>(std::find(roots.begin(), roots.end(), root) -
+                                      roots.begin());
   };
   std::uint64_t vertices = 0;
-  for_each_vertex(workspace, [&](std::size_t slot, int index, std::uint16_t root) {
+  for_each_vertex(workspace, [&](std::size_t, int index, std::uint16_t root) {
     if (!kOwnNodes.test(index)) return;
     ++vertices;
-    const std::size_t part = part_of(root);
-    if (part == roots.size()) roots.push_back(root);
-    parts.part_of.push_back({element_of(slot, Owner(index)), static_cast<std::uint16_t>(part)});
-  });
-  constexpr std::array<std::int8_t, 3> kHere{0, 0, 0};
-  for_each_vertex(workspace, [&](std::size_t slot, int index, std::uint16_t root) {
-    const Owner owner(index);
-    const std::size_t part = part_of(root);
-    if (owner.brick <= kHere || part == roots.size()) return;
-    parts.links.push_back(
-        {owner.brick, element_of(slot, owner), static_cast<std::uint16_t>(part)});
+    if (part_of(root) == roots.size()) roots.push_back(root);
   });
   parts.count = static_cast<std::uint16_t>(roots.size());
-  if (parts.count < 2) parts.part_of = {};
+  constexpr std::array<std::int8_t, 3> kHere{0, 0, 0};
+  parts.links.reserve(kUsualLinks);
+  for_each_vertex(workspace, [&](std::size_t slot, int index, std::uint16_t root) {
+    const Owner owner(index);
+    if (owner.brick < kHere) return;
+    const std::uint16_t part = part_of(root);
+    if (part == parts.count) return;
+    const std::uint16_t element = element_of(slot, owner);
+    if (owner.brick != kHere) {
+      parts.links.push_back({owner.brick, element, part});
+    } else if (parts.count > 1) {
+      parts.part_of.push_back({element, part});
+    }
+  });
   return vertices;
 }
 
