@@ -41,16 +41,19 @@ StuffedBrick StuffedBrick::all_inside() noexcept {
 
 bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
   if (has_both_sides(lattice)) return true;
-  // Outside, a node that moved is a vertex whatever is around it.
-  return rules.both_sides && (lattice.warped[kCorner].any() || lattice.warped[kCentre].any());
+  // Outside, a zero is a vertex whatever is around it, moved or not.
+  return rules.both_sides && (lattice.zero[kCorner].any() || lattice.zero[kCentre].any());
 }
 
 StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
   StuffedBrick brick;
   for (const NodeKind kind : {kCorner, kCentre}) {
     brick.plus[kind] = brick_part(lattice.plus[kind]);
-    brick.zero[kind] =
-        brick_part(rules.both_sides ? lattice.zero[kind] : used_zeros(lattice, kind));
+    HaloSet zero = used_zeros(lattice, kind);
+    // Outside, a node that moved is a vertex whatever is around it. Other zeros are as good as
+    // `-`.
+    if (rules.both_sides) zero |= lattice.warped[kind];
+    brick.zero[kind] = brick_part(zero);
   }
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) brick.cut[f] = brick_part(lattice.cut[f]);
   return brick;
@@ -73,7 +76,8 @@ BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules
     const auto any = [](HaloSet& set, const HaloSet& more) { set |= more; };
     const auto all = [](HaloSet& set, const HaloSet& more) { set &= more; };
     HaloSet mixed = around_face(lattice.plus, any) - around_face(lattice.plus, all);
-    if (rules.both_sides) mixed |= around_face(lattice.warped, any);
+    // Unmoved zeros too: half pyramids take all their nodes to be on one side.
+    if (rules.both_sides) mixed |= around_face(lattice.zero, any);
     stuffed |= mixed | seen_from(mixed, -face_offset(axis));
   }
   return brick_part(stuffed);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -56,7 +57,7 @@ struct Meshed {
   QualityStats measured;
   std::vector<std::uint8_t> place;  ///< of each vertex: VertexPlace
   std::vector<bool> is_vertex;      ///< uniform meshes: which lattice nodes are
-  std::vector<Triangle> boundary;   ///< of the inside
+  std::vector<Triangle> boundary;   ///< of the inside; where both sides meet
 
   const TetMesh& mesh() const noexcept { return result.mesh; }
   bool uniform() const noexcept { return result.mesh.header.levels == 0; }
@@ -312,14 +313,24 @@ TetMesh inside_of(const TetMesh& whole) {
   return mesh;
 }
 
+/// Where the inside ends: at the outside, not at the box around both.
+std::vector<Triangle> surface_of(const TetMesh& mesh) {
+  std::vector<Triangle> outer = boundary_triangles(mesh);
+  if (!mesh.header.has_regions) return outer;
+  std::vector<Triangle> inner = boundary_triangles(inside_of(mesh)), surface;
+  std::ranges::sort(outer);
+  std::ranges::sort(inner);
+  std::ranges::set_difference(inner, outer, std::back_inserter(surface));
+  return surface;
+}
+
 Meshed examine(const FieldCase& given,
                const RandomField& field,
                const LatticeSigns& signs,
                MeshResult result) {
   Meshed meshed{given, field, signs, std::move(result), {}, {}, {}, {}};
   meshed.measured = measure_quality(meshed.mesh());
-  meshed.boundary = meshed.both_sides() ? boundary_triangles(inside_of(meshed.mesh()))
-                                        : boundary_triangles(meshed.mesh());
+  meshed.boundary = surface_of(meshed.mesh());
   find_places(meshed);
   return meshed;
 }

@@ -1,6 +1,7 @@
 // What a mesh of both sides promises: one conforming mesh of the whole box, labelled.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
 #include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
@@ -40,12 +42,10 @@ MeshResult mesh(const Volume& volume, const MeshRequest& request, int threads = 
 
 std::vector<std::pair<std::string, Volume>> fields() {
   std::vector<std::pair<std::string, Volume>> all;
-  for (Solid& solid : test::smooth_solids()) {
-    all.emplace_back(solid.name, std::move(solid.volume));
-  }
-  all.emplace_back("gyroid", test::gyroid_ball(40));
-  all.emplace_back("random signs", test::random_signs(20, 1));
-  all.emplace_back("random signs and zeros", test::random_signs(20, 2, 3));
+  all.emplace_back("ball", test::ball(11));
+  all.emplace_back("gyroid", test::gyroid_ball(32));
+  all.emplace_back("random signs", test::random_signs(14, 1));
+  all.emplace_back("random signs and zeros", test::random_signs(14, 2, 3));
   all.emplace_back("flipped tiles", test::ball_with_flipped_tiles(27));
   all.emplace_back("fog", test::fog_ball(12.2));
   return all;
@@ -96,7 +96,7 @@ double volume_of(const WorldBox& box) {
 
 TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
   for (const Solid& solid : test::smooth_solids()) {
-    for (const int levels : {0, kMaxLevels}) {
+    for (const int levels : {1, kMaxLevels}) {
       SCOPED_TRACE(solid.name + ", levels " + std::to_string(levels));
       MeshRequest request = both_sides(levels);
       request.box = {
@@ -119,6 +119,24 @@ TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
   }
 }
 
+TEST(BothSides, LeaveNoVoidWhereManySamplesAreZero) {
+  // Zero from plane to plane, and in a ball beyond them: tets of zeros and `-` alone.
+  const Volume volume = test::dense_volume(
+      {
+          { 0,  0,  0},
+          {47, 31, 31}
+  },
+      1, [](VoxelCoord v) {
+        if (v.x < 7) return -1.0F;
+        const bool in_ball = std::hypot(v.x - 31, v.y - 15, v.z - 15) < 7;
+        return v.x < 14 || in_ball ? 0.0F : 1.0F;
+      });
+  const MeshResult uniform = mesh(volume, both_sides(0)), graded = mesh(volume, both_sides());
+  EXPECT_TRUE(check_conformity(graded.mesh).conforming());
+  EXPECT_EQ(measure_boundary(graded.mesh).components, 1U) << "the box, and nothing within";
+  EXPECT_NEAR(graded.quality.volume, uniform.quality.volume, 1e-6);
+}
+
 TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
   const std::vector<WorldBox> boxes{
       {     {-8, -24, -3},      {8, 0, 30}},
@@ -127,12 +145,11 @@ TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
       {       {-20, 6, 6},  {20, 6.5, 6.5}}
   };
   std::vector<Volume> volumes;
-  volumes.push_back(test::gyroid_ball(40));
-  volumes.push_back(test::random_signs(24, 9));
-  volumes.push_back(test::ball(15));
+  volumes.push_back(test::gyroid_ball(32));
+  volumes.push_back(test::random_signs(20, 9));
   for (const Volume& volume : volumes) {
     for (const WorldBox& box : boxes) {
-      for (const int levels : {0, 2, kMaxLevels}) {
+      for (const int levels : {0, kMaxLevels}) {
         if (levels == 0 && volume_of(box) > 1e6) continue;
         SCOPED_TRACE(std::to_string(box.max.x) + ", levels " + std::to_string(levels));
         MeshRequest request = both_sides(levels);
@@ -145,6 +162,27 @@ TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
         EXPECT_LT(measured.max_dihedral_deg, kMaxAngleDeg);
       }
     }
+  }
+}
+
+TEST(BothSides, ConformWhereAllOfTheOutsideIsExactlyZero) {
+  const VoxelCoord first{-24, -24, -24}, last{23, 23, 23};
+  const Volume flat = test::dense_volume(VoxelBox{first, last}, 0, [](VoxelCoord v) {
+    const double from_centre = std::hypot(v.x - 7.3, v.y + 6.1, v.z - 0.2);
+    return static_cast<float>(std::min(0.0, from_centre - 9));
+  });
+  for (const int levels : {0, 1, kMaxLevels}) {
+    SCOPED_TRACE(levels);
+    MeshRequest request = both_sides(levels);
+    request.box = {
+        {-24, -24, -24},
+        { 24,  24,  24}
+    };
+    const MeshResult result = mesh(flat, request);
+    const ConformityReport report = check_conformity(result.mesh);
+    EXPECT_TRUE(report.conforming()) << report.describe();
+    EXPECT_NEAR(result.quality.volume, volume_of(*request.box), 1e-6)
+        << "no half pyramid is missing";
   }
 }
 
