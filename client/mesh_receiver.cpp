@@ -46,6 +46,13 @@ MeshHeader to_core(const v1::MeshHeader& message) {
   return header;
 }
 
+Improvement to_core(const v1::Improvement& message) {
+  return {.min_dihedral_before_deg = message.min_dihedral_before_deg(),
+          .max_dihedral_before_deg = message.max_dihedral_before_deg(),
+          .moved_vertices = unsigned_count(message.moved_vertices()),
+          .seconds = message.seconds()};
+}
+
 bool is_valid(const v1::MeshHeader& header) {
   return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
          is_count(header.chunk_count()) &&
@@ -152,6 +159,7 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
   }
   take_quality(trailer);
   complete_ = true;
+  if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
   return absl::OkStatus();
 }
 

@@ -55,6 +55,17 @@ std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
   return absl::StrFormat(", %d %s restored", nodes, nodes == 1 ? "node" : "nodes");
 }
 
+Json json_of(const Improvement& improvement, const QualityStats& after) {
+  return {
+      {"min_before_deg", improvement.min_dihedral_before_deg},
+      {"max_before_deg", improvement.max_dihedral_before_deg},
+      { "min_after_deg",              after.min_dihedral_deg},
+      { "max_after_deg",              after.max_dihedral_deg},
+      {"moved_vertices",          improvement.moved_vertices},
+      {       "seconds",                 improvement.seconds}
+  };
+}
+
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
@@ -85,6 +96,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
         {"outside", region_json(made.mesh, MeshRegion::kOutside)}
     };
   }
+  if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   return report.dump(2) + "\n";
 }
 
