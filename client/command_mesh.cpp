@@ -1,11 +1,15 @@
 // `tetstream mesh`: a volume or a closed surface in, a mesh file out.
+#include <array>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 
 #include "client/command.h"
 #include "client/mesh_file.h"
@@ -27,6 +31,11 @@ Examples:
       better worst angles, and a report on how much better
   tetstream mesh smoke.vdb -o smoke.vtkhdf --grid density --iso 0.2 --spacing 0.5
       one grid of several, at another density and another size of tets
+  tetstream mesh bunny.vdb -o bunny.vtu --preset both-sides --box -3 -3 -3 3 3 3
+      the bunny and the space around it in one mesh, up to a box; the cells' `region` is
+      1 inside and 2 outside
+  tetstream mesh thin.vdb -o thin.msh --manifold
+      a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
       a closed surface; it becomes a level set with voxels of 0.1 first
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
@@ -37,6 +46,7 @@ Examples:
 struct MeshArguments {
   MeshOptions options;
   std::string preset = "default";
+  std::optional<std::array<double, 6>> box;
   std::string coordinates;
 };
 
@@ -55,8 +65,15 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
                  "Finest lattice spacing, world units [voxel size]");
   app.add_option("--levels", request.levels,
                  "Coarser octree levels inside; 0 is uniform [all]");
-  app.add_option("--preset", arguments.preset, "Angle bounds: default, min-angle or both-sides")
+  app.add_option("--preset", arguments.preset,
+                 "default, min-angle (the best smallest angle) or both-sides (meshes the "
+                 "outside too)")
       ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
+  app.add_option("--box", arguments.box,
+                 "How far both-sides meshes, world units, rounded outward to 8 spacings [all "
+                 "that the grid stores]")
+      ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+  app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
   app.add_flag("--improve", request.improve,
                "Move vertices, on the surface along it, to better the worst angles");
   app.add_option(
@@ -68,7 +85,7 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
   app.add_option("--report", options.report,
-                 "JSON file for counts, times, angles and boundary");
+                 "JSON file for counts, times, angles, boundary and regions");
 }
 
 absl::Status check_input(const MeshOptions& options) {
@@ -94,9 +111,17 @@ absl::Status check_input(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status check_box(const MeshRequest& request) {
+  if (!request.box || request.preset == Preset::kBothSides) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "--box is for --preset both-sides; with %s the mesh ends where the inside does",
+      preset_name(request.preset)));
+}
+
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
   absl::Status status = check_input(options);
+  if (status.ok()) status = check_box(options.request);
   if (status.ok()) status = mesh_format_of(options.output).status();
   if (status.ok()) status = check_can_create(options.output);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
@@ -106,6 +131,13 @@ absl::Status check_options(const MeshOptions& options) {
 absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
   MeshOptions options = arguments.options;
   options.request.preset = *parse_preset(arguments.preset);
+  if (arguments.box) {
+    const auto [x0, y0, z0, x1, y1, z1] = *arguments.box;
+    options.request.box = {
+        {x0, y0, z0},
+        {x1, y1, z1}
+    };
+  }
   if (arguments.coordinates == "float32")
     options.request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64")
@@ -149,7 +181,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   }
   const double seconds = watch.seconds();
   if (!options->report.empty()) {
-    const std::string report = report_json(*made, measure_boundary(made->mesh), seconds);
+    const std::string report = report_json(*made, options->request, seconds);
     if (auto status = write_text_file(options->report, report); !status.ok()) return status;
   }
   std::printf("%s\n", summary_line(options->output, *made, seconds).c_str());

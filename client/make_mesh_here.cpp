@@ -53,6 +53,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   MadeMesh made{
       .mesh = std::move(result->mesh),
       .quality = result->quality,
+      .boundary = result->boundary,
       .improvement = result->improvement,
       .stages = {{"reading", reading_seconds},
                  {"planning", result->plan_seconds},

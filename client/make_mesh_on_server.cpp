@@ -88,6 +88,12 @@ v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {
                                            : v1::COORDINATE_TYPE_FLOAT32;
 }
 
+void set_point(const WorldPoint& point, v1::Point& message) {
+  message.set_x(point.x);
+  message.set_y(point.y);
+  message.set_z(point.z);
+}
+
 v1::MeshRequest wire_request(const MeshOptions& options, const std::string& name) {
   v1::MeshRequest request;
   request.set_name(name);
@@ -98,6 +104,11 @@ v1::MeshRequest wire_request(const MeshOptions& options, const std::string& name
   request.set_preset(wire_preset(options.request.preset));
   request.set_improve(options.request.improve);
   request.set_coordinate_type(wire_coordinates(options.request.coordinates));
+  if (options.request.box) {
+    set_point(options.request.box->min, *request.mutable_box()->mutable_min());
+    set_point(options.request.box->max, *request.mutable_box()->mutable_max());
+  }
+  request.set_manifold(options.request.manifold);
   return request;
 }
 
@@ -153,6 +164,7 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
   if (!streamed.ok()) return streamed.status();
   return MadeMesh{.mesh = std::move(streamed->mesh),
                   .quality = streamed->quality,
+                  .boundary = streamed->boundary,
                   .improvement = streamed->improvement,
                   .stages = stream.stages(uploading_seconds)};
 }

@@ -11,6 +11,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
+#include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
@@ -32,7 +33,8 @@ struct RetryPolicy {
 struct StreamedMesh {
   TetMesh mesh;
   QualityStats quality;
-  std::optional<Improvement> improvement;  ///< where the request asked for it
+  std::optional<BoundaryTopology> boundary;  ///< of the inside, if the server told it
+  std::optional<Improvement> improvement;    ///< where the request asked for it
   std::string mesh_id;
   v1::MeshRequest canonical_request;
 };

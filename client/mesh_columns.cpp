@@ -53,7 +53,8 @@ ColumnSizes column_sizes(const MeshHeader& header,
   return {.points = header.vertex_count * 3 * size_of(types.coordinates),
           .connectivity = header.tet_count * 4 * size_of(types.ids),
           .offsets = offset_rows * size_of(types.ids),
-          .types = header.tet_count};
+          .types = header.tet_count,
+          .regions = header.has_regions ? header.tet_count : 0};
 }
 
 void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type) {

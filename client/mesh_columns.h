@@ -30,7 +30,10 @@ inline constexpr std::uint8_t kVtkTetra = 10;
 /// Bytes of each column.
 struct ColumnSizes {
   std::uint64_t points = 0, connectivity = 0, offsets = 0, types = 0;
-  std::uint64_t total() const noexcept { return points + connectivity + offsets + types; }
+  std::uint64_t regions = 0;  ///< of a mesh without them none
+  std::uint64_t total() const noexcept {
+    return points + connectivity + offsets + types + regions;
+  }
 };
 /// `offset_rows` is the number of tets, or one more where a format wants the leading zero.
 ColumnSizes column_sizes(const MeshHeader& header,

@@ -10,6 +10,7 @@
 #include "client/mesh_options.h"
 #include "client/progress_bar.h"
 #include "core/base/cancel.h"
+#include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
@@ -24,6 +25,8 @@ struct Stage {
 struct MadeMesh {
   TetMesh mesh;
   QualityStats quality;
+  /// Of the inside, if it was counted with the mesh; else to be measured.
+  std::optional<BoundaryTopology> boundary;
   std::optional<Improvement> improvement;  ///< where the request asked for it
   std::vector<Stage> stages;               ///< in the order they ran
 };

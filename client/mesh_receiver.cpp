@@ -62,6 +62,22 @@ bool is_valid(const v1::MeshHeader& header) {
          v1::IndexType_IsValid(header.index_type());
 }
 
+bool is_valid(const v1::BoundaryTopology& boundary) {
+  return is_count(boundary.triangles()) && is_count(boundary.vertices()) &&
+         is_count(boundary.components()) && is_count(boundary.non_manifold_edges()) &&
+         is_count(boundary.non_manifold_vertices()) && is_count(boundary.restored_nodes());
+}
+
+BoundaryTopology to_core(const v1::BoundaryTopology& message) {
+  return {.triangles = unsigned_count(message.triangles()),
+          .vertices = unsigned_count(message.vertices()),
+          .components = unsigned_count(message.components()),
+          .euler_characteristic = message.euler_characteristic(),
+          .non_manifold_edges = unsigned_count(message.non_manifold_edges()),
+          .non_manifold_vertices = unsigned_count(message.non_manifold_vertices()),
+          .restored_nodes = unsigned_count(message.restored_nodes())};
+}
+
 void copy(const std::string& from, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }
@@ -137,19 +153,27 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
       next_vertex_ != header.vertex_count || next_tet_ != header.tet_count) {
     return bad_stream("it ended before the mesh was whole");
   }
-  complete_ = true;
+  if (trailer.has_boundary()) {
+    if (!is_valid(trailer.boundary())) return bad_stream("a boundary with impossible counts");
+    received_.boundary = to_core(trailer.boundary());
+  }
   if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
+  take_quality(trailer);
+  complete_ = true;
+  return absl::OkStatus();
+}
+
+void MeshReceiver::take_quality(const v1::MeshTrailer& trailer) {
   const v1::QualityStats& quality = trailer.quality();
   has_quality_ = trailer.first_chunk() == 0 &&
-                 unsigned_count(trailer.end_chunk()) == header.chunk_count &&
+                 unsigned_count(trailer.end_chunk()) == received_.mesh.header.chunk_count &&
                  quality.dihedral_histogram_size() == QualityStats::kBins;
-  if (!has_quality_) return absl::OkStatus();
+  if (!has_quality_) return;
   received_.quality.min_dihedral_deg = quality.min_dihedral_deg();
   received_.quality.max_dihedral_deg = quality.max_dihedral_deg();
   received_.quality.volume = quality.volume();
   std::transform(quality.dihedral_histogram().begin(), quality.dihedral_histogram().end(),
                  received_.quality.histogram.begin(), unsigned_count);
-  return absl::OkStatus();
 }
 
 StreamedMesh MeshReceiver::finish() && {

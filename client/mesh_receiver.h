@@ -31,6 +31,7 @@ class MeshReceiver {
   absl::Status take_header(const v1::MeshHeader& header);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
+  void take_quality(const v1::MeshTrailer& trailer);
 
   StreamedMesh received_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0;

@@ -3,6 +3,9 @@
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/mesh/boundary.h"
+#include "core/mesh/regions.h"
+
 namespace tet {
 namespace {
 
@@ -16,6 +19,21 @@ Json json_of(const BoundaryTopology& boundary) {
       { "euler_characteristic",  boundary.euler_characteristic},
       {   "non_manifold_edges",    boundary.non_manifold_edges},
       {"non_manifold_vertices", boundary.non_manifold_vertices}
+  };
+}
+
+Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
+  Json boundary = json_of(made.boundary ? *made.boundary : measure_inside_boundary(made.mesh));
+  if (request.manifold && made.boundary) {
+    boundary["restored_nodes"] = made.boundary->restored_nodes;
+  }
+  return boundary;
+}
+
+Json region_json(const TetMesh& mesh, MeshRegion region) {
+  return {
+      {  "tets",     count_tets(mesh, region)},
+      {"volume", measure_volume(mesh, region)}
   };
 }
 
@@ -36,18 +54,29 @@ Json json_of(const Improvement& improvement, const QualityStats& after) {
   };
 }
 
+std::string tets_of_each_side(const TetMesh& mesh) {
+  if (!mesh.header.has_regions) return "";
+  return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
+                         count_tets(mesh, MeshRegion::kOutside));
+}
+
+std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
+  const std::uint64_t nodes = boundary ? boundary->restored_nodes : 0;
+  if (nodes == 0) return "";
+  return absl::StrFormat(", %d %s restored", nodes, nodes == 1 ? "node" : "nodes");
+}
+
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
   return absl::StrFormat(
-      "%s: %d vertices, %d tets, dihedral angles %.2f to %.2f degrees, %.2f s", output,
-      made.mesh.header.vertex_count, made.mesh.header.tet_count, made.quality.min_dihedral_deg,
-      made.quality.max_dihedral_deg, seconds);
+      "%s: %d vertices, %d tets%s, dihedral angles %.2f to %.2f degrees%s, %.2f s", output,
+      made.mesh.header.vertex_count, made.mesh.header.tet_count, tets_of_each_side(made.mesh),
+      made.quality.min_dihedral_deg, made.quality.max_dihedral_deg,
+      restored_nodes(made.boundary), seconds);
 }
 
-std::string report_json(const MadeMesh& made,
-                        const BoundaryTopology& boundary,
-                        double seconds) {
+std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds) {
   Json report{
       {          "vertices", made.mesh.header.vertex_count},
       {              "tets",    made.mesh.header.tet_count},
@@ -58,9 +87,15 @@ std::string report_json(const MadeMesh& made,
       {            "levels",       made.mesh.header.levels},
       {           "seconds",                       seconds},
       {            "stages",          json_of(made.stages)},
-      {          "boundary",             json_of(boundary)},
-      {"dihedral_histogram",        made.quality.histogram}
+      {          "boundary",            boundary_json(made,request)},
+      {"dihedral_histogram",        made.quality.histogram                             }
   };
+  if (made.mesh.header.has_regions) {
+    report["regions"] = {
+        { "inside", region_json(made.mesh,  MeshRegion::kInside)},
+        {"outside", region_json(made.mesh, MeshRegion::kOutside)}
+    };
+  }
   if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   return report.dump(2) + "\n";
 }

@@ -2,20 +2,25 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "client/mesh_maker.h"
-#include "core/mesh/boundary.h"
+#include "core/pipeline/mesh_request.h"
 
 namespace tet {
 
-/// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s".
+/// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s"; with the
+/// tets of each side where both are meshed, and the nodes restored for a manifold if there are
+/// any.
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
-/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary; and
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary (of the
+/// inside; restored_nodes where a manifold was asked for and the box cuts no surface), of
+/// meshes of both sides regions (inside and outside: tets, volume), and of improved ones
 /// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
-/// seconds) of a mesh that was improved.
-std::string report_json(const MadeMesh& made, const BoundaryTopology& boundary, double seconds);
+/// seconds).
+///
+/// Measures what was not counted with the mesh.
+std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);
 
 }  // namespace tet

@@ -6,9 +6,11 @@
 
 namespace tet {
 
-/// Writes the whole mesh as one volume entity; `file` is left for the caller to commit. Tags
-/// are ids plus one, since Gmsh counts from one; coordinates are float64, the only kind it
-/// knows.
+/// Writes the whole mesh as one volume entity, or with regions as two, the physical volumes
+/// "inside" (1) and "outside" (2); `file` is left for the caller to commit.
+///
+/// Tags are ids plus one, since Gmsh counts from one; coordinates are float64, the only kind it
+/// knows. Each volume's tets come together, in the mesh's order; all nodes are in the first.
 absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
 
 }  // namespace tet

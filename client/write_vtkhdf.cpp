@@ -55,7 +55,7 @@ Handle without_times(hid_t property_class) {
 /// Where HDF5 has put the columns; nothing for a column without bytes.
 struct Layout {
   haddr_t points = HADDR_UNDEF, connectivity = HADDR_UNDEF, offsets = HADDR_UNDEF;
-  haddr_t types = HADDR_UNDEF;
+  haddr_t types = HADDR_UNDEF, regions = HADDR_UNDEF;
 };
 
 /// Builds the `VTKHDF` group of a file; after the first failure every call fails.
@@ -75,6 +75,12 @@ class Skeleton {
     const Handle attribute(
         H5Acreate2(group_.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     ok_ = ok_ && H5Awrite(attribute.get(), type, value) >= 0;
+  }
+
+  void group(const char* name) {
+    const Handle made(H5Gcreate2(group_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                      H5Gclose);
+    ok_ = ok_ && made.ok();
   }
 
   void number(const char* name, std::uint64_t value) {
@@ -134,10 +140,14 @@ std::optional<Layout> lay_out(const std::string& path,
   skeleton.number("NumberOfPoints", mesh.vertex_count);
   skeleton.number("NumberOfCells", mesh.tet_count);
   skeleton.number("NumberOfConnectivityIds", 4 * mesh.tet_count);
-  const Layout layout{.points = skeleton.column("Points", real, {mesh.vertex_count, 3}),
-                      .connectivity = skeleton.column("Connectivity", id, {4 * mesh.tet_count}),
-                      .offsets = skeleton.column("Offsets", id, {mesh.tet_count + 1}),
-                      .types = skeleton.column("Types", H5T_STD_U8LE, {mesh.tet_count})};
+  Layout layout{.points = skeleton.column("Points", real, {mesh.vertex_count, 3}),
+                .connectivity = skeleton.column("Connectivity", id, {4 * mesh.tet_count}),
+                .offsets = skeleton.column("Offsets", id, {mesh.tet_count + 1}),
+                .types = skeleton.column("Types", H5T_STD_U8LE, {mesh.tet_count})};
+  if (mesh.has_regions) {
+    skeleton.group("CellData");
+    layout.regions = skeleton.column("CellData/region", H5T_STD_U8LE, {mesh.tet_count});
+  }
   if (!skeleton.close()) return std::nullopt;
   return layout;
 }
@@ -225,6 +235,7 @@ absl::Status write_vtkhdf(AtomicFile& file, const TetMesh& mesh, const WriteCont
   write_at(writer, layout->connectivity, [&] { write_connectivity(writer, mesh, types.ids); });
   write_at(writer, layout->offsets, [&] { write_offsets(writer, 0, tets + 1, types.ids); });
   write_at(writer, layout->types, [&] { write_types(writer, tets); });
+  write_at(writer, layout->regions, [&] { writer.bytes(mesh.regions.bytes()); });
   return writer.status();
 }
 

@@ -17,6 +17,14 @@ std::string data_array(const std::string& attributes, std::uint64_t offset) {
                       offset, "\"/>\n");
 }
 
+/// One-sided meshes have no data of cells.
+std::string cell_data(const MeshHeader& mesh, std::uint64_t offset) {
+  if (!mesh.has_regions) return "";
+  return absl::StrCat("      <CellData Scalars=\"region\">\n",
+                      data_array("type=\"UInt8\" Name=\"region\"", offset),
+                      "      </CellData>\n");
+}
+
 std::string header_text(const MeshHeader& mesh,
                         const ColumnTypes& types,
                         const ColumnSizes& sizes) {
@@ -24,6 +32,7 @@ std::string header_text(const MeshHeader& mesh,
   const std::string ids = types.ids == IndexType::kUint64 ? "Int64" : "Int32";
   const std::uint64_t connectivity = kSizeBytes + sizes.points;
   const std::uint64_t offsets = connectivity + kSizeBytes + sizes.connectivity;
+  const std::uint64_t cell_types = offsets + kSizeBytes + sizes.offsets;
   return absl::StrCat(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -40,8 +49,8 @@ std::string header_text(const MeshHeader& mesh,
       "      <Cells>\n",
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"connectivity\""), connectivity),
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"offsets\""), offsets),
-      data_array("type=\"UInt8\" Name=\"types\"", offsets + kSizeBytes + sizes.offsets),
-      "      </Cells>\n"
+      data_array("type=\"UInt8\" Name=\"types\"", cell_types), "      </Cells>\n",
+      cell_data(mesh, cell_types + kSizeBytes + sizes.types),
       "    </Piece>\n"
       "  </UnstructuredGrid>\n"
       "  <AppendedData encoding=\"raw\">\n_");
@@ -64,6 +73,10 @@ absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl
   write_offsets(writer, 1, tets, types.ids);  // where each tet ends
   writer.number(sizes.types);
   write_types(writer, tets);
+  if (mesh.header.has_regions) {
+    writer.number(sizes.regions);
+    writer.bytes(mesh.regions.bytes());
+  }
   writer.text("\n  </AppendedData>\n</VTKFile>\n");
   return writer.status();
 }

@@ -6,7 +6,8 @@
 
 namespace tet {
 
-/// Writes the whole mesh; `file` is left for the caller to commit.
+/// Writes the whole mesh, regions as the cells' scalars `region`; `file` is left for the caller
+/// to commit.
 absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
 
 }  // namespace tet

@@ -213,6 +213,8 @@ const v1::MeshEvent* ChunkStream::next_event() {
       trailer.set_first_chunk(static_cast<std::int64_t>(order_.start_chunk));
       trailer.set_end_chunk(static_cast<std::int64_t>(end_));
       to_proto(quality_, *trailer.mutable_quality());
+      const auto& boundary = planned_.plan->boundary();
+      if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
       const auto& improvement = planned_.plan->improvement();
       if (improvement) to_proto(*improvement, *trailer.mutable_improvement());
       return &control_;

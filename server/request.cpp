@@ -55,10 +55,60 @@ absl::Status check_numbers(const v1::MeshRequest& request) {
   return absl::OkStatus();
 }
 
+WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
+
+std::string text_of(const v1::Point& point) {
+  return absl::StrFormat("(%g, %g, %g)", point.x(), point.y(), point.z());
+}
+
+bool is_finite(const v1::Point& point) {
+  return std::isfinite(point.x()) && std::isfinite(point.y()) && std::isfinite(point.z());
+}
+
+/// Of the box alone; whether index space holds it depends on the grid.
+absl::Status check_box(const v1::MeshRequest& request, Preset preset) {
+  const v1::Point &min = request.box().min(), &max = request.box().max();
+  const std::string what =
+      absl::StrCat("box from min ", text_of(min), " to max ", text_of(max));
+  if (!request.box().has_min() || !request.box().has_max()) {
+    return invalid_field("box must have both min and max");
+  }
+  if (!is_finite(min) || !is_finite(max)) {
+    return invalid_field(absl::StrCat(what, " is not finite"));
+  }
+  if (!(min.x() < max.x() && min.y() < max.y() && min.z() < max.z())) {
+    return invalid_field(absl::StrCat(what, " is empty: min must be below max on every axis"));
+  }
+  if (stuffing_rules(preset).both_sides) return absl::OkStatus();
+  return invalid_field(absl::StrCat("box is for PRESET_BOTH_SIDES; with ",
+                                    v1::Preset_Name(to_proto(preset)),
+                                    " the mesh ends where the inside does"));
+}
+
+absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request,
+                                                  Preset preset) {
+  if (!request.has_box()) return std::nullopt;
+  if (const auto status = check_box(request, preset); !status.ok()) return status;
+  return WorldBox{to_core(request.box().min()), to_core(request.box().max())};
+}
+
 void set_point(const WorldPoint& point, v1::Point& message) {
   message.set_x(point.x);
   message.set_y(point.y);
   message.set_z(point.z);
+}
+
+void set_box(const WorldBox& box, v1::Box& message) {
+  set_point(box.min, *message.mutable_min());
+  set_point(box.max, *message.mutable_max());
+}
+
+/// Every bit of a box, as hexadecimal floats; nothing for none.
+std::string exact_text(const v1::MeshRequest& request) {
+  if (!request.has_box()) return "";
+  const v1::Point &min = request.box().min(), &max = request.box().max();
+  return absl::StrFormat("%a %a %a %a %a %a", min.x(), min.y(), min.z(), max.x(), max.y(),
+                         max.z());
 }
 
 std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t>(count); }
@@ -78,6 +128,8 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = check_numbers(request); !status.ok()) return status;
   const auto preset = parse_preset_field(request.preset());
   if (!preset.ok()) return preset.status();
+  const auto box = parse_box(request, *preset);
+  if (!box.ok()) return box.status();
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
 
@@ -86,6 +138,8 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (request.has_iso()) order.request.iso = request.iso();
   if (request.has_levels()) order.request.levels = request.levels();
   order.request.preset = *preset;
+  order.request.box = *box;
+  order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
   return order;
@@ -117,6 +171,8 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
       order.request.iso.value_or(volume.kind == VolumeKind::kFogVolume ? 0.5 : 0.0));
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
+  if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
+  canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
   const auto coordinates =
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
@@ -127,11 +183,12 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
 std::string mesh_id_of(const v1::MeshRequest& canonical) {
   // Hexadecimal floats say every bit. The grid's name comes last: it may hold anything.
   Sha256 digest;
-  digest.add(absl::StrFormat("tetstream mesh %s\n%s\n%a %a %d %d %d %d\n%s", kAlgorithmVersion,
-                             canonical.name(), canonical.spacing(), canonical.iso(),
-                             canonical.levels(), static_cast<int>(canonical.preset()),
-                             static_cast<int>(canonical.coordinate_type()), canonical.improve(),
-                             canonical.grid_name()));
+  digest.add(absl::StrFormat(
+      "tetstream mesh %s\n%s\n%a %a %d %d %d %d %d\n%s\n%s", kAlgorithmVersion,
+      canonical.name(), canonical.spacing(), canonical.iso(), canonical.levels(),
+      static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
+      static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
+      exact_text(canonical), canonical.grid_name()));
   return digest.finish_hex();
 }
 
@@ -181,8 +238,7 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_coordinate_type(to_proto(header.coordinate_type));
   message.set_index_type(to_proto(header.index_type));
   set_point(header.origin, *message.mutable_origin());
-  set_point(header.bounds.min, *message.mutable_bounds()->mutable_min());
-  set_point(header.bounds.max, *message.mutable_bounds()->mutable_max());
+  set_box(header.bounds, *message.mutable_bounds());
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
@@ -202,6 +258,16 @@ void to_proto(const QualityStats& stats, v1::QualityStats& message) {
   for (const std::uint64_t count : stats.histogram) {
     message.add_dihedral_histogram(signed_count(count));
   }
+}
+
+void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message) {
+  message.set_triangles(signed_count(boundary.triangles));
+  message.set_vertices(signed_count(boundary.vertices));
+  message.set_components(signed_count(boundary.components));
+  message.set_euler_characteristic(boundary.euler_characteristic);
+  message.set_non_manifold_edges(signed_count(boundary.non_manifold_edges));
+  message.set_non_manifold_vertices(signed_count(boundary.non_manifold_vertices));
+  message.set_restored_nodes(signed_count(boundary.restored_nodes));
 }
 
 }  // namespace tet

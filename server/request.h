@@ -7,6 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/grid/load.h"
+#include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesh_request.h"
@@ -37,8 +38,8 @@ absl::StatusOr<std::string> parse_grid_name(const std::string& name);
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
 
-/// The request with every default filled in; `coordinates` stays unset only if `header` is
-/// null.
+/// The request with every default filled in, but for a box: without one it is the grid's
+/// extent. `coordinates` stays unset only if `header` is null.
 v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Volume& volume,
                                   const MeshHeader* header);
@@ -54,5 +55,6 @@ void to_proto(const GridInfo& info, v1::GridInfo& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
 void to_proto(const Improvement& improvement, v1::Improvement& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);
+void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message);
 
 }  // namespace tet

@@ -14,9 +14,12 @@ namespace {
 /// For every vertex, the XOR of the hashes of the faces around it, as seen from each tet: an
 /// inner face is seen twice and cancels, so an inner vertex is left with zero. The other way
 /// round, a boundary vertex is left with zero by accident only, once in 2^64.
-std::vector<std::uint64_t> xor_faces_around_vertices(const TetMesh& mesh) {
+template <class IsPart>
+std::vector<std::uint64_t> xor_faces_around_vertices(const TetMesh& mesh,
+                                                     const IsPart& is_part) {
   std::vector<std::uint64_t> accumulated(mesh.header.vertex_count);
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    if (!is_part(i)) continue;
     const auto tet = mesh.tet(i);
     std::array<std::uint64_t, 4> corner;
     for (std::size_t k = 0; k < 4; ++k) corner[k] = mix_bits(tet[k]);
@@ -30,10 +33,13 @@ std::vector<std::uint64_t> xor_faces_around_vertices(const TetMesh& mesh) {
 }
 
 /// Every boundary face, and the few inner ones whose three vertices lie on the boundary.
-std::vector<SortedFace> faces_between_boundary_vertices(const TetMesh& mesh) {
-  const auto accumulated = xor_faces_around_vertices(mesh);
+template <class IsPart>
+std::vector<SortedFace> faces_between_boundary_vertices(const TetMesh& mesh,
+                                                        const IsPart& is_part) {
+  const auto accumulated = xor_faces_around_vertices(mesh, is_part);
   std::vector<SortedFace> faces;
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    if (!is_part(i)) continue;
     const auto tet = mesh.tet(i);
     std::array<bool, 4> on_boundary;
     for (std::size_t k = 0; k < 4; ++k) on_boundary[k] = accumulated[tet[k]] != 0;
@@ -44,6 +50,21 @@ std::vector<SortedFace> faces_between_boundary_vertices(const TetMesh& mesh) {
     }
   }
   return faces;
+}
+
+/// Boundary triangles of the tets with `is_part(i)`.
+template <class IsPart>
+std::vector<Triangle> triangles_around(const TetMesh& mesh, const IsPart& is_part) {
+  std::vector<SortedFace> faces = faces_between_boundary_vertices(mesh, is_part);
+  std::sort(faces.begin(), faces.end());
+  std::vector<Triangle> triangles;
+  for (auto run = faces.begin(); run != faces.end();) {
+    const auto end = std::find_if(
+        run, faces.end(), [&](const SortedFace& f) { return f.vertices != run->vertices; });
+    if (end - run == 1) triangles.push_back(run->triangle());
+    run = end;
+  }
+  return triangles;
 }
 
 /// Renames the triangles' vertices to 0 .. count-1 and returns the count.
@@ -138,16 +159,11 @@ class CornerFans {
 }  // namespace
 
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh) {
-  std::vector<SortedFace> faces = faces_between_boundary_vertices(mesh);
-  std::sort(faces.begin(), faces.end());
-  std::vector<Triangle> triangles;
-  for (auto run = faces.begin(); run != faces.end();) {
-    const auto end = std::find_if(
-        run, faces.end(), [&](const SortedFace& f) { return f.vertices != run->vertices; });
-    if (end - run == 1) triangles.push_back(run->triangle());
-    run = end;
-  }
-  return triangles;
+  return triangles_around(mesh, [](std::uint64_t) { return true; });
+}
+
+std::vector<Triangle> boundary_triangles(const TetMesh& mesh, MeshRegion region) {
+  return triangles_around(mesh, [&](std::uint64_t i) { return mesh.region(i) == region; });
 }
 
 BoundaryTopology measure_topology(std::vector<Triangle> triangles, std::uint64_t vertex_count) {
@@ -165,6 +181,12 @@ BoundaryTopology measure_topology(std::vector<Triangle> triangles, std::uint64_t
 
 BoundaryTopology measure_boundary(const TetMesh& mesh) {
   return measure_topology(boundary_triangles(mesh), mesh.header.vertex_count);
+}
+
+BoundaryTopology measure_inside_boundary(const TetMesh& mesh) {
+  if (!mesh.header.has_regions) return measure_boundary(mesh);
+  return measure_topology(boundary_triangles(mesh, MeshRegion::kInside),
+                          mesh.header.vertex_count);
 }
 
 }  // namespace tet

@@ -95,7 +95,8 @@ class Terminal(CommandTest):
 
 
 class OnAServer(CommandTest):
-    volumes = {"sphere": 0.05, "torus": 0.02, "gyroid": 0.02, "empty": 0.1, "vec3": 0.1}
+    volumes = {"sphere": 0.05, "torus": 0.02, "gyroid": 0.02, "random-signs": 0.05,
+               "empty": 0.1, "vec3": 0.1}
 
     @classmethod
     def setUpClass(cls):
@@ -137,16 +138,28 @@ class OnAServer(CommandTest):
                 "mesh", self.inputs / "sphere.vdb", "-o", path, *options, *server))
         self.assertTrue(filecmp.cmp(here, there, shallow=False))
 
+    def test_gives_the_same_bytes_of_both_sides_and_manifolds(self):
+        options = ("--preset", "both-sides", "--manifold", "--box", *"-1 -1 -1 1 1 .5".split())
+        for ending in ENDINGS:
+            here, there = self.out / f"here{ending}", self.out / f"there{ending}"
+            for path, server in ((here, ()), (there, ("--server", self.address))):
+                self.assert_done(self.tetstream(
+                    "mesh", self.inputs / "random-signs.vdb", "-o", path, *options, *server))
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
+
     def test_reports_the_same_mesh(self):
-        reports = []
-        for server in ((), ("--server", self.address)):
-            self.assert_done(self.mesh(
-                "torus.vdb", ".vtu", "--report", self.out / "r.json", *server))
-            reports.append(json.loads((self.out / "r.json").read_text()))
-        self.assertEqual(set(reports[1].pop("stages")),
-                         {"uploading", "planning", "meshing", "writing"})
-        del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
-        self.assertEqual(*reports)
+        box = "-2 -2 -2 2 2 2".split()
+        for name, *options in (["torus.vdb"], ["random-signs.vdb", "--manifold"],
+                               ["torus.vdb", "--preset", "both-sides", "--box", *box]):
+            reports = []
+            for server in ((), ("--server", self.address)):
+                self.assert_done(self.mesh(
+                    name, ".vtu", "--report", self.out / "r.json", *options, *server))
+                reports.append(json.loads((self.out / "r.json").read_text()))
+            self.assertEqual(set(reports[1].pop("stages")),
+                             {"uploading", "planning", "meshing", "writing"})
+            del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
+            self.assertEqual(*reports)
 
     def test_improves_alike(self):
         meshes, reports = [], []
@@ -181,6 +194,8 @@ class OnAServer(CommandTest):
             self.mesh("sphere.vdb", ".vtu", "--grid", "density", *server), REFUSED, "density")
         self.assert_fails(
             self.mesh("sphere.vdb", ".vtu", "--spacing", "0", *server), REFUSED, "spacing")
+        empty_box = ("--preset", "both-sides", "--box", "0", "0", "0", "1", "1", "0")
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", *empty_box, *server), REFUSED, "box")
 
     def test_ctrl_c_stops_a_stream(self):
         process = subprocess.Popen(

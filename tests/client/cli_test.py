@@ -13,7 +13,14 @@ from command_case import CUBE, ENDINGS, LID, REFUSED, USAGE, CommandTest
 
 
 class Mesh(CommandTest):
-    volumes = {"sphere": 0.05, "torus": 0.02}
+    volumes = {"sphere": 0.05, "torus": 0.02, "random-signs": 0.05}
+
+    def mesh_and_report(self, name, *options):
+        """The summary and the report."""
+        result = self.mesh(name, ".vtu", "--report", self.out / "r.json", *options)
+        self.assert_done(result)
+        self.assertEqual(len(result.stdout.splitlines()), 1)
+        return result.stdout, json.loads((self.out / "r.json").read_text())
 
     def test_writes_every_format_and_sums_up(self):
         for ending in ENDINGS:
@@ -42,6 +49,44 @@ class Mesh(CommandTest):
         self.assertEqual(set(report["stages"]), {"reading", "planning", "meshing", "writing"})
         self.assertLessEqual(sum(report["stages"].values()), report["seconds"] * 1.01)
         self.assertGreater(report["vertices"], 1000)
+
+    def test_meshes_both_sides_up_to_a_box(self):
+        line, report = self.mesh_and_report(
+            "sphere.vdb", "--preset", "both-sides", "--box", *"-1.6 -1.6 -1.6 1.6 1.6 2".split())
+        inside, outside = report["regions"]["inside"], report["regions"]["outside"]
+        self.assertIn(f"{report['tets']} tets ({inside['tets']} inside, "
+                      f"{outside['tets']} outside), dihedral", line)
+        self.assertEqual(inside["tets"] + outside["tets"], report["tets"])
+        self.assertAlmostEqual(inside["volume"], 4 / 3 * 3.14159265, delta=0.02)
+        self.assertAlmostEqual(inside["volume"] + outside["volume"], 3.2**2 * 3.6, delta=1e-3)
+        self.assertEqual(report["boundary"]["components"], 1)
+        self.assertEqual(report["boundary"]["euler_characteristic"], 2)
+        self.assertGreaterEqual(report["min_dihedral_deg"], 9.4)
+
+    def test_both_sides_without_a_box_mesh_all_that_is_stored(self):
+        _, inside = self.mesh_and_report("sphere.vdb")
+        _, both = self.mesh_and_report("sphere.vdb", "--preset", "both-sides")
+        self.assertNotIn("regions", inside)
+        self.assertGreater(both["tets"], 1.5 * inside["tets"])
+
+    def test_a_box_that_cuts_the_surface_bounds_the_inside_too(self):
+        _, report = self.mesh_and_report(
+            "sphere.vdb", "--preset", "both-sides", "--box", *"0 -1.6 -1.6 1.6 1.6 1.6".split())
+        self.assertAlmostEqual(
+            report["regions"]["inside"]["volume"], 2 / 3 * 3.14159265, delta=0.02)
+        self.assertEqual(report["boundary"]["components"], 1)
+        self.assertEqual(report["boundary"]["euler_characteristic"], 2)
+
+    def test_makes_a_manifold_of_random_signs(self):
+        line, report = self.mesh_and_report("random-signs.vdb")
+        self.assertGreater(report["boundary"]["non_manifold_vertices"], 0)
+        self.assertNotIn("restored_nodes", report["boundary"])
+        self.assertNotIn("restored", line)
+        line, report = self.mesh_and_report("random-signs.vdb", "--manifold")
+        self.assertEqual(report["boundary"]["non_manifold_edges"], 0)
+        self.assertEqual(report["boundary"]["non_manifold_vertices"], 0)
+        self.assertGreater(report["boundary"]["restored_nodes"], 0)
+        self.assertIn(f", {report['boundary']['restored_nodes']} nodes restored, ", line)
 
     def test_is_the_same_bytes_for_one_and_two_threads(self):
         for ending in ENDINGS:
@@ -147,13 +192,15 @@ class Refusals(CommandTest):
         self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--voxel", "1"), REFUSED, "--spacing")
         self.assert_fails(self.mesh("part.stl", ".vtu", "--grid", "a"), REFUSED, "no grids")
 
-    def test_both_sides_are_more_than_the_inside(self):
-        tets = {}
-        for preset in ["default", "both-sides"]:
-            result = self.mesh("sphere.vdb", ".vtu", "--preset", preset)
-            self.assertEqual(result.returncode, 0, result.stderr)
-            tets[preset] = int(result.stdout.split(" tets")[0].split()[-1])
-        self.assertGreater(tets["both-sides"], 1.5 * tets["default"])
+    def test_a_box_that_is_none_or_for_one_side(self):
+        both = ("--preset", "both-sides")
+        for box in (("0", "0", "0", "1", "1", "-1"), ("0", "0", "0", "1", "0", "1"),
+                    ("0", "0", "nan", "1", "1", "1")):
+            with self.subTest(box=box):
+                result = self.mesh("sphere.vdb", ".vtu", *both, "--box", *box)
+                self.assert_fails(result, REFUSED, "box")
+        result = self.mesh("sphere.vdb", ".vtu", "--box", "0", "0", "0", "1", "1", "1")
+        self.assert_fails(result, REFUSED, "--box is for --preset both-sides")
 
     def test_full_disk_leaves_the_old_file_alone(self):
         def limit_file_size():
@@ -185,9 +232,15 @@ class Usage(CommandTest):
 
     def test_values_that_are_no_numbers_or_no_choice(self):
         for option, value in (("--spacing", "wide"), ("--levels", "x"), ("--threads", "-1"),
-                              ("--preset", "best"), ("--coordinates", "int8")):
+                              ("--preset", "best"), ("--coordinates", "int8"),
+                              ("--box", "1")):
             with self.subTest(option=option):
                 self.assert_fails(self.mesh("sphere.vdb", ".vtu", option, value), USAGE, option)
+
+    def test_a_box_of_fewer_numbers_or_of_more(self):
+        box = ("--preset", "both-sides", "--box", "-.5", "-1", "0", "1", "1")
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", *box), USAGE, "--box", "6 required")
+        self.assert_fails(self.mesh("sphere.vdb", ".vtu", *box, "1", "1"), USAGE, "1")
 
     def test_help_teaches_by_example(self):
         for command in ([], ["mesh"], ["info"], ["convert"], ["health"]):

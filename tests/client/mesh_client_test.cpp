@@ -24,16 +24,18 @@ bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
 bool same_mesh(const TetMesh& a, const TetMesh& b) {
   return a.header.tet_count == b.header.tet_count && a.header.origin == b.header.origin &&
          same_bytes(a.positions.bytes(), b.positions.bytes()) &&
-         same_bytes(a.tets.bytes(), b.tets.bytes());
+         same_bytes(a.tets.bytes(), b.tets.bytes()) &&
+         a.header.has_regions == b.header.has_regions &&
+         same_bytes(a.regions.bytes(), b.regions.bytes());
 }
 
 class MeshClientTest : public ServiceTest {
  protected:
   MeshClientTest() { start(); }
 
-  MeshResult mesh_here(int radius, const MeshRequest& request) {
+  MeshResult mesh_here(const std::string& path, const MeshRequest& request) {
     TaskPool pool(1);
-    auto volume = load_volume(ball_file(radius), "");
+    auto volume = load_volume(path, "");
     EXPECT_TRUE(volume.ok()) << volume.status();
     auto result = mesh_volume(pool, std::make_shared<const Volume>(*std::move(volume)), request,
                               {}, never_, {});
@@ -44,7 +46,7 @@ class MeshClientTest : public ServiceTest {
   MeshResult uniform_mesh_here(int radius) {
     MeshRequest request;
     request.levels = 0;
-    return mesh_here(radius, request);
+    return mesh_here(ball_file(radius), request);
   }
 };
 
@@ -62,7 +64,56 @@ TEST_F(MeshClientTest, ReceivesGradedMeshesToo) {
   request.clear_levels();
   const auto streamed = client_->stream_mesh(request, {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
-  EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(16, {}).mesh));
+  EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(ball_file(16), {}).mesh));
+}
+
+TEST_F(MeshClientTest, ReceivesBothSidesAndTheirRegions) {
+  const auto streamed = client_->stream_mesh(both_sides_of_ball(16, 2), {}, never_);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.box = {
+      {-2, -2, -2},
+      { 2,  2,  2}
+  };
+  const MeshResult here = mesh_here(ball_file(16), request);
+  EXPECT_TRUE(streamed->mesh.header.has_regions);
+  EXPECT_TRUE(same_mesh(streamed->mesh, here.mesh));
+  EXPECT_TRUE(streamed->boundary == here.boundary);
+}
+
+/// As measured on what was received.
+BoundaryTopology measured(const StreamedMesh& streamed) {
+  BoundaryTopology boundary = measure_inside_boundary(streamed.mesh);
+  boundary.restored_nodes = streamed.boundary ? streamed.boundary->restored_nodes : 0;
+  return boundary;
+}
+
+TEST_F(MeshClientTest, IsToldTheBoundaryOfWhatItReceives) {
+  for (const std::string kind : {"sphere", "torus", "gyroid", "random-signs"}) {
+    SCOPED_TRACE(kind);
+    const auto streamed = client_->stream_mesh(mesh_of(solid_file(kind, 0.08)), {}, never_);
+    ASSERT_TRUE(streamed.ok()) << streamed.status();
+    ASSERT_TRUE(streamed->boundary);
+    EXPECT_TRUE(*streamed->boundary == measured(*streamed));
+    EXPECT_GT(streamed->boundary->triangles, 1000U);
+  }
+}
+
+TEST_F(MeshClientTest, ReceivesTheManifoldThatIsMadeInProcess) {
+  const std::string path = solid_file("random-signs", 0.08);
+  v1::MeshRequest wire_request = mesh_of(path);
+  wire_request.set_manifold(true);
+  const auto streamed = client_->stream_mesh(wire_request, {}, never_);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  MeshRequest request;
+  request.manifold = true;
+  EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(path, request).mesh));
+  ASSERT_TRUE(streamed->boundary);
+  EXPECT_GT(streamed->boundary->restored_nodes, 0U);
+  EXPECT_EQ(streamed->boundary->non_manifold_edges, 0U);
+  EXPECT_EQ(streamed->boundary->non_manifold_vertices, 0U);
+  EXPECT_TRUE(*streamed->boundary == measured(*streamed));
 }
 
 TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
@@ -173,6 +224,28 @@ TEST(MeshReceiver, RefusesChunksOutOfPlace) {
   beyond = small_chunk();
   beyond.mutable_chunk()->set_vertex_count(3);
   EXPECT_FALSE(receiver.take(beyond).ok());
+}
+
+TEST(MeshReceiver, RefusesRegionsThatWereNotAnnounced) {
+  MeshReceiver receiver;
+  ASSERT_TRUE(receiver.take(small_header()).ok());
+  v1::MeshEvent chunk = small_chunk();
+  chunk.mutable_chunk()->set_regions("\1");
+  EXPECT_EQ(receiver.take(chunk).code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(MeshReceiver, RefusesABoundaryWithImpossibleCounts) {
+  MeshReceiver receiver;
+  ASSERT_TRUE(receiver.take(small_header()).ok());
+  ASSERT_TRUE(receiver.take(small_chunk()).ok());
+  v1::MeshEvent trailer;
+  trailer.mutable_trailer()->mutable_boundary()->set_vertices(-1);
+  EXPECT_EQ(receiver.take(trailer).code(), absl::StatusCode::kDataLoss);
+  EXPECT_FALSE(receiver.complete());
+  trailer.mutable_trailer()->mutable_boundary()->set_vertices(2);
+  trailer.mutable_trailer()->mutable_boundary()->set_euler_characteristic(-4);
+  EXPECT_TRUE(receiver.take(trailer).ok());
+  EXPECT_TRUE(receiver.complete());
 }
 
 TEST(MeshReceiver, RefusesATrailerBeforeTheLastChunk) {

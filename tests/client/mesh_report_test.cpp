@@ -10,16 +10,28 @@ namespace tet {
 namespace {
 
 MadeMesh made_cube() {
-  MadeMesh made{
-      .mesh = kuhn_mesh(1), .quality = {}, .improvement = {}, .stages = {{"planning", 0.5}}};
+  MadeMesh made{.mesh = kuhn_mesh(1),
+                .quality = {},
+                .boundary = {},
+                .improvement = {},
+                .stages = {{"planning", 0.5}}};
   made.quality = measure_quality(made.mesh);
   return made;
 }
 
+nlohmann::json report_of(const MadeMesh& made, const MeshRequest& request = {}) {
+  return nlohmann::json::parse(report_json(made, request, 2.5));
+}
+
+/// One tet of six inside.
+MadeMesh made_both_sides() {
+  MadeMesh made = made_cube();
+  made.mesh = with_regions(std::move(made.mesh), [](std::uint64_t tet) { return tet == 0; });
+  return made;
+}
+
 TEST(MeshReport, HasTheKeysThatScriptsReadAndTheirValues) {
-  const MadeMesh made = made_cube();
-  const auto report =
-      nlohmann::json::parse(report_json(made, measure_boundary(made.mesh), 2.5));
+  const auto report = report_of(made_cube());
   EXPECT_EQ(report["vertices"], 8);
   EXPECT_EQ(report["tets"], 6);
   EXPECT_NEAR(report["min_dihedral_deg"].get<double>(), 45, 1e-9);
@@ -32,19 +44,46 @@ TEST(MeshReport, HasTheKeysThatScriptsReadAndTheirValues) {
   EXPECT_EQ(report["boundary"]["non_manifold_edges"], 0);
   EXPECT_EQ(report["boundary"]["non_manifold_vertices"], 0);
   EXPECT_EQ(report["dihedral_histogram"].size(), 180U);
+  EXPECT_FALSE(report.contains("regions"));
+  EXPECT_FALSE(report["boundary"].contains("restored_nodes"));
+}
+
+TEST(MeshReport, TakesTheBoundaryThatWasCountedWithTheMesh) {
+  MadeMesh made = made_cube();
+  made.boundary = BoundaryTopology{.triangles = 99};
+  EXPECT_EQ(report_of(made)["boundary"]["triangles"], 99);
+}
+
+TEST(MeshReport, TellsRestoredNodesWhereAManifoldWasAskedFor) {
+  MadeMesh made = made_cube();
+  MeshRequest request;
+  request.manifold = true;
+  EXPECT_FALSE(report_of(made, request)["boundary"].contains("restored_nodes"))
+      << "they cannot be measured";
+  made.boundary = BoundaryTopology{};
+  EXPECT_EQ(report_of(made, request)["boundary"]["restored_nodes"], 0);
+  made.boundary->restored_nodes = 3;
+  EXPECT_EQ(report_of(made, request)["boundary"]["restored_nodes"], 3);
+}
+
+TEST(MeshReport, TellsBothSidesApart) {
+  const auto report = report_of(made_both_sides());
+  EXPECT_EQ(report["tets"], 6);
+  EXPECT_EQ(report["regions"]["inside"]["tets"], 1);
+  EXPECT_EQ(report["regions"]["outside"]["tets"], 5);
+  EXPECT_DOUBLE_EQ(report["regions"]["inside"]["volume"], 1.0 / 6);
+  EXPECT_DOUBLE_EQ(report["regions"]["outside"]["volume"], 5.0 / 6);
+  EXPECT_EQ(report["boundary"]["triangles"], 4) << "of the inside";
 }
 
 TEST(MeshReport, TellsWhatAnImprovementDid) {
   MadeMesh made = made_cube();
-  const auto parsed = [&] {
-    return nlohmann::json::parse(report_json(made, measure_boundary(made.mesh), 1));
-  };
-  EXPECT_FALSE(parsed().contains("improvement"));
+  EXPECT_FALSE(report_of(made).contains("improvement"));
   made.improvement = {.min_dihedral_before_deg = 30,
                       .max_dihedral_before_deg = 100,
                       .moved_vertices = 4,
                       .seconds = 0.25};
-  const auto improvement = parsed()["improvement"];
+  const auto improvement = report_of(made)["improvement"];
   EXPECT_EQ(improvement["min_before_deg"], 30);
   EXPECT_EQ(improvement["max_before_deg"], 100);
   EXPECT_EQ(improvement["min_after_deg"], made.quality.min_dihedral_deg);
@@ -56,6 +95,15 @@ TEST(MeshReport, TellsWhatAnImprovementDid) {
 TEST(MeshReport, SumsUpInOneLine) {
   EXPECT_EQ(summary_line("cube.vtu", made_cube(), 0.25),
             "cube.vtu: 8 vertices, 6 tets, dihedral angles 45.00 to 90.00 degrees, 0.25 s");
+}
+
+TEST(MeshReport, SumsUpBothSidesAndWhatWasRestoredInOneLine) {
+  MadeMesh made = made_both_sides();
+  made.boundary = BoundaryTopology{.restored_nodes = 1};
+  EXPECT_EQ(
+      summary_line("cube.vtu", made, 0.25),
+      "cube.vtu: 8 vertices, 6 tets (1 inside, 5 outside), dihedral angles 45.00 to 90.00 "
+      "degrees, 1 node restored, 0.25 s");
 }
 
 TEST(ExitCode, TellsWhoIsToBlame) {

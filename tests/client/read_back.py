@@ -26,13 +26,30 @@ SAMPLES = {
     "far": numpy.float64,
     "wide": numpy.float64,
     "blocks": numpy.float64,
+    "sides": numpy.float32,
+    "outside": numpy.float32,
 }
 
 
-def read_with_meshio(path):
+def read_vtu_with_meshio(path):
     mesh = meshio.read(path)
     assert [block.type for block in mesh.cells] == ["tetra"], mesh.cells
-    return mesh.points, mesh.cells[0].data
+    assert set(mesh.cell_data) <= {"region"}, mesh.cell_data
+    return mesh.points, mesh.cells[0].data, mesh.cell_data.get("region", [None])[0]
+
+
+def read_msh_with_meshio(path):
+    mesh = meshio.read(path)
+    assert {block.type for block in mesh.cells} == {"tetra"}, mesh.cells
+    tets = numpy.concatenate([block.data for block in mesh.cells])
+    if "gmsh:physical" not in mesh.cell_data:
+        assert len(mesh.cells) == 1 and not mesh.field_data, mesh
+        return mesh.points, tets, None
+    names = {name: list(tag) for name, tag in mesh.field_data.items()}
+    assert names == {"inside": [1, 3], "outside": [2, 3]}, names
+    regions = numpy.concatenate(mesh.cell_data["gmsh:physical"])
+    assert (regions == numpy.concatenate(mesh.cell_data["gmsh:geometrical"])).all()
+    return mesh.points, tets, regions
 
 
 def read_with_vtk(reader, path):
@@ -45,7 +62,18 @@ def read_with_vtk(reader, path):
     cells = grid.GetCells()
     offsets = vtk_to_numpy(cells.GetOffsetsArray())
     assert (offsets == 4 * numpy.arange(grid.GetNumberOfCells() + 1)).all()
-    return points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4)
+    data = grid.GetCellData()
+    regions = data.GetArray("region")
+    assert data.GetNumberOfArrays() == (regions is not None)
+    return (points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4),
+            None if regions is None else vtk_to_numpy(regions))
+
+
+def by_region(expected):
+    """The order of the tets in a .msh: those inside come first."""
+    order = numpy.argsort(expected["regions"], kind="stable")
+    return {**expected, "tets": numpy.array(expected["tets"])[order],
+            "regions": numpy.array(expected["regions"])[order]}
 
 
 def volumes(points, tets):
@@ -64,22 +92,28 @@ class ReadBack(unittest.TestCase):
     def tearDownClass(cls):
         cls.scratch.cleanup()
 
-    def check_every_sample(self, ending, read, always_wide=False):
+    def check_every_sample(self, ending, read, is_msh=False):
         for name, coordinates in SAMPLES.items():
             with self.subTest(name=name, ending=ending):
                 expected = json.loads((self.directory / f"{name}.json").read_text())
-                points, tets = read(self.directory / f"{name}{ending}")
-                self.assertEqual(points.dtype, numpy.float64 if always_wide else coordinates)
+                if is_msh and expected["regions"]:
+                    expected = by_region(expected)
+                points, tets, regions = read(self.directory / f"{name}{ending}")
+                self.assertEqual(points.dtype, numpy.float64 if is_msh else coordinates)
                 expected_points = numpy.array(expected["points"]).astype(points.dtype)
                 numpy.testing.assert_array_equal(points, expected_points)
                 numpy.testing.assert_array_equal(tets, expected["tets"])
+                if regions is None:
+                    self.assertEqual(expected["regions"], [])
+                else:
+                    numpy.testing.assert_array_equal(regions, expected["regions"])
                 self.assertGreater(volumes(points, tets).min(), 0.1)
 
     def test_meshio_reads_vtu(self):
-        self.check_every_sample(".vtu", read_with_meshio)
+        self.check_every_sample(".vtu", read_vtu_with_meshio)
 
     def test_meshio_reads_msh(self):
-        self.check_every_sample(".msh", read_with_meshio, always_wide=True)
+        self.check_every_sample(".msh", read_msh_with_meshio, is_msh=True)
 
     def test_vtk_reads_vtu(self):
         self.check_every_sample(
@@ -99,6 +133,17 @@ class ReadBack(unittest.TestCase):
             self.assertEqual(list(group["NumberOfPoints"]), [7**3])
             self.assertEqual(list(group["NumberOfCells"]), [6 * 6**3])
             self.assertEqual(list(group["NumberOfConnectivityIds"]), [24 * 6**3])
+            self.assertNotIn("CellData", group)
+
+    def test_regions_are_bytes_and_what_a_viewer_colours_by(self):
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.directory / "sides.vtu"))
+        reader.Update()
+        scalars = reader.GetOutput().GetCellData().GetScalars()
+        self.assertEqual(scalars.GetName(), "region")
+        self.assertEqual(vtk_to_numpy(scalars).dtype, numpy.uint8)
+        with h5py.File(self.directory / "sides.vtkhdf") as file:
+            self.assertEqual(file["VTKHDF/CellData/region"].dtype, numpy.uint8)
 
     def test_the_same_mesh_is_the_same_bytes(self):
         with tempfile.TemporaryDirectory() as again:

@@ -24,15 +24,19 @@ TetMesh with_bounds(TetMesh mesh) {
 }
 
 nlohmann::json contents_of(const TetMesh& mesh) {
-  nlohmann::json points = nlohmann::json::array(), tets = nlohmann::json::array();
+  nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
   for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
     const auto [x, y, z] = mesh.vertex(i);
     points.push_back({x, y, z});
   }
-  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) tets.push_back(mesh.tet(i));
+  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    tets.push_back(mesh.tet(i));
+    if (mesh.header.has_regions) regions.push_back(mesh.region(i));
+  }
   return {
-      {"points", points},
-      {  "tets",   tets}
+      { "points",  points},
+      {   "tets",    tets},
+      {"regions", regions}
   };
 }
 
@@ -49,6 +53,8 @@ absl::Status write_sample(const std::string& path, TetMesh unbounded) {
 
 absl::Status write_samples(const std::string& directory) {
   const auto all = [](int, int, int) { return true; };
+  const auto every_third = [](std::uint64_t tet) { return tet % 3 == 1; };
+  const auto none = [](std::uint64_t) { return false; };
   const Storage far{
       .origin = {20000.4, -20000.1, 1e6}
   };
@@ -69,6 +75,8 @@ absl::Status write_samples(const std::string& directory) {
   // Larger than one block of the writer in every column, in rows that do not fill blocks
   // evenly.
   status.Update(write_sample(directory + "/blocks", kuhn_mesh(33, all, wide)));
+  status.Update(write_sample(directory + "/sides", with_regions(kuhn_mesh(33), every_third)));
+  status.Update(write_sample(directory + "/outside", with_regions(kuhn_mesh(2), none)));
   return status;
 }
 

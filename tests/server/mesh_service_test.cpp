@@ -57,7 +57,8 @@ TEST_F(MeshServiceTest, SendsHeaderChunksAndTrailer) {
     EXPECT_EQ(chunk.first_vertex(), vertices);
     EXPECT_EQ(chunk.checksum(),
               chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
-    EXPECT_LE(chunk.positions().size() + chunk.tets().size(), kChunkBytes);
+    EXPECT_LE(chunk.positions().size() + chunk.tets().size() + chunk.regions().size(),
+              kChunkBytes);
     tets += chunk.tet_count();
     vertices += chunk.vertex_count();
   }
@@ -102,6 +103,43 @@ TEST_F(MeshServiceTest, SendsTheChunksOfARangeAndNoTrailer) {
   ASSERT_EQ(range.chunks.size(), 1U);
   EXPECT_TRUE(same_chunk(range.chunks[0], whole.chunks[1]));
   EXPECT_FALSE(range.trailer);
+}
+
+TEST_F(MeshServiceTest, SendsARegionForEveryTetWhereBothSidesAreMeshed) {
+  const Received mesh = receive(stream_of(both_sides_of_ball(16, 2)));
+  ASSERT_TRUE(mesh.status.ok()) << mesh.status.error_message();
+  EXPECT_TRUE(mesh.header.has_regions());
+  ASSERT_GT(mesh.chunks.size(), 1U);
+  std::int64_t inside = 0;
+  for (const v1::MeshChunk& chunk : mesh.chunks) {
+    EXPECT_EQ(static_cast<std::int64_t>(chunk.regions().size()), chunk.tet_count());
+    EXPECT_LE(chunk.positions().size() + chunk.tets().size() + chunk.regions().size(),
+              kChunkBytes);
+    inside += std::count(chunk.regions().begin(), chunk.regions().end(), '\1');
+  }
+  EXPECT_GT(inside, 0);
+  EXPECT_LT(inside, mesh.header.tet_count());
+  EXPECT_NEAR(mesh.trailer->quality().volume(), 64, 1e-3) << "the whole box";
+  EXPECT_EQ(mesh.header.canonical_request().box().max().y(), 2);
+}
+
+TEST_F(MeshServiceTest, SendsTheBoundaryOfTheWholeMeshWhateverChunksItSent) {
+  const v1::MeshRequest ball = uniform_ball(16);
+  const Received whole = receive(stream_of(ball)), rest = receive(stream_of(ball, 1));
+  ASSERT_TRUE(whole.trailer && rest.trailer);
+  EXPECT_EQ(whole.trailer->boundary().components(), 1);
+  EXPECT_EQ(whole.trailer->boundary().euler_characteristic(), 2);
+  EXPECT_EQ(whole.trailer->boundary().SerializeAsString(),
+            rest.trailer->boundary().SerializeAsString());
+}
+
+TEST_F(MeshServiceTest, SendsNoBoundaryWhereTheBoxCutsTheSurface) {
+  const Received within = receive(stream_of(both_sides_of_ball(8, 2)));
+  ASSERT_TRUE(within.trailer);
+  EXPECT_TRUE(within.trailer->has_boundary());
+  const Received cut = receive(stream_of(both_sides_of_ball(8, 0.7)));
+  ASSERT_TRUE(cut.trailer);
+  EXPECT_FALSE(cut.trailer->has_boundary());
 }
 
 TEST_F(MeshServiceTest, EstimatesTheHeaderItWouldSend) {
@@ -164,6 +202,10 @@ TEST_F(MeshServiceTest, RefusesWhatItCannotMesh) {
   ball.set_iso(100);
   EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::FAILED_PRECONDITION);
   ball.clear_iso();
+  v1::MeshRequest boxed = both_sides_of_ball(8, 1e9);
+  EXPECT_EQ(refusal(stream_of(boxed)), grpc::StatusCode::INVALID_ARGUMENT);
+  boxed = both_sides_of_ball(8, -1);
+  EXPECT_EQ(refusal(stream_of(boxed)), grpc::StatusCode::INVALID_ARGUMENT);
   ball.set_grid_name("nothing");
   EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
   ball.set_name("grids/" + std::string(64, '0'));

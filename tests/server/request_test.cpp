@@ -1,5 +1,6 @@
 #include "server/request.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -15,6 +16,21 @@ using testing::HasSubstr;
 v1::MeshRequest valid_request() {
   v1::MeshRequest request;
   request.set_name(name_of_grid(std::string(64, 'a')));
+  return request;
+}
+
+void set_point(double x, double y, double z, v1::Point& point) {
+  point.set_x(x);
+  point.set_y(y);
+  point.set_z(z);
+}
+
+/// A valid request for both sides within the unit cube.
+v1::MeshRequest boxed_request() {
+  v1::MeshRequest request = valid_request();
+  request.set_preset(v1::PRESET_BOTH_SIDES);
+  set_point(0, 0, 0, *request.mutable_box()->mutable_min());
+  set_point(1, 1, 1, *request.mutable_box()->mutable_max());
   return request;
 }
 
@@ -63,6 +79,44 @@ TEST(Request, NamesTheFieldAndItsValue) {
   EXPECT_THAT(refusal(request), HasSubstr("\"grids/ABC\""));
 }
 
+TEST(Request, TakesABoxAndAManifold) {
+  v1::MeshRequest request = boxed_request();
+  request.mutable_box()->mutable_min()->set_z(-2.5);
+  request.set_manifold(true);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_TRUE(order->request.manifold);
+  ASSERT_TRUE(order->request.box);
+  EXPECT_EQ(order->request.box->min.z, -2.5);
+  EXPECT_EQ(order->request.box->max.x, 1);
+  const auto plain = parse_mesh_request(valid_request());
+  EXPECT_FALSE(plain->request.manifold);
+  EXPECT_FALSE(plain->request.box);
+}
+
+TEST(Request, RefusesABoxThatIsNone) {
+  v1::MeshRequest request = boxed_request();
+  request.mutable_box()->clear_max();
+  EXPECT_THAT(refusal(request), HasSubstr("box must have both min and max"));
+  request = boxed_request();
+  request.mutable_box()->mutable_max()->set_y(0);
+  EXPECT_THAT(refusal(request), HasSubstr("max (1, 0, 1) is empty"));
+  for (const double wrong :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    request = boxed_request();
+    request.mutable_box()->mutable_max()->set_y(wrong);
+    EXPECT_THAT(refusal(request), HasSubstr("is not finite"));
+  }
+}
+
+TEST(Request, RefusesABoxForOneSide) {
+  v1::MeshRequest request = boxed_request();
+  request.set_preset(v1::PRESET_MIN_ANGLE);
+  EXPECT_THAT(refusal(request), HasSubstr("box is for PRESET_BOTH_SIDES"));
+  request.clear_preset();
+  EXPECT_THAT(refusal(request), HasSubstr("with PRESET_DEFAULT"));
+}
+
 TEST(Request, RefusesARangeThatRunsBackwards) {
   v1::StreamMeshRequest request;
   *request.mutable_mesh() = valid_request();
@@ -93,6 +147,25 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   v1::MeshRequest improved = valid_request();
   improved.set_improve(true);
   EXPECT_NE(id(valid_request()), id(improved));
+}
+
+TEST(MeshId, TellsEveryBoxAndManifoldsApart) {
+  Volume volume;
+  volume.name = "sphere";
+  const auto id = [&](const v1::MeshRequest& request) {
+    return mesh_id_of(canonical_request(*parse_mesh_request(request), volume, nullptr));
+  };
+  const v1::MeshRequest boxed = boxed_request();
+  EXPECT_EQ(id(boxed), id(boxed_request()));
+  v1::MeshRequest other = boxed;
+  other.clear_box();
+  EXPECT_NE(id(other), id(boxed));
+  other = boxed;
+  other.mutable_box()->mutable_max()->set_z(std::nextafter(1.0, 2.0));
+  EXPECT_NE(id(other), id(boxed));
+  other = boxed;
+  other.set_manifold(true);
+  EXPECT_NE(id(other), id(boxed));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A real server on a free port, and balls for it to mesh.
+// A real server on a free port, and solids for it to mesh.
 #pragma once
 
 #include <chrono>
@@ -54,21 +54,45 @@ class ServiceTest : public testing::Test {
     start();
   }
 
-  /// A unit ball of voxels 1/`radius` wide, as a file.
-  std::string ball_file(int radius) {
-    const std::string path = folder_.file("ball" + std::to_string(radius) + ".vdb");
-    if (!std::filesystem::exists(path)) write_fixture("sphere", 1.0 / radius, path);
+  /// See write_fixture.
+  std::string solid_file(const std::string& kind, double voxel) {
+    const std::string path = folder_.file(kind + std::to_string(voxel) + ".vdb");
+    if (!std::filesystem::exists(path)) write_fixture(kind, voxel, path);
     return path;
   }
 
-  /// Uploads that ball and asks for its uniform mesh: about 50 radius^3 tets.
-  v1::MeshRequest uniform_ball(int radius) {
-    const auto name = client_->upload_file(ball_file(radius), {}, never_);
+  /// A unit ball of voxels 1/`radius` wide, as a file.
+  std::string ball_file(int radius) { return solid_file("sphere", 1.0 / radius); }
+
+  /// Uploads a file and asks for its mesh.
+  v1::MeshRequest mesh_of(const std::string& path) {
+    const auto name = client_->upload_file(path, {}, never_);
     EXPECT_TRUE(name.ok()) << name.status();
     v1::MeshRequest request;
     request.set_name(name.ok() ? *name : "");
+    return request;
+  }
+
+  /// The uniform mesh of a ball: about 50 radius^3 tets.
+  v1::MeshRequest uniform_ball(int radius) {
+    v1::MeshRequest request = mesh_of(ball_file(radius));
     request.set_levels(0);
     return request;
+  }
+
+  /// The graded mesh of both sides of a ball, up to a cube.
+  v1::MeshRequest both_sides_of_ball(int radius, double half_edge) {
+    v1::MeshRequest request = mesh_of(ball_file(radius));
+    request.set_preset(v1::PRESET_BOTH_SIDES);
+    set_point(-half_edge, *request.mutable_box()->mutable_min());
+    set_point(half_edge, *request.mutable_box()->mutable_max());
+    return request;
+  }
+
+  static void set_point(double everywhere, v1::Point& point) {
+    point.set_x(everywhere);
+    point.set_y(everywhere);
+    point.set_z(everywhere);
   }
 
   v1::StreamMeshRequest stream_of(const v1::MeshRequest& mesh,

@@ -125,6 +125,20 @@ TEST(Boundary, OfABallWithACavityIsTwoSpheres) {
   EXPECT_EQ(topology.triangles, 12U * 9 + 12U);
 }
 
+TEST(Boundary, OfTheInsideAloneSkipsTheTetsOutside) {
+  // The cube in the middle of 27, and those around it.
+  const TetMesh mesh =
+      with_regions(kuhn_mesh(3), [](std::uint64_t tet) { return tet / 6 == 13; });
+  const BoundaryTopology topology = measure_inside_boundary(mesh);
+  EXPECT_EQ(topology.triangles, 12U);
+  EXPECT_EQ(topology.vertices, 8U);
+  EXPECT_EQ(topology.euler_characteristic, 2);
+  const TetMesh outside = with_regions(kuhn_mesh(3), [](std::uint64_t) { return false; });
+  EXPECT_EQ(measure_boundary(mesh), measure_boundary(kuhn_mesh(3)));
+  EXPECT_EQ(boundary_triangles(mesh, MeshRegion::kOutside).size(), 12U * 9 + 12U);
+  EXPECT_EQ(measure_inside_boundary(outside), BoundaryTopology{});
+}
+
 TEST(Boundary, TrianglesEncloseTheVolumeOfTheTets) {
   const TetMesh mesh = kuhn_mesh(4, [](int x, int y, int z) { return (x + y + z) % 3 != 0; });
   double six_volumes = 0;

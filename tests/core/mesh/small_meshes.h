@@ -60,6 +60,18 @@ inline TetMesh make_mesh(const std::vector<WorldPoint>& positions,
   return mesh;
 }
 
+/// The same tets on both sides of a surface: tet i lies inside where `is_inside(i)`.
+template <class IsInside>
+TetMesh with_regions(TetMesh mesh, const IsInside& is_inside) {
+  mesh.header.has_regions = true;
+  mesh.regions = ByteBuffer(mesh.header.tet_count);
+  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    const MeshRegion region = is_inside(i) ? MeshRegion::kInside : MeshRegion::kOutside;
+    mesh.regions.bytes()[i] = static_cast<std::byte>(region);
+  }
+  return mesh;
+}
+
 inline std::vector<WorldPoint> unit_corner() {
   return {
       {0, 0, 0},

@@ -109,7 +109,8 @@ TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
       const TetMesh inside = part(result.mesh, MeshRegion::kInside);
       EXPECT_NEAR(measure_quality(inside).volume, solid.enclosed_volume,
                   0.01 * solid.enclosed_volume);
-      const BoundaryTopology surface = measure_boundary(inside);
+      const BoundaryTopology surface = measure_inside_boundary(result.mesh);
+      EXPECT_EQ(surface, measure_boundary(inside));
       EXPECT_EQ(surface.components, solid.components);
       EXPECT_EQ(surface.euler_characteristic, solid.euler_characteristic);
       const BoundaryTopology box = measure_boundary(result.mesh);

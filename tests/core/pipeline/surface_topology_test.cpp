@@ -57,24 +57,54 @@ std::vector<std::pair<std::string, Volume>> fields() {
   return all;
 }
 
+/// What was counted is what the finished mesh has.
+void expect_counted_as_measured(const MeshResult& result) {
+  ASSERT_TRUE(result.boundary.has_value());
+  BoundaryTopology measured = measure_inside_boundary(result.mesh);
+  measured.restored_nodes = result.boundary->restored_nodes;
+  EXPECT_EQ(result.boundary->triangles, measured.triangles);
+  EXPECT_EQ(result.boundary->vertices, measured.vertices);
+  EXPECT_EQ(result.boundary->components, measured.components);
+  EXPECT_EQ(result.boundary->euler_characteristic, measured.euler_characteristic);
+  EXPECT_EQ(result.boundary->non_manifold_edges, measured.non_manifold_edges);
+  EXPECT_EQ(result.boundary->non_manifold_vertices, measured.non_manifold_vertices);
+}
+
 TEST(SurfaceTopology, IsWhatTheFinishedMeshHas) {
   for (const auto& [name, volume] : fields()) {
     for (const bool manifold : {false, true}) {
       SCOPED_TRACE(name + (manifold ? ", manifold" : ""));
       MeshRequest request;
       request.manifold = manifold;
-      const MeshResult result = mesh(volume, request);
-      ASSERT_TRUE(result.boundary.has_value());
-      BoundaryTopology measured = measure_boundary(result.mesh);
-      measured.restored_nodes = result.boundary->restored_nodes;
-      EXPECT_EQ(result.boundary->triangles, measured.triangles);
-      EXPECT_EQ(result.boundary->vertices, measured.vertices);
-      EXPECT_EQ(result.boundary->components, measured.components);
-      EXPECT_EQ(result.boundary->euler_characteristic, measured.euler_characteristic);
-      EXPECT_EQ(result.boundary->non_manifold_edges, measured.non_manifold_edges);
-      EXPECT_EQ(result.boundary->non_manifold_vertices, measured.non_manifold_vertices);
+      expect_counted_as_measured(mesh(volume, request));
     }
   }
+}
+
+TEST(SurfaceTopology, OfBothSidesIsThatOfTheInside) {
+  for (const auto& [name, volume] : fields()) {
+    for (const bool manifold : {false, true}) {
+      SCOPED_TRACE(name + (manifold ? ", manifold" : ""));
+      MeshRequest request;
+      request.preset = Preset::kBothSides;
+      request.manifold = manifold;
+      request.box = {
+          {-64, -64, -64},
+          { 64,  64,  64}
+      };
+      expect_counted_as_measured(mesh(volume, request));
+    }
+  }
+}
+
+TEST(SurfaceTopology, IsNotToldWhereABoxCutsTheSurface) {
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.box = {
+      {-64, -64, -64},
+      { 64,  64,   0}
+  };
+  EXPECT_FALSE(mesh(test::ball(15), request).boundary.has_value());
 }
 
 TEST(ManifoldMesh, HasAManifoldBoundaryWithinTheBoundsOnEveryField) {
