@@ -157,9 +157,9 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
     if (!is_valid(trailer.boundary())) return bad_stream("a boundary with impossible counts");
     received_.boundary = to_core(trailer.boundary());
   }
+  if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
   take_quality(trailer);
   complete_ = true;
-  if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
   return absl::OkStatus();
 }
 

@@ -43,6 +43,17 @@ Json json_of(const std::vector<Stage>& stages) {
   return seconds_of;
 }
 
+Json json_of(const Improvement& improvement, const QualityStats& after) {
+  return {
+      {"min_before_deg", improvement.min_dihedral_before_deg},
+      {"max_before_deg", improvement.max_dihedral_before_deg},
+      { "min_after_deg",              after.min_dihedral_deg},
+      { "max_after_deg",              after.max_dihedral_deg},
+      {"moved_vertices",          improvement.moved_vertices},
+      {       "seconds",                 improvement.seconds}
+  };
+}
+
 std::string tets_of_each_side(const TetMesh& mesh) {
   if (!mesh.header.has_regions) return "";
   return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
@@ -53,17 +64,6 @@ std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
   const std::uint64_t nodes = boundary ? boundary->restored_nodes : 0;
   if (nodes == 0) return "";
   return absl::StrFormat(", %d %s restored", nodes, nodes == 1 ? "node" : "nodes");
-}
-
-Json json_of(const Improvement& improvement, const QualityStats& after) {
-  return {
-      {"min_before_deg", improvement.min_dihedral_before_deg},
-      {"max_before_deg", improvement.max_dihedral_before_deg},
-      { "min_after_deg",              after.min_dihedral_deg},
-      { "max_after_deg",              after.max_dihedral_deg},
-      {"moved_vertices",          improvement.moved_vertices},
-      {       "seconds",                 improvement.seconds}
-  };
 }
 
 }  // namespace

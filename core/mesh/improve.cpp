@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kTetsPerRange = 16384;
 constexpr std::size_t kVerticesPerRange = 32;
-/// After the third sweep over all vertices hardly one finds a better place.
+/// Twelve end at the same angles as four on bunny, torus and gyroid.
 constexpr int kSweeps = 4;
 
 /// Tets with angles that are not good, ascending, and the angles of all.

@@ -10,8 +10,9 @@
 namespace tet {
 namespace {
 
-// Steps in spacings. The first crosses about a third of a small tet; the last still turns a
-// face by a degree.
+// Steps in spacings. Bunny, torus and gyroid end within a tenth of a degree of the same angles
+// with a first step of 0.08 to 0.3 and a last one of 0.005; half a degree lower with one of
+// 0.05.
 constexpr double kFirstStep = 0.15, kLastStep = 0.02;
 /// Over which a cost is differentiated, in spacings.
 constexpr double kDifference = 1e-3;
