@@ -185,6 +185,9 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     if (auto status = write_text_file(options->report, report); !status.ok()) return status;
   }
   std::printf("%s\n", summary_line(options->output, *made, seconds).c_str());
+  if (made->thin_walls.any()) {
+    std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
+  }
   return absl::OkStatus();
 }
 

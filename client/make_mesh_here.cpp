@@ -55,6 +55,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
       .quality = result->quality,
       .boundary = result->boundary,
       .improvement = result->improvement,
+      .thin_walls = std::move(result->thin_walls),
       .stages = {{"reading", reading_seconds},
                  {"planning", result->plan_seconds},
                  {"meshing", result->fill_seconds}}

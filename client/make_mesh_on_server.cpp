@@ -166,6 +166,7 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
                   .quality = streamed->quality,
                   .boundary = streamed->boundary,
                   .improvement = streamed->improvement,
+                  .thin_walls = std::move(streamed->thin_walls),
                   .stages = stream.stages(uploading_seconds)};
 }
 

@@ -15,6 +15,7 @@
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -35,6 +36,7 @@ struct StreamedMesh {
   QualityStats quality;
   std::optional<BoundaryTopology> boundary;  ///< of the inside, if the server told it
   std::optional<Improvement> improvement;    ///< where the request asked for it
+  ThinWalls thin_walls;
   std::string mesh_id;
   v1::MeshRequest canonical_request;
 };

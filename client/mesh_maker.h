@@ -14,6 +14,7 @@
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/pipeline/thin_walls.h"
 
 namespace tet {
 
@@ -28,7 +29,8 @@ struct MadeMesh {
   /// Of the inside, if it was counted with the mesh; else to be measured.
   std::optional<BoundaryTopology> boundary;
   std::optional<Improvement> improvement;  ///< where the request asked for it
-  std::vector<Stage> stages;               ///< in the order they ran
+  ThinWalls thin_walls;
+  std::vector<Stage> stages;  ///< in the order they ran
 };
 
 absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,

@@ -53,6 +53,23 @@ Improvement to_core(const v1::Improvement& message) {
           .seconds = message.seconds()};
 }
 
+ThinWalls to_core(const v1::ThinWalls& message) {
+  ThinWalls walls;
+  walls.inside = unsigned_count(message.inside_spots());
+  walls.outside = unsigned_count(message.outside_spots());
+  walls.region_count = unsigned_count(message.region_count());
+  for (const v1::ThinRegion& region : message.regions()) {
+    walls.regions.push_back({
+        {to_core(region.box().min()), to_core(region.box().max())},
+        unsigned_count(region.inside_spots()),
+        unsigned_count(region.outside_spots())
+    });
+  }
+  walls.thickness = message.thickness();
+  walls.suggested_spacing = message.suggested_spacing();
+  return walls;
+}
+
 bool is_valid(const v1::MeshHeader& header) {
   return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
          is_count(header.chunk_count()) &&
@@ -159,6 +176,7 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
   }
   if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
   take_quality(trailer);
+  received_.thin_walls = to_core(trailer.thin_walls());
   complete_ = true;
   return absl::OkStatus();
 }

@@ -1,5 +1,7 @@
 #include "client/mesh_report.h"
 
+#include <utility>
+
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
@@ -34,6 +36,28 @@ Json region_json(const TetMesh& mesh, MeshRegion region) {
   return {
       {  "tets",     count_tets(mesh, region)},
       {"volume", measure_volume(mesh, region)}
+  };
+}
+
+Json json_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
+
+Json json_of(const ThinWalls& walls) {
+  Json regions = Json::array();
+  for (const ThinWalls::Region& region : walls.regions) {
+    regions.push_back({
+        {          "min", json_of(region.box.min)},
+        {          "max", json_of(region.box.max)},
+        { "inside_spots",           region.inside},
+        {"outside_spots",          region.outside}
+    });
+  }
+  return {
+      {     "inside_spots",            walls.inside},
+      {    "outside_spots",           walls.outside},
+      {     "region_count",      walls.region_count},
+      {          "regions",      std::move(regions)},
+      {        "thickness",         walls.thickness},
+      {"suggested_spacing", walls.suggested_spacing}
   };
 }
 
@@ -76,6 +100,15 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
       restored_nodes(made.boundary), seconds);
 }
 
+std::string thin_walls_warning(const ThinWalls& walls) {
+  if (!walls.any()) return "";
+  return absl::StrFormat(
+      "warning: the lattice does not resolve %d spots of thin walls and %d of narrow gaps, "
+      "in %d region%s; a grid sampled and meshed at about %.3g would",
+      walls.inside, walls.outside, walls.region_count, walls.region_count == 1 ? "" : "s",
+      walls.suggested_spacing);
+}
+
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds) {
   Json report{
       {          "vertices", made.mesh.header.vertex_count},
@@ -88,7 +121,8 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
       {           "seconds",                       seconds},
       {            "stages",          json_of(made.stages)},
       {          "boundary",            boundary_json(made,request)},
-      {"dihedral_histogram",        made.quality.histogram                             }
+      {        "thin_walls",      json_of(made.thin_walls)                             },
+      {"dihedral_histogram",        made.quality.histogram}
   };
   if (made.mesh.header.has_regions) {
     report["regions"] = {

@@ -217,6 +217,7 @@ const v1::MeshEvent* ChunkStream::next_event() {
       if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
       const auto& improvement = planned_.plan->improvement();
       if (improvement) to_proto(*improvement, *trailer.mutable_improvement());
+      to_proto(planned_.plan->thin_walls(), *trailer.mutable_thin_walls());
       return &control_;
     }
     case Phase::kEnded:

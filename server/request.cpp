@@ -270,4 +270,19 @@ void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message) {
   message.set_restored_nodes(signed_count(boundary.restored_nodes));
 }
 
+void to_proto(const ThinWalls& walls, v1::ThinWalls& message) {
+  message.set_inside_spots(signed_count(walls.inside));
+  message.set_outside_spots(signed_count(walls.outside));
+  message.set_region_count(signed_count(walls.region_count));
+  for (const ThinWalls::Region& region : walls.regions) {
+    v1::ThinRegion& listed = *message.add_regions();
+    set_point(region.box.min, *listed.mutable_box()->mutable_min());
+    set_point(region.box.max, *listed.mutable_box()->mutable_max());
+    listed.set_inside_spots(signed_count(region.inside));
+    listed.set_outside_spots(signed_count(region.outside));
+  }
+  message.set_thickness(walls.thickness);
+  message.set_suggested_spacing(walls.suggested_spacing);
+}
+
 }  // namespace tet

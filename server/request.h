@@ -11,6 +11,7 @@
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -56,5 +57,6 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message);
 void to_proto(const Improvement& improvement, v1::Improvement& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);
 void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message);
+void to_proto(const ThinWalls& walls, v1::ThinWalls& message);
 
 }  // namespace tet

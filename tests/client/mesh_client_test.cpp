@@ -116,6 +116,23 @@ TEST_F(MeshClientTest, ReceivesTheManifoldThatIsMadeInProcess) {
   EXPECT_TRUE(*streamed->boundary == measured(*streamed));
 }
 
+TEST_F(MeshClientTest, ReceivesWhatTheMeshSaysOfThinWalls) {
+  v1::MeshRequest request = uniform_ball(4);
+  request.set_spacing(1.25);
+  const auto streamed = client_->stream_mesh(request, {}, never_);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  MeshRequest asked;
+  asked.levels = 0;
+  asked.spacing = 1.25;
+  const ThinWalls here = mesh_here(ball_file(4), asked).thin_walls;
+  ASSERT_TRUE(here.any()) << "a ball little wider than a spacing";
+  EXPECT_EQ(streamed->thin_walls.inside, here.inside);
+  EXPECT_EQ(streamed->thin_walls.outside, here.outside);
+  EXPECT_EQ(streamed->thin_walls.suggested_spacing, here.suggested_spacing);
+  ASSERT_EQ(streamed->thin_walls.regions.size(), here.regions.size());
+  EXPECT_EQ(streamed->thin_walls.regions[0].box.max, here.regions[0].box.max);
+}
+
 TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
   const v1::MeshRequest ball = uniform_ball(16);
   CuttingProxy proxy(server_->port(), kNoLimit, 2'500'000);

@@ -14,6 +14,7 @@ MadeMesh made_cube() {
                 .quality = {},
                 .boundary = {},
                 .improvement = {},
+                .thin_walls = {},
                 .stages = {{"planning", 0.5}}};
   made.quality = measure_quality(made.mesh);
   return made;
@@ -90,6 +91,27 @@ TEST(MeshReport, TellsWhatAnImprovementDid) {
   EXPECT_EQ(improvement["max_after_deg"], made.quality.max_dihedral_deg);
   EXPECT_EQ(improvement["moved_vertices"], 4);
   EXPECT_EQ(improvement["seconds"], 0.25);
+}
+
+TEST(MeshReport, TellsOfWallsThatTheLatticeCannotResolve) {
+  MadeMesh made = made_cube();
+  EXPECT_EQ(thin_walls_warning(made.thin_walls), "");
+  made.thin_walls.inside = 30;
+  made.thin_walls.outside = 4;
+  made.thin_walls.region_count = 17;
+  made.thin_walls.suggested_spacing = 0.25;
+  ThinWalls::Region& region = made.thin_walls.regions.emplace_back();
+  region.box.max = {3, 4, 5.5};
+  EXPECT_EQ(
+      thin_walls_warning(made.thin_walls),
+      "warning: the lattice does not resolve 30 spots of thin walls and 4 of narrow gaps, "
+      "in 17 regions; a grid sampled and meshed at about 0.25 would");
+  const auto walls = report_of(made)["thin_walls"];
+  EXPECT_EQ(walls["inside_spots"], 30);
+  EXPECT_EQ(walls["outside_spots"], 4);
+  EXPECT_EQ(walls["region_count"], 17);
+  EXPECT_EQ(walls["suggested_spacing"], 0.25);
+  EXPECT_EQ(walls["regions"][0]["max"], nlohmann::json({3, 4, 5.5}));
 }
 
 TEST(MeshReport, SumsUpInOneLine) {

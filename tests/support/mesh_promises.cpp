@@ -94,35 +94,36 @@ struct LatticePlace {
 
 /// Coordinates doubled.
 LatticePlace place_on_lattice(const std::array<double, 3>& p) {
-  constexpr double kNear = 1e-3;  // far above rounding, far below what warps and cuts move
-  std::array<std::int32_t, 3> low{};
-  std::array<double, 3> off{};
-  const auto place = [&](const std::array<std::int32_t, 3>& high) {
-    return LatticePlace{
-        { low[0],  low[1],  low[2]},
-        {high[0], high[1], high[2]},
-        true
-    };
-  };
+  // Rounding moves a vertex by less than 1e-5; within a hundred times that, a node and a point
+  // on any of its edges are one.
+  constexpr double kAtNode = 1e-3, kOnEdge = 1e-4;
   for (const std::int32_t kind : {kCentre, kCorner}) {
+    std::array<std::int32_t, 3> node{}, end{};
+    std::array<double, 3> off{};
     for (std::size_t i = 0; i < 3; ++i) {
-      low[i] = 2 * static_cast<std::int32_t>(std::lround((p[i] - kind) / 2)) + kind;
-      off[i] = p[i] - low[i];
+      node[i] = 2 * static_cast<std::int32_t>(std::lround((p[i] - kind) / 2)) + kind;
+      off[i] = std::abs(p[i] - node[i]);
+      end[i] = node[i] + (p[i] < node[i] ? -1 : 1);
     }
-    const auto far = [](double t) { return std::abs(t) >= kNear; };
-    std::array<std::int32_t, 3> high = low;
-    const auto count = std::ranges::count_if(off, far);
-    if (count == 0) return place(high);
-    if (count > 1) continue;
-    const auto along = static_cast<std::size_t>(std::ranges::find_if(off, far) - off.begin());
-    high[along] += off[along] < 0 ? -2 : 2;
-    return place(high);
+    const auto place = [&](const std::array<std::int32_t, 3>& other) {
+      return LatticePlace{
+          { node[0],  node[1],  node[2]},
+          {other[0], other[1], other[2]},
+          true
+      };
+    };
+    const auto [shortest, longest] = std::ranges::minmax(off);
+    if (longest < kAtNode) return place(node);
+    if (longest > 1 - kAtNode && shortest > 1 - kAtNode) continue;  // a node of the other kind
+    if (longest - shortest < kOnEdge) return place(end);
+    for (std::size_t along = 0; along < 3; ++along) {
+      if (std::max(off[(along + 1) % 3], off[(along + 2) % 3]) >= kOnEdge) continue;
+      std::array<std::int32_t, 3> next = node;
+      next[along] += 2 * (end[along] - node[along]);
+      return place(next);
+    }
   }
-  std::array<std::int32_t, 3> high = low;  // low is a corner by now
-  for (std::size_t i = 0; i < 3; ++i) high[i] += off[i] < 0 ? -1 : 1;
-  const auto length = [](double t) { return std::abs(t); };
-  const auto [shortest, longest] = std::ranges::minmax(off, {}, length);
-  return length(longest) - length(shortest) < kNear ? place(high) : LatticePlace{};
+  return {};
 }
 
 /// Notes where the vertices lie.
@@ -196,6 +197,8 @@ std::string check_nodes(const Meshed& meshed) {
 }
 
 std::string check_boundary(const Meshed& meshed) {
+  // Off the voxels the field along an edge is in pieces, and secants take longer.
+  const double max_phi = meshed.field.max_surface_phi * (meshed.given.spacing == 1 ? 1 : 5);
   VolumeReader reader(meshed.field.volume);
   for (const Triangle& triangle : meshed.boundary) {
     for (const std::uint64_t v : triangle) {
@@ -203,10 +206,10 @@ std::string check_boundary(const Meshed& meshed) {
       if (!fan && (meshed.place[v] & kSurface) == 0) {
         return describe(meshed, v, "is on the boundary, where no surface passes");
       }
-      if (fan || meshed.field.max_surface_phi == 0) continue;
+      if (fan || max_phi == 0) continue;
       const WorldPoint p = meshed.mesh().vertex(v);
       const double phi = reader.trilinear({p.x, p.y, p.z});
-      if (std::abs(phi) > meshed.field.max_surface_phi) {
+      if (std::abs(phi) > max_phi) {
         return describe(meshed, v, absl::StrFormat("is off the surface by %g", phi).c_str());
       }
     }

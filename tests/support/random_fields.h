@@ -18,8 +18,8 @@ struct Topology {
 
 struct RandomField {
   Volume volume;  ///< a level set with voxels of 1
-  /// How far from zero phi may be where the boundary lies, as two secant steps end near a
-  /// smooth field's surface; 0 where nothing is known.
+  /// How far from zero phi may be where the boundary of a mesh at voxel spacing lies, as two
+  /// secant steps end near a smooth field's surface; 0 where nothing is known.
   double max_surface_phi = 0;
   /// Where every feature is several voxels wide, so that meshes must have it.
   std::optional<Topology> topology;
