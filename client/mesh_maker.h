@@ -11,6 +11,7 @@
 #include "client/progress_bar.h"
 #include "core/base/cancel.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -26,7 +27,8 @@ struct MadeMesh {
   QualityStats quality;
   /// Of the inside, if it was counted with the mesh; else to be measured.
   std::optional<BoundaryTopology> boundary;
-  std::vector<Stage> stages;  ///< in the order they ran
+  std::optional<Improvement> improvement;  ///< where the request asked for it
+  std::vector<Stage> stages;               ///< in the order they ran
 };
 
 absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,

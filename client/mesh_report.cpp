@@ -43,6 +43,17 @@ Json json_of(const std::vector<Stage>& stages) {
   return seconds_of;
 }
 
+Json json_of(const Improvement& improvement, const QualityStats& after) {
+  return {
+      {"min_before_deg", improvement.min_dihedral_before_deg},
+      {"max_before_deg", improvement.max_dihedral_before_deg},
+      { "min_after_deg",              after.min_dihedral_deg},
+      { "max_after_deg",              after.max_dihedral_deg},
+      {"moved_vertices",          improvement.moved_vertices},
+      {       "seconds",                 improvement.seconds}
+  };
+}
+
 std::string tets_of_each_side(const TetMesh& mesh) {
   if (!mesh.header.has_regions) return "";
   return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
@@ -85,6 +96,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
         {"outside", region_json(made.mesh, MeshRegion::kOutside)}
     };
   }
+  if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   return report.dump(2) + "\n";
 }
 

@@ -15,8 +15,10 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
 
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
 /// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary (of the
-/// inside; restored_nodes where a manifold was asked for and the box cuts no surface), and of
-/// meshes of both sides regions (inside and outside: tets, volume).
+/// inside; restored_nodes where a manifold was asked for and the box cuts no surface), of
+/// meshes of both sides regions (inside and outside: tets, volume), and of improved ones
+/// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
+/// seconds).
 ///
 /// Measures what was not counted with the mesh.
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);

@@ -254,6 +254,11 @@ void SurfaceCounts::add(const SurfaceCounts& more) noexcept {
   non_manifold_vertices += more.non_manifold_vertices;
 }
 
+void SurfaceCounts::add_fans(std::uint64_t fans) noexcept {
+  vertices += fans;
+  triangles += 2 * fans;
+}
+
 std::int64_t SurfaceCounts::euler_characteristic() const noexcept {
   const auto edges = static_cast<std::int64_t>(3 * triangles / 2 - extra_pairs);
   return static_cast<std::int64_t>(vertices) - edges + static_cast<std::int64_t>(triangles);

@@ -64,7 +64,7 @@ struct Meshed {
   bool both_sides() const noexcept { return result.mesh.header.has_regions; }
 };
 
-std::string check_angles(const Meshed& meshed) {
+std::string check_quality(const Meshed& meshed) {
   const auto [min, max] = angle_bounds(meshed.given.preset);
   const QualityStats& measured = meshed.measured;
   const QualityStats& reported = meshed.result.quality;
@@ -73,10 +73,13 @@ std::string check_angles(const Meshed& meshed) {
                            measured.max_dihedral_deg);
   }
   if (std::abs(measured.min_dihedral_deg - reported.min_dihedral_deg) > 0.01 ||
-      std::abs(measured.max_dihedral_deg - reported.max_dihedral_deg) > 0.01) {
-    return absl::StrFormat("angles of %.4f to %.4f degrees are reported as %.4f to %.4f",
-                           measured.min_dihedral_deg, measured.max_dihedral_deg,
-                           reported.min_dihedral_deg, reported.max_dihedral_deg);
+      std::abs(measured.max_dihedral_deg - reported.max_dihedral_deg) > 0.01 ||
+      std::abs(measured.volume - reported.volume) > 1e-5 * measured.volume) {
+    return absl::StrFormat(
+        "angles of %.4f to %.4f degrees and a volume of %.9g are reported as %.4f to %.4f and "
+        "%.9g",
+        measured.min_dihedral_deg, measured.max_dihedral_deg, measured.volume,
+        reported.min_dihedral_deg, reported.max_dihedral_deg, reported.volume);
   }
   return "";
 }
@@ -231,7 +234,7 @@ std::string check_topology(const Meshed& meshed) {
 std::string check_mesh(const Meshed& meshed) {
   const ConformityReport conformity = check_conformity(meshed.mesh());
   if (!conformity.conforming()) return conformity.describe();
-  for (const auto& check : {check_angles, check_vertices, check_regions, check_nodes,
+  for (const auto& check : {check_quality, check_vertices, check_regions, check_nodes,
                             check_boundary, check_topology}) {
     if (std::string violation = check(meshed); !violation.empty()) return violation;
   }

@@ -30,7 +30,8 @@ struct Outcome {
 /// Meshes the field uniform and graded, and checks of each mesh that
 ///
 /// - it conforms, and its tets are positive (core/mesh/conformity.h);
-/// - its dihedral angles keep the preset's bounds, and the reported ones are those it has;
+/// - its dihedral angles keep the preset's bounds, and the reported angles and volume are those
+///   it has;
 /// - the boundary of the inside lies where the surface passes (the first guarantee): at zero
 ///   nodes, on lattice edges whose ends have strictly opposite signs, or, between two sides,
 ///   amid four such points; and on smooth fields where phi is near zero;
