@@ -1,10 +1,11 @@
 // The whole mesh in this process: every solid and size, uniform and graded, on one thread and
-// on two.
+// on two; and the default mesh improved.
 #include <cstdint>
 #include <ctime>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
@@ -22,7 +23,7 @@ using MakeVolume = std::function<std::shared_ptr<const Volume>()>;
 struct PipelineCase {
   std::string volume_name;
   MakeVolume make_volume;
-  int levels = 0;
+  MeshRequest request;
   int threads = 1;
 };
 
@@ -33,12 +34,14 @@ double process_cpu_seconds() {
 /// What the runs of one benchmark add up to.
 struct Totals {
   double runs = 0, tets = 0, plan_seconds = 0, fill_seconds = 0, column_bytes = 0;
+  double improve_seconds = 0;
 
   void add(const MeshResult& result) {
     ++runs;
     tets += static_cast<double>(result.mesh.header.tet_count);
     plan_seconds += result.plan_seconds;
     fill_seconds += result.fill_seconds;
+    improve_seconds += result.improve_seconds;
     column_bytes += static_cast<double>(result.mesh.positions.size() + result.mesh.tets.size());
   }
 };
@@ -54,6 +57,17 @@ void report(benchmark::State& state,
   state.counters["fill_s"] = totals.fill_seconds / totals.runs;
   state.counters["bytes/tet"] = totals.column_bytes / totals.tets;
   state.counters["peak_bytes/tet"] = peak_bytes * totals.runs / totals.tets;
+}
+
+/// How much longer an improved mesh takes, and what it gains.
+void report_improvement(benchmark::State& state, const Totals& totals, const MeshResult& last) {
+  const double meshing = totals.plan_seconds + totals.fill_seconds;
+  state.counters["improve_s"] = totals.improve_seconds / totals.runs;
+  state.counters["times_meshing"] = (meshing + totals.improve_seconds) / meshing;
+  state.counters["min_before_deg"] = last.improvement->min_dihedral_before_deg;
+  state.counters["min_after_deg"] = last.quality.min_dihedral_deg;
+  state.counters["max_before_deg"] = last.improvement->max_dihedral_before_deg;
+  state.counters["max_after_deg"] = last.quality.max_dihedral_deg;
 }
 
 /// The volume of a case; the last one is kept, as several cases in a row share it.
@@ -72,24 +86,25 @@ void mesh(benchmark::State& state, const PipelineCase& run) {
   const std::shared_ptr<const Volume> volume = volume_of(run);
   if (volume == nullptr) return state.SkipWithError("glmark2-data is not installed");
   TaskPool pool(run.threads);
-  MeshRequest request;
-  request.levels = run.levels;
   Totals totals;
+  MeshResult last;
   const PeakMemory memory;
   const double cpu_before = process_cpu_seconds();
   for (auto _ : state) {
-    const auto result = mesh_volume(pool, volume, request, {}, {}, nullptr);
+    last = {};
+    auto result = mesh_volume(pool, volume, run.request, {}, {}, nullptr);
     if (!result.ok()) return state.SkipWithError(result.status().ToString().c_str());
     totals.add(*result);
+    last = *std::move(result);
   }
   report(state, totals, process_cpu_seconds() - cpu_before, memory.peak_bytes());
+  if (run.request.improve) report_improvement(state, totals, last);
 }
 
-/// Registers `mesh/volume/grading/threads:n`.
-void add_case(const PipelineCase& run) {
-  const std::string name = "mesh/" + run.volume_name +
-                           (run.levels == 0 ? "/uniform" : "/graded") +
-                           "/threads:" + std::to_string(run.threads);
+/// Registers `mesh/volume/kind/threads:n`.
+void add_case(const PipelineCase& run, const std::string& kind) {
+  const std::string name =
+      "mesh/" + run.volume_name + "/" + kind + "/threads:" + std::to_string(run.threads);
   benchmark::RegisterBenchmark(name.c_str(), [run](benchmark::State& s) { mesh(s, run); })
       ->Unit(benchmark::kMillisecond)
       ->MeasureProcessCPUTime()
@@ -97,9 +112,13 @@ void add_case(const PipelineCase& run) {
 }
 
 void add_volume(const std::string& name, const MakeVolume& make_volume) {
-  for (const int levels : {0, kMaxLevels}) {
-    for (const int threads : {1, 2}) add_case({name, make_volume, levels, threads});
-  }
+  const MeshRequest graded;
+  MeshRequest uniform, improved;
+  uniform.levels = 0;
+  improved.improve = true;
+  for (const int threads : {1, 2}) add_case({name, make_volume, uniform, threads}, "uniform");
+  for (const int threads : {1, 2}) add_case({name, make_volume, graded, threads}, "graded");
+  for (const int threads : {1, 2}) add_case({name, make_volume, improved, threads}, "improved");
 }
 
 void add_solid(Solid solid, const BenchSize& size) {

@@ -27,6 +27,8 @@ Examples:
       graded: finest at the surface, coarser inside
   tetstream mesh bunny.vdb -o bunny.msh --levels 0
       uniform: every tet of the finest size
+  tetstream mesh bunny.vdb -o bunny.vtu --improve --report bunny.json
+      better worst angles, and a report on how much better
   tetstream mesh smoke.vdb -o smoke.vtkhdf --grid density --iso 0.2 --spacing 0.5
       one grid of several, at another density and another size of tets
   tetstream mesh bunny.vdb -o bunny.vtu --preset both-sides --box -3 -3 -3 3 3 3
@@ -72,6 +74,8 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
                  "that the grid stores]")
       ->type_name("X0 Y0 Z0 X1 Y1 Z1");
   app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
+  app.add_flag("--improve", request.improve,
+               "Move vertices, on the surface along it, to better the worst angles");
   app.add_option(
          "--coordinates", arguments.coordinates,
          "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")

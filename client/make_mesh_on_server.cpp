@@ -102,6 +102,7 @@ v1::MeshRequest wire_request(const MeshOptions& options, const std::string& name
   if (options.request.iso) request.set_iso(*options.request.iso);
   request.set_levels(options.request.levels);
   request.set_preset(wire_preset(options.request.preset));
+  request.set_improve(options.request.improve);
   request.set_coordinate_type(wire_coordinates(options.request.coordinates));
   if (options.request.box) {
     set_point(options.request.box->min, *request.mutable_box()->mutable_min());
@@ -164,6 +165,7 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
   return MadeMesh{.mesh = std::move(streamed->mesh),
                   .quality = streamed->quality,
                   .boundary = streamed->boundary,
+                  .improvement = streamed->improvement,
                   .thin_walls = std::move(streamed->thin_walls),
                   .stages = stream.stages(uploading_seconds)};
 }

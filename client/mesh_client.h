@@ -12,6 +12,7 @@
 
 #include "core/base/cancel.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/thin_walls.h"
@@ -34,6 +35,7 @@ struct StreamedMesh {
   TetMesh mesh;
   QualityStats quality;
   std::optional<BoundaryTopology> boundary;  ///< of the inside, if the server told it
+  std::optional<Improvement> improvement;    ///< where the request asked for it
   ThinWalls thin_walls;
   std::string mesh_id;
   v1::MeshRequest canonical_request;

@@ -11,6 +11,7 @@
 #include "client/progress_bar.h"
 #include "core/base/cancel.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/thin_walls.h"
@@ -27,6 +28,7 @@ struct MadeMesh {
   QualityStats quality;
   /// Of the inside, if it was counted with the mesh; else to be measured.
   std::optional<BoundaryTopology> boundary;
+  std::optional<Improvement> improvement;  ///< where the request asked for it
   ThinWalls thin_walls;
   std::vector<Stage> stages;  ///< in the order they ran
 };

@@ -46,6 +46,13 @@ MeshHeader to_core(const v1::MeshHeader& message) {
   return header;
 }
 
+Improvement to_core(const v1::Improvement& message) {
+  return {.min_dihedral_before_deg = message.min_dihedral_before_deg(),
+          .max_dihedral_before_deg = message.max_dihedral_before_deg(),
+          .moved_vertices = unsigned_count(message.moved_vertices()),
+          .seconds = message.seconds()};
+}
+
 ThinWalls to_core(const v1::ThinWalls& message) {
   ThinWalls walls;
   walls.inside = unsigned_count(message.inside_spots());
@@ -167,9 +174,10 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
     if (!is_valid(trailer.boundary())) return bad_stream("a boundary with impossible counts");
     received_.boundary = to_core(trailer.boundary());
   }
+  if (trailer.has_improvement()) received_.improvement = to_core(trailer.improvement());
   take_quality(trailer);
-  complete_ = true;
   received_.thin_walls = to_core(trailer.thin_walls());
+  complete_ = true;
   return absl::OkStatus();
 }
 

@@ -24,6 +24,21 @@ Json json_of(const BoundaryTopology& boundary) {
   };
 }
 
+Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
+  Json boundary = json_of(made.boundary ? *made.boundary : measure_inside_boundary(made.mesh));
+  if (request.manifold && made.boundary) {
+    boundary["restored_nodes"] = made.boundary->restored_nodes;
+  }
+  return boundary;
+}
+
+Json region_json(const TetMesh& mesh, MeshRegion region) {
+  return {
+      {  "tets",     count_tets(mesh, region)},
+      {"volume", measure_volume(mesh, region)}
+  };
+}
+
 Json json_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
 
 Json json_of(const ThinWalls& walls) {
@@ -46,25 +61,21 @@ Json json_of(const ThinWalls& walls) {
   };
 }
 
-Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
-  Json boundary = json_of(made.boundary ? *made.boundary : measure_inside_boundary(made.mesh));
-  if (request.manifold && made.boundary) {
-    boundary["restored_nodes"] = made.boundary->restored_nodes;
-  }
-  return boundary;
-}
-
-Json region_json(const TetMesh& mesh, MeshRegion region) {
-  return {
-      {  "tets",     count_tets(mesh, region)},
-      {"volume", measure_volume(mesh, region)}
-  };
-}
-
 Json json_of(const std::vector<Stage>& stages) {
   Json seconds_of = Json::object();
   for (const Stage& stage : stages) seconds_of[stage.name] = stage.seconds;
   return seconds_of;
+}
+
+Json json_of(const Improvement& improvement, const QualityStats& after) {
+  return {
+      {"min_before_deg", improvement.min_dihedral_before_deg},
+      {"max_before_deg", improvement.max_dihedral_before_deg},
+      { "min_after_deg",              after.min_dihedral_deg},
+      { "max_after_deg",              after.max_dihedral_deg},
+      {"moved_vertices",          improvement.moved_vertices},
+      {       "seconds",                 improvement.seconds}
+  };
 }
 
 std::string tets_of_each_side(const TetMesh& mesh) {
@@ -119,6 +130,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
         {"outside", region_json(made.mesh, MeshRegion::kOutside)}
     };
   }
+  if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   return report.dump(2) + "\n";
 }
 

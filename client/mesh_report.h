@@ -17,9 +17,12 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
 std::string thin_walls_warning(const ThinWalls& walls);
 
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
-/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, thin_walls,
-/// boundary (of the inside; restored_nodes where a manifold was asked for and the box cuts no
-/// surface), and of meshes of both sides regions (inside and outside: tets, volume).
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary (of the
+/// inside; restored_nodes where a manifold was asked for and the box cuts no surface), of
+/// meshes of both sides regions (inside and outside: tets, volume), and of improved ones
+/// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
+/// seconds), and thin_walls (inside_spots, outside_spots, region_count, regions, thickness,
+/// suggested_spacing).
 ///
 /// Measures what was not counted with the mesh.
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);

@@ -215,6 +215,8 @@ const v1::MeshEvent* ChunkStream::next_event() {
       to_proto(quality_, *trailer.mutable_quality());
       const auto& boundary = planned_.plan->boundary();
       if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
+      const auto& improvement = planned_.plan->improvement();
+      if (improvement) to_proto(*improvement, *trailer.mutable_improvement());
       to_proto(planned_.plan->thin_walls(), *trailer.mutable_thin_walls());
       return &control_;
     }

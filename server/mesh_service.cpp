@@ -39,6 +39,8 @@ class Estimate final : public grpc::ServerUnaryReactor,
     const absl::Status status = ticket.ok() ? order.status() : ticket.status();
     if (!status.ok()) return Finish(call_.finish(status));
     ticket_ = *std::move(ticket);
+    // Counts are the same without improvement, which would make the mesh.
+    improve_ = std::exchange(order->request.improve, false);
     engine.planner.plan(
         *std::move(order), watch_,
         [self = shared_from_this()](const auto& planned) { self->finish(planned); });
@@ -47,8 +49,10 @@ class Estimate final : public grpc::ServerUnaryReactor,
   void finish(const absl::StatusOr<PlannedMesh>& planned) {
     if (planned.ok()) {
       to_proto(planned->plan->header(), response_);
-      response_.set_mesh_id(planned->mesh_id);
-      *response_.mutable_canonical_request() = planned->canonical;
+      v1::MeshRequest& canonical = *response_.mutable_canonical_request();
+      canonical = planned->canonical;
+      canonical.set_improve(improve_);
+      response_.set_mesh_id(mesh_id_of(canonical));
       call_.note("tets", response_.tet_count());
     }
     Finish(call_.finish(planned.status()));
@@ -60,6 +64,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
   Call call_;
   std::shared_ptr<PlanningWatch> watch_;
   v1::MeshHeader& response_;
+  bool improve_ = false;
   MeshTicket ticket_;
   std::shared_ptr<Estimate> self_;
 };

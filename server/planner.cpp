@@ -7,7 +7,8 @@
 namespace tet {
 
 namespace {
-// Enough for the streams that are likely to come back; each may hold a volume in memory.
+// Enough for the streams that are likely to come back; each may hold a volume in memory,
+// and the positions of an improved mesh.
 constexpr std::size_t kRecentPlans = 4;
 }  // namespace
 

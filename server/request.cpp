@@ -141,6 +141,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.box = *box;
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
+  order.request.improve = request.improve();
   return order;
 }
 
@@ -172,6 +173,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
   canonical.set_manifold(order.request.manifold);
+  canonical.set_improve(order.request.improve);
   const auto coordinates =
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
   if (coordinates) canonical.set_coordinate_type(to_proto(*coordinates));
@@ -182,10 +184,11 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
   // Hexadecimal floats say every bit. The grid's name comes last: it may hold anything.
   Sha256 digest;
   digest.add(absl::StrFormat(
-      "tetstream mesh %s\n%s\n%a %a %d %d %d %d\n%s\n%s", kAlgorithmVersion, canonical.name(),
-      canonical.spacing(), canonical.iso(), canonical.levels(),
+      "tetstream mesh %s\n%s\n%a %a %d %d %d %d %d\n%s\n%s", kAlgorithmVersion,
+      canonical.name(), canonical.spacing(), canonical.iso(), canonical.levels(),
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
-      static_cast<int>(canonical.manifold()), exact_text(canonical), canonical.grid_name()));
+      static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
+      exact_text(canonical), canonical.grid_name()));
   return digest.finish_hex();
 }
 
@@ -239,6 +242,13 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
+}
+
+void to_proto(const Improvement& improvement, v1::Improvement& message) {
+  message.set_min_dihedral_before_deg(improvement.min_dihedral_before_deg);
+  message.set_max_dihedral_before_deg(improvement.max_dihedral_before_deg);
+  message.set_moved_vertices(signed_count(improvement.moved_vertices));
+  message.set_seconds(improvement.seconds);
 }
 
 void to_proto(const QualityStats& stats, v1::QualityStats& message) {

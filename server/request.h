@@ -8,6 +8,7 @@
 
 #include "core/grid/load.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/pipeline/thin_walls.h"
@@ -53,6 +54,7 @@ v1::IndexType to_proto(IndexType type);
 v1::Preset to_proto(Preset preset);
 void to_proto(const GridInfo& info, v1::GridInfo& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
+void to_proto(const Improvement& improvement, v1::Improvement& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);
 void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message);
 void to_proto(const ThinWalls& walls, v1::ThinWalls& message);

@@ -1,26 +1,11 @@
 #include "core/base/quality.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "core/base/tet_geometry.h"
 
 namespace tet {
 namespace {
-
-constexpr double kDegPerRad = 180 / std::numbers::pi;
-
-/// sign(cos) * cos^2 falls from 1 to -1 as the angle grows from 0 to 180 degrees.
-double signed_square_of_cosine(double degrees) {
-  const double cosine = degrees == 90 ? 0 : std::cos(degrees / kDegPerRad);
-  return cosine * std::abs(cosine);
-}
-
-double degrees_of(double signed_square) noexcept {
-  return std::acos(std::copysign(std::sqrt(std::abs(signed_square)), signed_square)) *
-         kDegPerRad;
-}
 
 /// Whole degrees of a signed squared cosine, by a table of first guesses and a step or two.
 class DegreeBins {
@@ -78,29 +63,33 @@ void QualityMeter::add_tet(const WorldPoint& a,
                            const WorldPoint& c,
                            const WorldPoint& d) noexcept {
   const std::array<Vector, 4> normal = face_normals(a, b, c, d);
-  std::array<double, 4> per_square;
-  for (std::size_t i = 0; i < 4; ++i) per_square[i] = 1 / dot(normal[i], normal[i]);
-
   six_volumes_ += dot(from_to(a, b), normal[1]);
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = i + 1; j < 4; ++j) {
-      const double inward = -dot(normal[i], normal[j]);
-      double cosine = (inward * per_square[i]) * (std::abs(inward) * per_square[j]);
-      cosine = cosine > -1 ? std::min(cosine, 1.0) : -1;  // not a number becomes -1
-      largest_cosine_ = std::max(largest_cosine_, cosine);
-      smallest_cosine_ = std::min(smallest_cosine_, cosine);
-      ++histogram_[kBinOf(cosine)];
+  const std::array<double, 6> cosines = dihedral_cosines(normal);
+  for (std::size_t edge = 0; edge < 6; ++edge) {
+    angles_.add(cosines[edge]);
+    ++histograms_[edge][kBinOf(cosines[edge])];
+  }
+}
+
+void QualityMeter::add_batch(const BatchAngles& angles, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    six_volumes_ += angles.six_volumes[i];
+    angles_.add({angles.largest_cosine[i], angles.smallest_cosine[i]});
+    for (std::size_t edge = 0; edge < 6; ++edge) {
+      ++histograms_[edge][kBinOf(angles.cosine[edge][i])];
     }
   }
 }
 
 QualityStats QualityMeter::stats() const noexcept {
   QualityStats stats;
-  stats.histogram = histogram_;
+  for (const auto& histogram : histograms_) {
+    for (std::size_t d = 0; d < histogram.size(); ++d) stats.histogram[d] += histogram[d];
+  }
   stats.volume = six_volumes_ / 6;
-  if (smallest_cosine_ > largest_cosine_) return stats;  // no tet yet
-  stats.min_dihedral_deg = degrees_of(largest_cosine_);
-  stats.max_dihedral_deg = degrees_of(smallest_cosine_);
+  if (angles_.empty()) return stats;
+  stats.min_dihedral_deg = degrees_of(angles_.largest_cosine);
+  stats.max_dihedral_deg = degrees_of(angles_.smallest_cosine);
   return stats;
 }
 

@@ -5,18 +5,11 @@
 #include <span>
 #include <tuple>
 
+#include "core/base/mix_bits.h"
 #include "core/base/union_find.h"
 
 namespace tet {
 namespace {
-
-/// A bijection of 64 bits without visible pattern (splitmix64's finaliser).
-std::uint64_t mix(std::uint64_t x) noexcept {
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31U);
-}
 
 /// For every vertex, the XOR of the hashes of the faces around it, as seen from each tet: an
 /// inner face is seen twice and cancels, so an inner vertex is left with zero. The other way
@@ -29,10 +22,10 @@ std::vector<std::uint64_t> xor_faces_around_vertices(const TetMesh& mesh,
     if (!is_part(i)) continue;
     const auto tet = mesh.tet(i);
     std::array<std::uint64_t, 4> corner;
-    for (std::size_t k = 0; k < 4; ++k) corner[k] = mix(tet[k]);
+    for (std::size_t k = 0; k < 4; ++k) corner[k] = mix_bits(tet[k]);
     const std::uint64_t sum = corner[0] + corner[1] + corner[2] + corner[3];
     std::array<std::uint64_t, 4> face;  // opposite each corner; whatever the order of its own
-    for (std::size_t k = 0; k < 4; ++k) face[k] = mix(sum - corner[k]);
+    for (std::size_t k = 0; k < 4; ++k) face[k] = mix_bits(sum - corner[k]);
     const std::uint64_t all = face[0] ^ face[1] ^ face[2] ^ face[3];
     for (std::size_t k = 0; k < 4; ++k) accumulated[tet[k]] ^= all ^ face[k];
   }

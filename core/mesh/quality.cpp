@@ -10,24 +10,33 @@ namespace {
 
 constexpr std::size_t kTetsPerRange = 16384;
 
-QualityStats measure_range(const TetMesh& mesh, std::uint64_t begin, std::uint64_t end) {
+QualityStats measure_range(const MeshView& view,
+                           std::uint64_t begin,
+                           std::uint64_t end) noexcept {
   QualityMeter meter;
-  for (std::uint64_t i = begin; i < end; ++i) {
-    const auto [a, b, c, d] = mesh.tet(i);
-    meter.add_tet(mesh.stored_position(a), mesh.stored_position(b), mesh.stored_position(c),
-                  mesh.stored_position(d));
+  TetBatch batch;
+  BatchAngles angles;
+  for (std::uint64_t i = begin; i < end; i += TetBatch::kSize) {
+    const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - i);
+    view.load(i, count, batch);
+    measure_batch(batch, angles);
+    meter.add_batch(angles, count);
   }
   return meter.stats();
 }
 
 }  // namespace
 
+QualityStats measure_tets(const MeshView& view) noexcept {
+  return measure_range(view, 0, view.tet_count());
+}
+
 QualityStats measure_quality(const TetMesh& mesh) {
   const std::uint64_t tets = mesh.header.tet_count;
   std::vector<QualityStats> ranges((tets + kTetsPerRange - 1) / kTetsPerRange);
   for_each_index(ranges.size(), [&](std::size_t r) {
     const std::uint64_t begin = r * kTetsPerRange;
-    ranges[r] = measure_range(mesh, begin, std::min(begin + kTetsPerRange, tets));
+    ranges[r] = measure_range(mesh.view(), begin, std::min(begin + kTetsPerRange, tets));
   });
   QualityStats total;
   for (const QualityStats& range : ranges) total.add(range);

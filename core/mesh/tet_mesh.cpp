@@ -1,13 +1,15 @@
 #include "core/mesh/tet_mesh.h"
 
+#include <algorithm>
+
 namespace tet {
 namespace {
 
 template <class Number, std::size_t N>
-std::array<Number, N> read_row(std::span<const std::byte> column, std::uint64_t row) noexcept {
-  std::array<Number, N> numbers;
-  std::memcpy(numbers.data(), column.data() + row * sizeof(numbers), sizeof(numbers));
-  return numbers;
+void write_row(std::span<std::byte> column,
+               std::uint64_t row,
+               const std::array<Number, N>& numbers) noexcept {
+  std::memcpy(column.data() + row * sizeof(numbers), numbers.data(), sizeof(numbers));
 }
 
 }  // namespace
@@ -19,13 +21,14 @@ TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
   regions = ByteBuffer(sizes.regions);
 }
 
-WorldPoint TetMesh::stored_position(std::uint64_t i) const noexcept {
+void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexcept {
+  const auto [x, y, z] = position;
   if (header.coordinate_type == CoordinateType::kFloat64) {
-    const auto [x, y, z] = read_row<double, 3>(positions.bytes(), i);
-    return {x, y, z};
+    write_row<double, 3>(positions.bytes(), i, {x, y, z});
+  } else {
+    const auto round = [](double v) { return static_cast<float>(v); };
+    write_row<float, 3>(positions.bytes(), i, {round(x), round(y), round(z)});
   }
-  const auto [x, y, z] = read_row<float, 3>(positions.bytes(), i);
-  return {x, y, z};
 }
 
 WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
@@ -33,12 +36,11 @@ WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
   return {header.origin.x + x, header.origin.y + y, header.origin.z + z};
 }
 
-std::array<std::uint64_t, 4> TetMesh::tet(std::uint64_t i) const noexcept {
-  if (header.index_type == IndexType::kUint64) {
-    return read_row<std::uint64_t, 4>(tets.bytes(), i);
+void MeshView::load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept {
+  for (std::size_t lane = 0; lane < TetBatch::kSize; ++lane) {
+    const auto corners = tet(first + std::min(lane, count - 1));
+    for (std::size_t k = 0; k < 4; ++k) batch.set(lane, k, stored_position(corners[k]));
   }
-  const auto [a, b, c, d] = read_row<std::uint32_t, 4>(tets.bytes(), i);
-  return {a, b, c, d};
 }
 
 MeshRegion TetMesh::region(std::uint64_t i) const noexcept {

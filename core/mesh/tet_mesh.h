@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "core/base/tet_batch.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -73,6 +74,45 @@ class ByteBuffer {
   std::size_t size_ = 0;
 };
 
+/// Positions and tets that somebody else holds; tets may be some of the mesh only.
+struct MeshView {
+  CoordinateType coordinate_type = CoordinateType::kFloat32;
+  IndexType index_type = IndexType::kUint32;
+  std::span<const std::byte> positions;
+  std::span<const std::byte> tets;
+
+  std::uint64_t tet_count() const noexcept { return tets.size() / 4 / size_of(index_type); }
+  /// As stored, relative to the mesh's origin.
+  WorldPoint stored_position(std::uint64_t i) const noexcept;
+  std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
+  /// Stored positions of `count` tets from `first` on; lanes beyond repeat the last tet.
+  void load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept;
+
+ private:
+  template <class Number, std::size_t N>
+  static std::array<Number, N> read_row(std::span<const std::byte> column,
+                                        std::uint64_t row) noexcept {
+    std::array<Number, N> numbers;
+    std::memcpy(numbers.data(), column.data() + row * sizeof(numbers), sizeof(numbers));
+    return numbers;
+  }
+};
+
+inline WorldPoint MeshView::stored_position(std::uint64_t i) const noexcept {
+  if (coordinate_type == CoordinateType::kFloat64) {
+    const auto [x, y, z] = read_row<double, 3>(positions, i);
+    return {x, y, z};
+  }
+  const auto [x, y, z] = read_row<float, 3>(positions, i);
+  return {x, y, z};
+}
+
+inline std::array<std::uint64_t, 4> MeshView::tet(std::uint64_t i) const noexcept {
+  if (index_type == IndexType::kUint64) return read_row<std::uint64_t, 4>(tets, i);
+  const auto [a, b, c, d] = read_row<std::uint32_t, 4>(tets, i);
+  return {a, b, c, d};
+}
+
 /// A whole mesh as columns, in exactly the bytes that chunks carry (little-endian).
 ///
 /// positions: vertex_count * 3 coordinates (x, y, z), relative to `header.origin`.
@@ -92,7 +132,11 @@ struct TetMesh {
   WorldPoint vertex(std::uint64_t i) const noexcept;
   /// As stored: relative to `header.origin`, so that angles far from it keep every bit.
   WorldPoint stored_position(std::uint64_t i) const noexcept;
+  /// Moves a vertex; `position` is relative to `header.origin` and rounded as it is stored.
+  void store_position(std::uint64_t i, const WorldPoint& position) noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
+
+  MeshView view() const noexcept;
 
   /// Inside, unless the mesh has regions.
   MeshRegion region(std::uint64_t i) const noexcept;
@@ -100,5 +144,17 @@ struct TetMesh {
   /// Where a chunk's columns lie within the mesh's.
   ChunkColumns columns_of(const ChunkExtent& chunk) noexcept;
 };
+
+inline MeshView TetMesh::view() const noexcept {
+  return {header.coordinate_type, header.index_type, positions.bytes(), tets.bytes()};
+}
+
+inline WorldPoint TetMesh::stored_position(std::uint64_t i) const noexcept {
+  return view().stored_position(i);
+}
+
+inline std::array<std::uint64_t, 4> TetMesh::tet(std::uint64_t i) const noexcept {
+  return view().tet(i);
+}
 
 }  // namespace tet

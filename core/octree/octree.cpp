@@ -173,6 +173,12 @@ class DomainCells {
     return mask(brick,
                 [](const Range& r, std::int64_t i) { return i >= r.first && i <= r.last; });
   }
+  /// None sticks out of it.
+  bool all_whole() const noexcept {
+    return std::ranges::all_of(axis_, [](const Range& r) {
+      return r.first == r.first_whole && r.last == r.last_whole;
+    });
+  }
   /// The bricks of the level that it reaches into.
   BrickBox bricks() const noexcept {
     const auto at = [&](std::int64_t Range::*end) {
@@ -221,6 +227,9 @@ CellSet refined_in(const CellSet& refined, const DomainCells& domain) {
     const BrickMask cells = refined.cells[i] & domain.touched(refined.bricks[i]);
     if (cells.any()) builder.add(refined.bricks[i], cells);
   }
+  // Only levels whose leaves are larger than what a domain is rounded to have any, and few
+  // bricks.
+  if (domain.all_whole()) return builder.take();
   for_each_brick(domain.bricks(), [&](BrickCoord brick) {
     const BrickMask sticking_out = domain.touched(brick) & ~domain.whole(brick);
     if (sticking_out.any()) builder.add(brick, sticking_out);

@@ -1,27 +1,19 @@
 // The third pass: one brick's vertices and tets, written where the count put them.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
 
 #include "core/base/quality.h"
+#include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/mesh_plan.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
-
-/// From lattice coordinates to stored positions: linear * (lattice - origin).
-struct LatticeToWorld {
-  std::array<std::array<double, 3>, 3> linear{};
-  VoxelCoord origin;  ///< a lattice corner; stored positions are relative to it
-  bool mirrors =
-      false;  ///< the map turns positive tets negative, so two of their nodes are swapped
-};
 
 struct MeshWorkspace::Impl {
   StuffingWorkspace stuffing;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/fill_brick.h"
+#include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
@@ -58,8 +60,40 @@ absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limit
       bricks, bytes, limits.max_plan_bytes));
 }
 
+/// Refuses a domain that even its coarsest leaves would fill with too many tets, before any is
+/// looked at.
+absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {
+  double leaves = 1;
+  for (const auto& [min, max] :
+       {std::pair(domain.min.x, domain.max.x), std::pair(domain.min.y, domain.max.y),
+        std::pair(domain.min.z, domain.max.z)}) {
+    leaves *= std::ldexp(8.0 * (max - min + 1), -levels);
+  }
+  // Smaller leaves only add to the tets of these.
+  const double tets = leaves * kTetShapes;
+  if (tets <= static_cast<double>(limits.max_tets)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "the mesh of the box would have at least %.3g tets; the limit is %d. Use more levels, a "
+      "smaller box or a larger spacing",
+      tets, limits.max_tets));
+}
+
+/// Refuses an improvement for which the mesh could not be kept. It needs the mesh, and for its
+/// poor tets 1.3 times as much again on random signs, where they are most.
+absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
+  const std::uint64_t bytes =
+      ChunkSizes(header, header.vertex_count, header.tet_count).total() * 5 / 2;
+  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "
+      "spacing, or mesh without improvement",
+      header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
+}
+
 /// Both sides of a domain, or the inside alone, which must have an end.
-absl::StatusOr<MeshedSpace> space_of(const PhiField& field, const MeshRequest& request) {
+absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
+                                     const MeshRequest& request,
+                                     const MeshLimits& limits) {
   MeshedSpace space{stuffing_rules(request.preset), {}, request.manifold};
   if (!space.rules.both_sides) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
@@ -67,6 +101,9 @@ absl::StatusOr<MeshedSpace> space_of(const PhiField& field, const MeshRequest& r
   }
   const absl::StatusOr<BrickBox> domain = mesh_domain(field, request.box);
   if (!domain.ok()) return domain.status();
+  if (auto status = check_domain_budget(*domain, request.levels, limits); !status.ok()) {
+    return status;
+  }
   space.domain = *domain;
   return space;
 }
@@ -84,6 +121,13 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
   }
   if (auto status = check_plan_budget(*found, limits); !status.ok()) return status;
   return found;
+}
+
+/// The corners at the ends of a domain.
+VoxelBox corner_box(const BrickBox& domain) {
+  const auto corner = [](BrickCoord b) { return VoxelCoord{8 * b.x, 8 * b.y, 8 * b.z}; };
+  const BrickCoord last = domain.max;
+  return {corner(domain.min), corner({last.x + 1, last.y + 1, last.z + 1})};
 }
 
 /// Finest-level bricks that hold vertices, as a box of lattice corners.
@@ -108,8 +152,17 @@ VoxelPoint point_of(VoxelCoord v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
+VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
+  return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
+}
+
 /// Why there is no mesh, though the volume and the request are fine.
 absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
+  if (stuffing_rules(asked.preset).both_sides) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the surface at iso %g does not reach into the box, so there is nothing to mesh",
+        asked.iso));
+  }
   if (!thin.any()) {
     return absl::FailedPreconditionError(
         absl::StrFormat("nothing is inside at iso %g, so there is nothing to mesh", asked.iso));
@@ -118,6 +171,20 @@ absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thi
       "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
       "left to mesh; a grid sampled and meshed at about %.3g would resolve it",
       asked.iso, asked.spacing, thin.suggested_spacing));
+}
+
+/// Improves the mesh, which is whole for as long as that takes.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& plan,
+                                                             const MeshLimits& limits,
+                                                             const Cancellation& cancellation) {
+  if (auto status = check_improvement_budget(plan.header(), limits); !status.ok()) {
+    return status;
+  }
+  absl::StatusOr<FilledMesh> filled = fill_mesh(plan, cancellation, nullptr);
+  if (!filled.ok()) return filled.status();
+  const Improvement improvement = plan.improve(filled->mesh, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  return plan.with_positions(std::move(filled->mesh.positions), improvement);
 }
 
 }  // namespace
@@ -132,13 +199,14 @@ struct MeshPlan::Impl {
   ThinWalls thin_walls;
   std::vector<std::size_t> first_brick;  // of each chunk, and one more
 
-  void place_in_world(const MeshRequest& request);
+  void place_in_world(const MeshRequest& request, const std::optional<BrickBox>& domain);
   void cut_into_chunks(std::size_t chunk_bytes);
 };
 
-void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
+void MeshPlan::Impl::place_in_world(const MeshRequest& request,
+                                    const std::optional<BrickBox>& domain) {
   const VoxelTransform lattice = field.lattice_transform();
-  const VoxelBox box = corner_box(mesh);
+  const VoxelBox box = domain ? corner_box(*domain) : corner_box(mesh);
   const auto middle = [](std::int32_t a, std::int32_t b) {
     return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
   };
@@ -150,7 +218,11 @@ void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
   header.origin =
       lattice.to_world({static_cast<double>(centre.x), static_cast<double>(centre.y),
                         static_cast<double>(centre.z)});
-  header.bounds = lattice.to_world_box(point_of(box.min), point_of(box.max));
+  // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
+  // faces of a domain that no surface cuts are flat.
+  const double beyond = domain && boundary ? 0 : 0.5;
+  header.bounds = lattice.to_world_box(shifted(point_of(box.min), -beyond),
+                                       shifted(point_of(box.max), beyond));
   header.spacing = lattice.voxel_size;
   header.coordinate_type = request.coordinates.value_or(
       extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
@@ -170,7 +242,7 @@ void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   header.chunk_count = first_brick.size() - 1;
 }
 
-MeshPlan::MeshPlan(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+MeshPlan::MeshPlan(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 MeshPlan::~MeshPlan() = default;
 
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
@@ -191,6 +263,18 @@ ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
+  const QualityStats stats = fill_unimproved(index, workspace, columns);
+  if (!improvement_) return stats;
+  const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
+  std::memcpy(columns.positions.data(), positions_.bytes().data() + first,
+              columns.positions.size());
+  return measure_tets(
+      {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
+}
+
+QualityStats MeshPlan::fill_unimproved(std::uint64_t index,
+                                       MeshWorkspace& workspace,
+                                       ChunkColumns columns) const noexcept {
   const CountedMesh& mesh = impl_->mesh;
   BrickFiller filler(mesh, impl_->field, header(), impl_->to_world, workspace.impl());
   const std::size_t end = impl_->first_brick[index + 1];
@@ -204,6 +288,18 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
   }
   TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
   return filler.stats();
+}
+
+Improvement MeshPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
+  return improve_mesh(mesh, impl_->field, impl_->to_world, cancellation);
+}
+
+std::shared_ptr<const MeshPlan> MeshPlan::with_positions(ByteBuffer positions,
+                                                         const Improvement& improvement) const {
+  const auto plan = std::make_shared<MeshPlan>(impl_);
+  plan->positions_ = std::move(positions);
+  plan->improvement_ = improvement;
+  return plan;
 }
 
 namespace {
@@ -241,7 +337,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, *volume);
   if (!asked.ok()) return asked.status();
   const PhiField field = field_of(*volume, *asked);
-  const absl::StatusOr<MeshedSpace> space = space_of(field, request);
+  const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
   if (!space.ok()) return space.status();
 
   const bool uniform = asked->levels == 0;
@@ -264,9 +360,11 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   auto impl = std::make_unique<MeshPlan::Impl>(
       MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, boundary, {}, {}, {}});
   impl->thin_walls = std::move(thin_walls);
-  impl->place_in_world(request);
+  impl->place_in_world(request, space->domain);
   impl->cut_into_chunks(limits.chunk_bytes);
-  return std::make_shared<const MeshPlan>(std::move(impl));
+  const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
+  if (!request.improve) return plan;
+  return improve_plan(*plan, limits, cancellation);
 }
 
 }  // namespace tet

@@ -15,6 +15,7 @@
 #include "core/base/cancel.h"
 #include "core/grid/volume.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
@@ -46,7 +47,7 @@ struct MeshProgress {
 class MeshPlan {
  public:
   struct Impl;
-  explicit MeshPlan(std::unique_ptr<const Impl> impl);
+  explicit MeshPlan(std::shared_ptr<const Impl> impl);
   ~MeshPlan();
 
   const MeshHeader& header() const noexcept;
@@ -58,6 +59,14 @@ class MeshPlan {
   const std::optional<BoundaryTopology>& boundary() const noexcept;
   ChunkExtent chunk(std::uint64_t index) const noexcept;
 
+  /// Where the request asks for it: what the improvement did, and nothing otherwise.
+  const std::optional<Improvement>& improvement() const noexcept { return improvement_; }
+  /// Improves the whole mesh as this plan's chunks make it.
+  Improvement improve(TetMesh& mesh, const Cancellation& cancellation) const;
+  /// The same plan with the positions that an improvement found.
+  std::shared_ptr<const MeshPlan> with_positions(ByteBuffer positions,
+                                                 const Improvement& improvement) const;
+
   /// Makes one chunk. Its bytes depend on (volume, request, index) alone.
   ///
   /// The columns have exactly the chunk's ChunkSizes. Returns the chunk's own statistics.
@@ -66,11 +75,18 @@ class MeshPlan {
                           ChunkColumns columns) const noexcept;
 
  private:
-  std::unique_ptr<const Impl> impl_;
+  QualityStats fill_unimproved(std::uint64_t index,
+                               MeshWorkspace& workspace,
+                               ChunkColumns columns) const noexcept;
+
+  std::shared_ptr<const Impl> impl_;
+  ByteBuffer positions_;  // of all vertices, where they were improved
+  std::optional<Improvement> improvement_;
 };
 
 /// Counts the mesh: signs, cut points and warps are surveyed, leaves chosen, and every vertex
-/// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null.
+/// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null. A request
+/// to improve the mesh makes the whole of it here once, and keeps the improved positions.
 ///
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the volume has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),

@@ -37,6 +37,7 @@ struct MeshRequest {
   /// The boundary is a manifold whatever the field: nodes where it would touch itself are put
   /// back in their places.
   bool manifold = false;
+  bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
   std::optional<CoordinateType> coordinates;
   /// uint32 unless given, and uint64 where there are more vertices than that can count.
@@ -50,7 +51,8 @@ inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 /// Budget of one mesh; a request over it is refused before anything is allocated for it.
 struct MeshLimits {
   std::uint64_t max_tets = 4'000'000'000;
-  /// Memory for what is kept of the bricks near the surface while the mesh is counted and made.
+  /// Memory for what is kept of the bricks near the surface while the mesh is counted and made;
+  /// and, while it is improved for a plan, for the mesh.
   std::uint64_t max_plan_bytes = std::uint64_t{4} << 30;
   /// Not kChunkBytes in tests only: where a mesh is cut into chunks must not change it.
   std::size_t chunk_bytes = kChunkBytes;

@@ -1,9 +1,7 @@
 #include "core/pipeline/mesher.h"
 
-#include <atomic>
 #include <chrono>
 #include <utility>
-#include <vector>
 
 #include "core/pipeline/survey.h"
 
@@ -16,26 +14,40 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Makes every chunk where it belongs in the mesh; chunks may come in any order.
-absl::StatusOr<MeshResult> fill_mesh(const MeshPlan& plan,
+absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
+                                     const MeshRequest& request,
+                                     const MeshLimits& limits,
                                      const Cancellation& cancellation,
                                      const ProgressFunction& progress) {
-  const std::uint64_t chunks = plan.header().chunk_count;
+  // The mesh is improved where it lies: a plan would make it once more.
+  MeshRequest unimproved = request;
+  unimproved.improve = false;
   MeshResult result;
-  result.mesh = TetMesh(plan.header());
-  result.thin_walls = plan.thin_walls();
-  std::vector<QualityStats> stats(chunks);
-  std::atomic<std::uint64_t> done{0};
-  for_each_range(chunks, 1, [&](std::size_t begin, std::size_t end) {
-    MeshWorkspace workspace;
-    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      stats[i] = plan.fill_chunk(i, workspace, result.mesh.columns_of(plan.chunk(i)));
-      if (progress) progress(static_cast<double>(++done) / static_cast<double>(chunks));
-    }
-  });
-  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
-  for (const QualityStats& chunk : stats) result.quality.add(chunk);
-  result.boundary = plan.boundary();
+  Clock::time_point start = Clock::now();
+  const auto plan = plan_mesh(std::move(volume), unimproved, limits, cancellation, nullptr);
+  if (!plan.ok()) return plan.status();
+  result.plan_seconds = seconds_since(start);
+
+  start = Clock::now();
+  const double share = request.improve ? 0.5 : 1;  // of the time, about
+  const auto tell = [&](double fraction) {
+    if (progress) progress(share * fraction);
+  };
+  absl::StatusOr<FilledMesh> filled = fill_mesh(**plan, cancellation, tell);
+  if (!filled.ok()) return filled.status();
+  result.mesh = std::move(filled->mesh);
+  result.quality = filled->quality;
+  result.thin_walls = (*plan)->thin_walls();
+  result.boundary = (*plan)->boundary();
+  result.fill_seconds = seconds_since(start);
+
+  if (!request.improve) return result;
+  start = Clock::now();
+  result.improvement = (*plan)->improve(result.mesh, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  result.quality = measure_chunks(**plan, result.mesh);
+  result.improve_seconds = seconds_since(start);
+  if (progress) progress(1);
   return result;
 }
 
@@ -48,19 +60,8 @@ absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
                                        const Cancellation& cancellation,
                                        const ProgressFunction& progress) {
   absl::StatusOr<MeshResult> result = absl::UnknownError("not started");
-  pool.run([&] {
-    const Clock::time_point start = Clock::now();
-    const auto plan = plan_mesh(std::move(volume), request, limits, cancellation, nullptr);
-    const double plan_seconds = seconds_since(start);
-    if (!plan.ok()) {
-      result = plan.status();
-      return;
-    }
-    result = fill_mesh(**plan, cancellation, progress);
-    if (!result.ok()) return;
-    result->plan_seconds = plan_seconds;
-    result->fill_seconds = seconds_since(start) - plan_seconds;
-  });
+  pool.run(
+      [&] { result = make_mesh(std::move(volume), request, limits, cancellation, progress); });
   return result;
 }
 

@@ -88,6 +88,12 @@ FanMasks fans_within(const BrickBox& domain,
   return find_fans(lattice, nodes, rules);
 }
 
+std::uint64_t count_fans(const FanMasks& fans) noexcept {
+  std::uint64_t count = 0;
+  for (const BrickMask& mask : fans) count += mask.count();
+  return count;
+}
+
 /// True where every node that was inside has moved onto the surface. The samples alone would
 /// then take some of the brick for inside.
 bool lost_its_inside(const StuffedLattice& lattice) noexcept {
@@ -119,6 +125,7 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   found.surface = survey_surface(lattice.warped, workspace.surface);
   if (!space.domain) return found;
   found.fans = fans_within(*space.domain, brick, rules, lattice);
+  found.surface.counts.add_fans(count_fans(found.fans));
   found.at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
   return found;
 }

@@ -136,6 +136,12 @@ class SurfaceWalk {
           face[corners++] = i;
         }
       }
+      // Around a face without a node of the brick not every sign is known, and others see to
+      // it.
+      const bool own = std::any_of(face.begin(), face.end(), [&](StencilVertex i) {
+        return kOwnNodes.test(cell + shape.offset[i]);
+      });
+      if (!own && !kOwnNodes.test(cell)) return;
       if (lattice_.plus[shape.kind[plus]].test(cell + kMirrored[s][plus])) return;
       add(shape, cell, face);
     });
@@ -252,6 +258,11 @@ void SurfaceCounts::add(const SurfaceCounts& more) noexcept {
   non_manifold_edges += more.non_manifold_edges;
   extra_pairs += more.extra_pairs;
   non_manifold_vertices += more.non_manifold_vertices;
+}
+
+void SurfaceCounts::add_fans(std::uint64_t fans) noexcept {
+  vertices += fans;
+  triangles += 2 * fans;
 }
 
 std::int64_t SurfaceCounts::euler_characteristic() const noexcept {

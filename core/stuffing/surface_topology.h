@@ -20,6 +20,8 @@ struct SurfaceCounts {
   std::uint64_t non_manifold_edges = 0, extra_pairs = 0, non_manifold_vertices = 0;
 
   void add(const SurfaceCounts& more) noexcept;
+  /// Some of the quads have a vertex in their middle, and so four triangles.
+  void add_fans(std::uint64_t fans) noexcept;
   std::int64_t euler_characteristic() const noexcept;
 };
 

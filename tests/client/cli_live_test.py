@@ -161,6 +161,22 @@ class OnAServer(CommandTest):
             del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
             self.assertEqual(*reports)
 
+    def test_improves_alike(self):
+        meshes, reports = [], []
+        for server in ((), ("--server", self.address)):
+            self.assert_done(self.mesh("torus.vdb", ".vtu", "--improve", "--threads", "2",
+                                       "--report", self.out / "r.json", *server))
+            meshes.append((self.out / "mesh.vtu").read_bytes())
+            reports.append(json.loads((self.out / "r.json").read_text()))
+        self.assertTrue(meshes[0] == meshes[1])
+        for report in reports:
+            self.assertGreater(report["improvement"].pop("seconds"), 0)
+        self.assertEqual(reports[0]["improvement"], reports[1]["improvement"])
+        self.assertGreaterEqual(reports[0]["improvement"]["min_after_deg"], 20)
+        self.assertLess(reports[0]["improvement"]["min_before_deg"], 20)
+        self.assertEqual(set(reports[0]["stages"]),
+                         {"reading", "planning", "meshing", "improving", "writing"})
+
     def test_converts_a_surface_before_it_goes_up(self):
         (self.inputs / "cube.obj").write_text(CUBE + LID)
         here, there = self.out / "here.vtu", self.out / "there.vtu"

@@ -13,6 +13,7 @@ MadeMesh made_cube() {
   MadeMesh made{.mesh = kuhn_mesh(1),
                 .quality = {},
                 .boundary = {},
+                .improvement = {},
                 .thin_walls = {},
                 .stages = {{"planning", 0.5}}};
   made.quality = measure_quality(made.mesh);
@@ -74,6 +75,22 @@ TEST(MeshReport, TellsBothSidesApart) {
   EXPECT_DOUBLE_EQ(report["regions"]["inside"]["volume"], 1.0 / 6);
   EXPECT_DOUBLE_EQ(report["regions"]["outside"]["volume"], 5.0 / 6);
   EXPECT_EQ(report["boundary"]["triangles"], 4) << "of the inside";
+}
+
+TEST(MeshReport, TellsWhatAnImprovementDid) {
+  MadeMesh made = made_cube();
+  EXPECT_FALSE(report_of(made).contains("improvement"));
+  made.improvement = {.min_dihedral_before_deg = 30,
+                      .max_dihedral_before_deg = 100,
+                      .moved_vertices = 4,
+                      .seconds = 0.25};
+  const auto improvement = report_of(made)["improvement"];
+  EXPECT_EQ(improvement["min_before_deg"], 30);
+  EXPECT_EQ(improvement["max_before_deg"], 100);
+  EXPECT_EQ(improvement["min_after_deg"], made.quality.min_dihedral_deg);
+  EXPECT_EQ(improvement["max_after_deg"], made.quality.max_dihedral_deg);
+  EXPECT_EQ(improvement["moved_vertices"], 4);
+  EXPECT_EQ(improvement["seconds"], 0.25);
 }
 
 TEST(MeshReport, TellsOfWallsThatTheLatticeCannotResolve) {

@@ -150,6 +150,37 @@ TEST_F(MeshServiceTest, EstimatesTheHeaderItWouldSend) {
   EXPECT_EQ(estimate->canonical_request().spacing(), 0.125);
 }
 
+TEST_F(MeshServiceTest, EstimatesAnImprovedMeshByTheNameOfItsStream) {
+  v1::MeshRequest ball = uniform_ball(8);
+  const auto plain = client_->estimate(ball, never_);
+  ball.set_improve(true);
+  const auto improved = client_->estimate(ball, never_);
+  ASSERT_TRUE(plain.ok() && improved.ok());
+  EXPECT_NE(plain->mesh_id(), improved->mesh_id());
+  EXPECT_EQ(improved->SerializeAsString(), receive(stream_of(ball)).header.SerializeAsString());
+}
+
+TEST_F(MeshServiceTest, ResumesAnImprovedMesh) {
+  v1::MeshRequest ball = uniform_ball(16);
+  const Received plain = receive(stream_of(ball));
+  ball.set_improve(true);
+  const Received whole = receive(stream_of(ball));
+  ASSERT_TRUE(whole.trailer);
+  EXPECT_FALSE(plain.trailer->has_improvement());
+  EXPECT_GT(whole.trailer->improvement().moved_vertices(), 0);
+  EXPECT_GE(whole.trailer->quality().min_dihedral_deg(), 20);
+  restart();
+  const Received rest = receive(stream_of(ball, 1));
+  ASSERT_TRUE(rest.trailer);
+  EXPECT_EQ(rest.header.mesh_id(), whole.header.mesh_id());
+  EXPECT_EQ(rest.trailer->improvement().moved_vertices(),
+            whole.trailer->improvement().moved_vertices());
+  ASSERT_EQ(rest.chunks.size() + 1, whole.chunks.size());
+  for (std::size_t i = 0; i < rest.chunks.size(); ++i) {
+    EXPECT_TRUE(same_chunk(rest.chunks[i], whole.chunks[i + 1])) << "chunk " << i + 1;
+  }
+}
+
 TEST_F(MeshServiceTest, TellsItsLimits) {
   const auto capabilities = client_->capabilities(never_);
   ASSERT_TRUE(capabilities.ok());

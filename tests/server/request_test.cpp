@@ -144,6 +144,9 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   EXPECT_EQ(id(valid_request()), id(spelled));
   spelled.set_iso(0.25);
   EXPECT_NE(id(valid_request()), id(spelled));
+  v1::MeshRequest improved = valid_request();
+  improved.set_improve(true);
+  EXPECT_NE(id(valid_request()), id(improved));
 }
 
 TEST(MeshId, TellsEveryBoxAndManifoldsApart) {

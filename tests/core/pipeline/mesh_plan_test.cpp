@@ -126,6 +126,91 @@ void expect_refusal(Volume volume,
   EXPECT_THAT(std::string(made.status().message()), HasSubstr(words));
 }
 
+/// Vertices of a mesh beyond what its header says holds all.
+std::uint64_t vertices_out_of_bounds(const TetMesh& mesh) {
+  const WorldBox& box = mesh.header.bounds;
+  std::uint64_t out = 0;
+  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
+    const WorldPoint p = mesh.vertex(i);
+    const bool within = p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y &&
+                        p.y <= box.max.y && p.z >= box.min.z && p.z <= box.max.z;
+    out += !within;
+  }
+  return out;
+}
+
+MeshResult mesh(const Volume& volume, const MeshRequest& request) {
+  TaskPool pool(2);
+  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
+                            Cancellation(), nullptr);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result) : MeshResult{};
+}
+
+TEST(MeshPlan, BoundsHoldEveryVertex) {
+  MeshRequest both_sides;
+  both_sides.preset = Preset::kBothSides;
+  const std::vector<Volume> volumes = [] {
+    std::vector<Volume> all;
+    for (const double radius : {7.7, 8.0, 8.3, 15.5}) all.push_back(test::ball(radius));
+    for (const std::uint32_t seed : {1U, 2U, 3U}) all.push_back(test::random_signs(16, seed));
+    return all;
+  }();
+  for (const Volume& volume : volumes) {
+    EXPECT_EQ(vertices_out_of_bounds(mesh(volume, {}).mesh), 0U);
+    for (const double end : {4.0, 200.0}) {  // the first cuts every surface
+      both_sides.box = {
+          {-200, -200, -200},
+          { end,  end,  end}
+      };
+      EXPECT_EQ(vertices_out_of_bounds(mesh(volume, both_sides).mesh), 0U) << end;
+    }
+  }
+}
+
+TEST(MeshPlan, BoundsOfBothSidesAreTheBoxWhereNoSurfaceCutsIt) {
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.box = {
+      {-100, -100, -100},
+      { 300,  100,   90}
+  };
+  const auto made = plan(test::ball(9), request);
+  ASSERT_TRUE(made.ok()) << made.status();
+  const WorldBox& bounds = (*made)->header().bounds;
+  EXPECT_TRUE((bounds.min == WorldPoint{-104, -104, -104}));
+  EXPECT_TRUE((bounds.max == WorldPoint{304, 104, 96}));
+}
+
+TEST(MeshPlan, MeshesABoxOfAnySizeOrRefusesItAtOnce) {
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.box = {
+      {-1e7, -20, -20},
+      { 1e7,  20,  20}
+  };
+  const auto made = plan(test::ball(9), request);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_LT((*made)->header().tet_count, 3'000'000U);
+  request.levels = 6;
+  const auto refused = plan(test::ball(9), request);
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("Use more levels"));
+}
+
+TEST(MeshPlan, SaysThatABoxHoldsNothingOfTheSurface) {
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.box = {
+      {100, 100, 100},
+      {120, 120, 120}
+  };
+  const auto refused = plan(test::ball(9), request);
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(refused.status().message()),
+              HasSubstr("does not reach into the box"));
+}
+
 TEST(MeshPlan, RefusesWhatItCannotMeshAndSaysWhy) {
   MeshRequest request;
   request.spacing = 0.0;

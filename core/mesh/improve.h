@@ -1,0 +1,39 @@
+// Better dihedral angles: a few vertices move, the tets stay as they are.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/cancel.h"
+#include "core/grid/phi_field.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Angles that need no improvement. The whole time goes into those outside, so a wider goal is
+/// quicker; with this one meshes of resolved solids end above 20 degrees.
+inline constexpr double kGoodMinDihedralDeg = 22, kGoodMaxDihedralDeg = 140;
+
+/// Angles are those of the whole mesh.
+struct Improvement {
+  double min_dihedral_before_deg = 180;
+  double max_dihedral_before_deg = 0;
+  std::uint64_t moved_vertices = 0;
+  double seconds = 0;
+};
+
+/// Moves vertices of tets with angles that are not good until those angles are or nothing
+/// helps. The tets stay the same and positive.
+///
+/// The smallest angle of the mesh never falls and the largest never grows; no star gets an
+/// angle that is both worse than all it had and not good. A vertex goes half a spacing at most.
+/// One on the surface of `field` (the boundary, or between regions) stays there, within 1e-4
+/// spacings. Those on the box around two regions do not move, nor does a boundary that is off
+/// the surface. Parallel; one result for any number of threads. Stops
+/// early when cancelled, at any valid mesh.
+Improvement improve_mesh(TetMesh& mesh,
+                         const PhiField& field,
+                         const LatticeToWorld& to_world,
+                         const Cancellation& cancellation);
+
+}  // namespace tet

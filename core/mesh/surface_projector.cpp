@@ -1,0 +1,114 @@
+#include "core/mesh/surface_projector.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace tet {
+namespace {
+
+/// A trilinear function of the unit cube and its gradient.
+struct Trilinear {
+  std::array<double, 8> corner;  ///< at x*4 + y*2 + z
+
+  PhiSlope at(double x, double y, double z) const noexcept {
+    const auto along_z = [&](std::size_t i) {
+      return corner[i] + z * (corner[i + 1] - corner[i]);
+    };
+    const auto z_slope = [&](std::size_t i) { return corner[i + 1] - corner[i]; };
+    const auto mix = [](double low, double high, double t) { return low + t * (high - low); };
+    const double v00 = along_z(0), v01 = along_z(2), v10 = along_z(4), v11 = along_z(6);
+    const double v0 = mix(v00, v01, y), v1 = mix(v10, v11, y);
+    return {
+        mix(v0, v1, x),
+        {v1 - v0, mix(v01 - v00, v11 - v10, x),
+                     mix(mix(z_slope(0), z_slope(2), y), mix(z_slope(4), z_slope(6), y), x)}
+    };
+  }
+};
+
+}  // namespace
+
+SurfaceProjector::SurfaceProjector(const PhiField& field,
+                                   const LatticeToWorld& to_world,
+                                   const MeshHeader& mesh)
+    : field_(field),
+      reader_(*field.volume),
+      linear_(field.volume->transform.linear),
+      inverse_square_(
+          1 / (field.volume->transform.voxel_size * field.volume->transform.voxel_size)),
+      spacing_(mesh.spacing),
+      floats_(mesh.coordinate_type == CoordinateType::kFloat32) {
+  const auto split = [&](std::int32_t lattice, std::int32_t& whole, double& rest) {
+    const double voxel = field.spacing_voxels * lattice;
+    whole = static_cast<std::int32_t>(std::floor(voxel));
+    rest = voxel - whole;
+  };
+  split(to_world.origin.x, origin_.x, beyond_origin_.x);
+  split(to_world.origin.y, origin_.y, beyond_origin_.y);
+  split(to_world.origin.z, origin_.z, beyond_origin_.z);
+}
+
+PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
+  // `linear` is a voxel's size times a rotation, so its transpose is the inverse but for that.
+  const auto along = [&](std::size_t axis) {
+    return inverse_square_ *
+           (linear_[0][axis] * p.x + linear_[1][axis] * p.y + linear_[2][axis] * p.z);
+  };
+  const double x = beyond_origin_.x + along(0);
+  const double y = beyond_origin_.y + along(1);
+  const double z = beyond_origin_.z + along(2);
+  const double cx = std::floor(x), cy = std::floor(y), cz = std::floor(z);
+  const VoxelCoord cell{origin_.x + static_cast<std::int32_t>(cx),
+                        origin_.y + static_cast<std::int32_t>(cy),
+                        origin_.z + static_cast<std::int32_t>(cz)};
+  Trilinear values{};
+  for (int i = 0; i < 8; ++i) {
+    values.corner[static_cast<std::size_t>(i)] =
+        reader_.value({cell.x + (i >> 2), cell.y + (i >> 1 & 1), cell.z + (i & 1)});
+  }
+  const PhiSlope voxel = values.at(x - cx, y - cy, z - cz);
+  const double sign = field_.negated() ? -1 : 1;
+  const Vector& g = voxel.gradient;
+  const auto across = [&](std::size_t row) {
+    return sign * inverse_square_ *
+           (linear_[row][0] * g.x + linear_[row][1] * g.y + linear_[row][2] * g.z);
+  };
+  return {
+      sign * (voxel.phi - static_cast<double>(field_.iso)), {across(0), across(1), across(2)}
+  };
+}
+
+bool SurfaceProjector::is_on_surface(const PhiSlope& here) const noexcept {
+  const double reach = kOnSurface * spacing_;
+  return here.phi * here.phi <= reach * reach * dot(here.gradient, here.gradient);
+}
+
+std::optional<WorldPoint> SurfaceProjector::project(const WorldPoint& p,
+                                                    const Vector& slope) noexcept {
+  constexpr int kSteps = 6;
+  const double steepness = std::sqrt(dot(slope, slope));
+  const double close = kTolerance * spacing_ * steepness;
+  const double farthest = kReach * spacing_;
+  double before = 0, phi_before = at(p).phi;
+  double t = -phi_before / steepness;
+  for (int step = 0; step < kSteps && std::abs(t) <= farthest; ++step) {
+    const double scale = t / steepness;
+    const WorldPoint place =
+        rounded({p.x + scale * slope.x, p.y + scale * slope.y, p.z + scale * slope.z});
+    const double phi = at(place).phi;
+    if (std::abs(phi) <= close) return place;
+    const double secant = t - phi * (t - before) / (phi - phi_before);
+    before = t;
+    phi_before = phi;
+    t = secant;  // not a number ends the loop
+  }
+  return std::nullopt;
+}
+
+WorldPoint SurfaceProjector::rounded(const WorldPoint& p) const noexcept {
+  if (!floats_) return p;
+  const auto round = [](double v) { return static_cast<double>(static_cast<float>(v)); };
+  return {round(p.x), round(p.y), round(p.z)};
+}
+
+}  // namespace tet

@@ -1,0 +1,57 @@
+// Moving points onto the surface of a field.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/base/tet_geometry.h"
+#include "core/base/types.h"
+#include "core/grid/phi_field.h"
+#include "core/grid/volume_reader.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// phi at a point and how fast it grows there, per world unit.
+struct PhiSlope {
+  double phi = 0;
+  Vector gradient{};
+};
+
+/// The surface as stored positions see it. Not thread-safe: one per task.
+class SurfaceProjector {
+ public:
+  // In spacings, and measured as phi over its slope.
+  static constexpr double kOnSurface = 1e-3;  ///< a vertex within this is on the surface
+  static constexpr double kTolerance = 1e-4;  ///< of a projected point
+  static constexpr double kReach = 0.5;       ///< of a projection
+
+  SurfaceProjector(const PhiField& field,
+                   const LatticeToWorld& to_world,
+                   const MeshHeader& mesh);
+
+  /// Trilinear phi at a stored position.
+  PhiSlope at(const WorldPoint& p) noexcept;
+
+  bool is_on_surface(const PhiSlope& here) const noexcept;
+
+  /// A point of the surface as it would be stored, on the line through `p` along `slope`, which
+  /// tells how steep phi is; nothing when a few secants find none within reach.
+  std::optional<WorldPoint> project(const WorldPoint& p, const Vector& slope) noexcept;
+
+  /// As the mesh would store it.
+  WorldPoint rounded(const WorldPoint& p) const noexcept;
+
+ private:
+  PhiField field_;
+  VolumeReader reader_;
+  std::array<std::array<double, 3>, 3> linear_;  // voxels to stored positions
+  double inverse_square_;                        // of a voxel's size
+  VoxelCoord origin_;                            // whole voxels, which are exact anywhere
+  WorldPoint beyond_origin_;                     // and the rest
+  double spacing_;
+  bool floats_;
+};
+
+}  // namespace tet
