@@ -119,7 +119,7 @@ TEST(ThinWalls, TellGapsFromWalls) {
 }
 
 TEST(ThinWalls, AreNotSeenInThickSolids) {
-  for (const double spacing : {1.0, 0.8, 1.7, 3.0}) {
+  for (const double spacing : {1.0, 1.7, 3.0}) {
     SCOPED_TRACE(spacing);
     EXPECT_FALSE(mesh(test::ball(16), spacing).walls.any());
     EXPECT_FALSE(mesh(test::tilted_cube(24), spacing).walls.any())
@@ -208,11 +208,11 @@ TEST(ThinWalls, AreTheSameForAnyNumberOfThreads) {
     return equal;
   };
   for (const std::optional<double> spacing : {std::optional<double>(), std::optional(2.3)}) {
-    const Meshed one = mesh(test::random_signs(40, 9), spacing, 1);
+    const Meshed one = mesh(test::random_signs(24, 9), spacing, 1);
     ASSERT_TRUE(one.walls.any());
     EXPECT_GT(one.walls.outside, 0U);
     for (const int threads : {2, 16}) {
-      EXPECT_TRUE(same(mesh(test::random_signs(40, 9), spacing, threads).walls, one.walls));
+      EXPECT_TRUE(same(mesh(test::random_signs(24, 9), spacing, threads).walls, one.walls));
     }
   }
 }
