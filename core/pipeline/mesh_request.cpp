@@ -45,6 +45,17 @@ WarpLimits warp_limits(Preset preset) {
   return {};
 }
 
+AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
+  const bool rounded = coordinates == CoordinateType::kFloat32;
+  switch (preset) {
+    case Preset::kDefault:
+      return rounded ? AngleBounds{11.2, 155.2} : AngleBounds{11.3, 154.9};
+    case Preset::kMinAngle:
+      return rounded ? AngleBounds{11.7, 161.4} : AngleBounds{11.8, 161.2};
+  }
+  return {};
+}
+
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume) {
   CanonicalRequest out;
   out.spacing = request.spacing.value_or(volume.transform.voxel_size);

@@ -53,6 +53,15 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Vol
 
 WarpLimits warp_limits(Preset preset);
 
+/// What every dihedral angle of a preset's meshes lies between, in degrees.
+struct AngleBounds {
+  double min_deg = 0, max_deg = 180;
+};
+
+/// Proven by tests/certificate: see docs/bounds.md. As float64 positions are the mesher's own;
+/// as float32 they are rounded, at most 4096 spacings from their origin.
+AngleBounds angle_bounds(Preset preset, CoordinateType coordinates);
+
 std::optional<Preset> parse_preset(std::string_view name);
 std::string_view preset_name(Preset preset);
 
