@@ -39,7 +39,7 @@ struct Prepared {
 
   Octree octree(int levels) const {
     return build_octree({survey.bricks, survey.finest}, field, survey.inside_test(),
-                        found.inside, levels);
+                        {found.inside, {}}, levels);
   }
 };
 
@@ -87,7 +87,7 @@ void count_mesh(benchmark::State& state, const Prepared& prepared, int levels) {
     Survey survey = prepared.survey;
     Octree tree = prepared.octree(levels);
     state.ResumeTiming();
-    const CountedMesh mesh(prepared.field, std::move(survey), std::move(tree), levels == 0);
+    const CountedMesh mesh(prepared.field, std::move(survey), std::move(tree), {}, levels == 0);
     bricks = static_cast<double>(mesh.brick_count());
   }
   count_items(state, "bricks/s", bricks);
@@ -132,8 +132,8 @@ void warp(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
 }
 
 void keep(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
-  benchmark::DoNotOptimize(keep_brick(work.lattice.warped));
-  benchmark::DoNotOptimize(stuffed_cells(work.lattice.warped));
+  benchmark::DoNotOptimize(keep_brick(work.lattice.warped, {}));
+  benchmark::DoNotOptimize(stuffed_cells(work.lattice.warped, {}));
 }
 
 // Filling: one brick after another of a counted mesh.
@@ -160,11 +160,12 @@ std::vector<std::size_t> chosen_bricks(const CountedMesh& mesh, ChooseBrick choo
 }
 
 void fill(benchmark::State& state, const Prepared& prepared, int levels, ChooseBrick choose) {
-  const CountedMesh mesh(prepared.field, prepared.survey, prepared.octree(levels), levels == 0);
+  const CountedMesh mesh(prepared.field, prepared.survey, prepared.octree(levels), {},
+                         levels == 0);
   MeshWorkspace workspace;
   const LatticeToWorld to_world{prepared.volume->transform.linear, {}, false};
-  const WarpLimits limits;
-  BrickFiller filler(mesh, prepared.field, limits, to_world, workspace.impl());
+  const MeshHeader header;
+  BrickFiller filler(mesh, prepared.field, header, to_world, workspace.impl());
   std::vector<std::byte> positions, tets;
   const std::vector<std::size_t> bricks = chosen_bricks(mesh, choose);
   if (bricks.empty()) return state.SkipWithError("the mesh has no such brick");
@@ -175,7 +176,7 @@ void fill(benchmark::State& state, const Prepared& prepared, int levels, ChooseB
     const std::uint64_t tet_count = mesh.first_tet(brick + 1) - mesh.first_tet(brick);
     positions.resize((mesh.first_vertex(brick + 1) - mesh.first_vertex(brick)) * 12);
     tets.resize(tet_count * 16);
-    filler.fill(brick, {CoordinateType::kFloat32, positions}, {IndexType::kUint32, tets});
+    filler.fill(brick, {positions, tets, {}});
     filled += static_cast<double>(tet_count);
   }
   state.counters["tets/s"] = benchmark::Counter(filled, benchmark::Counter::kIsRate);

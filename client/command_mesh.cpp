@@ -101,12 +101,7 @@ absl::Status check_options(const MeshOptions& options) {
 
 absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
   MeshOptions options = arguments.options;
-  const std::optional<Preset> preset = parse_preset(arguments.preset);
-  if (!preset) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "preset ", arguments.preset, " is not there yet; take default or min-angle"));
-  }
-  options.request.preset = *preset;
+  options.request.preset = *parse_preset(arguments.preset);
   if (arguments.coordinates == "float32")
     options.request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64")

@@ -71,7 +71,15 @@ absl::StatusOr<std::string> upload_input(MeshClient& client,
 }
 
 v1::Preset wire_preset(Preset preset) {
-  return preset == Preset::kMinAngle ? v1::PRESET_MIN_ANGLE : v1::PRESET_DEFAULT;
+  switch (preset) {
+    case Preset::kDefault:
+      return v1::PRESET_DEFAULT;
+    case Preset::kMinAngle:
+      return v1::PRESET_MIN_ANGLE;
+    case Preset::kBothSides:
+      return v1::PRESET_BOTH_SIDES;
+  }
+  return v1::PRESET_UNSPECIFIED;
 }
 
 v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {

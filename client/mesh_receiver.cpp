@@ -42,6 +42,7 @@ MeshHeader to_core(const v1::MeshHeader& message) {
   header.bounds = {to_core(message.bounds().min()), to_core(message.bounds().max())};
   header.spacing = message.spacing();
   header.levels = message.levels();
+  header.has_regions = message.has_regions();
   return header;
 }
 
@@ -107,14 +108,16 @@ absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
       extent.tet_count > header.tet_count - next_tet_) {
     return bad_stream(absl::StrCat("chunk ", chunk.index(), " is out of place"));
   }
-  const auto positions = received_.mesh.positions_of(extent);
-  const auto tets = received_.mesh.tets_of(extent);
-  if (chunk.positions().size() != positions.size() || chunk.tets().size() != tets.size() ||
-      chunk_checksum(chunk.positions(), chunk.tets()) != chunk.checksum()) {
+  const ChunkColumns columns = received_.mesh.columns_of(extent);
+  if (chunk.positions().size() != columns.positions.size() ||
+      chunk.tets().size() != columns.tets.size() ||
+      chunk.regions().size() != columns.regions.size() ||
+      chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()) != chunk.checksum()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index(), " has a wrong checksum or size"));
   }
-  copy(chunk.positions(), positions);
-  copy(chunk.tets(), tets);
+  copy(chunk.positions(), columns.positions);
+  copy(chunk.tets(), columns.tets);
+  copy(chunk.regions(), columns.regions);
   next_vertex_ += extent.vertex_count;
   next_tet_ += extent.tet_count;
   ++next_chunk_;

@@ -140,7 +140,6 @@ void ChunkStream::make_chunk(std::uint64_t index) {
 }
 
 void ChunkStream::fill(std::uint64_t index, Slot& slot) {
-  const MeshHeader& header = planned_.plan->header();
   const ChunkExtent extent = planned_.plan->chunk(index);
   v1::MeshChunk& chunk = *slot.event.mutable_chunk();
   chunk.set_index(static_cast<std::int64_t>(index));
@@ -150,13 +149,13 @@ void ChunkStream::fill(std::uint64_t index, Slot& slot) {
   chunk.set_tet_count(static_cast<std::int64_t>(extent.tet_count));
 
   MeshWorkspace workspace = engine_.workspaces.take();
-  slot.quality = planned_.plan->fill_chunk(
-      index, workspace,
-      resized(*chunk.mutable_positions(),
-              extent.vertex_count * 3 * size_of(header.coordinate_type)),
-      resized(*chunk.mutable_tets(), extent.tet_count * 4 * size_of(header.index_type)));
+  const ChunkSizes size(planned_.plan->header(), extent.vertex_count, extent.tet_count);
+  slot.quality = planned_.plan->fill_chunk(index, workspace,
+                                           {resized(*chunk.mutable_positions(), size.positions),
+                                            resized(*chunk.mutable_tets(), size.tets),
+                                            resized(*chunk.mutable_regions(), size.regions)});
   engine_.workspaces.give_back(std::move(workspace));
-  chunk.set_checksum(chunk_checksum(chunk.positions(), chunk.tets()));
+  chunk.set_checksum(chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
   engine_.activity.chunks_made.fetch_add(1);
 }
 
@@ -254,7 +253,7 @@ void ChunkStream::after_chunk() {
   const v1::MeshChunk& chunk = slot.event.chunk();
   quality_.add(slot.quality);
   tets_written_ += chunk.tet_count();
-  bytes_written_ += chunk.positions().size() + chunk.tets().size();
+  bytes_written_ += chunk.positions().size() + chunk.tets().size() + chunk.regions().size();
   slot.ready = false;
   ++next_;
   post_chunks();

@@ -77,6 +77,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   capabilities.set_algorithm_version(kAlgorithmVersion);
   add_preset(capabilities, v1::PRESET_DEFAULT, Preset::kDefault);
   add_preset(capabilities, v1::PRESET_MIN_ANGLE, Preset::kMinAngle);
+  add_preset(capabilities, v1::PRESET_BOTH_SIDES, Preset::kBothSides);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT32);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
   capabilities.set_max_chunk_bytes(std::int64_t{kChunkBytes});

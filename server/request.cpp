@@ -19,6 +19,8 @@ absl::StatusOr<Preset> parse_preset_field(v1::Preset preset) {
       return Preset::kDefault;
     case v1::PRESET_MIN_ANGLE:
       return Preset::kMinAngle;
+    case v1::PRESET_BOTH_SIDES:
+      return Preset::kBothSides;
     default:
       return invalid_field(absl::StrCat("preset ", static_cast<int>(preset), " is unknown"));
   }
@@ -141,7 +143,15 @@ v1::IndexType to_proto(IndexType type) {
 }
 
 v1::Preset to_proto(Preset preset) {
-  return preset == Preset::kMinAngle ? v1::PRESET_MIN_ANGLE : v1::PRESET_DEFAULT;
+  switch (preset) {
+    case Preset::kDefault:
+      return v1::PRESET_DEFAULT;
+    case Preset::kMinAngle:
+      return v1::PRESET_MIN_ANGLE;
+    case Preset::kBothSides:
+      return v1::PRESET_BOTH_SIDES;
+  }
+  return v1::PRESET_UNSPECIFIED;
 }
 
 void to_proto(const GridInfo& info, v1::GridInfo& message) {
@@ -173,6 +183,7 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   set_point(header.bounds.max, *message.mutable_bounds()->mutable_max());
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
+  message.set_has_regions(header.has_regions);
 }
 
 void to_proto(const QualityStats& stats, v1::QualityStats& message) {

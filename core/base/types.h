@@ -48,4 +48,7 @@ struct WorldBox {
   WorldPoint min, max;
 };
 
+/// Which side of the surface a tet lies on; the value is its label in every format.
+enum class MeshRegion : std::uint8_t { kInside = 1, kOutside = 2 };
+
 }  // namespace tet

@@ -238,13 +238,26 @@ double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks
 
 }  // namespace
 
+absl::Status check_inside_ends(const PhiField& field) {
+  if (!(field.phi(field.volume->background) < 0)) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "the background value %g is inside at iso %g, so the inside has no end; choose another "
+      "iso value, or mesh both sides within a box",
+      field.volume->background, field.iso));
+}
+
+void keep_domain(const BrickBox& domain, FoundBricks& found) {
+  std::erase_if(found.near_surface, [&](BrickCoord b) {
+    return b.x < domain.min.x || b.y < domain.min.y || b.z < domain.min.z ||
+           b.x > domain.max.x + 1 || b.y > domain.max.y + 1 || b.z > domain.max.z + 1;
+  });
+  found.inside = {domain};
+  found.inside_cells = kBrickCells * (domain.max.x - domain.min.x + 1.0) *
+                       (domain.max.y - domain.min.y + 1.0) *
+                       (domain.max.z - domain.min.z + 1.0);
+}
+
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field) {
-  if (field.phi(field.volume->background) < 0) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "the background value %g is inside at iso %g, so the inside has no end; choose another "
-        "iso value",
-        field.volume->background, field.iso));
-  }
   const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
   if (!regions.ok()) return regions.status();
 

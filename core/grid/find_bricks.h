@@ -38,8 +38,14 @@ struct FoundBricks {
 };
 
 /// Looks at value ranges only, brick by brick; reads no samples. Parallel.
-/// Errors: kFailedPrecondition (the inside has no end), kResourceExhausted (more
-/// space than can be looked at).
+/// Errors: kResourceExhausted, kFailedPrecondition (more space than can be looked at).
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field);
+
+/// OK where the inside has an end: the background is outside. Error: kFailedPrecondition.
+absl::Status check_inside_ends(const PhiField& field);
+
+/// Leaves only what a mesh of both sides of `domain` needs: bricks near the surface in it and
+/// just beyond its upper faces, whose corners lie on them; all of the domain counts as covered.
+void keep_domain(const BrickBox& domain, FoundBricks& found);
 
 }  // namespace tet

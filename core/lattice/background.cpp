@@ -8,6 +8,8 @@
 namespace tet {
 namespace {
 
+constexpr HaloSet kOwnCells = halo_cube(0, 7);
+
 /// Ids around one brick, looked up once each: corners of the level below, 17 along each edge.
 template <class Index>
 class BrickIds {
@@ -39,12 +41,23 @@ class BrickIds {
 
 }  // namespace
 
-BackgroundCells gather_background(const OctreeLevel& level, BrickCoord brick) noexcept {
-  return {gather_halo(level, level.leaf, brick), gather_halo(level, level.refined, brick)};
+BackgroundCells gather_background(const OctreeLevel& level,
+                                  BrickCoord brick,
+                                  MeshRegion region) noexcept {
+  BackgroundCells cells{gather_halo(level, level.leaf, brick),
+                        gather_halo(level, level.refined, brick), kOwnCells};
+  if (level.inside.empty()) return cells;
+  const HaloSet inside = gather_halo(level, level.inside, brick);
+  if (region == MeshRegion::kInside) {
+    cells.own &= inside;
+  } else {
+    cells.own -= inside;
+  }
+  return cells;
 }
 
 HaloSet faces_to_larger(const BackgroundCells& cells, int direction) noexcept {
-  return (cells.leaf & internal::kOwnCells) -
+  return (cells.leaf & cells.own) -
          seen_from(cells.leaf | cells.refined, face_offset(direction));
 }
 
@@ -61,7 +74,17 @@ BackgroundCounts count_background(const BackgroundCells& cells) noexcept {
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     counts.quadrisected +=
         8 * std::uint64_t{internal::faces_to_refined(cells, direction).count()};
-    counts.half_pyramid += 2 * std::uint64_t{faces_to_larger(cells, direction).count()};
+    const internal::HalfPyramids found = internal::half_pyramids(cells, direction);
+    for_each_bit(found.cells, [&](int index) {
+      const int start = diagonal_turn(direction, Cell(index));
+      for (const int half : {0, 2}) {
+        const int midpoints =
+            found.has_middle(index, start + half) + found.has_middle(index, start + half + 1);
+        counts.half_pyramid += midpoints == 0;
+        counts.halved += midpoints == 1;
+        counts.in_three += midpoints == 2;
+      }
+    });
   }
   return counts;
 }

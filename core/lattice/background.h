@@ -16,18 +16,30 @@ namespace tet {
 ///   bisected: the same, cut at the midpoint of that edge (45, 60, 90)
 ///   quadrisected: a leaf's centre, and an eighth of a face that is refined behind (45, 60, 90)
 ///   half pyramid: a leaf's centre and half its face towards a larger leaf (45, 60, 90, 120)
+/// and on the faces of the domain, where smaller leaves lie beside a leaf's outer face:
+///   half pyramid halved, or cut in three: with a midpoint on one, or both, of the half face's
+///   own edges
 struct BackgroundCounts {
-  std::uint64_t bcc = 0, bisected = 0, quadrisected = 0, half_pyramid = 0;
+  std::uint64_t bcc = 0, bisected = 0, quadrisected = 0;
+  std::uint64_t half_pyramid = 0;
+  std::uint64_t halved = 0, in_three = 0;  ///< half pyramids, of two and of three tets
 
-  std::uint64_t total() const noexcept { return bcc + bisected + quadrisected + half_pyramid; }
+  std::uint64_t total() const noexcept {
+    return bcc + bisected + quadrisected + half_pyramid + 2 * halved + 3 * in_three;
+  }
 };
 
 /// Leaves and refined cells of a brick and its halo, at one level.
 struct BackgroundCells {
   HaloSet leaf, refined;
+  HaloSet own;  ///< cells of the brick whose tets are meant: its tets are those of its leaves,
+                ///< and those across their upper faces
 };
 
-BackgroundCells gather_background(const OctreeLevel& level, BrickCoord brick) noexcept;
+/// The cells of a brick as one region sees them.
+BackgroundCells gather_background(const OctreeLevel& level,
+                                  BrickCoord brick,
+                                  MeshRegion region) noexcept;
 
 /// Tets of a brick's leaves at a level above 0.
 BackgroundCounts count_background(const BackgroundCells& cells) noexcept;
@@ -40,8 +52,8 @@ Index* fill_background(const BackgroundCells& cells,
                        BrickCoord brick,
                        Index* tets) noexcept;
 
-/// Cells of a brick, among `leaf`, whose face across `direction` (0..5: +x, +y, +z, -x, -y, -z)
-/// touches a larger leaf: neither leaf nor refined at this level.
+/// Own leaves whose face across `direction` (0..5: +x, +y, +z, -x, -y, -z) touches a larger
+/// leaf, or is a face of the domain: neither leaf nor refined at this level.
 HaloSet faces_to_larger(const BackgroundCells& cells, int direction) noexcept;
 
 inline constexpr int kFaceDirections = 6;
@@ -83,11 +95,9 @@ Index* write_tet(Index* out, Index a, Index b, Index c, Index d) noexcept {
   return out + 4;
 }
 
-/// The two half pyramids of a cell: the face's diagonal joins the larger face's centre,
-/// which is odd along both of its axes, to its corner, which is even.
-template <class Index, class CornerId>
-Index* write_half_pyramids(
-    int direction, Cell cell, Index centre, const CornerId& corner_id, Index* tets) noexcept {
+/// The turn at which a face's diagonal starts: towards a larger leaf it joins that leaf's face
+/// centre, which is odd along both of the face's axes, to its corner, which is even.
+constexpr int diagonal_turn(int direction, Cell cell) noexcept {
   const int axis = direction % 3;
   const auto along_face_odd = [&](LatticeCoord c) {
     return (axis == 0 || ((cell.x + c.x) & 1) != 0) &&
@@ -95,6 +105,14 @@ Index* write_half_pyramids(
   };
   int start = 0;
   while (!along_face_odd(face_turn(direction, start))) ++start;
+  return start;
+}
+
+/// The two half pyramids of a cell whose face has no midpoints.
+template <class Index, class CornerId>
+Index* write_half_pyramids(
+    int direction, Cell cell, Index centre, const CornerId& corner_id, Index* tets) noexcept {
+  const int start = diagonal_turn(direction, cell);
   std::array<Index, 4> corner;
   for (int turn = 0; turn < 4; ++turn) {
     const LatticeCoord c = face_turn(direction, (start + turn) & 3);

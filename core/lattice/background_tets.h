@@ -10,8 +10,6 @@
 namespace tet {
 namespace internal {
 
-inline constexpr HaloSet kOwnCells = halo_cube(0, 7);
-
 /// Offset of the two other cells around edge `turn` of a cell's upper face across `axis`.
 constexpr int beside_edge(int axis, int turn) noexcept {
   // Edges run from corner `turn` to the next: they lie low in v, high in u, high in v, low in
@@ -24,7 +22,7 @@ constexpr int beside_edge(int axis, int turn) noexcept {
 
 /// Same-size leaves across the upper face of an axis.
 inline HaloSet pairs_across(const BackgroundCells& cells, int axis) noexcept {
-  return cells.leaf & seen_from(cells.leaf, face_offset(axis)) & kOwnCells;
+  return cells.leaf & seen_from(cells.leaf, face_offset(axis)) & cells.own;
 }
 
 /// Where edge `turn` of the face has a midpoint: a cell around it is refined.
@@ -35,7 +33,39 @@ inline HaloSet midpoints(const BackgroundCells& cells, int axis, int turn) noexc
 }
 
 inline HaloSet faces_to_refined(const BackgroundCells& cells, int direction) noexcept {
-  return cells.leaf & seen_from(cells.refined, face_offset(direction)) & kOwnCells;
+  return cells.leaf & seen_from(cells.refined, face_offset(direction)) & cells.own;
+}
+
+/// From a cell to the one beside edge `turn` of its face across `direction`.
+constexpr int beside_face_edge(int direction, int turn) noexcept {
+  const LatticeCoord a = face_turn(direction, turn), b = face_turn(direction, (turn + 1) & 3);
+  const auto side = [](int from, int to) { return from == to ? 2 * from - 1 : 0; };
+  LatticeCoord step{side(a.x, b.x), side(a.y, b.y), side(a.z, b.z)};
+  if (direction % 3 == 0) step.x = 0;
+  if (direction % 3 == 1) step.y = 0;
+  if (direction % 3 == 2) step.z = 0;
+  return offset_index(step.x, step.y, step.z);
+}
+
+/// The half pyramids of a face by the midpoints of its four edges. Towards a larger leaf there
+/// are none: the leaves beside the face are no smaller, or the tree would not be balanced.
+struct HalfPyramids {
+  HaloSet cells;
+  std::array<HaloSet, 4> middle;  ///< by turn
+
+  int has_middle(int cell, int turn) const noexcept {
+    return middle[static_cast<std::size_t>(turn & 3)].test(cell) ? 1 : 0;
+  }
+};
+
+inline HalfPyramids half_pyramids(const BackgroundCells& cells, int direction) noexcept {
+  HalfPyramids found{faces_to_larger(cells, direction), {}};
+  if (!found.cells.any()) return found;
+  for (int turn = 0; turn < 4; ++turn) {
+    found.middle[static_cast<std::size_t>(turn)] =
+        found.cells & seen_from(cells.refined, beside_face_edge(direction, turn));
+  }
+  return found;
 }
 
 template <class Index, class Ids>
@@ -88,6 +118,42 @@ Index* write_quadrisected(const BackgroundCells& cells,
   return out;
 }
 
+/// The half pyramid over corners `turn`, `turn` + 1 and `turn` + 2 of a face; its first two
+/// edges may have midpoints.
+template <class Index, class Ids>
+Index* write_half_pyramid(const HalfPyramids& found,
+                          int direction,
+                          int cell,
+                          int turn,
+                          Ids& ids,
+                          Index* out) noexcept {
+  const Cell c(cell);
+  const auto at = [&](int first, int second) {  // the corner, or the middle of two
+    const LatticeCoord p = face_turn(direction, first & 3),
+                       q = face_turn(direction, second & 3);
+    return ids.finer_corner(2 * c.x + p.x + q.x, 2 * c.y + p.y + q.y, 2 * c.z + p.z + q.z);
+  };
+  const Index centre = ids.centre(c.x, c.y, c.z);
+  const Index a = at(turn, turn), b = at(turn + 1, turn + 1), d = at(turn + 2, turn + 2);
+  const bool first = found.has_middle(cell, turn) != 0;
+  const bool second = found.has_middle(cell, turn + 1) != 0;
+  if (!first && !second) return write_tet(out, centre, a, b, d);
+  if (!second) {
+    const Index m = at(turn, turn + 1);
+    out = write_tet(out, centre, a, m, d);
+    return write_tet(out, centre, m, b, d);
+  }
+  const Index n = at(turn + 1, turn + 2);
+  if (!first) {
+    out = write_tet(out, centre, a, b, n);
+    return write_tet(out, centre, a, n, d);
+  }
+  const Index m = at(turn, turn + 1);
+  out = write_tet(out, centre, m, b, n);
+  out = write_tet(out, centre, a, m, n);
+  return write_tet(out, centre, a, n, d);
+}
+
 }  // namespace internal
 
 /// Writes the tets of a brick's leaves, four values of `ids` each; returns the end.
@@ -99,12 +165,11 @@ Index* write_background(const BackgroundCells& cells, Ids& ids, Index* tets) noe
   for (int axis = 0; axis < 3; ++axis) tets = internal::write_pairs(cells, axis, ids, tets);
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     tets = internal::write_quadrisected(cells, direction, ids, tets);
-    for_each_bit(faces_to_larger(cells, direction), [&](int index) {
-      const Cell c(index);
-      const auto corner = [&](int x, int y, int z) {
-        return ids.finer_corner(2 * x, 2 * y, 2 * z);
-      };
-      tets = write_half_pyramids(direction, c, ids.centre(c.x, c.y, c.z), corner, tets);
+    const internal::HalfPyramids found = internal::half_pyramids(cells, direction);
+    for_each_bit(found.cells, [&](int index) {
+      const int start = diagonal_turn(direction, Cell(index));
+      tets = internal::write_half_pyramid(found, direction, index, start, ids, tets);
+      tets = internal::write_half_pyramid(found, direction, index, start + 2, ids, tets);
     });
   }
   return tets;

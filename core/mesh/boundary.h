@@ -17,6 +17,10 @@ struct BoundaryTopology {
   std::int64_t euler_characteristic = 0;    ///< V - E + F over all components
   std::uint64_t non_manifold_edges = 0;     ///< edges not shared by exactly two triangles
   std::uint64_t non_manifold_vertices = 0;  ///< triangles around it are not one cycle
+  /// Nodes that were put back to make it a manifold, where that was asked for.
+  std::uint64_t restored_nodes = 0;
+
+  friend bool operator==(const BoundaryTopology&, const BoundaryTopology&) = default;
 };
 
 /// The boundary triangles, counter-clockwise seen from outside, sorted by their smallest

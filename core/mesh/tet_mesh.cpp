@@ -12,10 +12,12 @@ std::array<Number, N> read_row(std::span<const std::byte> column, std::uint64_t 
 
 }  // namespace
 
-TetMesh::TetMesh(const MeshHeader& mesh_header)
-    : header(mesh_header),
-      positions(mesh_header.vertex_count * 3 * size_of(mesh_header.coordinate_type)),
-      tets(mesh_header.tet_count * 4 * size_of(mesh_header.index_type)) {}
+TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  positions = ByteBuffer(sizes.positions);
+  tets = ByteBuffer(sizes.tets);
+  regions = ByteBuffer(sizes.regions);
+}
 
 WorldPoint TetMesh::stored_position(std::uint64_t i) const noexcept {
   if (header.coordinate_type == CoordinateType::kFloat64) {
@@ -39,14 +41,17 @@ std::array<std::uint64_t, 4> TetMesh::tet(std::uint64_t i) const noexcept {
   return {a, b, c, d};
 }
 
-std::span<std::byte> TetMesh::positions_of(const ChunkExtent& chunk) noexcept {
-  const std::size_t row = 3 * size_of(header.coordinate_type);
-  return positions.bytes().subspan(chunk.first_vertex * row, chunk.vertex_count * row);
+MeshRegion TetMesh::region(std::uint64_t i) const noexcept {
+  if (!header.has_regions) return MeshRegion::kInside;
+  return static_cast<MeshRegion>(regions.bytes()[i]);
 }
 
-std::span<std::byte> TetMesh::tets_of(const ChunkExtent& chunk) noexcept {
-  const std::size_t row = 4 * size_of(header.index_type);
-  return tets.bytes().subspan(chunk.first_tet * row, chunk.tet_count * row);
+ChunkColumns TetMesh::columns_of(const ChunkExtent& chunk) noexcept {
+  const ChunkSizes before(header, chunk.first_vertex, chunk.first_tet);
+  const ChunkSizes size(header, chunk.vertex_count, chunk.tet_count);
+  return {positions.bytes().subspan(before.positions, size.positions),
+          tets.bytes().subspan(before.tets, size.tets),
+          regions.bytes().subspan(before.regions, size.regions)};
 }
 
 }  // namespace tet

@@ -27,16 +27,34 @@ struct MeshHeader {
   std::uint64_t chunk_count = 0;
   CoordinateType coordinate_type = CoordinateType::kFloat32;
   IndexType index_type = IndexType::kUint32;
-  WorldPoint origin;   ///< add to every stored position to get world coordinates
-  WorldBox bounds;     ///< world coordinates; holds every vertex, not always tightly
-  double spacing = 0;  ///< lattice spacing h of the finest leaves, world units
-  int levels = 0;      ///< coarser octree levels that the mesh really uses
+  bool has_regions = false;  ///< both sides are meshed: every tet has a MeshRegion
+  WorldPoint origin;         ///< add to every stored position to get world coordinates
+  WorldBox bounds;           ///< world coordinates; holds every vertex, not always tightly
+  double spacing = 0;        ///< lattice spacing h of the finest leaves, world units
+  int levels = 0;            ///< coarser octree levels that the mesh really uses
 };
 
 /// Vertices and tets of one chunk: contiguous runs of the mesh's own.
 struct ChunkExtent {
   std::uint64_t first_vertex = 0, vertex_count = 0;
   std::uint64_t first_tet = 0, tet_count = 0;
+};
+
+/// Sizes of a chunk's columns, bytes.
+struct ChunkSizes {
+  std::size_t positions, tets, regions;
+  ChunkSizes(const MeshHeader& header, std::uint64_t vertices, std::uint64_t tet_count) noexcept
+      : positions(vertices * 3 * size_of(header.coordinate_type)),
+        tets(tet_count * 4 * size_of(header.index_type)),
+        regions(header.has_regions ? tet_count : 0) {}
+  std::size_t total() const noexcept { return positions + tets + regions; }
+};
+
+/// Where a chunk's columns are to be written.
+struct ChunkColumns {
+  std::span<std::byte> positions;
+  std::span<std::byte> tets;
+  std::span<std::byte> regions;  ///< empty unless the header has regions
 };
 
 /// Memory that is not zeroed when allocated: its first writer touches it, on its own core.
@@ -59,10 +77,12 @@ class ByteBuffer {
 ///
 /// positions: vertex_count * 3 coordinates (x, y, z), relative to `header.origin`.
 /// tets: tet_count * 4 vertex ids, each tet positive: det(b-a, c-a, d-a) > 0.
+/// regions: tet_count MeshRegions of one byte, or nothing.
 struct TetMesh {
   MeshHeader header;
   ByteBuffer positions;
   ByteBuffer tets;
+  ByteBuffer regions;
 
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.
@@ -74,9 +94,11 @@ struct TetMesh {
   WorldPoint stored_position(std::uint64_t i) const noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
 
+  /// Inside, unless the mesh has regions.
+  MeshRegion region(std::uint64_t i) const noexcept;
+
   /// Where a chunk's columns lie within the mesh's.
-  std::span<std::byte> positions_of(const ChunkExtent& chunk) noexcept;
-  std::span<std::byte> tets_of(const ChunkExtent& chunk) noexcept;
+  ChunkColumns columns_of(const ChunkExtent& chunk) noexcept;
 };
 
 }  // namespace tet

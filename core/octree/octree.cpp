@@ -147,9 +147,92 @@ BrickMask inside_cells(PhiSampler& sampler,
   return inside;
 }
 
-/// Level `level`, whose leaves are the inside cells among `candidates` that are not refined.
+/// Cells of one level that a domain holds.
+class DomainCells {
+ public:
+  DomainCells(const BrickBox& domain, int level) {
+    const auto range = [&](std::int32_t min_brick, std::int32_t max_brick) {
+      const std::int64_t begin = std::int64_t{8} * min_brick;
+      const std::int64_t end = std::int64_t{8} * max_brick + 8;
+      const std::int64_t before_next = (std::int64_t{1} << level) - 1;
+      return Range{(begin + before_next) >> level, (end >> level) - 1, begin >> level,
+                   (end - 1) >> level};
+    };
+    axis_ = {range(domain.min.x, domain.max.x), range(domain.min.y, domain.max.y),
+             range(domain.min.z, domain.max.z)};
+  }
+
+  /// Those that lie in it whole.
+  BrickMask whole(BrickCoord brick) const noexcept {
+    return mask(brick, [](const Range& r, std::int64_t i) {
+      return i >= r.first_whole && i <= r.last_whole;
+    });
+  }
+  /// Those that it reaches into.
+  BrickMask touched(BrickCoord brick) const noexcept {
+    return mask(brick,
+                [](const Range& r, std::int64_t i) { return i >= r.first && i <= r.last; });
+  }
+  /// The bricks of the level that it reaches into.
+  BrickBox bricks() const noexcept {
+    const auto at = [&](std::int64_t Range::*end) {
+      return BrickCoord{static_cast<std::int32_t>(axis_[0].*end >> 3),
+                        static_cast<std::int32_t>(axis_[1].*end >> 3),
+                        static_cast<std::int32_t>(axis_[2].*end >> 3)};
+    };
+    return {at(&Range::first), at(&Range::last)};
+  }
+
+ private:
+  struct Range {
+    std::int64_t first_whole, last_whole, first, last;
+  };
+
+  template <class Holds>
+  BrickMask mask(BrickCoord brick, const Holds& holds) const noexcept {
+    const auto bits = [&](const Range& range, std::int32_t b) {
+      unsigned set = 0;
+      for (unsigned i = 0; i < 8; ++i) {
+        if (holds(range, std::int64_t{8} * b + i)) set |= 1U << i;
+      }
+      return set;
+    };
+    const unsigned x = bits(axis_[0], brick.x), y = bits(axis_[1], brick.y),
+                   z = bits(axis_[2], brick.z);
+    std::uint64_t slice = 0;
+    for (unsigned i = 0; i < 8; ++i) {
+      if ((y >> i & 1) != 0) slice |= std::uint64_t{z} << (8 * i);
+    }
+    BrickMask set;
+    for (std::size_t i = 0; i < 8; ++i) {
+      if ((x >> i & 1) != 0) set.slice[i] = slice;
+    }
+    return set;
+  }
+
+  std::array<Range, 3> axis_;
+};
+
+/// Refined cells within a domain: those given that it reaches into, and all that stick out of
+/// it.
+CellSet refined_in(const CellSet& refined, const DomainCells& domain) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < refined.bricks.size(); ++i) {
+    const BrickMask cells = refined.cells[i] & domain.touched(refined.bricks[i]);
+    if (cells.any()) builder.add(refined.bricks[i], cells);
+  }
+  for_each_brick(domain.bricks(), [&](BrickCoord brick) {
+    const BrickMask sticking_out = domain.touched(brick) & ~domain.whole(brick);
+    if (sticking_out.any()) builder.add(brick, sticking_out);
+  });
+  return builder.take();
+}
+
+/// Level `level`, whose leaves are the cells among `candidates` that are covered and not
+/// refined.
 OctreeLevel make_level(const PhiField& field,
                        const InsideTest& is_inside,
+                       const OctreeCover& cover,
                        int level,
                        CellSet candidates,
                        const CellSet& refined) {
@@ -157,15 +240,19 @@ OctreeLevel make_level(const PhiField& field,
   made.bricks = std::move(candidates.bricks);
   made.leaf = std::move(candidates.cells);
   made.refined.resize(made.bricks.size());
+  if (cover.domain) made.inside.resize(made.bricks.size());
   made.index = BrickIndex(made.bricks);
   const BrickIndex refined_index(refined.bricks);
   for_each_range(made.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t at = refined_index.find(made.bricks[i]);
+      const BrickCoord brick = made.bricks[i];
+      const std::uint32_t at = refined_index.find(brick);
       if (at != kNoBrick) made.refined[i] = refined.cells[at];
-      made.leaf[i] = inside_cells(sampler, is_inside, made.bricks[i], level,
-                                  made.leaf[i] & ~made.refined[i]);
+      made.leaf[i] &= ~made.refined[i];
+      if (cover.domain) made.leaf[i] &= DomainCells(*cover.domain, level).whole(brick);
+      const BrickMask inside = inside_cells(sampler, is_inside, brick, level, made.leaf[i]);
+      (cover.domain ? made.inside : made.leaf)[i] = inside;
     }
   });
   return made;
@@ -221,6 +308,7 @@ void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
   };
   spread(leaf);
   spread(refined);
+  spread(inside);
   bricks = std::move(merged);
   index = BrickIndex(bricks);
 }
@@ -258,20 +346,25 @@ BrickMask with_siblings(BrickMask cells) noexcept {
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
-                    const std::vector<BrickBox>& cover,
+                    const OctreeCover& cover,
                     int max_levels) {
   Octree tree;
   if (max_levels == 0) {
-    tree.levels.push_back(finest_level(cells_covering(cover, 0, finest.bricks)));
+    // Beyond a domain there is nothing, near the surface or not.
+    const auto also = cover.domain ? std::vector<BrickCoord>{} : finest.bricks;
+    tree.levels.push_back(finest_level(cells_covering(cover.boxes, 0, also)));
     return tree;
   }
   CellSet refined = parents_of_finest(finest);
   tree.levels.push_back(finest_level(std::move(finest)));
   for (int level = 1; level <= max_levels; ++level) {
     CellSet above = refined_above(refined);
-    CellSet candidates =
-        level < max_levels ? children_of(above) : cells_covering(cover, level, refined.bricks);
-    OctreeLevel made = make_level(field, is_inside, level, std::move(candidates), refined);
+    if (cover.domain) above = refined_in(above, DomainCells(*cover.domain, level + 1));
+    CellSet candidates = level < max_levels
+                             ? children_of(above)
+                             : cells_covering(cover.boxes, level, refined.bricks);
+    OctreeLevel made =
+        make_level(field, is_inside, cover, level, std::move(candidates), refined);
     if (!any_leaf(made)) break;
     tree.levels.push_back(std::move(made));
     refined = std::move(above);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct OctreeLevel {
   std::vector<BrickCoord> bricks;  ///< sorted, unique
   std::vector<BrickMask> leaf;     ///< level 0: cells to be stuffed; above: leaves inside
   std::vector<BrickMask> refined;  ///< cells divided into the eight below; none at level 0
+  std::vector<BrickMask> inside;   ///< leaves above level 0 that lie inside; empty: all of them
   BrickIndex index;  ///< of `bricks`, which it refers to: a level may be moved but not copied
 
   OctreeLevel() = default;
@@ -46,7 +48,7 @@ struct OctreeLevel {
   void insert_bricks(const std::vector<BrickCoord>& more);
 };
 
-/// Leaves that cover the inside of a volume without overlap.
+/// Leaves that cover the inside of a volume, or a domain, without overlap.
 ///
 /// Invariants: leaves that share a face or an edge differ by at most one level; no leaf above
 /// level 0 has a node, centre, face centre or edge midpoint that touches the surface.
@@ -67,14 +69,22 @@ BrickMask with_siblings(BrickMask cells) noexcept;
 using InsideTest =
     std::function<bool(PhiSampler& sampler, std::int64_t x, std::int64_t y, std::int64_t z)>;
 
+/// What an octree's leaves cover.
+struct OctreeCover {
+  /// Boxes that cover the inside (see FoundBricks), or the domain; looked at only where the
+  /// number of levels keeps leaves from growing as large as they could.
+  std::vector<BrickBox> boxes;
+  /// Leaves cover all of it, whichever side they lie on; without it, the inside alone.
+  std::optional<BrickBox> domain;
+};
+
 /// Grows an octree above the finest leaves, at most `max_levels` levels; with `max_levels` 0
-/// every inside cell is a finest leaf. Cells that are not `finest` have all their nodes on one
-/// side, which `is_inside` tells. `cover` covers the inside (see FoundBricks); it is looked at
-/// only where `max_levels` keeps leaves from growing as large as they could.
+/// every covered cell is a finest leaf. Cells that are not `finest` have all their nodes on one
+/// side, which `is_inside` tells.
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
-                    const std::vector<BrickBox>& cover,
+                    const OctreeCover& cover,
                     int max_levels);
 
 }  // namespace tet

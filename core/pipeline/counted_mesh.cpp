@@ -1,6 +1,7 @@
 #include "core/pipeline/counted_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -10,13 +11,15 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kBricksPerRange = 16;
+constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
 }  // namespace
 
-CountedMesh::CountedMesh(const PhiField& field, Survey survey, Octree tree, bool uniform)
-    : survey_(std::move(survey)), tree_(std::move(tree)) {
-  // In a uniform mesh every brick with a vertex is there already.
-  if (!uniform) insert_corner_bricks(tree_.levels[0]);
+CountedMesh::CountedMesh(
+    const PhiField& field, Survey survey, Octree tree, const StuffingRules& rules, bool uniform)
+    : rules_(rules), survey_(std::move(survey)), tree_(std::move(tree)) {
+  // In a uniform mesh of the inside every brick with a vertex is there already.
+  if (!uniform || rules.both_sides) insert_corner_bricks(tree_.levels[0]);
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
   find_stuffed(field);
   find_vertices();
@@ -46,20 +49,42 @@ void CountedMesh::find_vertices() {
   nodes_[0].corner.resize(finest.bricks.size());
   nodes_[0].centre.resize(finest.bricks.size());
   for_each_index(
-      finest.bricks.size(),
-      [&](std::size_t i) {
-        const StuffedBrick* stuffed = stuffed_at(finest.bricks[i]);
-        if (stuffed == nullptr) return;
-        auto vertices =
-            finest_vertices(*stuffed, gather_halo(finest, finest.leaf, finest.bricks[i]));
-        nodes_[0].corner[i] = vertices[kCorner];
-        nodes_[0].centre[i] = vertices[kCentre];
-      },
-      kBricksPerRange);
+      finest.bricks.size(), [&](std::size_t i) { find_finest_vertices(i); }, kBricksPerRange);
   nodes_[0].used = nodes_[0].corner;
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
     nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
   }
+}
+
+void CountedMesh::find_finest_vertices(std::size_t brick) {
+  const OctreeLevel& finest = tree_.levels[0];
+  const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[brick]);
+  if (rules_.both_sides) return find_vertices_of_both_sides(brick, leaf);
+  const StuffedBrick* stuffed = stuffed_at(finest.bricks[brick]);
+  if (stuffed == nullptr) return;
+  const auto vertices = finest_vertices(*stuffed, leaf);
+  nodes_[0].corner[brick] = vertices[kCorner];
+  nodes_[0].centre[brick] = vertices[kCentre];
+}
+
+void CountedMesh::find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf) {
+  if (!touches_surface(brick)) {
+    nodes_[0].corner[brick] = leaf_corners(leaf);
+    nodes_[0].centre[brick] = brick_part(leaf);
+    return;
+  }
+  const BrickCoord b = tree_.levels[0].bricks[brick];
+  BrickSurroundings around;
+  for (int o = 0; o < 27; ++o) {
+    around[static_cast<std::size_t>(o)] =
+        stuffed_at({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1});
+  }
+  const UsedByTets used = used_by_tets(around, leaf);
+  nodes_[0].corner[brick] = used.node[kCorner];
+  nodes_[0].centre[brick] = used.node[kCentre];
+  // Other bricks read this one's signs at the same time, but not its cut points.
+  auto& cut = survey_.stuffed[stuffed_[brick]].cut;
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) cut[f] &= used.edge[f];
 }
 
 void CountedMesh::count_bricks() {
@@ -110,36 +135,55 @@ BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept 
   return bricks;
 }
 
+std::span<const MeshRegion> CountedMesh::regions() const noexcept {
+  return std::span(kRegions).first(rules_.both_sides ? 2 : 1);
+}
+
 OwnedVertices CountedMesh::finest_vertices_at(BrickCoord coord) const noexcept {
   OwnedVertices vertices;
   const std::uint32_t at = tree_.levels[0].index.find(coord);
   if (at == kNoBrick) return vertices;
   vertices.node = {nodes_[0].corner[at], nodes_[0].centre[at]};
-  vertices.first = nodes_[0].first_vertex[at];
-  if (touches_surface(at)) vertices.cut = &survey_.stuffed[stuffed_[at]].cut;
+  // While vertices are counted there are no ids yet.
+  if (!nodes_[0].first_vertex.empty()) vertices.first = nodes_[0].first_vertex[at];
+  if (touches_surface(at)) {
+    vertices.cut = &survey_.stuffed[stuffed_[at]].cut;
+    if (rules_.both_sides) vertices.fans = &survey_.fans[stuffed_[at]];
+  }
   return vertices;
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
-  const LevelNodes& level = nodes(place.level);
-  std::uint64_t count = level.corner[place.brick].count() + level.centre[place.brick].count();
-  if (place.level == 0 && touches_surface(place.brick)) {
-    for (const BrickMask& cut : survey_.stuffed[stuffed_[place.brick]].cut)
-      count += cut.count();
+  if (place.level == 0) {
+    return finest_vertices_at(tree_.levels[0].bricks[place.brick]).count();
   }
-  return count;
+  const LevelNodes& level = nodes(place.level);
+  return std::uint64_t{level.corner[place.brick].count()} + level.centre[place.brick].count();
 }
 
 std::uint64_t CountedMesh::tets_of(BrickPlace place) const noexcept {
   const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
   if (!level.leaf[place.brick].any()) return 0;
-  const BrickCoord brick = level.bricks[place.brick];
-  if (place.level > 0) return count_background(gather_background(level, brick)).total();
-  const BrickNeighbourhood bricks = neighbourhood(place.brick);
-  if (std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; })) {
-    return 0;
+  if (place.level == 0) return finest_tets_of(place.brick);
+  std::uint64_t tets = 0;
+  for (const MeshRegion region : regions()) {
+    tets +=
+        count_background(gather_background(level, level.bricks[place.brick], region)).total();
   }
-  return count_finest(gather_nodes(bricks, gather_halo(level, level.leaf, brick)));
+  return tets;
+}
+
+std::uint64_t CountedMesh::finest_tets_of(std::size_t brick) const noexcept {
+  const OctreeLevel& level = tree_.levels[0];
+  const BrickCoord coord = level.bricks[brick];
+  const BrickNeighbourhood bricks = neighbourhood(brick);
+  const bool all_minus =
+      std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
+  if (all_minus && !rules_.both_sides) return 0;
+  const FinestNodes inside = gather_nodes(bricks, gather_halo(level, level.leaf, coord));
+  if (!rules_.both_sides) return count_finest(inside, nullptr);
+  const FanMasks* fans = finest_vertices_at(coord).fans;
+  return count_finest(inside, fans) + count_finest(seen_from_outside(inside), fans);
 }
 
 }  // namespace tet

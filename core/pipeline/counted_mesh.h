@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/survey.h"
+#include "core/stuffing/fill.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
@@ -23,7 +25,15 @@ struct BrickPlace {
 /// bytes.
 class CountedMesh {
  public:
-  CountedMesh(const PhiField& field, Survey survey, Octree tree, bool uniform);
+  CountedMesh(const PhiField& field,
+              Survey survey,
+              Octree tree,
+              const StuffingRules& rules,
+              bool uniform);
+
+  const StuffingRules& rules() const noexcept { return rules_; }
+  /// What is meshed, in the order in which a brick's tets come.
+  std::span<const MeshRegion> regions() const noexcept;
 
   const Octree& tree() const noexcept { return tree_; }
   const LevelNodes& nodes(int level) const noexcept {
@@ -47,13 +57,17 @@ class CountedMesh {
   const StuffedBrick* stuffed_at(BrickCoord coord) const noexcept;
   void find_stuffed(const PhiField& field);
   void find_vertices();
+  void find_finest_vertices(std::size_t brick);
+  void find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf);
   void count_bricks();
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place) const noexcept;
+  std::uint64_t finest_tets_of(std::size_t brick) const noexcept;
 
   static constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
   static constexpr std::uint32_t kAllInside = kAllOutside - 1;
 
+  StuffingRules rules_;
   Survey survey_;
   Octree tree_;
   StuffedBrick all_inside_ = StuffedBrick::all_inside();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
@@ -12,11 +14,14 @@ namespace {
 /// Statistics of one tet of each background shape on a lattice of spacing 1.
 struct BackgroundShapes {
   QualityStats bcc, bisected, quadrisected, half_pyramid;
+  QualityStats halved, in_three;  ///< the two, and the three, tets of a half pyramid
 };
 
-QualityStats stats_of_tet(WorldPoint a, WorldPoint b, WorldPoint c, WorldPoint d) {
+using TetPoints = std::array<WorldPoint, 4>;
+
+QualityStats stats_of(std::initializer_list<TetPoints> tets) {
   QualityMeter meter;
-  meter.add_tet(a, b, c, d);
+  for (const auto& [a, b, c, d] : tets) meter.add_tet(a, b, c, d);
   return meter.stats();
 }
 
@@ -25,10 +30,23 @@ const BackgroundShapes& background_shapes() {
   constexpr WorldPoint kLow{0.5, 0.5, 0.5}, kHigh{1.5, 0.5, 0.5};
   constexpr WorldPoint kFace{1, 0.5, 0.5}, kMiddle{1, 0.5, 0};
   constexpr WorldPoint kCorner0{1, 0, 0}, kCorner1{1, 1, 0}, kCorner2{1, 1, 1};
-  static const BackgroundShapes shapes{stats_of_tet(kLow, kHigh, kCorner0, kCorner1),
-                                       stats_of_tet(kLow, kHigh, kCorner0, kMiddle),
-                                       stats_of_tet(kLow, kFace, kCorner0, kMiddle),
-                                       stats_of_tet(kLow, kCorner0, kCorner1, kCorner2)};
+  constexpr WorldPoint kNext{1, 1, 0.5};  // between corners 1 and 2
+  static const BackgroundShapes shapes{
+      .bcc = stats_of({   {kLow, kHigh, kCorner0, kCorner1}}
+        ),
+      .bisected = stats_of({ {kLow, kHigh, kCorner0, kMiddle}  }
+        ),
+      .quadrisected = stats_of({ {kLow, kFace, kCorner0, kMiddle} }
+        ),
+      .half_pyramid = stats_of({ {kLow, kCorner0, kCorner1, kCorner2}}
+        ),
+      .halved =
+          stats_of({ {kLow, kCorner0, kMiddle, kCorner2},                                       {kLow, kMiddle, kCorner1, kCorner2}}
+        ),
+      .in_three = stats_of({ {kLow, kMiddle, kCorner1, kNext},                                                                        {kLow, kCorner0, kMiddle, kNext},
+                       {kLow, kCorner0, kNext, kCorner2}}
+        )
+  };
   return shapes;
 }
 
@@ -63,25 +81,40 @@ class PositionWriter {
   Real* out_;
 };
 
+/// Vertices in the middle of surface quads; (x, y, z) is the brick's lowest corner.
+template <class Real>
+void write_fans(const FanMasks& fans,
+                const StuffedLattice& lattice,
+                double x,
+                double y,
+                double z,
+                PositionWriter<Real>& writer) noexcept {
+  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
+    for_each_bit(fans[shape], [&](int i, int j, int k) {
+      writer.write(x, y, z, middle_of_quad(kTetShape[shape], halo_index(i, j, k), lattice));
+    });
+  }
+}
+
 }  // namespace
 
-void BrickFiller::fill(std::size_t brick, PositionColumn positions, TetColumn tets) noexcept {
+void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
   const BrickPlace place = mesh_.place(brick);
   lattice_ = nullptr;
   if (place.level == 0 && mesh_.touches_surface(place.brick)) {
-    stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], limits_,
+    stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], mesh_.rules(),
                 workspace_.stuffing);
     lattice_ = &workspace_.stuffing.lattice;
   }
-  if (positions.type == CoordinateType::kFloat32) {
-    fill_positions<float>(place, positions.bytes);
+  if (header_.coordinate_type == CoordinateType::kFloat32) {
+    fill_positions<float>(place, columns.positions);
   } else {
-    fill_positions<double>(place, positions.bytes);
+    fill_positions<double>(place, columns.positions);
   }
-  if (tets.type == IndexType::kUint32) {
-    fill_tets<std::uint32_t>(place, tets.bytes);
+  if (header_.index_type == IndexType::kUint32) {
+    fill_tets<std::uint32_t>(place, columns.tets, columns.regions);
   } else {
-    fill_tets<std::uint64_t>(place, tets.bytes);
+    fill_tets<std::uint64_t>(place, columns.tets, columns.regions);
   }
 }
 
@@ -106,12 +139,13 @@ void BrickFiller::fill_positions(BrickPlace place, std::span<std::byte> bytes) n
     });
   }
   if (lattice_ != nullptr) {
-    const auto& cut = *mesh_.finest_vertices_at(brick).cut;
+    const OwnedVertices own = mesh_.finest_vertices_at(brick);
     for (int family = 0; family < kEdgeFamilies; ++family) {
-      for_each_bit(cut[static_cast<std::size_t>(family)], [&](int i, int j, int k) {
+      for_each_bit((*own.cut)[static_cast<std::size_t>(family)], [&](int i, int j, int k) {
         writer.write(x, y, z, lattice_->place_of_cut(family, halo_index(i, j, k)));
       });
     }
+    if (own.fans != nullptr) write_fans(*own.fans, *lattice_, x, y, z, writer);
   }
   TET_CHECK(reinterpret_cast<const std::byte*>(writer.end()) == bytes.data() + bytes.size());
 }
@@ -128,18 +162,23 @@ FinestIds<std::uint64_t>& BrickFiller::ids() noexcept {
 }
 
 template <class Index>
-void BrickFiller::fill_tets(BrickPlace place, std::span<std::byte> bytes) noexcept {
+void BrickFiller::fill_tets(BrickPlace place,
+                            std::span<std::byte> bytes,
+                            std::span<std::byte> regions) noexcept {
   if (bytes.empty()) return;
   auto* const begin = reinterpret_cast<Index*>(bytes.data());
   Index* end = begin;
   if (place.level == 0) {
-    end = fill_finest_tets(place.brick, ids<Index>(), begin);
-  } else {
-    const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
-    const BrickCoord brick = level.bricks[place.brick];
-    const BackgroundCells cells = gather_background(level, brick);
-    end = fill_background(cells, mesh_.numbers(), place.level, brick, begin);
-    count_background_quality(count_background(cells), place.level);
+    number_finest(mesh_.tree().levels[0].bricks[place.brick], ids<Index>());
+  }
+  for (const MeshRegion region : mesh_.regions()) {
+    Index* const first = end;
+    end = place.level == 0 ? fill_finest_tets(place.brick, ids<Index>(), region, first)
+                           : fill_background_tets(place, region, first);
+    if (regions.empty()) continue;
+    const auto tets = static_cast<std::size_t>(end - first) / 4;
+    std::fill_n(regions.begin(), tets, static_cast<std::byte>(region));
+    regions = regions.subspan(tets);
   }
   TET_CHECK(reinterpret_cast<std::byte*>(end) == bytes.data() + bytes.size());
   if (!to_world_.mirrors) return;
@@ -147,21 +186,40 @@ void BrickFiller::fill_tets(BrickPlace place, std::span<std::byte> bytes) noexce
 }
 
 template <class Index>
+void BrickFiller::number_finest(BrickCoord brick, FinestIds<Index>& ids) noexcept {
+  for (int o = 0; o < 8; ++o) {
+    const int x = o >> 2, y = o >> 1 & 1, z = o & 1;
+    number_vertices(mesh_.finest_vertices_at({brick.x + x, brick.y + y, brick.z + z}), x, y, z,
+                    ids);
+  }
+}
+
+template <class Index>
 Index* BrickFiller::fill_finest_tets(std::size_t brick,
-                                     FinestIds<Index>& ids,
+                                     const FinestIds<Index>& ids,
+                                     MeshRegion region,
                                      Index* out) noexcept {
   const OctreeLevel& level = mesh_.tree().levels[0];
   const BrickCoord b = level.bricks[brick];
-  for (int o = 0; o < 8; ++o) {
-    const int x = o >> 2, y = o >> 1 & 1, z = o & 1;
-    number_vertices(mesh_.finest_vertices_at({b.x + x, b.y + y, b.z + z}), x, y, z, ids);
-  }
-  const FinestNodes nodes =
+  FinestNodes nodes =
       gather_nodes(mesh_.neighbourhood(brick), gather_halo(level, level.leaf, b));
+  if (region == MeshRegion::kOutside) nodes = seen_from_outside(nodes);
+  const OwnedVertices own = mesh_.finest_vertices_at(b);
   BackgroundCounts counts;
-  out = fill_finest(nodes, ids, lattice_, out, meter_, counts);
+  out = fill_finest({nodes, own, lattice_, mesh_.rules()}, ids, out, meter_, counts);
   count_background_quality(counts, 0);
   return out;
+}
+
+template <class Index>
+Index* BrickFiller::fill_background_tets(BrickPlace place,
+                                         MeshRegion region,
+                                         Index* out) noexcept {
+  const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
+  const BrickCoord brick = level.bricks[place.brick];
+  const BackgroundCells cells = gather_background(level, brick, region);
+  count_background_quality(count_background(cells), place.level);
+  return fill_background(cells, mesh_.numbers(), place.level, brick, out);
 }
 
 void BrickFiller::count_background_quality(const BackgroundCounts& counts, int level) noexcept {
@@ -171,6 +229,8 @@ void BrickFiller::count_background_quality(const BackgroundCounts& counts, int l
   background_.add_copies(shapes.bisected, counts.bisected, scale);
   background_.add_copies(shapes.quadrisected, counts.quadrisected, scale);
   background_.add_copies(shapes.half_pyramid, counts.half_pyramid, scale);
+  background_.add_copies(shapes.halved, counts.halved, scale);
+  background_.add_copies(shapes.in_three, counts.in_three, scale);
 }
 
 QualityStats BrickFiller::stats() const noexcept {

@@ -23,15 +23,6 @@ struct LatticeToWorld {
       false;  ///< the map turns positive tets negative, so two of their nodes are swapped
 };
 
-struct PositionColumn {
-  CoordinateType type;
-  std::span<std::byte> bytes;
-};
-struct TetColumn {
-  IndexType type;
-  std::span<std::byte> bytes;
-};
-
 struct MeshWorkspace::Impl {
   StuffingWorkspace stuffing;
   FinestIds<std::uint32_t> ids32;
@@ -43,26 +34,35 @@ class BrickFiller {
  public:
   BrickFiller(const CountedMesh& mesh,
               const PhiField& field,
-              const WarpLimits& limits,
+              const MeshHeader& header,
               const LatticeToWorld& to_world,
               MeshWorkspace::Impl& workspace)
       : mesh_(mesh),
-        limits_(limits),
+        header_(header),
         to_world_(to_world),
         workspace_(workspace),
         sampler_(field) {}
 
   /// Columns have exactly the brick's size.
-  void fill(std::size_t brick, PositionColumn positions, TetColumn tets) noexcept;
+  void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
 
   /// Statistics of all bricks filled so far, in world units.
   QualityStats stats() const noexcept;
 
  private:
   template <class Index>
-  void fill_tets(BrickPlace place, std::span<std::byte> bytes) noexcept;
+  void fill_tets(BrickPlace place,
+                 std::span<std::byte> bytes,
+                 std::span<std::byte> regions) noexcept;
   template <class Index>
-  Index* fill_finest_tets(std::size_t brick, FinestIds<Index>& ids, Index* out) noexcept;
+  void number_finest(BrickCoord brick, FinestIds<Index>& ids) noexcept;
+  template <class Index>
+  Index* fill_finest_tets(std::size_t brick,
+                          const FinestIds<Index>& ids,
+                          MeshRegion region,
+                          Index* out) noexcept;
+  template <class Index>
+  Index* fill_background_tets(BrickPlace place, MeshRegion region, Index* out) noexcept;
   template <class Index>
   FinestIds<Index>& ids() noexcept;
   template <class Real>
@@ -70,7 +70,7 @@ class BrickFiller {
   void count_background_quality(const BackgroundCounts& counts, int level) noexcept;
 
   const CountedMesh& mesh_;
-  const WarpLimits& limits_;
+  const MeshHeader& header_;
   const LatticeToWorld& to_world_;
   MeshWorkspace::Impl& workspace_;
   PhiSampler sampler_;

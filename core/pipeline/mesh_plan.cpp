@@ -10,6 +10,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
+#include "core/grid/domain.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/survey.h"
@@ -56,6 +57,34 @@ absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limit
       bricks, bytes, limits.max_plan_bytes));
 }
 
+/// Both sides of a domain, or the inside alone, which must have an end.
+absl::StatusOr<MeshedSpace> space_of(const PhiField& field, const MeshRequest& request) {
+  MeshedSpace space{stuffing_rules(request.preset), {}};
+  if (!space.rules.both_sides) {
+    if (auto status = check_inside_ends(field); !status.ok()) return status;
+    return space;
+  }
+  const absl::StatusOr<BrickBox> domain = mesh_domain(field, request.box);
+  if (!domain.ok()) return domain.status();
+  space.domain = *domain;
+  return space;
+}
+
+/// The bricks to look at, within budget.
+absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
+                                      const MeshedSpace& space,
+                                      bool uniform,
+                                      const MeshLimits& limits) {
+  absl::StatusOr<FoundBricks> found = find_bricks(field);
+  if (!found.ok()) return found;
+  if (space.domain) keep_domain(*space.domain, *found);
+  if (uniform) {
+    if (auto status = check_uniform_budget(*found, limits); !status.ok()) return status;
+  }
+  if (auto status = check_plan_budget(*found, limits); !status.ok()) return status;
+  return found;
+}
+
 /// Finest-level bricks that hold vertices, as a box of lattice corners.
 VoxelBox corner_box(const CountedMesh& mesh) {
   VoxelBox box{
@@ -99,9 +128,9 @@ WorldBox world_box(const VoxelTransform& lattice, const VoxelBox& box) {
 struct MeshPlan::Impl {
   std::shared_ptr<const Volume> volume;
   PhiField field;
-  WarpLimits limits;
   CountedMesh mesh;
   MeshHeader header;
+  std::optional<BoundaryTopology> boundary;
   LatticeToWorld to_world;
   std::vector<std::size_t> first_brick;  // of each chunk, and one more
 
@@ -131,10 +160,8 @@ void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
 }
 
 void MeshPlan::Impl::cut_into_chunks() {
-  const std::size_t vertex_bytes = 3 * size_of(header.coordinate_type);
-  const std::size_t tet_bytes = 4 * size_of(header.index_type);
   const auto bytes_before = [&](std::size_t brick) {
-    return mesh.first_vertex(brick) * vertex_bytes + mesh.first_tet(brick) * tet_bytes;
+    return ChunkSizes(header, mesh.first_vertex(brick), mesh.first_tet(brick)).total();
   };
   first_brick.push_back(0);
   for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {
@@ -150,6 +177,10 @@ MeshPlan::~MeshPlan() = default;
 
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
 
+const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
+  return impl_->boundary;
+}
+
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   const std::size_t begin = impl_->first_brick[index], end = impl_->first_brick[index + 1];
   const CountedMesh& mesh = impl_->mesh;
@@ -159,28 +190,50 @@ ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
 
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
-                                  std::span<std::byte> positions,
-                                  std::span<std::byte> tets) const noexcept {
-  [[maybe_unused]] const ChunkExtent extent = chunk(index);
-  const std::size_t vertex_bytes = 3 * size_of(header().coordinate_type);
-  const std::size_t tet_bytes = 4 * size_of(header().index_type);
-  TET_CHECK(positions.size() == extent.vertex_count * vertex_bytes);
-  TET_CHECK(tets.size() == extent.tet_count * tet_bytes);
-  BrickFiller filler(impl_->mesh, impl_->field, impl_->limits, impl_->to_world,
-                     workspace.impl());
+                                  ChunkColumns columns) const noexcept {
+  const CountedMesh& mesh = impl_->mesh;
+  BrickFiller filler(mesh, impl_->field, header(), impl_->to_world, workspace.impl());
   const std::size_t end = impl_->first_brick[index + 1];
   for (std::size_t brick = impl_->first_brick[index]; brick < end; ++brick) {
-    const std::uint64_t vertices =
-        impl_->mesh.first_vertex(brick + 1) - impl_->mesh.first_vertex(brick);
-    const std::uint64_t brick_tets =
-        impl_->mesh.first_tet(brick + 1) - impl_->mesh.first_tet(brick);
-    filler.fill(brick, {header().coordinate_type, positions.first(vertices * vertex_bytes)},
-                {header().index_type, tets.first(brick_tets * tet_bytes)});
-    positions = positions.subspan(vertices * vertex_bytes);
-    tets = tets.subspan(brick_tets * tet_bytes);
+    const ChunkSizes size(header(), mesh.first_vertex(brick + 1) - mesh.first_vertex(brick),
+                          mesh.first_tet(brick + 1) - mesh.first_tet(brick));
+    filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),
+                        columns.regions.first(size.regions)});
+    columns = {columns.positions.subspan(size.positions), columns.tets.subspan(size.tets),
+               columns.regions.subspan(size.regions)};
   }
+  TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
   return filler.stats();
 }
+
+namespace {
+
+absl::Status check_tets(const MeshHeader& header,
+                        const CanonicalRequest& request,
+                        const MeshLimits& limits) {
+  if (header.tet_count == 0) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "nothing is inside at iso %g, so there is nothing to mesh", request.iso));
+  }
+  if (header.tet_count <= limits.max_tets) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
+                      header.tet_count, limits.max_tets));
+}
+
+/// Header of a counted mesh, but for its place in the world and its chunks.
+MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
+  MeshHeader header;
+  header.vertex_count = mesh.first_vertex(mesh.brick_count());
+  header.tet_count = mesh.first_tet(mesh.brick_count());
+  header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
+  header.has_regions = mesh.rules().both_sides;
+  const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
+  header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
+  return header;
+}
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
                                                           const MeshRequest& request,
@@ -190,46 +243,24 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, *volume);
   if (!asked.ok()) return asked.status();
   const PhiField field = field_of(*volume, *asked);
-  const WarpLimits warps = warp_limits(asked->preset);
+  const absl::StatusOr<MeshedSpace> space = space_of(field, request);
+  if (!space.ok()) return space.status();
 
-  const absl::StatusOr<FoundBricks> bricks = find_bricks(field);
-  if (!bricks.ok()) return bricks.status();
   const bool uniform = asked->levels == 0;
-  if (uniform) {
-    if (auto status = check_uniform_budget(*bricks, limits); !status.ok()) return status;
-  }
-  if (auto status = check_plan_budget(*bricks, limits); !status.ok()) return status;
+  const absl::StatusOr<FoundBricks> bricks = bricks_of(field, *space, uniform, limits);
+  if (!bricks.ok()) return bricks.status();
   absl::StatusOr<Survey> survey =
-      survey_bricks(field, bricks->near_surface, warps, cancellation, progress);
+      survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
   if (!survey.ok()) return survey.status();
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
-                             bricks->inside, asked->levels);
+                             {bricks->inside, space->domain}, asked->levels);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  CountedMesh mesh(field, *std::move(survey), std::move(tree), space->rules, uniform);
 
-  const int levels = static_cast<int>(tree.levels.size()) - 1;
+  const MeshHeader header = header_of(mesh, request);
+  if (auto status = check_tets(header, *asked, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(volume),
-                     field,
-                     warps,
-                     CountedMesh(field, *std::move(survey), std::move(tree), uniform),
-                     {},
-                     {},
-                     {}});
-  MeshHeader& header = impl->header;
-  header.vertex_count = impl->mesh.first_vertex(impl->mesh.brick_count());
-  header.tet_count = impl->mesh.first_tet(impl->mesh.brick_count());
-  header.levels = levels;
-  if (header.tet_count == 0) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "nothing is inside at iso %g, so there is nothing to mesh", asked->iso));
-  }
-  if (header.tet_count > limits.max_tets) {
-    return absl::ResourceExhaustedError(
-        absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
-                        header.tet_count, limits.max_tets));
-  }
-  const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
-  header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
+      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, {}, {}, {}});
   impl->place_in_world(request);
   impl->cut_into_chunks();
   return std::make_shared<const MeshPlan>(std::move(impl));

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
 #include "core/grid/volume.h"
+#include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
@@ -51,16 +53,18 @@ class MeshPlan {
   ~MeshPlan();
 
   const MeshHeader& header() const noexcept;
+
+  /// Topology of the boundary of the inside, counted with the mesh. Nothing where a box cuts
+  /// the surface.
+  const std::optional<BoundaryTopology>& boundary() const noexcept;
   ChunkExtent chunk(std::uint64_t index) const noexcept;
 
   /// Makes one chunk. Its bytes depend on (volume, request, index) alone.
   ///
-  /// `positions` has chunk(index).vertex_count * 3 * size_of(coordinate_type) bytes and `tets`
-  /// chunk(index).tet_count * 4 * size_of(index_type). Returns the chunk's own statistics.
+  /// The columns have exactly the chunk's ChunkSizes. Returns the chunk's own statistics.
   QualityStats fill_chunk(std::uint64_t index,
                           MeshWorkspace& workspace,
-                          std::span<std::byte> positions,
-                          std::span<std::byte> tets) const noexcept;
+                          ChunkColumns columns) const noexcept;
 
  private:
   std::unique_ptr<const Impl> impl_;

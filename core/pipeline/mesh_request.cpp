@@ -10,10 +10,11 @@
 namespace tet {
 namespace {
 
-constexpr std::array<std::pair<Preset, std::string_view>, 2> kPresetNames{
+constexpr std::array<std::pair<Preset, std::string_view>, 3> kPresetNames{
     {
      {Preset::kDefault, "default"},
      {Preset::kMinAngle, "min-angle"},
+     {Preset::kBothSides, "both-sides"},
      }
 };
 
@@ -35,12 +36,21 @@ std::string_view preset_name(Preset preset) {
   return "unknown";
 }
 
-WarpLimits warp_limits(Preset preset) {
+StuffingRules stuffing_rules(Preset preset) {
   switch (preset) {
     case Preset::kDefault:
-      return {0.25F, 0.35F};
+      return {
+          .limits = {0.25F, 0.35F}
+      };
     case Preset::kMinAngle:
-      return {0.2675F, 0.3896F};
+      return {
+          .limits = {0.2675F, 0.3896F}
+      };
+    case Preset::kBothSides:
+      return {
+          .limits = {0.20F, 0.30F},
+            .both_sides = true
+      };
   }
   return {};
 }
@@ -52,6 +62,8 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
       return rounded ? AngleBounds{11.2, 155.2} : AngleBounds{11.3, 154.9};
     case Preset::kMinAngle:
       return rounded ? AngleBounds{11.7, 161.4} : AngleBounds{11.8, 161.2};
+    case Preset::kBothSides:
+      return rounded ? AngleBounds{9.3, 158.0} : AngleBounds{9.4, 157.7};
   }
   return {};
 }
@@ -74,6 +86,11 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Vol
         absl::StrFormat("levels %d is outside 0..%d", out.levels, kMaxLevels));
   }
   out.preset = request.preset;
+  if (request.box && !stuffing_rules(request.preset).both_sides) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "a box is for the preset both-sides; with %s the mesh ends where the inside does",
+        preset_name(request.preset)));
+  }
   return out;
 }
 

@@ -9,7 +9,7 @@
 
 #include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
-#include "core/stuffing/warp.h"
+#include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
 
@@ -17,7 +17,7 @@ namespace tet {
 inline constexpr char kAlgorithmVersion[] = "1";
 
 /// Warp limits with known angle bounds; see docs/algorithm.md.
-enum class Preset : std::uint8_t { kDefault, kMinAngle };
+enum class Preset : std::uint8_t { kDefault, kMinAngle, kBothSides };
 
 /// Enough for every volume: leaves stop coarsening long before.
 inline constexpr int kMaxLevels = 24;
@@ -27,6 +27,12 @@ struct MeshRequest {
   std::optional<double> iso;      ///< 0 for level sets and 0.5 for fog volumes unless given
   int levels = kMaxLevels;        ///< octree levels above the finest; 0 is the uniform mesh
   Preset preset = Preset::kDefault;
+  /// World units; both sides only. What is meshed, rounded outward (see domain.h); all that the
+  /// grid stores unless given.
+  std::optional<WorldBox> box;
+  /// The boundary is a manifold whatever the field: nodes where it would touch itself are put
+  /// back in their places.
+  bool manifold = false;
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
   std::optional<CoordinateType> coordinates;
   /// uint32 unless given, and uint64 where there are more vertices than that can count.
@@ -51,7 +57,7 @@ struct CanonicalRequest {
 /// Errors: kInvalidArgument, naming the field, its value and its limit.
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume);
 
-WarpLimits warp_limits(Preset preset);
+StuffingRules stuffing_rules(Preset preset);
 
 /// What every dihedral angle of a preset's meshes lies between, in degrees.
 struct AngleBounds {

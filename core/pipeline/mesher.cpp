@@ -28,14 +28,13 @@ absl::StatusOr<MeshResult> fill_mesh(const MeshPlan& plan,
   for_each_range(chunks, 1, [&](std::size_t begin, std::size_t end) {
     MeshWorkspace workspace;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      const ChunkExtent extent = plan.chunk(i);
-      stats[i] = plan.fill_chunk(i, workspace, result.mesh.positions_of(extent),
-                                 result.mesh.tets_of(extent));
+      stats[i] = plan.fill_chunk(i, workspace, result.mesh.columns_of(plan.chunk(i)));
       if (progress) progress(static_cast<double>(++done) / static_cast<double>(chunks));
     }
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
   for (const QualityStats& chunk : stats) result.quality.add(chunk);
+  result.boundary = plan.boundary();
   return result;
 }
 

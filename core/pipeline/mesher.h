@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include <absl/status/statusor.h>
 
@@ -13,7 +14,8 @@ namespace tet {
 struct MeshResult {
   TetMesh mesh;
   QualityStats quality;
-  double plan_seconds = 0;  ///< survey, octree and count
+  std::optional<BoundaryTopology> boundary;  ///< see MeshPlan::boundary
+  double plan_seconds = 0;                   ///< survey, octree and count
   double fill_seconds = 0;
 };
 

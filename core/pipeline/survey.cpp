@@ -7,6 +7,7 @@
 #include <absl/status/status.h>
 
 #include "core/base/parallel.h"
+#include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
@@ -16,31 +17,69 @@ constexpr std::size_t kBricksPerRange = 8;
 struct SurveyedBrick {
   StuffedBrick stuffed;
   BrickMask finest;
+  FanMasks fans;
 };
 
-/// Nothing when every node in reach is `+`, or none is.
+bool holds(const BrickBox& box, BrickCoord b) noexcept {
+  return b.x >= box.min.x && b.x <= box.max.x && b.y >= box.min.y && b.y <= box.max.y &&
+         b.z >= box.min.z && b.z <= box.max.z;
+}
+
+/// Cells of a brick and its halo that a domain holds.
+HaloSet domain_cells(const BrickBox& domain, BrickCoord brick) noexcept {
+  HaloSet cells;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (!holds(domain, {brick.x + x, brick.y + y, brick.z + z})) continue;
+        add_brick(cells, BrickMask::all(), x, y, z);
+      }
+    }
+  }
+  return cells;
+}
+
+FanMasks fans_within(const BrickBox& domain,
+                     BrickCoord brick,
+                     const StuffingRules& rules,
+                     const StuffedLattice& lattice) noexcept {
+  const FinestNodes nodes{.plus = lattice.warped.plus,
+                          .zero = lattice.warped.zero,
+                          .leaf = domain_cells(domain, brick)};
+  return find_fans(lattice, nodes, rules);
+}
+
+/// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
-                                          const WarpLimits& limits,
+                                          const MeshedSpace& space,
                                           StuffingWorkspace& workspace) {
-  if (!stuff_brick(sampler, brick, limits, workspace)) return std::nullopt;
+  const StuffingRules& rules = space.rules;
+  if (!stuff_brick(sampler, brick, rules, workspace)) return std::nullopt;
   const WarpedLattice& warped = workspace.lattice.warped;
-  if (!has_both_sides(warped)) return std::nullopt;
-  return SurveyedBrick{keep_brick(warped), with_siblings(stuffed_cells(warped))};
+  if (!touches_surface(warped, rules)) return std::nullopt;
+  SurveyedBrick found{
+      keep_brick(warped, rules), with_siblings(stuffed_cells(warped, rules)), {}};
+  if (space.domain) {
+    // A brick beyond the domain may own corners on its faces, but has no cell in it.
+    if (!holds(*space.domain, brick)) found.finest = {};
+    found.fans = fans_within(*space.domain, brick, rules, workspace.lattice);
+  }
+  return found;
 }
 
 }  // namespace
 
 bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
-                 const WarpLimits& limits,
+                 const StuffingRules& rules,
                  StuffingWorkspace& workspace) noexcept {
   StuffedLattice& lattice = workspace.lattice;
   sampler.sample(brick, workspace.samples);
   find_signs(workspace.samples, lattice.cuts.signs);
   if (lattice.cuts.signs.one_sided()) return false;
   find_cut_points(workspace.samples, sampler, brick, lattice.cuts);
-  warp_lattice(lattice.cuts, limits, lattice.warped);
+  warp_lattice(lattice.cuts, rules.limits, lattice.warped);
   return true;
 }
 
@@ -63,7 +102,7 @@ absl::Status check_cancelled(const Cancellation& cancellation) {
 
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
-                                     const WarpLimits& limits,
+                                     const MeshedSpace& space,
                                      const Cancellation& cancellation,
                                      MeshProgress* progress) {
   if (progress != nullptr) progress->total = candidates.size();
@@ -72,7 +111,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     PhiSampler sampler(field);
     const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      found[i] = survey_brick(sampler, candidates[i], limits, *workspace);
+      found[i] = survey_brick(sampler, candidates[i], space, *workspace);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
   });
@@ -84,6 +123,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     survey.bricks.push_back(candidates[i]);
     survey.stuffed.push_back(found[i]->stuffed);
     survey.finest.push_back(found[i]->finest);
+    if (space.rules.both_sides) survey.fans.push_back(found[i]->fans);
   }
   return survey;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -25,7 +26,7 @@ struct StuffingWorkspace {
 /// when every sample lies on one side of the surface.
 bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
-                 const WarpLimits& limits,
+                 const StuffingRules& rules,
                  StuffingWorkspace& workspace) noexcept;
 
 /// What the survey found, by brick; only bricks whose nodes touch the surface.
@@ -33,6 +34,7 @@ struct Survey {
   std::vector<BrickCoord> bricks;  ///< sorted
   std::vector<StuffedBrick> stuffed;
   std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
+  std::vector<FanMasks> fans;     ///< where both sides are meshed; empty otherwise
 
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
   /// it.
@@ -42,12 +44,18 @@ struct Survey {
 /// Memory that a brick takes at most until the mesh is made: while the survey runs it is held
 /// twice.
 inline constexpr std::uint64_t kSurveyBytesPerBrick =
-    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord));
+    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(FanMasks));
+
+/// What is meshed: both sides of the surface within a domain, or the inside alone.
+struct MeshedSpace {
+  StuffingRules rules;
+  std::optional<BrickBox> domain;  ///< finest bricks, where both sides are meshed
+};
 
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
-                                     const WarpLimits& limits,
+                                     const MeshedSpace& space,
                                      const Cancellation& cancellation,
                                      MeshProgress* progress);
 

@@ -3,11 +3,13 @@
 #include <bit>
 #include <cstddef>
 
-#include "core/stuffing/stencil.h"
-#include "core/stuffing/surface_diagonal.h"
+#include "core/lattice/node_numbers.h"
+#include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
+
+constexpr HaloSet kOwnCells = halo_cube(0, 7);
 
 /// Bits of a neighbour's slice that lie among the nodes [0, 8]^3.
 constexpr std::uint64_t reachable_bits(int by, int bz) noexcept {
@@ -42,99 +44,27 @@ Index number_mask(const BrickMask& mask,
   return next;
 }
 
-/// A lattice tet with at least one node cut away, and all that its stencil asks for.
+/// Id of a stencil's corner.
 template <class Index>
-class CutTet {
+class CornerIds {
  public:
-  CutTet(const TetShape& shape,
-         const ShapeSigns& signs,
-         int cell,
-         const StuffedLattice& lattice)
-      : shape_(shape), cell_(cell), lattice_(lattice) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      sign_[i] = signs.plus[i]->test(cell)   ? NodeSign::kPlus
-                 : signs.zero[i]->test(cell) ? NodeSign::kZero
-                                             : NodeSign::kMinus;
-      if (sign_[i] == NodeSign::kPlus) plus_[plus_count_++] = i;
-      if (sign_[i] == NodeSign::kMinus) minus_[minus_count_++] = i;
-    }
-  }
+  CornerIds(const FinestIds<Index>& ids, const OwnedVertices& own, std::size_t shape)
+      : ids_(ids), own_(own), shape_number_(shape), shape_(kTetShape[shape]) {}
 
-  const Stencil& stencil() const noexcept {
-    return kStencils[stencil_number(sign_[0], sign_[1], sign_[2], sign_[3])][choice()];
-  }
-
-  Index id(StencilVertex vertex, const FinestIds<Index>& ids) const noexcept {
-    if (vertex < 4) return ids.node[shape_.kind[vertex]][node(vertex)];
-    const auto edge = static_cast<std::size_t>(vertex - 4);
-    return ids.cut[shape_.edge_family[edge]][node(kTetEdge[edge][0])];
-  }
-
-  WorldPoint place(StencilVertex vertex) const noexcept {
-    if (vertex < 4) {
-      return lattice_.place_of_node(shape_.kind[vertex], static_cast<int>(node(vertex)));
+  Index operator()(const CutTet& tet, StencilVertex vertex) const noexcept {
+    if (vertex < 4) return ids_.node[shape_.kind[vertex]][tet.node(vertex)];
+    if (vertex == kQuadCentre) {
+      return static_cast<Index>(own_.fan(shape_number_, tet.cell()));
     }
     const auto edge = static_cast<std::size_t>(vertex - 4);
-    return lattice_.place_of_cut(shape_.edge_family[edge],
-                                 static_cast<int>(node(kTetEdge[edge][0])));
+    return ids_.cut[shape_.edge_family[edge]][tet.node(kTetEdge[edge][0])];
   }
 
  private:
-  /// Halo index of one of the four nodes.
-  std::size_t node(std::size_t i) const noexcept {
-    return static_cast<std::size_t>(cell_ + shape_.offset[i]);
-  }
-
-  /// Length of the column on the edge from a `+` node to a `-` node.
-  float column(std::size_t plus, std::size_t minus) const noexcept {
-    const std::size_t low = std::min(plus, minus);
-    const float fraction =
-        lattice_.cuts.fraction[shape_.edge_family[edge_between(plus, minus)]][node(low)];
-    return plus == low ? fraction : 1 - fraction;
-  }
-
-  /// True when q's column is the longer one; p is the lower node and wins a tie.
-  bool second_longer(std::size_t p, std::size_t q, std::size_t minus) const noexcept {
-    return column(q, minus) > column(p, minus);
-  }
-
-  std::size_t choice() const noexcept {
-    const auto [p, q, r, s] = plus_;
-    const auto [m, n, o, t] = minus_;
-    if (plus_count_ == 1) return 0;
-    const bool first = second_longer(p, q, m);
-    if (plus_count_ == 3) {
-      return std::size_t{first} | std::size_t{second_longer(p, r, m)} << 1 |
-             std::size_t{second_longer(q, r, m)} << 2;
-    }
-    if (minus_count_ == 1) return std::size_t{first};
-    const bool second = second_longer(p, q, n);
-    return std::size_t{first} | std::size_t{second} << 1 |
-           std::size_t{surface_diagonal(p, q, m, n, first, second)} << 2;
-  }
-
-  /// Where the two columns' faces disagree one diagonal would close a cycle; else angles
-  /// decide.
-  bool surface_diagonal(std::size_t p,
-                        std::size_t q,
-                        std::size_t m,
-                        std::size_t n,
-                        bool first,
-                        bool second) const noexcept {
-    if (first != second) return second;
-    const auto cut = [&](std::size_t a, std::size_t b) {
-      return place(cut_on_edge(edge_between(a, b)));
-    };
-    return second_diagonal_is_better(place(static_cast<StencilVertex>(first ? q : p)),
-                                     cut(p, m), cut(q, m), cut(q, n), cut(p, n));
-  }
-
+  const FinestIds<Index>& ids_;
+  const OwnedVertices& own_;
+  std::size_t shape_number_;
   const TetShape& shape_;
-  int cell_;
-  const StuffedLattice& lattice_;
-  std::array<NodeSign, 4> sign_{};
-  std::array<std::size_t, 4> plus_{}, minus_{};
-  std::size_t plus_count_ = 0, minus_count_ = 0;
 };
 
 /// Whole tets keep their four nodes.
@@ -168,20 +98,19 @@ void measure_moved(const TetShape& shape,
 }
 
 template <class Index>
-Index* write_cut(const TetShape& shape,
+Index* write_cut(const FinestBrick& brick,
+                 std::size_t shape,
                  const ShapeSigns& signs,
                  const FinestIds<Index>& ids,
-                 const StuffedLattice& lattice,
                  Index* out,
                  QualityMeter& meter) noexcept {
+  const CornerIds<Index> id(ids, brick.own, shape);
+  const bool negative = kTetShape[shape].negative;
   for_each_bit(signs.cut, [&](int cell) {
-    const CutTet<Index> cut_tet(shape, signs, cell, lattice);
-    const Stencil& stencil = cut_tet.stencil();
-    for (std::size_t t = 0; t < stencil.tet_count; ++t) {
-      auto [a, b, c, d] = stencil.tet[t];
-      if (shape.negative) std::swap(c, d);
-      out = write_tet(out, cut_tet.id(a, ids), cut_tet.id(b, ids), cut_tet.id(c, ids),
-                      cut_tet.id(d, ids));
+    const CutTet cut_tet(kTetShape[shape], signs, cell, *brick.lattice, brick.rules);
+    for (auto [a, b, c, d] : cut_tet.tets()) {
+      if (negative) std::swap(c, d);
+      out = write_tet(out, id(cut_tet, a), id(cut_tet, b), id(cut_tet, c), id(cut_tet, d));
       meter.add_tet(cut_tet.place(a), cut_tet.place(b), cut_tet.place(c), cut_tet.place(d));
     }
   });
@@ -194,7 +123,7 @@ Index* write_half_pyramids_of_finest(const FinestNodes& nodes,
                                      Index* out,
                                      BackgroundCounts& counts) noexcept {
   for (int direction = 0; direction < kFaceDirections; ++direction) {
-    const HaloSet cells = faces_to_larger({nodes.leaf, {}}, direction) & nodes.plus[kCentre];
+    const HaloSet cells = cells_with_half_pyramids(nodes, kOwnCells, direction);
     counts.half_pyramid += 2 * std::uint64_t{cells.count()};
     for_each_bit(cells, [&](int cell) {
       const auto corner = [&](int x, int y, int z) {
@@ -209,28 +138,22 @@ Index* write_half_pyramids_of_finest(const FinestNodes& nodes,
 
 }  // namespace
 
-WorldPoint lattice_place(NodeKind kind, int index) noexcept {
-  const LatticeCoord at = node_coord(kind, index);
-  return {0.5 * at.x, 0.5 * at.y, 0.5 * at.z};
+std::uint64_t OwnedVertices::count() const noexcept {
+  std::uint64_t vertices = node[kCorner].count() + node[kCentre].count();
+  if (cut != nullptr) {
+    for (const BrickMask& mask : *cut) vertices += mask.count();
+  }
+  if (fans != nullptr) {
+    for (const BrickMask& mask : *fans) vertices += mask.count();
+  }
+  return vertices;
 }
 
-WorldPoint StuffedLattice::place_of_cut(int family, int index) const noexcept {
-  const LatticeCoord along = kDirection[static_cast<std::size_t>(family_direction(family))];
-  const double t =
-      0.5 *
-      static_cast<double>(
-          cuts.fraction[static_cast<std::size_t>(family)][static_cast<std::size_t>(index)]);
-  const WorldPoint from = lattice_place(family_kind(family), index);
-  return {from.x + t * along.x, from.y + t * along.y, from.z + t * along.z};
-}
-
-WorldPoint StuffedLattice::place_of_node(NodeKind kind, int index) const noexcept {
-  if (!warped.warped[kind].test(index)) return lattice_place(kind, index);
-  // The edge's lower node owns the cut point: seen from either end it is the same place.
-  const int direction = warped.direction[kind][static_cast<std::size_t>(index)];
-  if (direction < kOwnedDirections) return place_of_cut(edge_family(kind, direction), index);
-  return place_of_cut(edge_family(end_kind(kind, direction), opposite(direction)),
-                      index + end_offset(kind, direction));
+std::uint64_t OwnedVertices::fan(std::size_t shape, int cell) const noexcept {
+  std::uint64_t id = first + count();
+  for (std::size_t s = shape; s < kTetShapes; ++s) id -= (*fans)[s].count();
+  const Cell at(cell);
+  return id + rank_of((*fans)[shape], at.x, at.y, at.z);
 }
 
 template <class Index>
@@ -247,39 +170,38 @@ void number_vertices(
 }
 
 template <class Index>
-Index* fill_finest(const FinestNodes& nodes,
+Index* fill_finest(const FinestBrick& brick,
                    const FinestIds<Index>& ids,
-                   const StuffedLattice* lattice,
                    Index* tets,
                    QualityMeter& meter,
                    BackgroundCounts& counts) noexcept {
   for (int axis = 0; axis < 3; ++axis) {
-    const FaceSigns faces = signs_around_faces(nodes, axis);
-    for (const TetShape& shape : shapes_across(axis)) {
+    const FaceSigns faces = signs_around_faces(brick.nodes, axis);
+    for (std::size_t turn = 0; turn < 4; ++turn) {
+      const std::size_t number = static_cast<std::size_t>(axis) * 4 + turn;
+      const TetShape& shape = kTetShape[number];
       const ShapeSigns signs = signs_of_shape(faces, shape);
       tets = write_whole(shape, signs, ids, tets);
       counts.bcc += signs.regular.count();
-      if (lattice == nullptr) continue;
-      measure_moved(shape, signs, *lattice, meter);
-      tets = write_cut(shape, signs, ids, *lattice, tets, meter);
+      if (brick.lattice == nullptr) continue;
+      measure_moved(shape, signs, *brick.lattice, meter);
+      tets = write_cut(brick, number, signs, ids, tets, meter);
     }
   }
-  return write_half_pyramids_of_finest(nodes, ids, tets, counts);
+  return write_half_pyramids_of_finest(brick.nodes, ids, tets, counts);
 }
 
 template void number_vertices(
     const OwnedVertices&, int, int, int, FinestIds<std::uint32_t>&) noexcept;
 template void number_vertices(
     const OwnedVertices&, int, int, int, FinestIds<std::uint64_t>&) noexcept;
-template std::uint32_t* fill_finest(const FinestNodes&,
+template std::uint32_t* fill_finest(const FinestBrick&,
                                     const FinestIds<std::uint32_t>&,
-                                    const StuffedLattice*,
                                     std::uint32_t*,
                                     QualityMeter&,
                                     BackgroundCounts&) noexcept;
-template std::uint64_t* fill_finest(const FinestNodes&,
+template std::uint64_t* fill_finest(const FinestBrick&,
                                     const FinestIds<std::uint64_t>&,
-                                    const StuffedLattice*,
                                     std::uint64_t*,
                                     QualityMeter&,
                                     BackgroundCounts&) noexcept;

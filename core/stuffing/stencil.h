@@ -20,11 +20,21 @@ constexpr StencilVertex cut_on_edge(std::size_t edge) {
   return static_cast<StencilVertex>(4 + edge);
 }
 
-/// Up to three tets, positive when the nodes 0..3 of the lattice tet are.
-struct Stencil {
+/// The middle of the surface quad of `++--`: the mean of its four cut points.
+inline constexpr StencilVertex kQuadCentre = 10;
+inline constexpr std::size_t kStencilVertices = 11;
+
+/// Some tets, positive when the nodes 0..3 of the lattice tet are.
+template <std::size_t kMaxTets>
+struct TetList {
   std::uint8_t tet_count = 0;
-  std::array<std::array<StencilVertex, 4>, 3> tet{};
+  std::array<std::array<StencilVertex, 4>, kMaxTets> tet{};
 };
+
+/// The tets that stand for the inside part of a lattice tet.
+using Stencil = TetList<3>;
+/// The same part of `++--` around the middle of its surface quad, which is left undivided.
+using Fan = TetList<6>;
 
 /// What the signs leave open is told by three bits, 0 for the first of each pair:
 ///   bit 0: which of the first two `+` nodes stands on the longer column, at the first `-`
@@ -64,18 +74,20 @@ struct SortedNodes {
   }
 };
 
-/// A reference place for each stencil vertex, tripled to stay whole: nodes of the unit tet, cut
-/// points in the middle of edges. Enough to tell a tet's orientation.
+/// A reference place for each stencil vertex, scaled to stay whole: nodes of a regular corner,
+/// cut points in the middle of edges. Enough to tell a tet's orientation.
 constexpr LatticeCoord reference_place(StencilVertex vertex) {
   constexpr std::array<LatticeCoord, 4> kNode{
       {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}
   };
   if (vertex < 4) return kNode[vertex] + kNode[vertex];
+  if (vertex == kQuadCentre) return {1, 1, 1};  // half the sum of the nodes
   const auto edge = kTetEdge[static_cast<std::size_t>(vertex - 4)];
   return kNode[edge[0]] + kNode[edge[1]];
 }
 
-constexpr void add_tet(Stencil& stencil, std::array<StencilVertex, 4> tet) {
+template <std::size_t kMaxTets>
+constexpr void add_tet(TetList<kMaxTets>& stencil, std::array<StencilVertex, 4> tet) {
   const LatticeCoord at = reference_place(tet[0]);
   const std::int64_t volume = triple_product(
       reference_place(tet[1]) - at, reference_place(tet[2]) - at, reference_place(tet[3]) - at);
@@ -148,20 +160,50 @@ constexpr Stencil make_stencil(std::size_t number, std::size_t choice) {
   return stencil;
 }
 
-constexpr auto make_stencils() {
-  std::array<std::array<Stencil, kStencilChoices>, kStencilCases> stencils;
+/// `++--` around its quad's middle: both ends of the prism, and the two faces that have a
+/// column of each `+` node, divided by the longer-column rule.
+constexpr Fan make_fan(std::size_t number, std::size_t choice) {
+  Fan fan;
+  const SortedNodes nodes(number);
+  if (nodes.plus_count != 2 || nodes.minus_count != 2) return fan;
+  const std::uint8_t p = nodes.plus[0], q = nodes.plus[1];
+  const auto cut = [](std::uint8_t a, std::uint8_t b) {
+    return cut_on_edge(edge_between(a, b));
+  };
+  for (const std::uint8_t plus : {p, q}) {
+    add_tet(fan, {plus, cut(plus, nodes.minus[0]), cut(plus, nodes.minus[1]), kQuadCentre});
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::uint8_t m = nodes.minus[side];
+    const bool first = (choice >> side & 1) == 0;
+    const std::uint8_t longer = first ? p : q, shorter = first ? q : p;
+    add_tet(fan, {longer, shorter, cut(shorter, m), kQuadCentre});
+    add_tet(fan, {longer, cut(shorter, m), cut(longer, m), kQuadCentre});
+  }
+  return fan;
+}
+
+template <class List, std::size_t kChoices, class Make>
+constexpr auto make_for_every_case(const Make& make) {
+  std::array<std::array<List, kChoices>, kStencilCases> lists;
   for (std::size_t number = 0; number < kStencilCases; ++number) {
-    for (std::size_t choice = 0; choice < kStencilChoices; ++choice) {
-      stencils[number][choice] = make_stencil(number, choice);
+    for (std::size_t choice = 0; choice < kChoices; ++choice) {
+      lists[number][choice] = make(number, choice);
     }
   }
-  return stencils;
+  return lists;
 }
 
 }  // namespace internal
 
 /// Every stencil, by `stencil_number` and choice, grown from the rules above.
-inline constexpr auto kStencils = internal::make_stencils();
+inline constexpr auto kStencils =
+    internal::make_for_every_case<Stencil, kStencilChoices>(internal::make_stencil);
+
+/// Every fan of `++--`, by `stencil_number` and the first two bits of the choice.
+inline constexpr std::size_t kFanChoices = 4;
+inline constexpr auto kFans =
+    internal::make_for_every_case<Fan, kFanChoices>(internal::make_fan);
 
 static_assert(kStencils[stencil_number(
                   NodeSign::kPlus, NodeSign::kPlus, NodeSign::kPlus, NodeSign::kPlus)][0]

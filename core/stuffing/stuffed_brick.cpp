@@ -42,32 +42,41 @@ StuffedBrick StuffedBrick::all_inside() noexcept {
   return brick;
 }
 
-StuffedBrick keep_brick(const WarpedLattice& lattice) noexcept {
+bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
+  if (has_both_sides(lattice)) return true;
+  // Outside, a node that moved is a vertex whatever is around it.
+  return rules.both_sides && (lattice.warped[kCorner].any() || lattice.warped[kCentre].any());
+}
+
+StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
   StuffedBrick brick;
   for (const NodeKind kind : {kCorner, kCentre}) {
     brick.plus[kind] = brick_part(lattice.plus[kind]);
-    brick.zero[kind] = brick_part(used_zeros(lattice, kind));
+    brick.zero[kind] =
+        brick_part(rules.both_sides ? lattice.zero[kind] : used_zeros(lattice, kind));
   }
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) brick.cut[f] = brick_part(lattice.cut[f]);
   return brick;
 }
 
-BrickMask stuffed_cells(const WarpedLattice& lattice) noexcept {
-  const HaloSet& corner = lattice.plus[kCorner];
-  const HaloSet& centre = lattice.plus[kCentre];
+BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
+  // The four tets around a face share both centres, so one of them is mixed if the six nodes
+  // are.
   HaloSet stuffed;
   for (int axis = 0; axis < 3; ++axis) {
-    // The four tets around a face share both centres, so one of them is mixed if the six nodes
-    // are.
-    const HaloSet beyond = seen_from(centre, face_offset(axis));
-    HaloSet any = centre | beyond, all = centre & beyond;
-    for (int turn = 0; turn < 4; ++turn) {
-      const LatticeCoord at = face_turn(axis, turn);
-      const HaloSet node = seen_from(corner, offset_index(at.x, at.y, at.z));
-      any |= node;
-      all &= node;
-    }
-    const HaloSet mixed = any - all;
+    const auto around_face = [&](const std::array<HaloSet, kNodeKinds>& nodes, auto unite) {
+      HaloSet set = nodes[kCentre];
+      unite(set, seen_from(nodes[kCentre], face_offset(axis)));
+      for (int turn = 0; turn < 4; ++turn) {
+        const LatticeCoord at = face_turn(axis, turn);
+        unite(set, seen_from(nodes[kCorner], offset_index(at.x, at.y, at.z)));
+      }
+      return set;
+    };
+    const auto any = [](HaloSet& set, const HaloSet& more) { set |= more; };
+    const auto all = [](HaloSet& set, const HaloSet& more) { set &= more; };
+    HaloSet mixed = around_face(lattice.plus, any) - around_face(lattice.plus, all);
+    if (rules.both_sides) mixed |= around_face(lattice.warped, any);
     stuffed |= mixed | seen_from(mixed, -face_offset(axis));
   }
   return brick_part(stuffed);
@@ -87,14 +96,83 @@ FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) 
   return nodes;
 }
 
+FinestNodes seen_from_outside(const FinestNodes& inside) noexcept {
+  constexpr HaloSet kNodes = halo_cube(kNodeMin, kNodeMax);
+  FinestNodes outside = inside;
+  outside.region = MeshRegion::kOutside;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    outside.plus[kind] = kNodes - inside.plus[kind] - inside.zero[kind];
+  }
+  return outside;
+}
+
 std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
                                                   const HaloSet& leaf) noexcept {
   return {(brick.plus[kCorner] & leaf_corners(leaf)) | brick.zero[kCorner],
           (brick.plus[kCentre] & brick_part(leaf)) | brick.zero[kCentre]};
 }
 
+namespace {
+
+constexpr HaloSet kCellsAround = halo_cube(kNodeMin, 7);  ///< cells whose tets reach the brick
+
+/// Nodes and edges of the tets across one axis' faces; all of those faces carry four tets.
+void mark_tets(const HaloSet& faces,
+               int axis,
+               std::array<HaloSet, kNodeKinds>& node,
+               std::array<HaloSet, kEdgeFamilies>& edge) noexcept {
+  for (const TetShape& shape : shapes_across(axis)) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      node[shape.kind[i]] |= seen_from(faces, -shape.offset[i]);
+    }
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      edge[shape.edge_family[e]] |= seen_from(faces, -shape.offset[kTetEdge[e][0]]);
+    }
+  }
+}
+
+void mark_half_pyramids(const FinestNodes& nodes,
+                        std::array<HaloSet, kNodeKinds>& node) noexcept {
+  for (int direction = 0; direction < kFaceDirections; ++direction) {
+    const HaloSet cells = cells_with_half_pyramids(nodes, kCellsAround, direction);
+    if (!cells.any()) continue;
+    node[kCentre] |= cells;
+    for (int turn = 0; turn < 4; ++turn) {
+      const LatticeCoord at = face_turn(direction, turn);
+      node[kCorner] |= seen_from(cells, -offset_index(at.x, at.y, at.z));
+    }
+  }
+}
+
+}  // namespace
+
+UsedByTets used_by_tets(const BrickSurroundings& bricks, const HaloSet& leaf) noexcept {
+  FinestNodes nodes;
+  nodes.leaf = leaf;
+  for (int o = 0; o < 27; ++o) {
+    const StuffedBrick* brick = bricks[static_cast<std::size_t>(o)];
+    if (brick == nullptr) continue;
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      add_brick(nodes.plus[kind], brick->plus[kind], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
+      add_brick(nodes.zero[kind], brick->zero[kind], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
+    }
+  }
+  std::array<HaloSet, kNodeKinds> node;
+  std::array<HaloSet, kEdgeFamilies> edge;
+  for (int axis = 0; axis < 3; ++axis) {
+    mark_tets(leaf & seen_from(leaf, face_offset(axis)) & kCellsAround, axis, node, edge);
+  }
+  mark_half_pyramids(nodes, node);
+  mark_half_pyramids(seen_from_outside(nodes), node);
+  UsedByTets used;
+  for (const NodeKind kind : {kCorner, kCentre}) used.node[kind] = brick_part(node[kind]);
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) used.edge[f] = brick_part(edge[f]);
+  return used;
+}
+
 FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept {
   FaceSigns faces;
+  faces.region = nodes.region;
   const int across = face_offset(axis);
   faces.tets = nodes.leaf & seen_from(nodes.leaf, across) & kOwnCells;
   faces.plus[0] = nodes.plus[kCentre];
@@ -113,25 +191,40 @@ FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept {
 
 ShapeSigns signs_of_shape(const FaceSigns& faces, const TetShape& shape) noexcept {
   ShapeSigns signs;
+  signs.region = faces.region;
   for (std::size_t i = 0; i < 4; ++i) {
     signs.plus[i] = &faces.plus[shape.face_node[i]];
     signs.zero[i] = &faces.zero[shape.face_node[i]];
   }
   const auto& [p0, p1, p2, p3] = signs.plus;
   const auto& [z0, z1, z2, z3] = signs.zero;
+  const std::uint64_t keeps_zeros =
+      faces.region == MeshRegion::kOutside ? ~std::uint64_t{0} : 0;
   for (std::size_t w = 0; w < HaloSet::kWords; ++w) {
     const std::uint64_t tets = faces.tets.word[w];
     const std::uint64_t any_plus = p0->word[w] | p1->word[w] | p2->word[w] | p3->word[w];
     const std::uint64_t no_minus = (p0->word[w] | z0->word[w]) & (p1->word[w] | z1->word[w]) &
                                    (p2->word[w] | z2->word[w]) & (p3->word[w] | z3->word[w]);
-    signs.whole.word[w] = tets & any_plus & no_minus;
+    signs.whole.word[w] = tets & (any_plus | keeps_zeros) & no_minus;
     signs.regular.word[w] = tets & p0->word[w] & p1->word[w] & p2->word[w] & p3->word[w];
     signs.cut.word[w] = tets & any_plus & ~no_minus;
   }
   return signs;
 }
 
-std::uint64_t count_finest(const FinestNodes& nodes) noexcept {
+HaloSet cells_with_half_pyramids(const FinestNodes& nodes,
+                                 const HaloSet& own,
+                                 int direction) noexcept {
+  HaloSet cells = faces_to_larger({nodes.leaf, {}, own}, direction) & nodes.plus[kCentre];
+  // Towards a larger leaf they are all alike; not where the surface leaves the domain.
+  for (int turn = 0; turn < 4 && cells.any(); ++turn) {
+    const LatticeCoord at = face_turn(direction, turn);
+    cells &= seen_from(nodes.plus[kCorner], offset_index(at.x, at.y, at.z));
+  }
+  return cells;
+}
+
+std::uint64_t count_finest(const FinestNodes& nodes, const FanMasks* fans) noexcept {
   std::uint64_t count = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const FaceSigns faces = signs_around_faces(nodes, axis);
@@ -140,9 +233,10 @@ std::uint64_t count_finest(const FinestNodes& nodes) noexcept {
     }
   }
   for (int direction = 0; direction < kFaceDirections; ++direction) {
-    count +=
-        2 * std::uint64_t{
-                (faces_to_larger({nodes.leaf, {}}, direction) & nodes.plus[kCentre]).count()};
+    count += 2 * std::uint64_t{cells_with_half_pyramids(nodes, kOwnCells, direction).count()};
+  }
+  if (fans != nullptr) {
+    for (const BrickMask& fan : *fans) count += 3 * std::uint64_t{fan.count()};  // 6, not 3
   }
   return count;
 }

@@ -11,44 +11,78 @@
 
 namespace tet {
 
+/// What a preset stands for.
+struct StuffingRules {
+  WarpLimits limits;
+  bool both_sides = false;  ///< the outside is meshed too
+};
+
 /// Signs of a brick's own nodes after the warp, and its own cut points. All other nodes are
 /// `-`.
 struct StuffedBrick {
   std::array<BrickMask, kNodeKinds> plus;
-  std::array<BrickMask, kNodeKinds> zero;  ///< only zeros that some tet uses
+  std::array<BrickMask, kNodeKinds> zero;  ///< only zeros that some tet has
   std::array<BrickMask, kEdgeFamilies> cut;
 
   /// A brick far inside: every node is `+`.
   static StuffedBrick all_inside() noexcept;
 };
 
-StuffedBrick keep_brick(const WarpedLattice& lattice) noexcept;
+/// Tets whose surface quad has a vertex in its middle, by shape and by the cell they belong to;
+/// only where both sides are meshed.
+using FanMasks = std::array<BrickMask, kTetShapes>;
 
-/// Cells of the brick that have a part in a tet with both `+` and other nodes: only those tets
-/// are cut or moved, so only those cells must stay finest.
-BrickMask stuffed_cells(const WarpedLattice& lattice) noexcept;
+/// True when the surface reaches the brick: some tet is cut or has a moved node.
+bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) noexcept;
+
+StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept;
+
+/// Cells of the brick that have a part in a tet that is meshed and cut or moved: only those
+/// must stay finest. One-sided, such a tet has both `+` and other nodes.
+BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules) noexcept;
 
 /// A finest brick and the seven beyond its upper faces, edges and corner, which its tets reach
 /// into; at 4*x + 2*y + z. Null where every node is `-`.
 using BrickNeighbourhood = std::array<const StuffedBrick*, 8>;
 
 /// The nodes [0, 8]^3 that a brick's tets use, and the finest leaves in its halo.
+///
+/// `+` is the side of `region`, so that one set of rules meshes either.
 struct FinestNodes {
   std::array<HaloSet, kNodeKinds> plus, zero;
   HaloSet leaf;
+  MeshRegion region = MeshRegion::kInside;
 };
 
+/// The nodes as the inside sees them.
 FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) noexcept;
 
-/// Nodes of the brick that are vertices: used zeros, and `+` nodes of finest leaves.
+/// The same nodes as the outside sees them. Tets with four zeros are the outside's.
+FinestNodes seen_from_outside(const FinestNodes& inside) noexcept;
+
+/// Nodes of the brick that are vertices of a one-sided mesh: used zeros, and `+` nodes of
+/// finest leaves.
 std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
                                                   const HaloSet& leaf) noexcept;
+
+/// A brick and the 26 around it, at 9*(x+1) + 3*(y+1) + z+1; null where every node is `-`.
+using BrickSurroundings = std::array<const StuffedBrick*, 27>;
+
+/// What a mesh of both sides uses of a brick: the nodes, and the edges, of all its tets. At the
+/// edge of the domain that is less than everything.
+struct UsedByTets {
+  std::array<BrickMask, kNodeKinds> node;
+  std::array<BrickMask, kEdgeFamilies> edge;
+};
+
+UsedByTets used_by_tets(const BrickSurroundings& bricks, const HaloSet& leaf) noexcept;
 
 /// The six nodes around every cell's upper face across one axis, by the cell: what the four tet
 /// shapes around the face choose theirs from (see TetShape::face_node).
 struct FaceSigns {
   std::array<HaloSet, kFaceNodes> plus, zero;
   HaloSet tets;  ///< cells of the brick whose face has finest leaves on both sides
+  MeshRegion region = MeshRegion::kInside;
 };
 
 FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept;
@@ -56,14 +90,22 @@ FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept;
 /// One tet shape's tets within a brick, by the cell they belong to.
 struct ShapeSigns {
   std::array<const HaloSet*, 4> plus, zero;  ///< of the four nodes; within the FaceSigns
-  HaloSet whole;                             ///< no `-` node and at least one `+`
-  HaloSet regular;                           ///< all `+`: nothing moved, a BCC tet
-  HaloSet cut;                               ///< at least one `+` and one `-`
+  HaloSet whole;    ///< no `-` node and at least one `+`; outside also four zeros
+  HaloSet regular;  ///< all `+`: nothing moved, a BCC tet
+  HaloSet cut;      ///< at least one `+` and one `-`
+  MeshRegion region = MeshRegion::kInside;
 };
 
 ShapeSigns signs_of_shape(const FaceSigns& faces, const TetShape& shape) noexcept;
 
-/// Tets that the stencils and the half pyramids of a finest brick emit.
-std::uint64_t count_finest(const FinestNodes& nodes) noexcept;
+/// Finest cells among `own` whose half pyramids across `direction` are meshed: the face leads
+/// to a larger leaf or out of the domain, and its nodes are all `+`.
+HaloSet cells_with_half_pyramids(const FinestNodes& nodes,
+                                 const HaloSet& own,
+                                 int direction) noexcept;
+
+/// Tets that the stencils and the half pyramids of a finest brick emit in one region. `fans` is
+/// null where there are none.
+std::uint64_t count_finest(const FinestNodes& nodes, const FanMasks* fans) noexcept;
 
 }  // namespace tet

@@ -29,15 +29,18 @@ double worst_square_of_cosine(const WorldPoint& a,
 
 }  // namespace
 
-bool second_diagonal_is_better(const WorldPoint& apex,
+bool second_diagonal_is_better(std::span<const WorldPoint> apexes,
                                const WorldPoint& a,
                                const WorldPoint& b,
                                const WorldPoint& c,
                                const WorldPoint& d) noexcept {
-  const double first =
-      std::max(worst_square_of_cosine(apex, a, b, c), worst_square_of_cosine(apex, a, c, d));
-  const double second =
-      std::max(worst_square_of_cosine(apex, b, c, d), worst_square_of_cosine(apex, b, d, a));
+  double first = 0, second = 0;
+  for (const WorldPoint& apex : apexes) {
+    first = std::max(
+        {first, worst_square_of_cosine(apex, a, b, c), worst_square_of_cosine(apex, a, c, d)});
+    second = std::max(
+        {second, worst_square_of_cosine(apex, b, c, d), worst_square_of_cosine(apex, b, d, a)});
+  }
   return second < first;
 }
 

@@ -14,8 +14,10 @@ std::uint32_t add_crc(std::uint32_t crc, std::string_view bytes) noexcept {
 
 }  // namespace
 
-std::uint32_t chunk_checksum(std::string_view positions, std::string_view tets) noexcept {
-  return add_crc(add_crc(0, positions), tets);
+std::uint32_t chunk_checksum(std::string_view positions,
+                             std::string_view tets,
+                             std::string_view regions) noexcept {
+  return add_crc(add_crc(add_crc(0, positions), tets), regions);
 }
 
 }  // namespace tet

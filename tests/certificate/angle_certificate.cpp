@@ -20,6 +20,7 @@ namespace {
 struct Arguments {
   std::string preset = "all";
   float alpha_long = 0, alpha_short = 0;
+  bool both_sides = false;
   double tolerance_deg = 0.001;
   unsigned threads = 2;
 };
@@ -43,16 +44,16 @@ struct Row {
   }
 };
 
-/// One set of warp limits, and what its angles are said to lie between.
+/// Some rules, and what its angles are said to lie between.
 struct Claim {
   std::string name;
-  WarpLimits limits;
+  StuffingRules rules;
   AngleBounds exact, stored;
 };
 
-std::vector<Row> rows_of(const WarpLimits& limits) {
+std::vector<Row> rows_of(const StuffingRules& rules) {
   std::map<std::string, std::vector<Problem>> by_name;
-  for (Problem& problem : one_sided_cases(limits, ColumnRule::kLonger)) {
+  for (Problem& problem : stuffing_cases(rules)) {
     by_name[problem.name].push_back(std::move(problem));
   }
   by_name["background"] = background_cases();
@@ -112,8 +113,8 @@ bool prove_claim(const Claim& claim, const Arguments& arguments) {
       "                                 exact positions     stored as float32\n"
       "signs           tets params      least greatest      least greatest       boxes "
       "seconds\n",
-      claim.name, claim.limits.alpha_long, claim.limits.alpha_short);
-  std::vector<Row> rows = rows_of(claim.limits);
+      claim.name, claim.rules.limits.alpha_long, claim.rules.limits.alpha_short);
+  std::vector<Row> rows = rows_of(claim.rules);
   prove(arguments, rows);
   bool proven = true;
   for (const Row& row : rows) {
@@ -133,10 +134,11 @@ std::vector<Claim> claims_of(const Arguments& arguments) {
     };
   }
   std::vector<Claim> claims;
-  for (const Preset preset : {Preset::kDefault, Preset::kMinAngle}) {
+  for (const Preset preset : {Preset::kDefault, Preset::kMinAngle, Preset::kBothSides}) {
     const std::string name(preset_name(preset));
     if (arguments.preset != "all" && arguments.preset != name) continue;
-    claims.push_back({name, warp_limits(preset), angle_bounds(preset, CoordinateType::kFloat64),
+    claims.push_back({name, stuffing_rules(preset),
+                      angle_bounds(preset, CoordinateType::kFloat64),
                       angle_bounds(preset, CoordinateType::kFloat32)});
   }
   return claims;
@@ -151,13 +153,15 @@ static int run(int argc, char** argv) {
       "published bounds are proven; 1: they are not.");
   Arguments arguments;
   app.add_option("--preset", arguments.preset, "which one")
-      ->check(CLI::IsMember({"default", "min-angle", "all"}))
+      ->check(CLI::IsMember({"default", "min-angle", "both-sides", "all"}))
       ->capture_default_str();
   auto* alpha_long =
       app.add_option("--alpha-long", arguments.alpha_long, "other warp limits than a preset's")
           ->check(CLI::Range(0.01, 0.49));
   app.add_option("--alpha-short", arguments.alpha_short, "the same, on short edges")
       ->check(CLI::Range(0.01, 0.49))
+      ->needs(alpha_long);
+  app.add_flag("--both-sides", arguments.both_sides, "the same, mesh the outside too")
       ->needs(alpha_long);
   app.add_option("--tolerance", arguments.tolerance_deg,
                  "degrees between a bound and the worst angle seen")

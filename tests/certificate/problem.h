@@ -50,8 +50,9 @@ struct ColumnOrder {
 };
 
 /// Column lengths are compared as floats in [0, 1], one of each pair perhaps rounded: 1 -
-/// fraction. Rounding never reverses an order, but it may make a tie of two lengths this close.
-inline constexpr double kTieSlack = 0x1p-24;
+/// fraction. Rounding never reverses an order, but it may make a tie of two lengths that are
+/// 2^-25 apart; and an order may follow from up to three such comparisons.
+inline constexpr double kTieSlack = 0x1p-23;
 
 /// How far float32 may move a vertex, in spacings: its position is off by at most 2^-24 of its
 /// size along each axis, and it lies within 4096 spacings of the origin along each axis of the

@@ -147,9 +147,13 @@ class Refusals(CommandTest):
         self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--voxel", "1"), REFUSED, "--spacing")
         self.assert_fails(self.mesh("part.stl", ".vtu", "--grid", "a"), REFUSED, "no grids")
 
-    def test_preset_that_is_not_there_yet(self):
-        self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--preset", "both-sides"), REFUSED,
-                          "both-sides")
+    def test_both_sides_are_more_than_the_inside(self):
+        tets = {}
+        for preset in ["default", "both-sides"]:
+            result = self.mesh("sphere.vdb", ".vtu", "--preset", preset)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            tets[preset] = int(result.stdout.split(" tets")[0].split()[-1])
+        self.assertGreater(tets["both-sides"], 1.5 * tets["default"])
 
     def test_full_disk_leaves_the_old_file_alone(self):
         def limit_file_size():

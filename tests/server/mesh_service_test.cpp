@@ -55,7 +55,8 @@ TEST_F(MeshServiceTest, SendsHeaderChunksAndTrailer) {
   for (const v1::MeshChunk& chunk : mesh.chunks) {
     EXPECT_EQ(chunk.first_tet(), tets);
     EXPECT_EQ(chunk.first_vertex(), vertices);
-    EXPECT_EQ(chunk.checksum(), chunk_checksum(chunk.positions(), chunk.tets()));
+    EXPECT_EQ(chunk.checksum(),
+              chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
     EXPECT_LE(chunk.positions().size() + chunk.tets().size(), kChunkBytes);
     tets += chunk.tet_count();
     vertices += chunk.vertex_count();
@@ -114,7 +115,7 @@ TEST_F(MeshServiceTest, EstimatesTheHeaderItWouldSend) {
 TEST_F(MeshServiceTest, TellsItsLimits) {
   const auto capabilities = client_->capabilities(never_);
   ASSERT_TRUE(capabilities.ok());
-  EXPECT_EQ(capabilities->presets_size(), 2);
+  EXPECT_EQ(capabilities->presets_size(), 3);
   EXPECT_EQ(capabilities->max_chunk_bytes(), std::int64_t{kChunkBytes});
   EXPECT_EQ(capabilities->limits().max_store_bytes(),
             static_cast<std::int64_t>(config_.store_bytes));

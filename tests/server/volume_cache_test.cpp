@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <future>
+#include <list>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -22,15 +23,16 @@ const std::uint64_t kOneVolume = volume_of(1000).size_bytes();
 
 class CacheTest : public testing::Test {
  protected:
-  VolumeCache cache(std::uint64_t budget) {
-    return {pool_, budget,
-            [this](const std::string&, const std::string& name) -> absl::StatusOr<Volume> {
-              ++loads_;
-              if (name == "bad") return absl::NotFoundError("no such grid");
-              std::this_thread::sleep_for(std::chrono::milliseconds(20));
-              return volume_of(1000);
-            },
-            [this] { ++releases_; }};
+  VolumeCache& cache(std::uint64_t budget) {
+    return caches_.emplace_back(
+        pool_, budget,
+        [this](const std::string&, const std::string& name) -> absl::StatusOr<Volume> {
+          ++loads_;
+          if (name == "bad") return absl::NotFoundError("no such grid");
+          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+          return volume_of(1000);
+        },
+        [this] { ++releases_; });
   }
 
   static std::future<Loaded> ask(VolumeCache& cache, const std::string& name) {
@@ -48,11 +50,12 @@ class CacheTest : public testing::Test {
   }
 
   std::atomic<int> loads_{0}, releases_{0};
-  TaskPool pool_{2};
+  std::list<VolumeCache> caches_;
+  TaskPool pool_{2};  // ends first: the last task of a load refers to its cache
 };
 
 TEST_F(CacheTest, LoadsOnceForRequestsThatMeet) {
-  VolumeCache volumes = cache(10 * kOneVolume);
+  VolumeCache& volumes = cache(10 * kOneVolume);
   auto first = ask(volumes, "a");
   auto second = ask(volumes, "a");
   EXPECT_EQ(*first.get(), *second.get());
@@ -60,7 +63,7 @@ TEST_F(CacheTest, LoadsOnceForRequestsThatMeet) {
 }
 
 TEST_F(CacheTest, EvictsTheLeastRecentlyUsed) {
-  VolumeCache volumes = cache(2 * kOneVolume);
+  VolumeCache& volumes = cache(2 * kOneVolume);
   for (const char* name : {"a", "b", "a", "c", "a"}) ASSERT_TRUE(load(volumes, name).ok());
   EXPECT_EQ(loads_, 3);
   ASSERT_TRUE(load(volumes, "b").ok());
@@ -68,7 +71,7 @@ TEST_F(CacheTest, EvictsTheLeastRecentlyUsed) {
 }
 
 TEST_F(CacheTest, RefusesWhatDoesNotFitBesideVolumesInUse) {
-  VolumeCache volumes = cache(kOneVolume);
+  VolumeCache& volumes = cache(kOneVolume);
   auto held = load(volumes, "a");
   EXPECT_EQ(load(volumes, "b").status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(releases_, 1);
@@ -77,14 +80,14 @@ TEST_F(CacheTest, RefusesWhatDoesNotFitBesideVolumesInUse) {
 }
 
 TEST_F(CacheTest, RefusesAVolumeOverTheBudgetWithBothNumbers) {
-  VolumeCache volumes = cache(kOneVolume - 1);
+  VolumeCache& volumes = cache(kOneVolume - 1);
   const auto status = load(volumes, "a").status();
   EXPECT_THAT(std::string(status.message()),
               testing::HasSubstr(std::to_string(kOneVolume - 1)));
 }
 
 TEST_F(CacheTest, TriesAgainAfterAFailure) {
-  VolumeCache volumes = cache(kOneVolume);
+  VolumeCache& volumes = cache(kOneVolume);
   EXPECT_EQ(load(volumes, "bad").status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(load(volumes, "bad").status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(loads_, 2);

@@ -71,7 +71,7 @@ TEST(FindBricks, MapsVoxelBricksToTheLattice) {
 
 TEST(FindBricks, RefusesAnInsideWithoutEnd) {
   const Volume everywhere = *VolumeBuilder(VolumeKind::kLevelSet, -1).build();
-  EXPECT_EQ(find_bricks(field_of(everywhere)).status().code(),
+  EXPECT_EQ(check_inside_ends(field_of(everywhere)).code(),
             absl::StatusCode::kFailedPrecondition);
 }
 

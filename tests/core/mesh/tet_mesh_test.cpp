@@ -44,11 +44,13 @@ TEST(TetMesh, PlacesChunksSideBySide) {
   const ChunkExtent first{.first_vertex = 0, .vertex_count = 5, .first_tet = 0, .tet_count = 2};
   const ChunkExtent second{
       .first_vertex = 5, .vertex_count = 3, .first_tet = 2, .tet_count = 4};
-  EXPECT_EQ(mesh.positions_of(first).data(), mesh.positions.bytes().data());
-  EXPECT_EQ(mesh.positions_of(second).data(), mesh.positions.bytes().data() + 5 * 12);
-  EXPECT_EQ(mesh.positions_of(second).size(), 3U * 12);
-  EXPECT_EQ(mesh.tets_of(second).data(), mesh.tets.bytes().data() + 2 * 16);
-  EXPECT_EQ(mesh.tets_of(second).size(), 4U * 16);
+  EXPECT_EQ(mesh.columns_of(first).positions.data(), mesh.positions.bytes().data());
+  const ChunkColumns columns = mesh.columns_of(second);
+  EXPECT_EQ(columns.positions.data(), mesh.positions.bytes().data() + 5 * 12);
+  EXPECT_EQ(columns.positions.size(), 3U * 12);
+  EXPECT_EQ(columns.tets.data(), mesh.tets.bytes().data() + 2 * 16);
+  EXPECT_EQ(columns.tets.size(), 4U * 16);
+  EXPECT_TRUE(columns.regions.empty());
 }
 
 }  // namespace

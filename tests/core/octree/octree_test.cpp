@@ -102,8 +102,8 @@ TEST(Octree, KeepsLeavesSmallWhereItIsToldTo) {
       {{-5, -5, -5}, {4, 4, 4}}
   };
   for (const int max_levels : {1, 2}) {
-    const Octree tree =
-        build_octree(one_cell({0, 0, 0}, 3, 3, 3), all.field, all.inside, cover, max_levels);
+    const Octree tree = build_octree(one_cell({0, 0, 0}, 3, 3, 3), all.field, all.inside,
+                                     {cover, {}}, max_levels);
     EXPECT_EQ(static_cast<int>(tree.levels.size()), max_levels + 1);
     const LeafMap leaves = leaves_of(tree);
     expect_balanced(leaves);

@@ -31,12 +31,12 @@ std::vector<std::byte> chunk_bytes(const MeshPlan& plan,
                                    std::uint64_t index,
                                    MeshWorkspace& workspace) {
   const ChunkExtent extent = plan.chunk(index);
-  const std::size_t positions =
-      extent.vertex_count * 3 * size_of(plan.header().coordinate_type);
-  const std::size_t tets = extent.tet_count * 4 * size_of(plan.header().index_type);
-  std::vector<std::byte> bytes(positions + tets);
-  plan.fill_chunk(index, workspace, std::span(bytes).first(positions),
-                  std::span(bytes).subspan(positions));
+  const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
+  std::vector<std::byte> bytes(size.total());
+  const std::span all(bytes);
+  plan.fill_chunk(index, workspace,
+                  {all.first(size.positions), all.subspan(size.positions, size.tets),
+                   all.last(size.regions)});
   return bytes;
 }
 

@@ -1,0 +1,22 @@
+// The part of space that is meshed when both sides of a surface are: a box of finest bricks.
+#pragma once
+
+#include <optional>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/types.h"
+#include "core/grid/find_bricks.h"
+#include "core/grid/phi_field.h"
+
+namespace tet {
+
+/// `box`, or all that the volume stores, rounded outward to whole bricks of 8 finest cells; to
+/// larger powers of two where it is longer than 512 of them, so that the leaves at its faces
+/// may grow with it.
+///
+/// Errors: kInvalidArgument (a box that is empty, not finite or beyond index space),
+/// kFailedPrecondition (no box, and nothing is stored).
+absl::StatusOr<BrickBox> mesh_domain(const PhiField& field, const std::optional<WorldBox>& box);
+
+}  // namespace tet

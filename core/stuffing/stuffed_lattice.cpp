@@ -1,0 +1,31 @@
+#include "core/stuffing/stuffed_lattice.h"
+
+#include <cstddef>
+
+namespace tet {
+
+WorldPoint lattice_place(NodeKind kind, int index) noexcept {
+  const LatticeCoord at = node_coord(kind, index);
+  return {0.5 * at.x, 0.5 * at.y, 0.5 * at.z};
+}
+
+WorldPoint StuffedLattice::place_of_cut(int family, int index) const noexcept {
+  const LatticeCoord along = kDirection[static_cast<std::size_t>(family_direction(family))];
+  const double t =
+      0.5 *
+      static_cast<double>(
+          cuts.fraction[static_cast<std::size_t>(family)][static_cast<std::size_t>(index)]);
+  const WorldPoint from = lattice_place(family_kind(family), index);
+  return {from.x + t * along.x, from.y + t * along.y, from.z + t * along.z};
+}
+
+WorldPoint StuffedLattice::place_of_node(NodeKind kind, int index) const noexcept {
+  if (!warped.warped[kind].test(index)) return lattice_place(kind, index);
+  // The edge's lower node owns the cut point: seen from either end it is the same place.
+  const int direction = warped.direction[kind][static_cast<std::size_t>(index)];
+  if (direction < kOwnedDirections) return place_of_cut(edge_family(kind, direction), index);
+  return place_of_cut(edge_family(end_kind(kind, direction), opposite(direction)),
+                      index + end_offset(kind, direction));
+}
+
+}  // namespace tet

@@ -1,0 +1,185 @@
+// What a mesh of both sides promises: one conforming mesh of the whole box, labelled.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/mesh/boundary.h"
+#include "core/mesh/conformity.h"
+#include "core/mesh/quality.h"
+#include "core/pipeline/mesher.h"
+#include "tests/support/solids.h"
+
+namespace tet {
+namespace {
+
+using test::Solid;
+
+/// What tests/certificate proves of the preset.
+const AngleBounds kBounds = angle_bounds(Preset::kBothSides, CoordinateType::kFloat64);
+
+MeshRequest both_sides(int levels = kMaxLevels) {
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.levels = levels;
+  return request;
+}
+
+MeshResult mesh(const Volume& volume, const MeshRequest& request, int threads = 2) {
+  TaskPool pool(threads);
+  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
+                            Cancellation(), nullptr);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result) : MeshResult{};
+}
+
+std::vector<std::pair<std::string, Volume>> fields() {
+  std::vector<std::pair<std::string, Volume>> all;
+  for (Solid& solid : test::smooth_solids()) {
+    all.emplace_back(solid.name, std::move(solid.volume));
+  }
+  all.emplace_back("gyroid", test::gyroid_ball(40));
+  all.emplace_back("random signs", test::random_signs(20, 1));
+  all.emplace_back("random signs and zeros", test::random_signs(20, 2, 3));
+  all.emplace_back("flipped tiles", test::ball_with_flipped_tiles(27));
+  all.emplace_back("fog", test::fog_ball(12.2));
+  return all;
+}
+
+/// The tets of one region, as a mesh with all the vertices of the whole.
+TetMesh part(const TetMesh& whole, MeshRegion region) {
+  MeshHeader header = whole.header;
+  header.has_regions = false;
+  header.tet_count = 0;
+  for (std::uint64_t t = 0; t < whole.header.tet_count; ++t) {
+    header.tet_count += whole.region(t) == region;
+  }
+  TetMesh mesh(header);
+  std::ranges::copy(whole.positions.bytes(), mesh.positions.bytes().begin());
+  const std::size_t row = 4 * size_of(header.index_type);
+  std::size_t next = 0;
+  for (std::uint64_t t = 0; t < whole.header.tet_count; ++t) {
+    if (whole.region(t) != region) continue;
+    std::memcpy(mesh.tets.bytes().data() + next, whole.tets.bytes().data() + t * row, row);
+    next += row;
+  }
+  return mesh;
+}
+
+TEST(BothSides, ConformWithBoundedAnglesOnEveryField) {
+  for (const auto& [name, volume] : fields()) {
+    const bool harsh = name.starts_with("random");
+    for (const int levels :
+         harsh ? std::vector{0, 1, 2, kMaxLevels} : std::vector{0, kMaxLevels}) {
+      SCOPED_TRACE(name + ", levels " + std::to_string(levels));
+      const MeshResult result = mesh(volume, both_sides(levels));
+      const ConformityReport report = check_conformity(result.mesh);
+      EXPECT_TRUE(report.conforming()) << report.describe();
+      const QualityStats measured = measure_quality(result.mesh);
+      EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
+      EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
+      EXPECT_NEAR(result.quality.min_dihedral_deg, measured.min_dihedral_deg, 1e-3);
+      EXPECT_NEAR(result.quality.max_dihedral_deg, measured.max_dihedral_deg, 1e-3);
+      EXPECT_NEAR(result.quality.volume, measured.volume, 1e-5 * measured.volume);
+    }
+  }
+}
+
+double volume_of(const WorldBox& box) {
+  return (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
+}
+
+TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
+  for (const Solid& solid : test::smooth_solids()) {
+    for (const int levels : {0, kMaxLevels}) {
+      SCOPED_TRACE(solid.name + ", levels " + std::to_string(levels));
+      MeshRequest request = both_sides(levels);
+      request.box = {
+          {-48, -48, -48},
+          { 48,  48,  48}
+      };
+      const MeshResult result = mesh(solid.volume, request);
+      EXPECT_NEAR(result.quality.volume, volume_of(*request.box), 1e-3)
+          << "the box is flat where the surface does not reach it";
+      const TetMesh inside = part(result.mesh, MeshRegion::kInside);
+      EXPECT_NEAR(measure_quality(inside).volume, solid.enclosed_volume,
+                  0.01 * solid.enclosed_volume);
+      const BoundaryTopology surface = measure_boundary(inside);
+      EXPECT_EQ(surface.components, solid.components);
+      EXPECT_EQ(surface.euler_characteristic, solid.euler_characteristic);
+      const BoundaryTopology box = measure_boundary(result.mesh);
+      EXPECT_EQ(box.components, 1U);
+      EXPECT_EQ(box.euler_characteristic, 2);
+    }
+  }
+}
+
+TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
+  const std::vector<WorldBox> boxes{
+      {     {-8, -24, -3},      {8, 0, 30}},
+      {{-100, -100, -100}, {4.2, 3.1, 2.6}},
+      { {-1000, -20, -20},  {3000, 20, 20}},
+      {       {-20, 6, 6},  {20, 6.5, 6.5}}
+  };
+  std::vector<Volume> volumes;
+  volumes.push_back(test::gyroid_ball(40));
+  volumes.push_back(test::random_signs(24, 9));
+  volumes.push_back(test::ball(15));
+  for (const Volume& volume : volumes) {
+    for (const WorldBox& box : boxes) {
+      for (const int levels : {0, 2, kMaxLevels}) {
+        if (levels == 0 && volume_of(box) > 1e6) continue;
+        SCOPED_TRACE(std::to_string(box.max.x) + ", levels " + std::to_string(levels));
+        MeshRequest request = both_sides(levels);
+        request.box = box;
+        const MeshResult result = mesh(volume, request);
+        const ConformityReport report = check_conformity(result.mesh);
+        EXPECT_TRUE(report.conforming()) << report.describe();
+        const QualityStats measured = measure_quality(result.mesh);
+        EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
+        EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
+      }
+    }
+  }
+}
+
+TEST(BothSides, AreTheSameForOneThreadAndForSixteen) {
+  const Volume volume = test::random_signs(24, 6);
+  const MeshResult one = mesh(volume, both_sides(), 1), many = mesh(volume, both_sides(), 16);
+  ASSERT_EQ(one.mesh.tets.size(), many.mesh.tets.size());
+  EXPECT_TRUE(std::ranges::equal(one.mesh.tets.bytes(), many.mesh.tets.bytes()));
+  EXPECT_TRUE(std::ranges::equal(one.mesh.positions.bytes(), many.mesh.positions.bytes()));
+  EXPECT_TRUE(std::ranges::equal(one.mesh.regions.bytes(), many.mesh.regions.bytes()));
+}
+
+TEST(BothSides, RefuseABoxThatIsNone) {
+  const auto volume = std::make_shared<const Volume>(test::ball(9));
+  const auto refusal = [&](const MeshRequest& request) {
+    return plan_mesh(volume, request, {}, Cancellation(), nullptr).status();
+  };
+  MeshRequest request = both_sides();
+  request.box = {
+      {0,  0, 0},
+      {1, -1, 1}
+  };
+  EXPECT_EQ(refusal(request).code(), absl::StatusCode::kInvalidArgument);
+  request.box = {
+      {0, 0,    0},
+      {1, 1, 1e12}
+  };
+  EXPECT_EQ(refusal(request).code(), absl::StatusCode::kInvalidArgument);
+  request.box = {
+      {0, 0, 0},
+      {1, 1, 1}
+  };
+  request.preset = Preset::kDefault;
+  EXPECT_EQ(refusal(request).code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace tet
