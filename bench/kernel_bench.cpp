@@ -110,7 +110,8 @@ void each_brick(benchmark::State& state, const Prepared& prepared, const BrickSt
   const std::vector<BrickCoord> bricks = some_surface_bricks(prepared);
   const auto work = std::make_unique_for_overwrite<StuffingWorkspace[]>(bricks.size());
   PhiSampler sampler(prepared.field);
-  for (std::size_t i = 0; i < bricks.size(); ++i) stuff_brick(sampler, bricks[i], {}, work[i]);
+  for (std::size_t i = 0; i < bricks.size(); ++i)
+    stuff_brick(sampler, bricks[i], {}, nullptr, work[i]);
   for (auto _ : state) {
     for (std::size_t i = 0; i < bricks.size(); ++i) stage(sampler, bricks[i], work[i]);
     benchmark::ClobberMemory();

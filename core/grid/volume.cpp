@@ -1,5 +1,8 @@
 #include "core/grid/volume.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace tet {
 namespace {
 
@@ -16,6 +19,22 @@ bool VoxelTransform::mirrors() const noexcept {
                              a[1] * (b[0] * c[2] - b[2] * c[0]) +
                              a[2] * (b[0] * c[1] - b[1] * c[0]);
   return determinant < 0;
+}
+
+WorldBox VoxelTransform::to_world_box(const VoxelPoint& min,
+                                      const VoxelPoint& max) const noexcept {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  WorldBox box{
+      { kInf,  kInf,  kInf},
+      {-kInf, -kInf, -kInf}
+  };
+  for (int corner = 0; corner < 8; ++corner) {
+    const WorldPoint p = to_world(
+        {corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z});
+    box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y), std::min(box.min.z, p.z)};
+    box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
+  }
+  return box;
 }
 
 std::size_t Volume::size_bytes() const noexcept {

@@ -32,6 +32,8 @@ struct VoxelTransform {
             a[1][0] * p.x + a[1][1] * p.y + a[1][2] * p.z + translation[1],
             a[2][0] * p.x + a[2][1] * p.y + a[2][2] * p.z + translation[2]};
   }
+  /// World box around a box of voxels.
+  WorldBox to_world_box(const VoxelPoint& min, const VoxelPoint& max) const noexcept;
   bool mirrors() const noexcept;
 };
 

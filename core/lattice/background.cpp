@@ -8,8 +8,6 @@
 namespace tet {
 namespace {
 
-constexpr HaloSet kOwnCells = halo_cube(0, 7);
-
 /// Ids around one brick, looked up once each: corners of the level below, 17 along each edge.
 template <class Index>
 class BrickIds {

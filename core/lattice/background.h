@@ -11,6 +11,9 @@
 
 namespace tet {
 
+/// The cells of a brick itself.
+inline constexpr HaloSet kOwnCells = halo_cube(0, 7);
+
 /// The four shapes of background tets; see docs/algorithm.md for their dihedral angles.
 ///   BCC: two centres and an edge of the face between them (60, 90)
 ///   bisected: the same, cut at the midpoint of that edge (45, 60, 90)

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <tuple>
+
+#include "core/base/union_find.h"
 
 namespace tet {
 namespace {
@@ -51,33 +52,6 @@ std::vector<SortedFace> faces_between_boundary_vertices(const TetMesh& mesh) {
   }
   return faces;
 }
-
-/// Disjoint sets of 0 .. count-1.
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count), sets_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-
-  std::size_t find(std::size_t i) noexcept {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
-  void unite(std::size_t i, std::size_t j) noexcept {
-    i = find(i);
-    j = find(j);
-    if (i == j) return;
-    parent_[std::max(i, j)] = std::min(i, j);
-    --sets_;
-  }
-
-  std::size_t sets() const noexcept { return sets_; }
-
- private:
-  std::vector<std::size_t> parent_;
-  std::size_t sets_;
-};
 
 /// Renames the triangles' vertices to 0 .. count-1 and returns the count.
 std::uint64_t renumber(std::vector<Triangle>& triangles, std::uint64_t vertex_count) {

@@ -32,6 +32,7 @@ class CountedMesh {
               bool uniform);
 
   const StuffingRules& rules() const noexcept { return rules_; }
+  const RestoredNodes* restored() const noexcept { return survey_.restored.get(); }
   /// What is meshed, in the order in which a brick's tets come.
   std::span<const MeshRegion> regions() const noexcept;
 

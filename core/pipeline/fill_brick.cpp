@@ -31,22 +31,17 @@ const BackgroundShapes& background_shapes() {
   constexpr WorldPoint kFace{1, 0.5, 0.5}, kMiddle{1, 0.5, 0};
   constexpr WorldPoint kCorner0{1, 0, 0}, kCorner1{1, 1, 0}, kCorner2{1, 1, 1};
   constexpr WorldPoint kNext{1, 1, 0.5};  // between corners 1 and 2
-  static const BackgroundShapes shapes{
-      .bcc = stats_of({   {kLow, kHigh, kCorner0, kCorner1}}
-        ),
-      .bisected = stats_of({ {kLow, kHigh, kCorner0, kMiddle}  }
-        ),
-      .quadrisected = stats_of({ {kLow, kFace, kCorner0, kMiddle} }
-        ),
-      .half_pyramid = stats_of({ {kLow, kCorner0, kCorner1, kCorner2}}
-        ),
-      .halved =
-          stats_of({ {kLow, kCorner0, kMiddle, kCorner2},                                       {kLow, kMiddle, kCorner1, kCorner2}}
-        ),
-      .in_three = stats_of({ {kLow, kMiddle, kCorner1, kNext},                                                                        {kLow, kCorner0, kMiddle, kNext},
-                       {kLow, kCorner0, kNext, kCorner2}}
-        )
+  const auto tet = [&](WorldPoint a, WorldPoint b, WorldPoint c) {
+    return TetPoints{kLow, a, b, c};
   };
+  static const BackgroundShapes shapes{
+      .bcc = stats_of({tet(kHigh, kCorner0, kCorner1)}),
+      .bisected = stats_of({tet(kHigh, kCorner0, kMiddle)}),
+      .quadrisected = stats_of({tet(kFace, kCorner0, kMiddle)}),
+      .half_pyramid = stats_of({tet(kCorner0, kCorner1, kCorner2)}),
+      .halved = stats_of({tet(kCorner0, kMiddle, kCorner2), tet(kMiddle, kCorner1, kCorner2)}),
+      .in_three = stats_of({tet(kMiddle, kCorner1, kNext), tet(kCorner0, kMiddle, kNext),
+                            tet(kCorner0, kNext, kCorner2)})};
   return shapes;
 }
 
@@ -103,7 +98,7 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
   lattice_ = nullptr;
   if (place.level == 0 && mesh_.touches_surface(place.brick)) {
     stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], mesh_.rules(),
-                workspace_.stuffing);
+                mesh_.restored(), workspace_.stuffing);
     lattice_ = &workspace_.stuffing.lattice;
   }
   if (header_.coordinate_type == CoordinateType::kFloat32) {

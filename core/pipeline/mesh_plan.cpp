@@ -11,6 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/grid/domain.h"
+#include "core/pipeline/boundary_count.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/survey.h"
@@ -59,7 +60,7 @@ absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limit
 
 /// Both sides of a domain, or the inside alone, which must have an end.
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field, const MeshRequest& request) {
-  MeshedSpace space{stuffing_rules(request.preset), {}};
+  MeshedSpace space{stuffing_rules(request.preset), {}, request.manifold};
   if (!space.rules.both_sides) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
     return space;
@@ -103,24 +104,20 @@ VoxelBox corner_box(const CountedMesh& mesh) {
   return box;
 }
 
-/// World box around a box of lattice corners.
-WorldBox world_box(const VoxelTransform& lattice, const VoxelBox& box) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  WorldBox world{
-      { kInf,  kInf,  kInf},
-      {-kInf, -kInf, -kInf}
-  };
-  for (int corner = 0; corner < 8; ++corner) {
-    const WorldPoint p =
-        lattice.to_world({static_cast<double>(corner & 1 ? box.max.x : box.min.x),
-                          static_cast<double>(corner & 2 ? box.max.y : box.min.y),
-                          static_cast<double>(corner & 4 ? box.max.z : box.min.z)});
-    world.min = {std::min(world.min.x, p.x), std::min(world.min.y, p.y),
-                 std::min(world.min.z, p.z)};
-    world.max = {std::max(world.max.x, p.x), std::max(world.max.y, p.y),
-                 std::max(world.max.z, p.z)};
+VoxelPoint point_of(VoxelCoord v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+
+/// Why there is no mesh, though the volume and the request are fine.
+absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
+  if (!thin.any()) {
+    return absl::FailedPreconditionError(
+        absl::StrFormat("nothing is inside at iso %g, so there is nothing to mesh", asked.iso));
   }
-  return world;
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
+      "left to mesh; a grid sampled and meshed at about %.3g would resolve it",
+      asked.iso, asked.spacing, thin.suggested_spacing));
 }
 
 }  // namespace
@@ -132,10 +129,11 @@ struct MeshPlan::Impl {
   MeshHeader header;
   std::optional<BoundaryTopology> boundary;
   LatticeToWorld to_world;
+  ThinWalls thin_walls;
   std::vector<std::size_t> first_brick;  // of each chunk, and one more
 
   void place_in_world(const MeshRequest& request);
-  void cut_into_chunks();
+  void cut_into_chunks(std::size_t chunk_bytes);
 };
 
 void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
@@ -152,20 +150,20 @@ void MeshPlan::Impl::place_in_world(const MeshRequest& request) {
   header.origin =
       lattice.to_world({static_cast<double>(centre.x), static_cast<double>(centre.y),
                         static_cast<double>(centre.z)});
-  header.bounds = world_box(lattice, box);
+  header.bounds = lattice.to_world_box(point_of(box.min), point_of(box.max));
   header.spacing = lattice.voxel_size;
   header.coordinate_type = request.coordinates.value_or(
       extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
   to_world = {lattice.linear, centre, lattice.mirrors()};
 }
 
-void MeshPlan::Impl::cut_into_chunks() {
+void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   const auto bytes_before = [&](std::size_t brick) {
     return ChunkSizes(header, mesh.first_vertex(brick), mesh.first_tet(brick)).total();
   };
   first_brick.push_back(0);
   for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {
-    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= kChunkBytes;
+    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= chunk_bytes;
     if (!fits && brick > first_brick.back()) first_brick.push_back(brick);
   }
   first_brick.push_back(mesh.brick_count());
@@ -176,6 +174,8 @@ MeshPlan::MeshPlan(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 MeshPlan::~MeshPlan() = default;
 
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
+
+const ThinWalls& MeshPlan::thin_walls() const noexcept { return impl_->thin_walls; }
 
 const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
   return impl_->boundary;
@@ -210,11 +210,9 @@ namespace {
 
 absl::Status check_tets(const MeshHeader& header,
                         const CanonicalRequest& request,
+                        const ThinWalls& thin,
                         const MeshLimits& limits) {
-  if (header.tet_count == 0) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "nothing is inside at iso %g, so there is nothing to mesh", request.iso));
-  }
+  if (header.tet_count == 0) return nothing_to_mesh(request, thin);
   if (header.tet_count <= limits.max_tets) return absl::OkStatus();
   return absl::ResourceExhaustedError(
       absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
@@ -252,17 +250,22 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
   if (!survey.ok()) return survey.status();
+  const std::optional<BoundaryTopology> boundary = count_boundary(*survey);
+  survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              {bricks->inside, space->domain}, asked->levels);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  ThinWalls thin_walls =
+      gather_thin_walls(std::exchange(survey->thin, {}), field.lattice_transform());
   CountedMesh mesh(field, *std::move(survey), std::move(tree), space->rules, uniform);
 
   const MeshHeader header = header_of(mesh, request);
-  if (auto status = check_tets(header, *asked, limits); !status.ok()) return status;
+  if (auto status = check_tets(header, *asked, thin_walls, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, {}, {}, {}});
+      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, boundary, {}, {}, {}});
+  impl->thin_walls = std::move(thin_walls);
   impl->place_in_world(request);
-  impl->cut_into_chunks();
+  impl->cut_into_chunks(limits.chunk_bytes);
   return std::make_shared<const MeshPlan>(std::move(impl));
 }
 

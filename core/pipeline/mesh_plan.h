@@ -18,12 +18,9 @@
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/thin_walls.h"
 
 namespace tet {
-
-/// A chunk's columns are cut to stay within this many bytes together, the size that travels
-/// best.
-inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
 /// Scratch memory of one task, reused from chunk to chunk. Not thread-safe: one per task.
 class MeshWorkspace {
@@ -54,6 +51,8 @@ class MeshPlan {
 
   const MeshHeader& header() const noexcept;
 
+  /// Where the lattice is too coarse for the surface's walls.
+  const ThinWalls& thin_walls() const noexcept;
   /// Topology of the boundary of the inside, counted with the mesh. Nothing where a box cuts
   /// the surface.
   const std::optional<BoundaryTopology>& boundary() const noexcept;

@@ -1,6 +1,8 @@
 // What a caller asks of the mesher, and its canonical form.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -18,6 +20,8 @@ inline constexpr char kAlgorithmVersion[] = "1";
 
 /// Warp limits with known angle bounds; see docs/algorithm.md.
 enum class Preset : std::uint8_t { kDefault, kMinAngle, kBothSides };
+
+inline constexpr std::array kPresets{Preset::kDefault, Preset::kMinAngle, Preset::kBothSides};
 
 /// Enough for every volume: leaves stop coarsening long before.
 inline constexpr int kMaxLevels = 24;
@@ -39,11 +43,17 @@ struct MeshRequest {
   std::optional<IndexType> indices;
 };
 
+/// A chunk's columns are cut to stay within this many bytes together, the size that travels
+/// best.
+inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
 /// Budget of one mesh; a request over it is refused before anything is allocated for it.
 struct MeshLimits {
   std::uint64_t max_tets = 4'000'000'000;
   /// Memory for what is kept of the bricks near the surface while the mesh is counted and made.
   std::uint64_t max_plan_bytes = std::uint64_t{4} << 30;
+  /// Not kChunkBytes in tests only: where a mesh is cut into chunks must not change it.
+  std::size_t chunk_bytes = kChunkBytes;
 };
 
 /// A request with every default filled in.

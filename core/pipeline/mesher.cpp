@@ -23,6 +23,7 @@ absl::StatusOr<MeshResult> fill_mesh(const MeshPlan& plan,
   const std::uint64_t chunks = plan.header().chunk_count;
   MeshResult result;
   result.mesh = TetMesh(plan.header());
+  result.thin_walls = plan.thin_walls();
   std::vector<QualityStats> stats(chunks);
   std::atomic<std::uint64_t> done{0};
   for_each_range(chunks, 1, [&](std::size_t begin, std::size_t end) {

@@ -14,6 +14,7 @@ namespace tet {
 struct MeshResult {
   TetMesh mesh;
   QualityStats quality;
+  ThinWalls thin_walls;
   std::optional<BoundaryTopology> boundary;  ///< see MeshPlan::boundary
   double plan_seconds = 0;                   ///< survey, octree and count
   double fill_seconds = 0;

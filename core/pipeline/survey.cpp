@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <absl/status/status.h>
 
 #include "core/base/parallel.h"
+#include "core/pipeline/manifold.h"
 #include "core/stuffing/cut_tet.h"
 
 namespace tet {
@@ -18,7 +20,28 @@ struct SurveyedBrick {
   StuffedBrick stuffed;
   BrickMask finest;
   FanMasks fans;
+  SurveyedSurface surface;
+  bool at_domain_face = false;  ///< some tet near a face of the domain is cut or moved
 };
+
+struct SurveyWorkspace {
+  StuffingWorkspace stuffing;
+  SurfaceWorkspace surface;
+};
+
+/// Where the lattice is too coarse for a brick's walls; empty for nearly every brick.
+ThinSpots find_thin_spots(PhiSampler& sampler,
+                          BrickCoord brick,
+                          bool stuffed,
+                          const StuffingWorkspace& workspace) {
+  ThinSpots spots;
+  if (stuffed) find_thin_nodes(workspace.samples, workspace.lattice.cuts, spots);
+  // Between nodes of a finer lattice the field has no more to say than at them.
+  if (sampler.field().spacing_voxels > 1) {
+    find_thin_edges(workspace.samples, sampler, brick, spots);
+  }
+  return spots;
+}
 
 bool holds(const BrickBox& box, BrickCoord b) noexcept {
   return b.x >= box.min.x && b.x <= box.max.x && b.y >= box.min.y && b.y <= box.max.y &&
@@ -39,6 +62,22 @@ HaloSet domain_cells(const BrickBox& domain, BrickCoord brick) noexcept {
   return cells;
 }
 
+/// Cells of a brick of the domain that lie at one of its faces.
+BrickMask outermost_cells(const BrickBox& domain, BrickCoord b) noexcept {
+  BrickMask cells;
+  for_each_bit(BrickMask::all(), [&](int x, int y, int z) {
+    const auto outermost = [](std::int32_t brick, int i, std::int32_t min, std::int32_t max) {
+      return (brick == min && i == 0) || (brick == max && i == kBrickEdge - 1);
+    };
+    if (outermost(b.x, x, domain.min.x, domain.max.x) ||
+        outermost(b.y, y, domain.min.y, domain.max.y) ||
+        outermost(b.z, z, domain.min.z, domain.max.z)) {
+      cells.set(x, y, z);
+    }
+  });
+  return cells;
+}
+
 FanMasks fans_within(const BrickBox& domain,
                      BrickCoord brick,
                      const StuffingRules& rules,
@@ -49,23 +88,57 @@ FanMasks fans_within(const BrickBox& domain,
   return find_fans(lattice, nodes, rules);
 }
 
+/// True where every node that was inside has moved onto the surface. The samples alone would
+/// then take some of the brick for inside.
+bool lost_its_inside(const StuffedLattice& lattice) noexcept {
+  constexpr HaloSet kOwn = halo_cube(0, 7);
+  const WarpedLattice& warped = lattice.warped;
+  return !warped.plus[kCorner].any() && !warped.plus[kCentre].any() &&
+         (lattice.cuts.signs.inside[kCorner] & kOwn).any();
+}
+
 /// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
                                           const MeshedSpace& space,
-                                          StuffingWorkspace& workspace) {
+                                          const RestoredNodes* restored,
+                                          SurveyWorkspace& workspace,
+                                          ThinSpots& spots) {
   const StuffingRules& rules = space.rules;
-  if (!stuff_brick(sampler, brick, rules, workspace)) return std::nullopt;
-  const WarpedLattice& warped = workspace.lattice.warped;
-  if (!touches_surface(warped, rules)) return std::nullopt;
-  SurveyedBrick found{
-      keep_brick(warped, rules), with_siblings(stuffed_cells(warped, rules)), {}};
-  if (space.domain) {
-    // A brick beyond the domain may own corners on its faces, but has no cell in it.
-    if (!holds(*space.domain, brick)) found.finest = {};
-    found.fans = fans_within(*space.domain, brick, rules, workspace.lattice);
-  }
+  const bool stuffed = stuff_brick(sampler, brick, rules, restored, workspace.stuffing);
+  spots = find_thin_spots(sampler, brick, stuffed, workspace.stuffing);
+  if (!stuffed) return std::nullopt;
+  const StuffedLattice& lattice = workspace.stuffing.lattice;
+  if (!touches_surface(lattice.warped, rules) && !lost_its_inside(lattice)) return std::nullopt;
+  SurveyedBrick found;
+  found.stuffed = keep_brick(lattice.warped, rules);
+  // A brick beyond the domain may own corners on its faces, but has no cell in it.
+  if (space.domain && !holds(*space.domain, brick)) return found;
+  const BrickMask cells = stuffed_cells(lattice.warped, rules);
+  found.finest = with_siblings(cells);
+  found.surface = survey_surface(lattice.warped, workspace.surface);
+  if (!space.domain) return found;
+  found.fans = fans_within(*space.domain, brick, rules, lattice);
+  found.at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
   return found;
+}
+
+/// Gathers what was found, in the order of the bricks.
+Survey gather(const std::vector<BrickCoord>& candidates,
+              std::vector<std::optional<SurveyedBrick>>& found,
+              bool both_sides) {
+  Survey survey;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!found[i]) continue;
+    survey.bricks.push_back(candidates[i]);
+    survey.stuffed.push_back(found[i]->stuffed);
+    survey.finest.push_back(found[i]->finest);
+    if (both_sides) survey.fans.push_back(found[i]->fans);
+    survey.surface.add(found[i]->surface.counts);
+    survey.parts.push_back(std::move(found[i]->surface.parts));
+    survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
+  }
+  return survey;
 }
 
 }  // namespace
@@ -73,6 +146,7 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
 bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
                  const StuffingRules& rules,
+                 const RestoredNodes* restored,
                  StuffingWorkspace& workspace) noexcept {
   StuffedLattice& lattice = workspace.lattice;
   sampler.sample(brick, workspace.samples);
@@ -80,6 +154,7 @@ bool stuff_brick(PhiSampler& sampler,
   if (lattice.cuts.signs.one_sided()) return false;
   find_cut_points(workspace.samples, sampler, brick, lattice.cuts);
   warp_lattice(lattice.cuts, rules.limits, lattice.warped);
+  if (restored != nullptr) restore_nodes(restored->around(brick), rules.limits, lattice);
   return true;
 }
 
@@ -106,24 +181,30 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const Cancellation& cancellation,
                                      MeshProgress* progress) {
   if (progress != nullptr) progress->total = candidates.size();
+  std::shared_ptr<const RestoredNodes> restored;
+  if (space.manifold) {
+    auto nodes = find_nodes_to_restore(field, candidates, space.rules, cancellation);
+    if (!nodes.ok()) return nodes.status();
+    restored = *std::move(nodes);
+  }
   std::vector<std::optional<SurveyedBrick>> found(candidates.size());
+  std::vector<std::unique_ptr<ThinSpots>> thin(candidates.size());  // null where there are none
   for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
-    const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
+    const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
+    ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      found[i] = survey_brick(sampler, candidates[i], space, *workspace);
+      found[i] = survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+      if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
-  Survey survey;
+  Survey survey = gather(candidates, found, space.rules.both_sides);
+  survey.restored = std::move(restored);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!found[i]) continue;
-    survey.bricks.push_back(candidates[i]);
-    survey.stuffed.push_back(found[i]->stuffed);
-    survey.finest.push_back(found[i]->finest);
-    if (space.rules.both_sides) survey.fans.push_back(found[i]->fans);
+    if (thin[i]) survey.thin.push_back({candidates[i], *thin[i]});
   }
   return survey;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,8 +12,11 @@
 #include "core/grid/find_bricks.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/mesh_plan.h"
+#include "core/pipeline/thin_walls.h"
 #include "core/stuffing/fill.h"
+#include "core/stuffing/restored_nodes.h"
 #include "core/stuffing/stuffed_brick.h"
+#include "core/stuffing/surface_topology.h"
 
 namespace tet {
 
@@ -23,10 +27,11 @@ struct StuffingWorkspace {
 };
 
 /// Stuffs a brick: the method, from its samples to its warped lattice. False, and no lattice,
-/// when every sample lies on one side of the surface.
+/// when every sample lies on one side of the surface. `restored` may be null.
 bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
                  const StuffingRules& rules,
+                 const RestoredNodes* restored,
                  StuffingWorkspace& workspace) noexcept;
 
 /// What the survey found, by brick; only bricks whose nodes touch the surface.
@@ -35,6 +40,12 @@ struct Survey {
   std::vector<StuffedBrick> stuffed;
   std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
   std::vector<FanMasks> fans;     ///< where both sides are meshed; empty otherwise
+  std::vector<ThinBrick> thin;    ///< sorted; few, and not all of them among `bricks`
+  std::shared_ptr<const RestoredNodes> restored;  ///< may be null
+
+  SurfaceCounts surface;
+  std::vector<SurfaceParts> parts;  ///< of the surface; may be dropped once they are counted
+  bool box_cuts_surface = false;    ///< the surface is open, and not counted
 
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
   /// it.
@@ -44,12 +55,15 @@ struct Survey {
 /// Memory that a brick takes at most until the mesh is made: while the survey runs it is held
 /// twice.
 inline constexpr std::uint64_t kSurveyBytesPerBrick =
-    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(FanMasks));
+    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(FanMasks) +
+         sizeof(ThinBrick)) +
+    128 * sizeof(SurfaceLink);
 
 /// What is meshed: both sides of the surface within a domain, or the inside alone.
 struct MeshedSpace {
   StuffingRules rules;
   std::optional<BrickBox> domain;  ///< finest bricks, where both sides are meshed
+  bool manifold = false;           ///< nodes are restored until the boundary is one
 };
 
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.

@@ -7,63 +7,6 @@
 
 namespace tet {
 
-CutTet::CutTet(const TetShape& shape,
-               const ShapeSigns& signs,
-               int cell,
-               const StuffedLattice& lattice,
-               const StuffingRules& rules) noexcept
-    : shape_(shape), lattice_(lattice), rules_(rules), cell_(cell), region_(signs.region) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    sign_[i] = signs.plus[i]->test(cell)   ? NodeSign::kPlus
-               : signs.zero[i]->test(cell) ? NodeSign::kZero
-                                           : NodeSign::kMinus;
-    if (sign_[i] == NodeSign::kPlus) plus_.add(i);
-    if (sign_[i] == NodeSign::kMinus) minus_.add(i);
-  }
-}
-
-/// Length of the column on the edge from a `+` node to a `-` node.
-float CutTet::column(std::size_t plus, std::size_t minus) const noexcept {
-  const std::size_t low = std::min(plus, minus);
-  const float fraction =
-      lattice_.cuts.fraction[shape_.edge_family[edge_between(plus, minus)]][node(low)];
-  return plus == low ? fraction : 1 - fraction;
-}
-
-/// True when q's column is the longer one; p is the lower node and wins a tie.
-bool CutTet::second_longer(std::size_t p, std::size_t q, std::size_t minus) const noexcept {
-  return column(q, minus) > column(p, minus);
-}
-
-/// The bits of a stencil's choice that column lengths decide.
-std::size_t CutTet::column_choice() const noexcept {
-  if (plus_.count == 1) return 0;
-  const auto [p, q, r, s] = plus_.at;
-  const auto [m, n, o, t] = minus_.at;
-  std::size_t choice = second_longer(p, q, m) ? 1 : 0;
-  if (plus_.count == 3) {
-    choice |= (second_longer(p, r, m) ? 2 : 0) | (second_longer(q, r, m) ? 4 : 0);
-  } else if (minus_.count == 2) {
-    choice |= second_longer(p, q, n) ? 2 : 0;
-  }
-  return choice;
-}
-
-std::span<const std::array<StencilVertex, 4>> CutTet::tets() const noexcept {
-  const std::size_t number = stencil_number(sign_[0], sign_[1], sign_[2], sign_[3]);
-  std::size_t choice = column_choice();
-  if (has_quad()) {
-    const QuadSplit split = quad_split();
-    if (split == QuadSplit::kFan) {
-      const Fan& fan = kFans[number][choice];
-      return std::span(fan.tet).first(fan.tet_count);
-    }
-    choice |= split == QuadSplit::kSecondDiagonal ? 4 : 0;
-  }
-  const Stencil& stencil = kStencils[number][choice];
-  return std::span(stencil.tet).first(stencil.tet_count);
-}
-
 /// Where the faces of a prism disagree (p stands on the longer column at m, q at n, or the
 /// reverse) one diagonal of its quad would close a cycle; the other is forced.
 std::optional<QuadSplit> CutTet::forced_split(const Nodes& plus,
@@ -111,16 +54,6 @@ QuadSplit CutTet::quad_split() const noexcept {
 
 WorldPoint CutTet::place_of_cut(std::size_t a, std::size_t b) const noexcept {
   return place(cut_on_edge(edge_between(a, b)));
-}
-
-WorldPoint CutTet::place(StencilVertex vertex) const noexcept {
-  if (vertex < 4) {
-    return lattice_.place_of_node(shape_.kind[vertex], static_cast<int>(node(vertex)));
-  }
-  if (vertex == kQuadCentre) return middle_of_quad(shape_, cell_, lattice_);
-  const auto edge = static_cast<std::size_t>(vertex - 4);
-  return lattice_.place_of_cut(shape_.edge_family[edge],
-                               static_cast<int>(node(kTetEdge[edge][0])));
 }
 
 WorldPoint middle_of_quad(const TetShape& shape,

@@ -9,8 +9,6 @@
 namespace tet {
 namespace {
 
-constexpr HaloSet kOwnCells = halo_cube(0, 7);
-
 /// Bits of a neighbour's slice that lie among the nodes [0, 8]^3.
 constexpr std::uint64_t reachable_bits(int by, int bz) noexcept {
   constexpr std::uint64_t kRowZero = 0xff, kFirstOfRows = 0x0101010101010101;

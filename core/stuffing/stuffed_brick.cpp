@@ -3,13 +3,10 @@
 #include <bit>
 #include <cstddef>
 
-#include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
 
 namespace tet {
 namespace {
-
-constexpr HaloSet kOwnCells = halo_cube(0, 7);
 
 /// Tets that the stencils of one shape emit: 1, and more where nodes are cut away (see
 /// stencil.h).
@@ -44,8 +41,8 @@ StuffedBrick StuffedBrick::all_inside() noexcept {
 
 bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
   if (has_both_sides(lattice)) return true;
-  // Outside, a node that moved is a vertex whatever is around it.
-  return rules.both_sides && (lattice.warped[kCorner].any() || lattice.warped[kCentre].any());
+  // Outside, a zero is a vertex whatever is around it, moved or not.
+  return rules.both_sides && (lattice.zero[kCorner].any() || lattice.zero[kCentre].any());
 }
 
 StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
@@ -76,7 +73,8 @@ BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules
     const auto any = [](HaloSet& set, const HaloSet& more) { set |= more; };
     const auto all = [](HaloSet& set, const HaloSet& more) { set &= more; };
     HaloSet mixed = around_face(lattice.plus, any) - around_face(lattice.plus, all);
-    if (rules.both_sides) mixed |= around_face(lattice.warped, any);
+    // Unmoved zeros too: half pyramids take all their nodes to be on one side.
+    if (rules.both_sides) mixed |= around_face(lattice.zero, any);
     stuffed |= mixed | seen_from(mixed, -face_offset(axis));
   }
   return brick_part(stuffed);
@@ -170,11 +168,13 @@ UsedByTets used_by_tets(const BrickSurroundings& bricks, const HaloSet& leaf) no
   return used;
 }
 
-FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept {
+FaceSigns signs_around_faces(const FinestNodes& nodes,
+                             int axis,
+                             const HaloSet& cells) noexcept {
   FaceSigns faces;
   faces.region = nodes.region;
   const int across = face_offset(axis);
-  faces.tets = nodes.leaf & seen_from(nodes.leaf, across) & kOwnCells;
+  faces.tets = nodes.leaf & seen_from(nodes.leaf, across) & cells;
   faces.plus[0] = nodes.plus[kCentre];
   faces.zero[0] = nodes.zero[kCentre];
   faces.plus[1] = seen_from(nodes.plus[kCentre], across);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/base/brick_mask.h"
+#include "core/lattice/background.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
 #include "core/stuffing/warp.h"
@@ -85,7 +86,10 @@ struct FaceSigns {
   MeshRegion region = MeshRegion::kInside;
 };
 
-FaceSigns signs_around_faces(const FinestNodes& nodes, int axis) noexcept;
+/// `cells` are those whose tets are meant.
+FaceSigns signs_around_faces(const FinestNodes& nodes,
+                             int axis,
+                             const HaloSet& cells = kOwnCells) noexcept;
 
 /// One tet shape's tets within a brick, by the cell they belong to.
 struct ShapeSigns {

@@ -1,6 +1,8 @@
 // The geometry of a brick near the surface: what its samples decide.
 #pragma once
 
+#include <cstddef>
+
 #include "core/base/types.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
@@ -20,5 +22,31 @@ struct StuffedLattice {
 
 /// Where a node of an unmoved lattice lies.
 WorldPoint lattice_place(NodeKind kind, int index) noexcept;
+
+// In the header because they are called for every corner of every tet at the surface.
+
+inline WorldPoint lattice_place(NodeKind kind, int index) noexcept {
+  const LatticeCoord at = node_coord(kind, index);
+  return {0.5 * at.x, 0.5 * at.y, 0.5 * at.z};
+}
+
+inline WorldPoint StuffedLattice::place_of_cut(int family, int index) const noexcept {
+  const LatticeCoord along = kDirection[static_cast<std::size_t>(family_direction(family))];
+  const double t =
+      0.5 *
+      static_cast<double>(
+          cuts.fraction[static_cast<std::size_t>(family)][static_cast<std::size_t>(index)]);
+  const WorldPoint from = lattice_place(family_kind(family), index);
+  return {from.x + t * along.x, from.y + t * along.y, from.z + t * along.z};
+}
+
+inline WorldPoint StuffedLattice::place_of_node(NodeKind kind, int index) const noexcept {
+  if (!warped.warped[kind].test(index)) return lattice_place(kind, index);
+  // The edge's lower node owns the cut point: seen from either end it is the same place.
+  const int direction = warped.direction[kind][static_cast<std::size_t>(index)];
+  if (direction < kOwnedDirections) return place_of_cut(edge_family(kind, direction), index);
+  return place_of_cut(edge_family(end_kind(kind, direction), opposite(direction)),
+                      index + end_offset(kind, direction));
+}
 
 }  // namespace tet

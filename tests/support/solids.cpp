@@ -1,6 +1,7 @@
 #include "tests/support/solids.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -77,6 +78,45 @@ std::vector<Solid> smooth_solids() {
   solids.push_back(two_balls(10.4));
   solids.push_back(ball_with_cavity(19.2, 6.1));
   return solids;
+}
+
+Volume plate(const Plate& plate, const VoxelTransform& transform) {
+  const auto scale = static_cast<float>(transform.voxel_size);
+  const auto& [nx, ny, nz] = plate.normal;
+  const double length = std::hypot(nx, ny, nz);
+  const auto phi = [=](VoxelCoord v) {
+    const double height =
+        ((v.x - kCentre.x) * nx + (v.y - kCentre.y) * ny + (v.z - kCentre.z) * nz) / length;
+    const double r = distance(v, kCentre);
+    const double along = std::sqrt(std::max(0.0, r * r - height * height));
+    const double from_disc = std::hypot(std::max(0.0, along - plate.radius), height);
+    return scale * static_cast<float>(from_disc - plate.thickness / 2);
+  };
+  return narrow_band_volume(cube(static_cast<int>(plate.radius + plate.thickness) + 6),
+                            kBand * scale, phi, transform);
+}
+
+Volume ball_with_gap(double radius, double gap) {
+  return narrow_band_volume(cube(static_cast<int>(radius) + 6), kBand, [=](VoxelCoord v) {
+    const double r = distance(v, kCentre);
+    return static_cast<float>(std::max(r - radius, gap / 2 - std::abs(r - radius / 2)));
+  });
+}
+
+Volume tilted_cube(double edge) {
+  // Rows of a rotation.
+  constexpr std::array<std::array<double, 3>, 3> kAxes{
+      {{0.36, 0.48, 0.8}, {-0.8, 0.6, 0}, {-0.48, -0.64, 0.6}}
+  };
+  return narrow_band_volume(cube(static_cast<int>(edge) + 6), kBand, [=](VoxelCoord v) {
+    double phi = -edge;
+    for (const auto& a : kAxes) {
+      const double along =
+          a[0] * (v.x - kCentre.x) + a[1] * (v.y - kCentre.y) + a[2] * (v.z - kCentre.z);
+      phi = std::max(phi, std::abs(along) - edge / 2);
+    }
+    return static_cast<float>(phi);
+  });
 }
 
 Volume gyroid_ball(int edge) {

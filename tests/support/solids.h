@@ -24,6 +24,19 @@ Volume ball(double radius, const VoxelTransform& transform = {});
 /// Ball, torus, two balls, ball with a cavity: resolved, smooth, with known topology.
 std::vector<Solid> smooth_solids();
 
+/// A round plate with a rounded rim, tilted so that its normal is `normal` (of any length).
+struct Plate {
+  double thickness = 1, radius = 11;  ///< of the flat part, voxels
+  WorldPoint normal{0.36, 0.48, 0.8};
+};
+Volume plate(const Plate& plate, const VoxelTransform& transform = {});
+
+/// A ball of `radius` voxels with a spherical gap `gap` voxels wide halfway to its centre.
+Volume ball_with_gap(double radius, double gap);
+
+/// A cube of `edge` voxels, tilted.
+Volume tilted_cube(double edge);
+
 /// A gyroid sheet of `edge` voxels cut by a ball.
 Volume gyroid_ball(int edge);
 

@@ -1,6 +1,7 @@
 // What a mesh of both sides promises: one conforming mesh of the whole box, labelled.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
 #include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
@@ -117,6 +119,24 @@ TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
       EXPECT_EQ(box.euler_characteristic, 2);
     }
   }
+}
+
+TEST(BothSides, LeaveNoVoidWhereManySamplesAreZero) {
+  // Zero from plane to plane, and in a ball beyond them: tets of zeros and `-` alone.
+  const Volume volume = test::dense_volume(
+      {
+          { 0,  0,  0},
+          {47, 31, 31}
+  },
+      1, [](VoxelCoord v) {
+        if (v.x < 7) return -1.0F;
+        const bool in_ball = std::hypot(v.x - 31, v.y - 15, v.z - 15) < 7;
+        return v.x < 14 || in_ball ? 0.0F : 1.0F;
+      });
+  const MeshResult uniform = mesh(volume, both_sides(0)), graded = mesh(volume, both_sides());
+  EXPECT_TRUE(check_conformity(graded.mesh).conforming());
+  EXPECT_EQ(measure_boundary(graded.mesh).components, 1U) << "the box, and nothing within";
+  EXPECT_NEAR(graded.quality.volume, uniform.quality.volume, 1e-6);
 }
 
 TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {

@@ -16,6 +16,7 @@
 #include "core/pipeline/mesher.h"
 #include "tests/support/reference_stuffing.h"
 #include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
@@ -154,6 +155,24 @@ TEST(Mesh, HasTheSameSurfaceGradedAndUniform) {
       EXPECT_TRUE(surface_of(mesh(field.volume, with_levels(levels)).mesh) == uniform);
     }
   }
+}
+
+TEST(Mesh, IsNotFooledByInsideThatTheWarpTookAway) {
+  // A slab up to y = 6.4, and at y = 8, in the bricks above it, grains so faint that their
+  // nodes move onto the surface: a sample there is inside, and nothing is.
+  const Volume volume = test::dense_volume(
+      {
+          { 0,  0,  0},
+          {31, 31, 31}
+  },
+      1, [](VoxelCoord v) {
+        if (v.y < 8) return static_cast<float>(v.y) - 6.4F;
+        const bool grain = v.y == 8 && v.x % 4 == 0 && v.z % 4 == 0;
+        return grain ? -0.05F : 1.0F;
+      });
+  const TetMesh uniform = mesh(volume, with_levels(0)).mesh, graded = mesh(volume).mesh;
+  EXPECT_TRUE(check_conformity(graded).conforming()) << check_conformity(graded).describe();
+  EXPECT_TRUE(surface_of(graded) == surface_of(uniform));
 }
 
 TEST(Mesh, CountsWhatAnIndependentReadingOfTheRulesCounts) {

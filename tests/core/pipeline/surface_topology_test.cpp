@@ -1,0 +1,138 @@
+// The boundary's topology is counted with the mesh, and may be made a manifold.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/mesh/boundary.h"
+#include "core/mesh/conformity.h"
+#include "core/mesh/quality.h"
+#include "core/pipeline/mesher.h"
+#include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
+
+namespace tet {
+namespace {
+
+MeshResult mesh(const Volume& volume, const MeshRequest& request, int threads = 2) {
+  TaskPool pool(threads);
+  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
+                            Cancellation(), nullptr);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result) : MeshResult{};
+}
+
+/// Whole numbers near zero: half of all samples are exactly zero, and walls one voxel thick.
+Volume few_values(int edge, std::uint32_t seed) {
+  return test::dense_volume(
+      {
+          {       0,        0,        0},
+          {edge - 1, edge - 1, edge - 1}
+  },
+      3, [=](VoxelCoord v) {
+        std::uint32_t hash = seed * 2654435761U;
+        for (const std::int32_t c : {v.x, v.y, v.z}) {
+          hash = (hash ^ static_cast<std::uint32_t>(c)) * 2246822519U;
+          hash ^= hash >> 13U;
+        }
+        return static_cast<float>(static_cast<int>(hash % 4) / 2 * 2 -
+                                  static_cast<int>(hash % 3));
+      });
+}
+
+std::vector<std::pair<std::string, Volume>> fields() {
+  std::vector<std::pair<std::string, Volume>> all;
+  for (test::Solid& solid : test::smooth_solids()) {
+    all.emplace_back(solid.name, std::move(solid.volume));
+  }
+  all.emplace_back("gyroid", test::gyroid_ball(40));
+  all.emplace_back("random signs", test::random_signs(20, 1));
+  all.emplace_back("random signs and zeros", test::random_signs(20, 2, 3));
+  all.emplace_back("random signs, mostly zeros", test::random_signs(20, 3, 2));
+  all.emplace_back("few values", few_values(20, 4));
+  all.emplace_back("flipped tiles", test::ball_with_flipped_tiles(27));
+  return all;
+}
+
+TEST(SurfaceTopology, IsWhatTheFinishedMeshHas) {
+  for (const auto& [name, volume] : fields()) {
+    for (const bool manifold : {false, true}) {
+      SCOPED_TRACE(name + (manifold ? ", manifold" : ""));
+      MeshRequest request;
+      request.manifold = manifold;
+      const MeshResult result = mesh(volume, request);
+      ASSERT_TRUE(result.boundary.has_value());
+      BoundaryTopology measured = measure_boundary(result.mesh);
+      measured.restored_nodes = result.boundary->restored_nodes;
+      EXPECT_EQ(result.boundary->triangles, measured.triangles);
+      EXPECT_EQ(result.boundary->vertices, measured.vertices);
+      EXPECT_EQ(result.boundary->components, measured.components);
+      EXPECT_EQ(result.boundary->euler_characteristic, measured.euler_characteristic);
+      EXPECT_EQ(result.boundary->non_manifold_edges, measured.non_manifold_edges);
+      EXPECT_EQ(result.boundary->non_manifold_vertices, measured.non_manifold_vertices);
+    }
+  }
+}
+
+TEST(ManifoldMesh, HasAManifoldBoundaryWithinTheBoundsOnEveryField) {
+  for (const auto& [name, volume] : fields()) {
+    for (const Preset preset : {Preset::kDefault, Preset::kMinAngle, Preset::kBothSides}) {
+      const bool harsh = name.starts_with("random");
+      for (const int levels : harsh ? std::vector{0, kMaxLevels} : std::vector{kMaxLevels}) {
+        SCOPED_TRACE(name + ", " + std::string(preset_name(preset)) + ", levels " +
+                     std::to_string(levels));
+        MeshRequest request;
+        request.manifold = true;
+        request.preset = preset;
+        request.levels = levels;
+        const MeshResult result = mesh(volume, request);
+        const ConformityReport report = check_conformity(result.mesh);
+        EXPECT_TRUE(report.conforming()) << report.describe();
+        const QualityStats measured = measure_quality(result.mesh);
+        const AngleBounds bounds = angle_bounds(preset, CoordinateType::kFloat64);
+        EXPECT_GT(measured.min_dihedral_deg, bounds.min_deg);
+        EXPECT_LT(measured.max_dihedral_deg, bounds.max_deg);
+        if (!result.boundary) continue;  // both sides of a field that reaches the box
+        EXPECT_EQ(result.boundary->non_manifold_edges, 0U);
+        EXPECT_EQ(result.boundary->non_manifold_vertices, 0U);
+      }
+    }
+  }
+}
+
+TEST(SurfaceTopology, TellsWhereRandomSignsAreNoManifold) {
+  const MeshResult result = mesh(test::random_signs(20, 1), {});
+  EXPECT_GT(result.boundary->non_manifold_edges, 100U);
+  EXPECT_GT(result.boundary->non_manifold_vertices, 100U);
+}
+
+TEST(ManifoldMesh, TouchesNothingThatIsOneAlready) {
+  for (const test::Solid& solid : test::smooth_solids()) {
+    SCOPED_TRACE(solid.name);
+    MeshRequest request;
+    const MeshResult plain = mesh(solid.volume, request);
+    request.manifold = true;
+    const MeshResult manifold = mesh(solid.volume, request);
+    EXPECT_EQ(manifold.boundary->restored_nodes, 0U);
+    EXPECT_TRUE(std::ranges::equal(plain.mesh.tets.bytes(), manifold.mesh.tets.bytes()));
+    EXPECT_TRUE(
+        std::ranges::equal(plain.mesh.positions.bytes(), manifold.mesh.positions.bytes()));
+  }
+}
+
+TEST(ManifoldMesh, IsTheSameForOneThreadAndForSixteen) {
+  MeshRequest request;
+  request.manifold = true;
+  const Volume volume = test::random_signs(24, 6);
+  const MeshResult one = mesh(volume, request, 1), many = mesh(volume, request, 16);
+  EXPECT_GT(one.boundary->restored_nodes, 0U);
+  EXPECT_TRUE(*one.boundary == *many.boundary);
+  EXPECT_TRUE(std::ranges::equal(one.mesh.tets.bytes(), many.mesh.tets.bytes()));
+  EXPECT_TRUE(std::ranges::equal(one.mesh.positions.bytes(), many.mesh.positions.bytes()));
+}
+
+}  // namespace
+}  // namespace tet
