@@ -59,11 +59,11 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
   const bool rounded = coordinates == CoordinateType::kFloat32;
   switch (preset) {
     case Preset::kDefault:
-      return rounded ? AngleBounds{11.2, 155.2} : AngleBounds{11.3, 154.9};
+      return rounded ? AngleBounds{11.2, 154.9} : AngleBounds{11.3, 154.7};
     case Preset::kMinAngle:
-      return rounded ? AngleBounds{11.7, 161.4} : AngleBounds{11.8, 161.2};
+      return rounded ? AngleBounds{11.7, 161.3} : AngleBounds{11.8, 161.2};
     case Preset::kBothSides:
-      return rounded ? AngleBounds{9.3, 158.0} : AngleBounds{9.4, 157.7};
+      return rounded ? AngleBounds{9.3, 157.6} : AngleBounds{9.4, 157.4};
   }
   return {};
 }

@@ -71,6 +71,7 @@ class Search {
         displacement_(goal.displacement * kSpacing) {}
 
   Certified run() {
+    if (goal_.enough_deg > 0) enough_ = badness(cotangent_of(goal_.enough_deg)).lower();
     push_roots();
     while (!queue_.empty() && boxes_ < goal_.max_boxes) {
       const Node node = queue_.top();
@@ -113,12 +114,12 @@ class Search {
     push(high);
   }
 
-  /// The widest one, measured by how much the angle changes along it. Who wins a contest may
-  /// depend on any of them.
+  /// The widest one, measured by how much the angle changes along it. Who wins a contest, and
+  /// whether there is a bound at all, may depend on any of them.
   std::size_t parameter_to_split(const Node& node) const {
-    constexpr double kLeastSlope = 0.1;
+    constexpr double kLeastSlope = 1;
     const Dihedral at = enclose_dihedral(tet_of(node), node.angle, node.box, 0);
-    const bool by_slope = at.positive && problem_of(node).rival.empty();
+    const bool by_slope = node.bound < kInfinity && problem_of(node).rival.empty();
     std::size_t best = 0;
     double most = -1;
     for (std::size_t k = 0; k < problem_of(node).parameter_count; ++k) {
@@ -159,7 +160,7 @@ class Search {
     if (!problem_of(node).rival.empty() && displaced(node, value) > enough_) {
       const Contest contest(problem_of(node), node.box);
       if (contest.lost()) return false;
-      value = std::min({value, contest.limit(), contest.bound(form)});
+      value = std::min({value, contest.limit(sign_ < 0), contest.bound(form)});
     }
     node.bound = std::min(node.bound, displaced(node, value));
     return true;
@@ -233,6 +234,7 @@ class Search {
   void note_seen(double value) {
     if (value <= seen_) return;
     seen_ = value;
+    if (goal_.enough_deg > 0) return;
     const double degrees = about_degrees(sign_ * seen_) - sign_ * goal_.tolerance_deg;
     enough_ = badness(cotangent_of(degrees)).lower();
   }

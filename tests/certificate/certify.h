@@ -15,9 +15,9 @@ struct Goal {
   Extreme extreme = Extreme::kLeast;
   /// How far from its place a corner may lie, in units of the lattice's spacing.
   double displacement = 0;
-  /// Stop as soon as the bound is proven to be this good, or to be within `tolerance_deg` of
-  /// the best possible.
-  double wanted_deg = 0;
+  /// Stop where the bound is proven to be as good as this; 0 to get as near to the worst angle
+  /// as the tolerance asks.
+  double enough_deg = 0;
   double tolerance_deg = 0.005;
   /// Give up after this many boxes: the bound holds then too, but is worse than it could be.
   std::size_t max_boxes = 20'000'000;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/stuffing/surface_diagonal.h"
 #include "tests/certificate/dihedral.h"
 
 namespace tet::certificate {
@@ -10,33 +11,51 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The mesher compares in double; its |cot| are off by far less than this part of them.
+/// The mesher compares in double; its squared cosines are off by far less than this part.
 constexpr double kRounding = 1e-6;
 
+Interval squared_cosine(const Interval& cotangent) {
+  return Interval(1) - Interval(1) / (Interval(1) + square(cotangent));
+}
+
+double lower_bound(const LinearForm& f, const Box& box) {
+  return -upper_bound(LinearForm{}.plus(f, -1), box);
+}
+
 }  // namespace
+
+Contest::Angle Contest::angle_of(const Tet& tet,
+                                 std::size_t angle,
+                                 const Box& box,
+                                 const Box& middle) {
+  const Dihedral over_box = enclose_dihedral(tet, angle, box, 0);
+  if (!over_box.positive) return {{}, 0, kInfinity, false};
+  const LinearForm cotangent{enclose_cotangent(tet, angle, middle), over_box.slope};
+  const Interval range = intersect(
+      over_box.cotangent, Interval(lower_bound(cotangent, box), upper_bound(cotangent, box)));
+  Angle out;
+  out.one_sided = range.lower() > 0 || range.upper() < 0;
+  const Interval weight(range.upper() < 0 ? kObtuseWeight : 1,
+                        range.lower() > 0 ? 1 : kObtuseWeight);
+  const Interval badness = weight * squared_cosine(range);
+  out.low = badness.lower();
+  out.high = badness.upper();
+  if (!out.one_sided) return out;
+  out.badness.middle = weight * squared_cosine(cotangent.middle);
+  const Interval growth = weight * Interval(2) * range / square(Interval(1) + square(range));
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    out.badness.slope[k] = growth * over_box.slope[k];
+  }
+  out.low = std::max(out.low, lower_bound(out.badness, box));
+  out.high = std::min(out.high, upper_bound(out.badness, box));
+  return out;
+}
 
 std::vector<Contest::Angle> Contest::angles_of(const std::vector<Tet>& tets, const Box& box) {
   std::vector<Angle> angles;
   const Box middle = middle_of(box);
   for (const Tet& tet : tets) {
-    for (std::size_t i = 0; i < kAngles; ++i) {
-      const Dihedral over_box = enclose_dihedral(tet, i, box, 0);
-      if (!over_box.positive) {
-        angles.push_back({{}, 0, kInfinity, false});
-        continue;
-      }
-      LinearForm form{enclose_cotangent(tet, i, middle), over_box.slope};
-      const LinearForm opposite = LinearForm{}.plus(form, -1);
-      const double high = std::min(over_box.cotangent.upper(), upper_bound(form, box));
-      const double low = std::max(over_box.cotangent.lower(), -upper_bound(opposite, box));
-      if (low > 0) {
-        angles.push_back({form, low, high, true});
-      } else if (high < 0) {
-        angles.push_back({opposite, -high, -low, true});
-      } else {
-        angles.push_back({{}, 0, std::max(high, -low), false});
-      }
-    }
+    for (std::size_t i = 0; i < kAngles; ++i) angles.push_back(angle_of(tet, i, box, middle));
   }
   return angles;
 }
@@ -46,32 +65,36 @@ Contest::Contest(const Problem& problem, const Box& box)
       contender_(angles_of(problem.contender, box)),
       rival_(angles_of(problem.rival, box)) {
   for (const Angle& angle : contender_) contender_low_ = std::max(contender_low_, angle.low);
+  double rival_high = 0;
   for (const Angle& angle : rival_) {
     rival_low_ = std::max(rival_low_, angle.low);
-    rival_high_ = std::max(rival_high_, angle.high);
+    rival_high = std::max(rival_high, angle.high);
   }
+  limit_ = (Interval(rival_high) * Interval(1 + kRounding)).upper();
 }
 
-double Contest::limit() const {
-  return (Interval(rival_high_) * Interval(1 + kRounding)).upper();
-}
+bool Contest::lost() const { return contender_low_ > limit_; }
 
-bool Contest::lost() const { return contender_low_ > limit(); }
+double Contest::limit(bool obtuse) const {
+  const Interval cosine2 = Interval(limit_) / Interval(obtuse ? kObtuseWeight : 1);
+  const Interval sine2 = Interval(1) - cosine2;
+  return sine2.lower() > 0 ? sqrt(cosine2 / sine2).upper() : kInfinity;
+}
 
 // Where the contender is taken, any one of its angles, such as the worst in the middle, is no
 // worse than the rival's worst, whichever that is.
 double Contest::bound(const LinearForm& f) const {
   const auto worst = std::max_element(
       contender_.begin(), contender_.end(), [](const Angle& a, const Angle& b) {
-        return a.signed_surely < b.signed_surely ||
-               (a.signed_surely && b.signed_surely &&
+        return a.one_sided < b.one_sided ||
+               (a.one_sided && b.one_sided &&
                 a.badness.middle.upper() < b.badness.middle.upper());
       });
-  if (!worst->signed_surely) return kInfinity;
+  if (!worst->one_sided) return kInfinity;
   double most = -kInfinity;
   for (const Angle& angle : rival_) {
     if (angle.high < rival_low_) continue;  // never the worst
-    if (!angle.signed_surely) return kInfinity;
+    if (!angle.one_sided) return kInfinity;
     LinearForm better = LinearForm{}.plus(angle.badness, 1 + kRounding);
     better = better.plus(worst->badness, -1);
     LinearForm bounded = f;

@@ -1,5 +1,6 @@
 #include "tests/certificate/interval.h"
 
+#include <cfenv>
 #include <cmath>
 #include <numbers>
 
@@ -27,7 +28,17 @@ SineCosine sine_cosine(const Interval& x) {
   return sum;
 }
 
-constexpr double kStep = 1000;  // of printed angles, a degree
+constexpr double kStep = 1000;    // of printed angles, a degree
+constexpr double kNearly = 1e-6;  // so that 11.3 is not taken for 11.299
+
+/// As it is written in decimals, whatever the rounding mode.
+double degrees_of(double steps) {
+  const int mode = std::fegetround();
+  std::fesetround(FE_TONEAREST);
+  const volatile double degrees = steps / kStep;
+  std::fesetround(mode);
+  return degrees;
+}
 
 }  // namespace
 
@@ -44,15 +55,16 @@ double about_degrees(double cotangent) {
 }
 
 double degrees_below(double cotangent) {
-  double steps = std::floor(about_degrees(cotangent) * kStep);
-  while (steps > 0 && !(cotangent_of(steps / kStep).lower() >= cotangent)) --steps;
-  return steps / kStep;
+  double steps = std::floor(about_degrees(cotangent) * kStep + kNearly);
+  while (steps > 0 && !(cotangent_of(degrees_of(steps)).lower() >= cotangent)) --steps;
+  return degrees_of(steps);
 }
 
 double degrees_above(double cotangent) {
-  double steps = std::ceil(about_degrees(cotangent) * kStep);
-  while (steps < 180 * kStep && !(cotangent_of(steps / kStep).upper() <= cotangent)) ++steps;
-  return steps / kStep;
+  double steps = std::ceil(about_degrees(cotangent) * kStep - kNearly);
+  while (steps < 180 * kStep && !(cotangent_of(degrees_of(steps)).upper() <= cotangent))
+    ++steps;
+  return degrees_of(steps);
 }
 
 }  // namespace tet::certificate

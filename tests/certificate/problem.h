@@ -62,7 +62,8 @@ inline constexpr double kStoredDisplacement = 0x1p-12 * 1.7320508075688774 * (1 
 /// Tets that may be emitted together, for some range of the parameters.
 ///
 /// `tets` have their angles bounded. With a `rival`, they stand only where the worst angle of
-/// `contender` (by distance from 0 and 180 degrees) is not worse than that of `rival`.
+/// `contender` (as core/stuffing/surface_diagonal measures it) is not worse than that of
+/// `rival`.
 struct Problem {
   std::string name;
   std::size_t parameter_count = 0;

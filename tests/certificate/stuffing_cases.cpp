@@ -165,7 +165,8 @@ class ProblemBuilder {
     return inside_.sign[i] != NodeSign::kZero && inside_.sign[j] == opposite(inside_.sign[i]);
   }
 
-  /// A cut point by the length of the column from its `+` node, in [alpha, 1 - alpha].
+  /// A cut point by the length of the column from its `+` node, in [alpha, 1 - alpha]; at
+  /// restored nodes this is float's 1 - alpha, which is rounded.
   Slide cut_slide(std::size_t edge) const {
     auto [plus, minus] = kTetEdge[edge];
     if (inside_.sign[plus] != NodeSign::kPlus) std::swap(plus, minus);
@@ -173,7 +174,7 @@ class ProblemBuilder {
     return {
         scaled(inside_.node[plus]),
         scaled(inside_.node[minus] - inside_.node[plus]),
-        {alpha, 1 - alpha}
+        {alpha - kTieSlack, 1 - alpha + kTieSlack}
     };
   }
 
