@@ -59,6 +59,7 @@ std::vector<Row> rows_of(const StuffingRules& rules) {
   }
   by_name["background"] = background_cases();
   std::vector<Row> rows;
+  rows.reserve(by_name.size());
   for (auto& [name, problems] : by_name) rows.push_back({name, std::move(problems), {}});
   return rows;
 }

@@ -13,6 +13,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The mesher compares in double; its squared cosines are off by far less than this part.
 constexpr double kRounding = 1e-6;
+constexpr double kWithRounding = 1 + kRounding;
 
 Interval squared_cosine(const Interval& cotangent) {
   return Interval(1) - Interval(1) / (Interval(1) + square(cotangent));
@@ -70,13 +71,13 @@ Contest::Contest(const Problem& problem, const Box& box)
     rival_low_ = std::max(rival_low_, angle.low);
     rival_high = std::max(rival_high, angle.high);
   }
-  limit_ = (Interval(rival_high) * Interval(1 + kRounding)).upper();
+  limit_ = (Interval(rival_high) * Interval(kWithRounding)).upper();
 }
 
 bool Contest::lost() const { return contender_low_ > limit_; }
 
 double Contest::limit(bool obtuse) const {
-  const Interval cosine2 = Interval(limit_) / Interval(obtuse ? kObtuseWeight : 1);
+  const Interval cosine2 = Interval(limit_) / (obtuse ? Interval(kObtuseWeight) : Interval(1));
   const Interval sine2 = Interval(1) - cosine2;
   return sine2.lower() > 0 ? sqrt(cosine2 / sine2).upper() : kInfinity;
 }
@@ -95,7 +96,7 @@ double Contest::bound(const LinearForm& f) const {
   for (const Angle& angle : rival_) {
     if (angle.high < rival_low_) continue;  // never the worst
     if (!angle.one_sided) return kInfinity;
-    LinearForm better = LinearForm{}.plus(angle.badness, 1 + kRounding);
+    LinearForm better = LinearForm{}.plus(angle.badness, kWithRounding);
     better = better.plus(worst->badness, -1);
     LinearForm bounded = f;
     lower_where_not_negative(bounded, better, box_);

@@ -150,10 +150,12 @@ class ProblemBuilder {
       if (is_cut(e)) cuts.push_back(corner_of(cut_on_edge(e)));
     }
     std::vector<Place> bases;
+    bases.reserve(cuts.size());
     for (const Corner& cut : cuts) bases.push_back(cut.base);
     Corner middle{quarter_sum(bases), {}};
     for (std::size_t k = 0; k < kParameters; ++k) {
       std::vector<Place> alongs;
+      alongs.reserve(cuts.size());
       for (const Corner& cut : cuts) alongs.push_back(cut.along[k]);
       middle.along[k] = quarter_sum(alongs);
     }
