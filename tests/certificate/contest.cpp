@@ -79,7 +79,8 @@ bool Contest::lost() const { return contender_low_ > limit_; }
 double Contest::limit(bool obtuse) const {
   const Interval cosine2 = Interval(limit_) / (obtuse ? Interval(kObtuseWeight) : Interval(1));
   const Interval sine2 = Interval(1) - cosine2;
-  return sine2.lower() > 0 ? sqrt(cosine2 / sine2).upper() : kInfinity;
+  if (!(sine2.lower() > 0)) return kInfinity;
+  return sqrt(cosine2 / sine2).upper();
 }
 
 // Where the contender is taken, any one of its angles, such as the worst in the middle, is no
