@@ -22,7 +22,7 @@ namespace tet {
 namespace {
 
 /// A float32 coordinate is off by at most 2^-24 of its size, so within this many spacings of
-/// the origin by 2^-12 of a spacing: angles move by a few hundredths of a degree at most.
+/// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
 constexpr double kMaxFloat32Extent = 4096;
 
 PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
