@@ -69,19 +69,20 @@ class Estimate final : public grpc::ServerUnaryReactor,
   std::shared_ptr<Estimate> self_;
 };
 
-void add_preset(v1::Capabilities& capabilities, v1::Preset preset, double min, double max) {
+void add_preset(v1::Capabilities& capabilities, v1::Preset name, Preset preset) {
+  const AngleBounds bounds = angle_bounds(preset, CoordinateType::kFloat64);
   v1::PresetInfo& info = *capabilities.add_presets();
-  info.set_preset(preset);
-  info.set_min_dihedral_deg(min);
-  info.set_max_dihedral_deg(max);
+  info.set_preset(name);
+  info.set_min_dihedral_deg(bounds.min_deg);
+  info.set_max_dihedral_deg(bounds.max_deg);
 }
 
 void describe(const Config& config, v1::Capabilities& capabilities) {
   capabilities.set_server_version(TETSTREAM_VERSION);
   capabilities.set_algorithm_version(kAlgorithmVersion);
-  add_preset(capabilities, v1::PRESET_DEFAULT, 11.3, 154.9);
-  add_preset(capabilities, v1::PRESET_MIN_ANGLE, 11.8, 161.2);
-  add_preset(capabilities, v1::PRESET_BOTH_SIDES, 9.4, 157.7);
+  add_preset(capabilities, v1::PRESET_DEFAULT, Preset::kDefault);
+  add_preset(capabilities, v1::PRESET_MIN_ANGLE, Preset::kMinAngle);
+  add_preset(capabilities, v1::PRESET_BOTH_SIDES, Preset::kBothSides);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT32);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
   capabilities.set_max_chunk_bytes(std::int64_t{kChunkBytes});

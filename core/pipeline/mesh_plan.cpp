@@ -22,7 +22,7 @@ namespace tet {
 namespace {
 
 /// A float32 coordinate is off by at most 2^-24 of its size, so within this many spacings of
-/// the origin by 2^-12 of a spacing: angles move by a few hundredths of a degree at most.
+/// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
 constexpr double kMaxFloat32Extent = 4096;
 
 PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
@@ -50,9 +50,11 @@ absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& li
 }
 
 /// Refuses a surface whose bricks could not be kept, before any of them is looked at.
-absl::Status check_plan_budget(const FoundBricks& found, const MeshLimits& limits) {
+absl::Status check_plan_budget(const FoundBricks& found,
+                               const StuffingRules& rules,
+                               const MeshLimits& limits) {
   const std::uint64_t bricks = found.near_surface.size();
-  const std::uint64_t bytes = bricks * kSurveyBytesPerBrick;
+  const std::uint64_t bytes = bricks * survey_bytes_per_brick(rules);
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "%d bricks of 8^3 cells lie near the surface, and counting them would take %d bytes; the "
@@ -119,7 +121,7 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
   if (uniform) {
     if (auto status = check_uniform_budget(*found, limits); !status.ok()) return status;
   }
-  if (auto status = check_plan_budget(*found, limits); !status.ok()) return status;
+  if (auto status = check_plan_budget(*found, space.rules, limits); !status.ok()) return status;
   return found;
 }
 

@@ -55,6 +55,19 @@ StuffingRules stuffing_rules(Preset preset) {
   return {};
 }
 
+AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
+  const bool rounded = coordinates == CoordinateType::kFloat32;
+  switch (preset) {
+    case Preset::kDefault:
+      return rounded ? AngleBounds{11.2, 154.9} : AngleBounds{11.3, 154.7};
+    case Preset::kMinAngle:
+      return rounded ? AngleBounds{11.7, 161.3} : AngleBounds{11.8, 161.2};
+    case Preset::kBothSides:
+      return rounded ? AngleBounds{9.3, 157.6} : AngleBounds{9.4, 157.4};
+  }
+  return {};
+}
+
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume) {
   CanonicalRequest out;
   out.spacing = request.spacing.value_or(volume.transform.voxel_size);

@@ -16,7 +16,7 @@
 namespace tet {
 
 /// Goes up whenever the bytes of some mesh may change: part of what names a mesh.
-inline constexpr char kAlgorithmVersion[] = "1";
+inline constexpr char kAlgorithmVersion[] = "2";
 
 /// Warp limits with known angle bounds; see docs/algorithm.md.
 enum class Preset : std::uint8_t { kDefault, kMinAngle, kBothSides };
@@ -70,6 +70,15 @@ struct CanonicalRequest {
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume);
 
 StuffingRules stuffing_rules(Preset preset);
+
+/// What every dihedral angle of a preset's meshes lies between, in degrees.
+struct AngleBounds {
+  double min_deg = 0, max_deg = 180;
+};
+
+/// Proven by tests/certificate: see docs/bounds.md. As float64 positions are the mesher's own;
+/// as float32 they are rounded, at most 4096 spacings from their origin.
+AngleBounds angle_bounds(Preset preset, CoordinateType coordinates);
 
 std::optional<Preset> parse_preset(std::string_view name);
 std::string_view preset_name(Preset preset);

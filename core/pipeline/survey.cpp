@@ -19,7 +19,7 @@ constexpr std::size_t kBricksPerRange = 8;
 struct SurveyedBrick {
   StuffedBrick stuffed;
   BrickMask finest;
-  FanMasks fans;
+  std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
   bool at_domain_face = false;  ///< some tet near a face of the domain is cut or moved
 };
@@ -124,8 +124,8 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   found.finest = with_siblings(cells);
   found.surface = survey_surface(lattice.warped, workspace.surface);
   if (!space.domain) return found;
-  found.fans = fans_within(*space.domain, brick, rules, lattice);
-  found.surface.counts.add_fans(count_fans(found.fans));
+  found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
+  found.surface.counts.add_fans(count_fans(*found.fans));
   found.at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
   return found;
 }
@@ -140,7 +140,7 @@ Survey gather(const std::vector<BrickCoord>& candidates,
     survey.bricks.push_back(candidates[i]);
     survey.stuffed.push_back(found[i]->stuffed);
     survey.finest.push_back(found[i]->finest);
-    if (both_sides) survey.fans.push_back(found[i]->fans);
+    if (both_sides) survey.fans.push_back(found[i]->fans ? *found[i]->fans : FanMasks{});
     survey.surface.add(found[i]->surface.counts);
     survey.parts.push_back(std::move(found[i]->surface.parts));
     survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;

@@ -52,19 +52,21 @@ struct Survey {
   InsideTest inside_test() const;
 };
 
-/// Memory that a brick takes at most until the mesh is made: while the survey runs it is held
-/// twice.
-inline constexpr std::uint64_t kSurveyBytesPerBrick =
-    2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + sizeof(FanMasks) +
-         sizeof(ThinBrick)) +
-    128 * sizeof(SurfaceLink);
-
 /// What is meshed: both sides of the surface within a domain, or the inside alone.
 struct MeshedSpace {
   StuffingRules rules;
   std::optional<BrickBox> domain;  ///< finest bricks, where both sides are meshed
   bool manifold = false;           ///< nodes are restored until the boundary is one
 };
+
+/// Memory that a brick takes until the mesh is made, bytes: while the survey runs it is held
+/// twice. A flat piece of surface has about 80 links.
+constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexcept {
+  constexpr std::uint64_t kUsualLinks = 80;
+  const std::uint64_t fans = rules.both_sides ? sizeof(FanMasks) : 0;
+  return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + fans) +
+         kUsualLinks * sizeof(SurfaceLink);
+}
 
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,

@@ -215,9 +215,6 @@ void for_each_vertex(SurfaceWorkspace& workspace, const Visit& visit) {
   }
 }
 
-/// A flat piece of surface through a brick has about this many.
-constexpr std::size_t kUsualLinks = 128;
-
 /// Finds the parts and numbers them in the order of their first vertices; returns how many
 /// vertices the brick has.
 std::uint64_t find_parts(SurfaceWorkspace& workspace, SurfaceParts& parts) {
@@ -234,7 +231,8 @@ std::uint64_t find_parts(SurfaceWorkspace& workspace, SurfaceParts& parts) {
   });
   parts.count = static_cast<std::uint16_t>(roots.size());
   constexpr std::array<std::int8_t, 3> kHere{0, 0, 0};
-  parts.links.reserve(kUsualLinks);
+  std::vector<SurfaceLink>& links = workspace.links();
+  links.clear();
   for_each_vertex(workspace, [&](std::size_t slot, int index, std::uint16_t root) {
     const Owner owner(index);
     if (owner.brick < kHere) return;
@@ -242,11 +240,12 @@ std::uint64_t find_parts(SurfaceWorkspace& workspace, SurfaceParts& parts) {
     if (part == parts.count) return;
     const std::uint16_t element = element_of(slot, owner);
     if (owner.brick != kHere) {
-      parts.links.push_back({owner.brick, element, part});
+      links.push_back({owner.brick, element, part});
     } else if (parts.count > 1) {
       parts.part_of.push_back({element, part});
     }
   });
+  parts.links.assign(links.begin(), links.end());  // no larger than it need be: it is kept
   return vertices;
 }
 

@@ -71,6 +71,8 @@ class SurfaceWorkspace {
   std::uint16_t find(std::uint16_t vertex) noexcept;
   const HaloSet& touched(std::size_t slot) const noexcept { return touched_[slot]; }
 
+  std::vector<SurfaceLink>& links() noexcept { return links_; }
+
   static constexpr std::size_t kSlots = kNodeKinds + kEdgeFamilies;
 
  private:
@@ -78,6 +80,7 @@ class SurfaceWorkspace {
 
   std::array<HaloSet, kSlots> touched_;
   std::array<std::uint16_t, kSlots * kHaloNodes> parent_;
+  std::vector<SurfaceLink> links_;
 };
 
 }  // namespace tet

@@ -68,7 +68,7 @@ TEST_F(MeshServiceTest, SendsHeaderChunksAndTrailer) {
   ASSERT_TRUE(mesh.trailer);
   EXPECT_EQ(mesh.trailer->end_chunk(), mesh.header.chunk_count());
   EXPECT_GE(mesh.trailer->quality().min_dihedral_deg(), 11.3);
-  EXPECT_LE(mesh.trailer->quality().max_dihedral_deg(), 154.9);
+  EXPECT_LE(mesh.trailer->quality().max_dihedral_deg(), 154.7);
   EXPECT_NEAR(mesh.trailer->quality().volume(), 4.18879, 0.03);
 }
 

@@ -25,25 +25,9 @@
 namespace tet::test {
 namespace {
 
-struct AngleBounds {
-  double min_deg, max_deg;
-};
-
 /// Of three seeds one asks for a manifold, of eight one for better angles.
 bool is_manifold(const FieldCase& given) { return given.seed % 3 == 2; }
 bool is_improved(const FieldCase& given) { return given.seed % 8 == 4; }
-
-AngleBounds angle_bounds(Preset preset) {
-  switch (preset) {
-    case Preset::kDefault:
-      return {11.3, 154.9};
-    case Preset::kMinAngle:
-      return {11.8, 161.2};
-    case Preset::kBothSides:
-      return {9.4, 157.7};
-  }
-  return {};
-}
 
 /// What the lattice says of the place where a vertex lies.
 enum VertexPlace : std::uint8_t {
@@ -70,7 +54,7 @@ struct Meshed {
 };
 
 std::string check_quality(const Meshed& meshed) {
-  const auto [min, max] = angle_bounds(meshed.given.preset);
+  const auto [min, max] = angle_bounds(meshed.given.preset, CoordinateType::kFloat64);
   const QualityStats& measured = meshed.measured;
   const QualityStats& reported = meshed.result.quality;
   if (measured.min_dihedral_deg < min || measured.max_dihedral_deg > max) {

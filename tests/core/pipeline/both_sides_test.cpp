@@ -22,8 +22,8 @@ namespace {
 
 using test::Solid;
 
-/// Bounds of the preset.
-constexpr double kMinAngleDeg = 9.4, kMaxAngleDeg = 157.7;
+/// What tests/certificate proves of the preset.
+const AngleBounds kBounds = angle_bounds(Preset::kBothSides, CoordinateType::kFloat64);
 
 MeshRequest both_sides(int levels = kMaxLevels) {
   MeshRequest request;
@@ -81,8 +81,8 @@ TEST(BothSides, ConformWithBoundedAnglesOnEveryField) {
       const ConformityReport report = check_conformity(result.mesh);
       EXPECT_TRUE(report.conforming()) << report.describe();
       const QualityStats measured = measure_quality(result.mesh);
-      EXPECT_GT(measured.min_dihedral_deg, kMinAngleDeg);
-      EXPECT_LT(measured.max_dihedral_deg, kMaxAngleDeg);
+      EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
+      EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
       EXPECT_NEAR(result.quality.min_dihedral_deg, measured.min_dihedral_deg, 1e-3);
       EXPECT_NEAR(result.quality.max_dihedral_deg, measured.max_dihedral_deg, 1e-3);
       EXPECT_NEAR(result.quality.volume, measured.volume, 1e-5 * measured.volume);
@@ -159,8 +159,8 @@ TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
         const ConformityReport report = check_conformity(result.mesh);
         EXPECT_TRUE(report.conforming()) << report.describe();
         const QualityStats measured = measure_quality(result.mesh);
-        EXPECT_GT(measured.min_dihedral_deg, kMinAngleDeg);
-        EXPECT_LT(measured.max_dihedral_deg, kMaxAngleDeg);
+        EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
+        EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
       }
     }
   }

@@ -23,8 +23,8 @@ namespace {
 
 using test::Solid;
 
-/// Bounds of the default preset, which an adversarial search found and nothing exceeded yet.
-constexpr double kMinAngleDeg = 11.3, kMaxAngleDeg = 154.9;
+/// What tests/certificate proves of the default preset.
+const AngleBounds kBounds = angle_bounds(Preset::kDefault, CoordinateType::kFloat64);
 
 MeshResult mesh(const Volume& volume, MeshRequest request = {}, int threads = 2) {
   TaskPool pool(threads);
@@ -66,8 +66,8 @@ TEST(Mesh, ConformsWithPositiveTetsAndBoundedAnglesOnEveryField) {
       const ConformityReport report = check_conformity(result.mesh);
       EXPECT_TRUE(report.conforming()) << report.describe();
       const QualityStats measured = measure_quality(result.mesh);
-      EXPECT_GT(measured.min_dihedral_deg, kMinAngleDeg);
-      EXPECT_LT(measured.max_dihedral_deg, kMaxAngleDeg);
+      EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
+      EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
     }
   }
 }
@@ -259,8 +259,8 @@ TEST(Mesh, ResamplesAtAnySpacing) {
     const MeshResult result = mesh(ball, request);
     EXPECT_TRUE(check_conformity(result.mesh).conforming());
     EXPECT_EQ(result.mesh.header.spacing, spacing);
-    EXPECT_GT(result.quality.min_dihedral_deg, kMinAngleDeg);
-    EXPECT_LT(result.quality.max_dihedral_deg, kMaxAngleDeg);
+    EXPECT_GT(result.quality.min_dihedral_deg, kBounds.min_deg);
+    EXPECT_LT(result.quality.max_dihedral_deg, kBounds.max_deg);
     EXPECT_EQ(measure_boundary(result.mesh).euler_characteristic, 2);
     EXPECT_NEAR(result.quality.volume, 4.0 / 3 * 3.14159265 * 16 * 16 * 16, 400);
     const auto [rms, largest] = distance_from_surface(ball, result.mesh);

@@ -123,8 +123,9 @@ TEST(ManifoldMesh, HasAManifoldBoundaryWithinTheBoundsOnEveryField) {
         const ConformityReport report = check_conformity(result.mesh);
         EXPECT_TRUE(report.conforming()) << report.describe();
         const QualityStats measured = measure_quality(result.mesh);
-        EXPECT_GT(measured.min_dihedral_deg, preset == Preset::kBothSides ? 9.4 : 11.3);
-        EXPECT_LT(measured.max_dihedral_deg, preset == Preset::kMinAngle ? 161.2 : 157.7);
+        const AngleBounds bounds = angle_bounds(preset, CoordinateType::kFloat64);
+        EXPECT_GT(measured.min_dihedral_deg, bounds.min_deg);
+        EXPECT_LT(measured.max_dihedral_deg, bounds.max_deg);
         if (!result.boundary) continue;  // both sides of a field that reaches the box
         EXPECT_EQ(result.boundary->non_manifold_edges, 0U);
         EXPECT_EQ(result.boundary->non_manifold_vertices, 0U);

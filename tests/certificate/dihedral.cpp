@@ -1,0 +1,118 @@
+#include "tests/certificate/dihedral.h"
+
+#include <limits>
+
+#include "core/lattice/bcc.h"
+
+namespace tet::certificate {
+namespace {
+
+IntervalVector place_of(const Corner& corner, const Box& box, double blur) {
+  IntervalVector at;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    at[axis] = Interval(corner.base[axis]);
+    for (std::size_t k = 0; k < kParameters; ++k) {
+      if (corner.along[k][axis] != 0) at[axis] += Interval(corner.along[k][axis]) * box[k];
+    }
+    if (blur != 0) at[axis] += Interval(-blur, blur);
+  }
+  return at;
+}
+
+/// The corners at an angle: its edge from a to b, then c and d, so that the tet a, b, c, d is
+/// an even permutation of the given one.
+constexpr std::array<std::array<std::uint8_t, 4>, kAngles> kAngleCorners = [] {
+  std::array<std::array<std::uint8_t, 4>, kAngles> corners{};
+  for (std::size_t e = 0; e < kAngles; ++e) {
+    const auto [a, b] = kTetEdge[e];
+    const auto [c, d] = kTetEdge[kAngles - 1 - e];  // the opposite edge
+    const bool odd = e == 1 || e == 4;              // 0 2 1 3 and 1 3 0 2
+    corners[e] = {a, b, odd ? d : c, odd ? c : d};
+  }
+  return corners;
+}();
+
+/// An angle's edge e from a to b, what leads to c and d from a, and the normals of its faces.
+struct Hinge {
+  IntervalVector e, p, q, u, v;
+  Interval six_volumes;
+
+  Hinge(const Tet& tet, std::size_t angle, const Box& box, double blur) {
+    const auto [a, b, c, d] = kAngleCorners[angle];
+    const IntervalVector from = place_of(tet[a], box, blur);
+    e = place_of(tet[b], box, blur) - from;
+    p = place_of(tet[c], box, blur) - from;
+    q = place_of(tet[d], box, blur) - from;
+    u = cross(e, p);
+    v = cross(e, q);
+    six_volumes = dot(u, q);
+  }
+};
+
+Interval dot(const IntervalVector& u, const Place& v) {
+  return u[0] * Interval(v[0]) + u[1] * Interval(v[1]) + u[2] * Interval(v[2]);
+}
+
+IntervalVector scaled(const IntervalVector& u, const Interval& by) {
+  return {u[0] * by, u[1] * by, u[2] * by};
+}
+
+Interval length(const IntervalVector& u) { return sqrt(squared_length(u)); }
+
+const Interval kAnything(-std::numeric_limits<double>::infinity(),
+                         std::numeric_limits<double>::infinity());
+
+}  // namespace
+
+// The angle theta turns u into v about e: u x v = e (e . p x q), so with the volume's sign it
+// is the one inside the tet, and cot(theta) = (u . v) / (|e| six_volumes).
+//
+// A corner c that moves by x turns the face's normal u by |e| (x . u) / |u|^2. The ends of the
+// edge count by their shares of the foot of c on it: 1 - lambda and lambda, lambda = p . e /
+// e^2.
+Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, double blur) {
+  const Hinge hinge(tet, angle, box, blur);
+  Dihedral out;
+  if (!(hinge.six_volumes.lower() > 0)) return out;
+  const Interval uu = squared_length(hinge.u), vv = squared_length(hinge.v);
+  const Interval ee = squared_length(hinge.e);
+  if (!(uu.lower() > 0 && vv.lower() > 0 && ee.lower() > 0)) return out;
+  out.positive = true;
+  const Interval edge = sqrt(ee);
+  const Interval per_sine = Interval(1) / (edge * hinge.six_volumes);
+  out.cotangent = dot(hinge.u, hinge.v) * per_sine;
+
+  const Interval lambda = dot(hinge.p, hinge.e) / ee, mu = dot(hinge.q, hinge.e) / ee;
+  const Interval rest_lambda = Interval(1) - lambda, rest_mu = Interval(1) - mu;
+  // d cot = -(1 + cot^2) d theta, and 1 + cot^2 = |u|^2 |v|^2 / (|e| six_volumes)^2.
+  const Interval by_u = vv * per_sine / hinge.six_volumes;
+  const Interval by_v = uu * per_sine / hinge.six_volumes;
+  const auto [a, b, c, d] = kAngleCorners[angle];
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    Interval slope(0);
+    const auto add = [&](const Place& along, const Interval& share_u, const Interval& share_v) {
+      if (along == Place{}) return;
+      slope += share_u * by_u * dot(hinge.u, along) - share_v * by_v * dot(hinge.v, along);
+    };
+    add(tet[a].along[k], -rest_lambda, -rest_mu);
+    add(tet[b].along[k], -lambda, -mu);
+    add(tet[c].along[k], Interval(1), Interval(0));
+    add(tet[d].along[k], Interval(0), Interval(1));
+    out.slope[k] = slope;
+  }
+  if (blur != 0) {
+    const IntervalVector by_c = scaled(hinge.u, edge / uu), by_d = scaled(hinge.v, edge / vv);
+    out.sensitivity = edge / sqrt(uu) + edge / sqrt(vv) +
+                      length(scaled(by_d, rest_mu) - scaled(by_c, rest_lambda)) +
+                      length(scaled(by_d, mu) - scaled(by_c, lambda));
+  }
+  return out;
+}
+
+Interval enclose_cotangent(const Tet& tet, std::size_t angle, const Box& box) {
+  const Hinge hinge(tet, angle, box, 0);
+  if (!(hinge.six_volumes.lower() > 0)) return kAnything;
+  return dot(hinge.u, hinge.v) / (sqrt(squared_length(hinge.e)) * hinge.six_volumes);
+}
+
+}  // namespace tet::certificate
