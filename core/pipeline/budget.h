@@ -1,0 +1,29 @@
+// Refusals of meshes that would not fit, before anything is allocated for them.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include "core/grid/find_bricks.h"
+#include "core/mesh/tet_mesh.h"
+#include "core/pipeline/mesh_request.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+// Each is OK or kResourceExhausted, with the value and the limit.
+
+/// A domain that even its coarsest leaves would fill with too many tets.
+absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits);
+
+/// A uniform mesh with too many tets.
+absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& limits);
+
+/// A surface whose bricks could not be kept while the mesh is counted.
+absl::Status check_plan_budget(const FoundBricks& found,
+                               const StuffingRules& rules,
+                               const MeshLimits& limits);
+
+/// An improvement for which the mesh could not be kept.
+absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits);
+
+}  // namespace tet
