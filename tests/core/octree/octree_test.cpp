@@ -81,7 +81,7 @@ void expect_balanced(const LeafMap& leaves) {
 TEST(Octree, BalancesLeavesAcrossFacesAndEdges) {
   const Everywhere all(48);
   std::mt19937 random(5);
-  for (int trial = 0; trial < 5; ++trial) {
+  for (int trial = 0; trial < 3; ++trial) {
     CellSetBuilder builder;
     for (int cell = 0; cell < 3; ++cell) {
       const auto at = [&] { return static_cast<int>(random() % 8); };
