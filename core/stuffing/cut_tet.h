@@ -92,9 +92,7 @@ inline CutTet::CutTet(const TetShape& shape,
                       const StuffingRules& rules) noexcept
     : shape_(shape), lattice_(lattice), rules_(rules), cell_(cell), region_(signs.region) {
   for (std::size_t i = 0; i < 4; ++i) {
-    sign_[i] = signs.plus[i]->test(cell)   ? NodeSign::kPlus
-               : signs.zero[i]->test(cell) ? NodeSign::kZero
-                                           : NodeSign::kMinus;
+    sign_[i] = sign_at(signs, i, cell);
     if (sign_[i] == NodeSign::kPlus) plus_.add(i);
     if (sign_[i] == NodeSign::kMinus) minus_.add(i);
   }

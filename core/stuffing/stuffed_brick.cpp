@@ -31,6 +31,15 @@ std::uint64_t count_stencil_tets(const ShapeSigns& signs) noexcept {
   return count;
 }
 
+/// Adds the nodes of the neighbour at (x, y, z), each -1, 0 or 1; null: every one is `-`.
+void add_nodes(FinestNodes& nodes, const StuffedBrick* brick, int x, int y, int z) noexcept {
+  if (brick == nullptr) return;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    add_brick(nodes.plus[kind], brick->plus[kind], x, y, z);
+    add_brick(nodes.zero[kind], brick->zero[kind], x, y, z);
+  }
+}
+
 }  // namespace
 
 StuffedBrick StuffedBrick::all_inside() noexcept {
@@ -87,12 +96,7 @@ FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) 
   FinestNodes nodes;
   nodes.leaf = leaf;
   for (int o = 0; o < 8; ++o) {
-    const StuffedBrick* brick = bricks[static_cast<std::size_t>(o)];
-    if (brick == nullptr) continue;
-    for (const NodeKind kind : {kCorner, kCentre}) {
-      add_brick(nodes.plus[kind], brick->plus[kind], o >> 2, o >> 1 & 1, o & 1);
-      add_brick(nodes.zero[kind], brick->zero[kind], o >> 2, o >> 1 & 1, o & 1);
-    }
+    add_nodes(nodes, bricks[static_cast<std::size_t>(o)], o >> 2, o >> 1 & 1, o & 1);
   }
   return nodes;
 }
@@ -114,8 +118,6 @@ std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
 }
 
 namespace {
-
-constexpr HaloSet kCellsAround = halo_cube(kNodeMin, 7);  ///< cells whose tets reach the brick
 
 /// Nodes and edges of the tets across one axis' faces; all of those faces carry four tets.
 void mark_tets(const HaloSet& faces,
@@ -151,12 +153,7 @@ UsedByTets used_by_tets(const BrickSurroundings& bricks, const HaloSet& leaf) no
   FinestNodes nodes;
   nodes.leaf = leaf;
   for (int o = 0; o < 27; ++o) {
-    const StuffedBrick* brick = bricks[static_cast<std::size_t>(o)];
-    if (brick == nullptr) continue;
-    for (const NodeKind kind : {kCorner, kCentre}) {
-      add_brick(nodes.plus[kind], brick->plus[kind], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
-      add_brick(nodes.zero[kind], brick->zero[kind], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
-    }
+    add_nodes(nodes, bricks[static_cast<std::size_t>(o)], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
   }
   std::array<HaloSet, kNodeKinds> node;
   std::array<HaloSet, kEdgeFamilies> edge;

@@ -8,9 +8,13 @@
 #include "core/lattice/background.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
+#include "core/stuffing/stencil.h"
 #include "core/stuffing/warp.h"
 
 namespace tet {
+
+/// Cells whose tets reach a brick.
+inline constexpr HaloSet kCellsAround = halo_cube(kNodeMin, 7);
 
 /// What a preset stands for.
 struct StuffingRules {
@@ -101,6 +105,12 @@ struct ShapeSigns {
 };
 
 ShapeSigns signs_of_shape(const FaceSigns& faces, const TetShape& shape) noexcept;
+
+/// Sign of node `i` of the tet in `cell`.
+inline NodeSign sign_at(const ShapeSigns& signs, std::size_t i, int cell) noexcept {
+  if (signs.plus[i]->test(cell)) return NodeSign::kPlus;
+  return signs.zero[i]->test(cell) ? NodeSign::kZero : NodeSign::kMinus;
+}
 
 /// Finest cells among `own` whose half pyramids across `direction` are meshed: the face leads
 /// to a larger leaf or out of the domain, and its nodes are all `+`.

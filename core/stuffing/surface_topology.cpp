@@ -12,8 +12,6 @@
 namespace tet {
 namespace {
 
-/// Cells whose tets have a vertex of the brick.
-constexpr HaloSet kCellsAround = halo_cube(kNodeMin, 7);
 constexpr HaloSet kOwnNodes = halo_cube(0, 7);
 
 /// The piece of surface in a cut tet: its corners, and its triangles.
@@ -57,13 +55,8 @@ std::uint16_t vertex_at(const TetShape& shape, int cell, StencilVertex corner) n
 
 /// Number of the stencil of a tet.
 std::size_t number_at(const ShapeSigns& signs, int cell) noexcept {
-  std::array<NodeSign, 4> sign;
-  for (std::size_t i = 0; i < 4; ++i) {
-    sign[i] = signs.plus[i]->test(cell)   ? NodeSign::kPlus
-              : signs.zero[i]->test(cell) ? NodeSign::kZero
-                                          : NodeSign::kMinus;
-  }
-  return stencil_number(sign[0], sign[1], sign[2], sign[3]);
+  return stencil_number(sign_at(signs, 0, cell), sign_at(signs, 1, cell),
+                        sign_at(signs, 2, cell), sign_at(signs, 3, cell));
 }
 
 /// Tets `+000`: whole, with one `+`.

@@ -314,30 +314,11 @@ LatticeSigns signs_around(const RandomField& field, double spacing) {
   };
 }
 
-/// The inside of a mesh of both sides, with all the vertices of the whole.
-TetMesh inside_of(const TetMesh& whole) {
-  MeshHeader header = whole.header;
-  header.has_regions = false;
-  header.tet_count = 0;
-  for (std::uint64_t t = 0; t < whole.header.tet_count; ++t) {
-    header.tet_count += whole.region(t) == MeshRegion::kInside;
-  }
-  TetMesh mesh(header);
-  std::ranges::copy(whole.positions.bytes(), mesh.positions.bytes().begin());
-  const std::size_t row = 4 * size_of(header.index_type);
-  std::byte* out = mesh.tets.bytes().data();
-  for (std::uint64_t t = 0; t < whole.header.tet_count; ++t) {
-    if (whole.region(t) != MeshRegion::kInside) continue;
-    out = std::ranges::copy(whole.tets.bytes().subspan(t * row, row), out).out;
-  }
-  return mesh;
-}
-
 /// Where the inside ends: at the outside, not at the box around both.
 std::vector<Triangle> surface_of(const TetMesh& mesh) {
   std::vector<Triangle> outer = boundary_triangles(mesh);
   if (!mesh.header.has_regions) return outer;
-  std::vector<Triangle> inner = boundary_triangles(inside_of(mesh)), surface;
+  std::vector<Triangle> inner = boundary_triangles(mesh, MeshRegion::kInside), surface;
   std::ranges::sort(outer);
   std::ranges::sort(inner);
   std::ranges::set_difference(inner, outer, std::back_inserter(surface));

@@ -1,9 +1,7 @@
 // What a mesh of both sides promises: one conforming mesh of the whole box, labelled.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,11 +12,15 @@
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
+#include "tests/core/pipeline/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
+
+using test::mesh;
+using test::same_bytes;
 
 using test::Solid;
 
@@ -30,14 +32,6 @@ MeshRequest both_sides(int levels = kMaxLevels) {
   request.preset = Preset::kBothSides;
   request.levels = levels;
   return request;
-}
-
-MeshResult mesh(const Volume& volume, const MeshRequest& request, int threads = 2) {
-  TaskPool pool(threads);
-  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
-                            Cancellation(), nullptr);
-  EXPECT_TRUE(result.ok()) << result.status();
-  return result.ok() ? *std::move(result) : MeshResult{};
 }
 
 std::vector<std::pair<std::string, Volume>> fields() {
@@ -190,10 +184,7 @@ TEST(BothSides, ConformWhereAllOfTheOutsideIsExactlyZero) {
 TEST(BothSides, AreTheSameForOneThreadAndForSixteen) {
   const Volume volume = test::random_signs(24, 6);
   const MeshResult one = mesh(volume, both_sides(), 1), many = mesh(volume, both_sides(), 16);
-  ASSERT_EQ(one.mesh.tets.size(), many.mesh.tets.size());
-  EXPECT_TRUE(std::ranges::equal(one.mesh.tets.bytes(), many.mesh.tets.bytes()));
-  EXPECT_TRUE(std::ranges::equal(one.mesh.positions.bytes(), many.mesh.positions.bytes()));
-  EXPECT_TRUE(std::ranges::equal(one.mesh.regions.bytes(), many.mesh.regions.bytes()));
+  EXPECT_TRUE(same_bytes(one.mesh, many.mesh));
 }
 
 TEST(BothSides, RefuseABoxThatIsNone) {

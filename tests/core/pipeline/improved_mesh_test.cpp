@@ -13,30 +13,21 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/pipeline/mesher.h"
+#include "tests/core/pipeline/meshing.h"
 #include "tests/support/solids.h"
 
 namespace tet {
 namespace {
+
+using test::distance_from_surface;
+using test::mesh;
+using test::with_levels;
 
 using ::testing::HasSubstr;
 
 MeshRequest improving(MeshRequest request = {}) {
   request.improve = true;
   return request;
-}
-
-MeshRequest with_levels(int levels) {
-  MeshRequest request;
-  request.levels = levels;
-  return request;
-}
-
-MeshResult mesh(const Volume& volume, const MeshRequest& request, int threads = 2) {
-  TaskPool pool(threads);
-  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
-                            Cancellation(), nullptr);
-  EXPECT_TRUE(result.ok()) << result.status();
-  return result.ok() ? *std::move(result) : MeshResult{};
 }
 
 struct Field {
@@ -138,22 +129,6 @@ TEST(ImprovedMesh, ReportsWhatItsBytesHaveAndWhatTheyHadBefore) {
     EXPECT_EQ(improved.improvement->max_dihedral_before_deg, before.max_dihedral_deg);
     EXPECT_GT(improved.improvement->moved_vertices, 0U);
   }
-}
-
-/// Root mean square and largest |phi| over the boundary's vertices, in voxels.
-std::pair<double, double> distance_from_surface(const Volume& volume, const TetMesh& mesh) {
-  VolumeReader reader(volume);
-  double squares = 0, largest = 0, count = 0;
-  for (const Triangle& triangle : boundary_triangles(mesh)) {
-    for (const std::uint64_t id : triangle) {
-      const WorldPoint p = mesh.vertex(id);
-      const double phi = std::abs(reader.trilinear({p.x, p.y, p.z}));
-      squares += phi * phi;
-      largest = std::max(largest, phi);
-      ++count;
-    }
-  }
-  return {std::sqrt(squares / count), largest};
 }
 
 TEST(ImprovedMesh, StaysOnTheSurfaceAndKeepsItsVolume) {

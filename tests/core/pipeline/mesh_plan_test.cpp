@@ -12,11 +12,14 @@
 #include <gtest/gtest.h>
 
 #include "core/pipeline/mesher.h"
+#include "tests/core/pipeline/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
+
+using test::mesh;
 
 using ::testing::HasSubstr;
 
@@ -137,14 +140,6 @@ std::uint64_t vertices_out_of_bounds(const TetMesh& mesh) {
     out += !within;
   }
   return out;
-}
-
-MeshResult mesh(const Volume& volume, const MeshRequest& request) {
-  TaskPool pool(2);
-  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
-                            Cancellation(), nullptr);
-  EXPECT_TRUE(result.ok()) << result.status();
-  return result.ok() ? *std::move(result) : MeshResult{};
 }
 
 TEST(MeshPlan, BoundsHoldEveryVertex) {

@@ -14,6 +14,7 @@
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
+#include "tests/core/pipeline/meshing.h"
 #include "tests/support/reference_stuffing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -21,24 +22,15 @@
 namespace tet {
 namespace {
 
+using test::distance_from_surface;
+using test::mesh;
+using test::same_bytes;
+using test::with_levels;
+
 using test::Solid;
 
 /// What tests/certificate proves of the default preset.
 const AngleBounds kBounds = angle_bounds(Preset::kDefault, CoordinateType::kFloat64);
-
-MeshResult mesh(const Volume& volume, MeshRequest request = {}, int threads = 2) {
-  TaskPool pool(threads);
-  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
-                            Cancellation(), nullptr);
-  EXPECT_TRUE(result.ok()) << result.status();
-  return result.ok() ? *std::move(result) : MeshResult{};
-}
-
-MeshRequest with_levels(int levels) {
-  MeshRequest request;
-  request.levels = levels;
-  return request;
-}
 
 struct Field {
   std::string name;
@@ -99,22 +91,6 @@ TEST(Mesh, HasTheTopologyAndTheVolumeOfResolvedSolids) {
       EXPECT_NEAR(result.quality.volume, solid.enclosed_volume, 0.01 * solid.enclosed_volume);
     }
   }
-}
-
-/// Root mean square and largest |phi| over the boundary's vertices, in voxels.
-std::pair<double, double> distance_from_surface(const Volume& volume, const TetMesh& mesh) {
-  VolumeReader reader(volume);
-  double squares = 0, largest = 0, count = 0;
-  for (const Triangle& triangle : boundary_triangles(mesh)) {
-    for (const std::uint64_t id : triangle) {
-      const WorldPoint p = mesh.vertex(id);
-      const double phi = std::abs(reader.trilinear({p.x, p.y, p.z}));
-      squares += phi * phi;
-      largest = std::max(largest, phi);
-      ++count;
-    }
-  }
-  return {std::sqrt(squares / count), largest};
 }
 
 TEST(Mesh, LiesOnTheSurface) {
@@ -208,8 +184,7 @@ TEST(Mesh, IsTheSameForOneThreadAndForSixteen) {
     const MeshResult one = mesh(volume, {}, 1);
     const MeshResult many = mesh(volume, {}, 16);
     ASSERT_EQ(one.mesh.tets.size(), many.mesh.tets.size());
-    EXPECT_TRUE(std::ranges::equal(one.mesh.tets.bytes(), many.mesh.tets.bytes()));
-    EXPECT_TRUE(std::ranges::equal(one.mesh.positions.bytes(), many.mesh.positions.bytes()));
+    EXPECT_TRUE(same_bytes(one.mesh, many.mesh));
     EXPECT_EQ(one.quality.volume, many.quality.volume);
   }
 }
@@ -224,8 +199,7 @@ TEST(Mesh, IsTheSameAnywhereInIndexSpace) {
       region.min = {region.min.x + shift, region.min.y - shift, region.min.z};
     }
     const MeshResult here = mesh(near), there = mesh(far);
-    EXPECT_TRUE(std::ranges::equal(here.mesh.tets.bytes(), there.mesh.tets.bytes()));
-    EXPECT_TRUE(std::ranges::equal(here.mesh.positions.bytes(), there.mesh.positions.bytes()));
+    EXPECT_TRUE(same_bytes(here.mesh, there.mesh));
     EXPECT_DOUBLE_EQ(there.mesh.header.origin.x - here.mesh.header.origin.x, 8.0 * shift);
   }
 }

@@ -11,19 +11,15 @@
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
+#include "tests/core/pipeline/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
 
-MeshResult mesh(const Volume& volume, const MeshRequest& request, int threads = 2) {
-  TaskPool pool(threads);
-  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
-                            Cancellation(), nullptr);
-  EXPECT_TRUE(result.ok()) << result.status();
-  return result.ok() ? *std::move(result) : MeshResult{};
-}
+using test::mesh;
+using test::same_bytes;
 
 /// Whole numbers near zero: half of all samples are exactly zero, and walls one voxel thick.
 Volume few_values(int edge, std::uint32_t seed) {
@@ -148,9 +144,7 @@ TEST(ManifoldMesh, TouchesNothingThatIsOneAlready) {
     request.manifold = true;
     const MeshResult manifold = mesh(solid.volume, request);
     EXPECT_EQ(manifold.boundary->restored_nodes, 0U);
-    EXPECT_TRUE(std::ranges::equal(plain.mesh.tets.bytes(), manifold.mesh.tets.bytes()));
-    EXPECT_TRUE(
-        std::ranges::equal(plain.mesh.positions.bytes(), manifold.mesh.positions.bytes()));
+    EXPECT_TRUE(same_bytes(plain.mesh, manifold.mesh));
   }
 }
 
@@ -161,8 +155,7 @@ TEST(ManifoldMesh, IsTheSameForOneThreadAndForSixteen) {
   const MeshResult one = mesh(volume, request, 1), many = mesh(volume, request, 16);
   EXPECT_GT(one.boundary->restored_nodes, 0U);
   EXPECT_TRUE(*one.boundary == *many.boundary);
-  EXPECT_TRUE(std::ranges::equal(one.mesh.tets.bytes(), many.mesh.tets.bytes()));
-  EXPECT_TRUE(std::ranges::equal(one.mesh.positions.bytes(), many.mesh.positions.bytes()));
+  EXPECT_TRUE(same_bytes(one.mesh, many.mesh));
 }
 
 }  // namespace

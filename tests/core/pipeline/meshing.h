@@ -1,0 +1,55 @@
+// Whole meshes in tests, and what several of them ask of one.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "core/grid/volume_reader.h"
+#include "core/mesh/boundary.h"
+#include "core/pipeline/mesher.h"
+
+namespace tet::test {
+
+inline MeshRequest with_levels(int levels) {
+  MeshRequest request;
+  request.levels = levels;
+  return request;
+}
+
+/// An empty result, and a failed test, where there is no mesh.
+inline MeshResult mesh(const Volume& volume, const MeshRequest& request = {}, int threads = 2) {
+  TaskPool pool(threads);
+  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
+                            Cancellation(), nullptr);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result) : MeshResult{};
+}
+
+inline bool same_bytes(const TetMesh& a, const TetMesh& b) {
+  return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
+         std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
+         std::ranges::equal(a.regions.bytes(), b.regions.bytes());
+}
+
+/// Root mean square and largest |phi| over the boundary's vertices, in voxels.
+inline std::pair<double, double> distance_from_surface(const Volume& volume,
+                                                       const TetMesh& mesh) {
+  VolumeReader reader(volume);
+  double squares = 0, largest = 0, count = 0;
+  for (const Triangle& triangle : boundary_triangles(mesh)) {
+    for (const std::uint64_t id : triangle) {
+      const WorldPoint p = mesh.vertex(id);
+      const double phi = std::abs(reader.trilinear({p.x, p.y, p.z}));
+      squares += phi * phi;
+      largest = std::max(largest, phi);
+      ++count;
+    }
+  }
+  return {std::sqrt(squares / count), largest};
+}
+
+}  // namespace tet::test
