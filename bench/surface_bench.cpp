@@ -1,5 +1,5 @@
-// A volume for the price of its surface: our graded tets of a level set beside the surface alone
-// by OpenVDB's volumeToMesh, on the same threads, in turn.
+// A volume for the price of its surface: our graded tets of a level set beside the surface
+// alone by OpenVDB's volumeToMesh, on the same threads, in turn.
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -57,8 +57,7 @@ void add_volume(const std::string& name, const MakeVolume& make_volume) {
   for (const int threads : {1, 2}) {
     const std::string full = "price/" + name + "/threads:" + std::to_string(threads);
     benchmark::RegisterBenchmark(
-        full.c_str(),
-        [=](benchmark::State& state) { compare(state, make_volume, threads); })
+        full.c_str(), [=](benchmark::State& state) { compare(state, make_volume, threads); })
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   }

@@ -9,7 +9,8 @@ namespace tet {
 
 /// Memory that is not zeroed when allocated: its first writer touches it, on its own core.
 ///
-/// A large one asks for huge pages, whose first touch costs a fraction of what small pages cost.
+/// A large one asks for huge pages, whose first touch costs a fraction of what small pages
+/// cost.
 class ByteBuffer {
  public:
   ByteBuffer() = default;
