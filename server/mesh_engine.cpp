@@ -28,7 +28,7 @@ namespace {
 /// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
 constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
 
-MeshLimits mesh_limits(const ServerConfig& config) {
+MeshLimits mesh_limits(const Config& config) {
   MeshLimits limits;
   limits.max_tets = config.max_tets;
   limits.kept_geometry_bytes = kKeptGeometryBytes;
