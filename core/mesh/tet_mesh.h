@@ -69,7 +69,9 @@ struct MeshView {
   /// As stored, relative to the mesh's origin.
   WorldPoint stored_position(std::uint64_t i) const noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
-  /// Stored positions of `count` tets from `first` on; lanes beyond repeat the last tet.
+  /// Stored positions of a tet's corners.
+  std::array<WorldPoint, 4> stored_places(std::uint64_t i) const noexcept;
+  /// `count` tets from `first` on; lanes beyond repeat the last tet.
   void load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept;
 
  private:
@@ -95,6 +97,11 @@ inline std::array<std::uint64_t, 4> MeshView::tet(std::uint64_t i) const noexcep
   if (index_type == IndexType::kUint64) return read_row<std::uint64_t, 4>(tets, i);
   const auto [a, b, c, d] = read_row<std::uint32_t, 4>(tets, i);
   return {a, b, c, d};
+}
+
+inline std::array<WorldPoint, 4> MeshView::stored_places(std::uint64_t i) const noexcept {
+  const auto [a, b, c, d] = tet(i);
+  return {stored_position(a), stored_position(b), stored_position(c), stored_position(d)};
 }
 
 /// A whole mesh as columns, in exactly the bytes that chunks carry (little-endian).
