@@ -4,10 +4,8 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
-#include <grpcpp/support/channel_arguments.h>
 
+#include "client/channel.h"
 #include "client/client_call.h"
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
@@ -19,18 +17,6 @@
 namespace tet {
 
 namespace {
-
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  for (const TransportSetting& setting : kTransportSettings) {
-    arguments.SetInt(setting.name, setting.value);
-  }
-  // A connection of its own, tried again sooner than our own retries end.
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 3000);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-}
 
 void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
           std::uint64_t done,
