@@ -2,9 +2,15 @@
 
 #include <utility>
 
+#include "proto/wire/chunk_frame.h"
 #include "server/status.h"
 
 namespace tet {
+
+namespace {
+// 32 MiB: more than one stream, or a few, ever hold.
+constexpr std::size_t kIdleBlocks = 64;
+}  // namespace
 
 MeshWorkspace WorkspacePool::take() {
   {
@@ -28,6 +34,7 @@ MeshEngine::MeshEngine(const Config& server_config,
                        GridStore& store)
     : config(server_config),
       calls(call_registry),
+      blocks(kChunkBytes + ChunkFrame::kMaxOverhead, kIdleBlocks),
       planner(pool, store, config.resident_bytes, MeshLimits{config.max_tets}),
       pool(static_cast<int>(config.threads)) {}
 
