@@ -82,9 +82,18 @@ void CountedMesh::find_vertices_of_both_sides(std::size_t brick, const HaloSet& 
   const UsedByTets used = used_by_tets(around, leaf);
   nodes_[0].corner[brick] = used.node[kCorner];
   nodes_[0].centre[brick] = used.node[kCentre];
+  trim_cut_points(stuffed_[brick], used);
+}
+
+void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used) {
   // Other bricks read this one's signs at the same time, but not its cut points.
-  auto& cut = survey_.stuffed[stuffed_[brick]].cut;
-  for (std::size_t f = 0; f < kEdgeFamilies; ++f) cut[f] &= used.edge[f];
+  auto& cut = survey_.stuffed[stuffed].cut;
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
+    const BrickMask trimmed = cut[f] & used.edge[f];
+    // What was packed has the cut points that were there before.
+    if (!(trimmed == cut[f])) survey_.geometry.of_brick[stuffed] = nullptr;
+    cut[f] = trimmed;
+  }
 }
 
 void CountedMesh::count_bricks() {
@@ -123,6 +132,21 @@ const StuffedBrick* CountedMesh::stuffed_at(BrickCoord coord) const noexcept {
 
 bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
   return stuffed_[brick] < kAllInside;
+}
+
+bool CountedMesh::unpack_lattice(std::size_t brick, StuffedLattice& lattice) const noexcept {
+  const BrickCoord b = tree_.levels[0].bricks[brick];
+  lattice.warped.warped = {};
+  lattice.warped.cut = {};
+  for (int o = 0; o < 8; ++o) {
+    const int x = o >> 2, y = o >> 1 & 1, z = o & 1;
+    const std::uint32_t at = tree_.levels[0].index.find({b.x + x, b.y + y, b.z + z});
+    if (at == kNoBrick || !touches_surface(at)) continue;
+    const std::byte* const geometry = survey_.geometry.of_brick[stuffed_[at]];
+    if (geometry == nullptr) return false;
+    unpack_geometry(survey_.stuffed[stuffed_[at]], geometry, x, y, z, lattice);
+  }
+  return true;
 }
 
 BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept {

@@ -51,6 +51,9 @@ class CountedMesh {
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
   /// The vertices of the finest brick at `coord`; none where there is no such brick.
   OwnedVertices finest_vertices_at(BrickCoord coord) const noexcept;
+  /// Unpacks where the vertices of a finest brick's tets lie into `lattice`; false where some
+  /// of it was not kept.
+  bool unpack_lattice(std::size_t brick, StuffedLattice& lattice) const noexcept;
   /// True when a finest brick has warped nodes or cut points in reach.
   bool touches_surface(std::size_t brick) const noexcept;
 
@@ -60,6 +63,7 @@ class CountedMesh {
   void find_vertices();
   void find_finest_vertices(std::size_t brick);
   void find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf);
+  void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
   void count_bricks();
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place) const noexcept;

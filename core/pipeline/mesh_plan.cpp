@@ -41,7 +41,8 @@ PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                                      const MeshRequest& request,
                                      const MeshLimits& limits) {
-  MeshedSpace space{stuffing_rules(request.preset), {}, request.manifold};
+  MeshedSpace space{
+      stuffing_rules(request.preset), {}, request.manifold, limits.kept_geometry_bytes};
   if (!space.rules.both_sides) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
     return space;
