@@ -193,12 +193,10 @@ namespace {
 
 /// One stream, from the first chunk that is missing on.
 absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
-                     const v1::MeshRequest& request,
+                     v1::StreamMeshRequest message,
                      const ClientProgress& progress,
                      const Cancellation& cancellation,
                      MeshReceiver& receiver) {
-  v1::StreamMeshRequest message;
-  *message.mutable_mesh() = request;
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
   ClientCall call(cancellation);
@@ -224,12 +222,16 @@ absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
 
 absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& request,
                                                      const ClientProgress& progress,
-                                                     const Cancellation& cancellation) {
+                                                     const Cancellation& cancellation,
+                                                     v1::Encoding encoding) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_encoding(encoding);
   MeshReceiver receiver;
   for (Retries retries(connection_->retry, cancellation);;) {
     const auto status =
-        receive(connection_->channel, request, progress, cancellation, receiver);
-    if (receiver.complete()) return std::move(receiver).finish();
+        receive(connection_->channel, message, progress, cancellation, receiver);
+    if (receiver.complete()) return std::move(receiver).finish(cancellation);
     if (!retries.again(status, receiver.next_chunk())) return status;
   }
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <new>
 #include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
@@ -55,16 +56,17 @@ absl::Status check_totals(const CountedMesh& mesh, const MeshHeader& header) {
 
 }  // namespace
 
-absl::StatusOr<TetMesh> decode_mesh(CompactBricks bricks,
-                                    const MeshHeader& header,
-                                    const CompactFrame& frame,
-                                    const Cancellation& cancellation) {
+absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
+                                       const MeshHeader& header,
+                                       const CompactFrame& frame,
+                                       const Cancellation& cancellation) {
+  const std::vector<std::size_t> first_brick = bricks.first_brick();
   const absl::StatusOr<CountedMesh> counted = std::move(bricks).count(frame.rules);
   if (!counted.ok()) return counted.status();
   if (auto status = check_totals(*counted, header); !status.ok()) return status;
-  TetMesh mesh;
+  FilledMesh filled;
   try {
-    mesh = TetMesh(header);
+    filled.mesh = TetMesh(header);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "no memory for %d vertices and %d tets", header.vertex_count, header.tet_count));
@@ -72,18 +74,22 @@ absl::StatusOr<TetMesh> decode_mesh(CompactBricks bricks,
   const Volume no_samples;  // all that they decided has come with the chunks
   PhiField field;
   field.volume = &no_samples;
-  const std::size_t count = counted->brick_count();
-  for_each_range(count, kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+  std::vector<QualityStats> stats(first_brick.size() - 1);
+  for_each_range(stats.size(), 1, [&](std::size_t begin, std::size_t end) {
     MeshWorkspace workspace;
-    BrickFiller filler(*counted, field, header, frame.to_world, workspace.impl());
-    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
-      filler.fill(i, mesh.columns_of({vertex, counted->first_vertex(i + 1) - vertex, tet,
-                                      counted->first_tet(i + 1) - tet}));
+    for (std::size_t chunk = begin; chunk < end && !cancellation.requested(); ++chunk) {
+      BrickFiller filler(*counted, field, header, frame.to_world, workspace.impl());
+      for (std::size_t i = first_brick[chunk]; i < first_brick[chunk + 1]; ++i) {
+        const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
+        filler.fill(i, filled.mesh.columns_of({vertex, counted->first_vertex(i + 1) - vertex,
+                                               tet, counted->first_tet(i + 1) - tet}));
+      }
+      stats[chunk] = filler.stats();
     }
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
-  return mesh;
+  for (const QualityStats& chunk : stats) filled.quality.add(chunk);
+  return filled;
 }
 
 }  // namespace tet
