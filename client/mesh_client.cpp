@@ -7,6 +7,7 @@
 
 #include "client/channel.h"
 #include "client/client_call.h"
+#include "client/event_stream.h"
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
 #include "grpc/health/v1/health.grpc.pb.h"
@@ -191,7 +192,7 @@ absl::Status MeshClient::check_health(const std::string& service,
 namespace {
 
 /// One stream, from the first chunk that is missing on.
-absl::Status receive(v1::MeshService::Stub& meshes,
+absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
                      const v1::MeshRequest& request,
                      const ClientProgress& progress,
                      const Cancellation& cancellation,
@@ -201,19 +202,19 @@ absl::Status receive(v1::MeshService::Stub& meshes,
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
   ClientCall call(cancellation);
-  const auto reader = meshes.StreamMesh(&call.context(), message);
+  EventStream stream(channel, call.context(), message);
   absl::Status taken;
-  for (v1::MeshEvent event; taken.ok() && reader->Read(&event);) {
+  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {
     taken = receiver.take(event);
-    if (event.has_progress()) {
-      tell(progress.planning, static_cast<std::uint64_t>(event.progress().done_bricks()),
-           static_cast<std::uint64_t>(event.progress().total_bricks()));
+    if (const auto& planning = receiver.planning()) {
+      tell(progress.planning, static_cast<std::uint64_t>(planning->done_bricks()),
+           static_cast<std::uint64_t>(planning->total_bricks()));
     } else {
       tell(progress.tets, receiver.tets_received(), receiver.tet_count());
     }
   }
   if (!taken.ok()) call.context().TryCancel();
-  const absl::Status ended = call.result(reader->Finish());
+  const absl::Status ended = call.result(stream.finish());
   if (!taken.ok()) return taken;
   if (!ended.ok() || receiver.complete()) return ended;
   return absl::UnavailableError("the stream ended before the mesh was whole");
@@ -226,7 +227,8 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
                                                      const Cancellation& cancellation) {
   MeshReceiver receiver;
   for (Retries retries(connection_->retry, cancellation);;) {
-    const auto status = receive(connection_->meshes, request, progress, cancellation, receiver);
+    const auto status =
+        receive(connection_->channel, request, progress, cancellation, receiver);
     if (receiver.complete()) return std::move(receiver).finish();
     if (!retries.again(status, receiver.next_chunk())) return status;
   }
