@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 
 namespace tet::load {
 
@@ -10,7 +11,7 @@ using TimePoint = Clock::time_point;
 using Nanoseconds = std::chrono::nanoseconds;
 
 inline Nanoseconds from_seconds(double seconds) {
-  return std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
+  return Nanoseconds(std::llround(seconds * 1e9));
 }
 inline double to_seconds(Nanoseconds time) {
   return std::chrono::duration<double>(time).count();

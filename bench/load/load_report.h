@@ -1,14 +1,13 @@
 // A run's figures, for people and for programs. docs/load.md says how to read both.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/load/find_rate.h"
 #include "bench/load/latency_goal.h"
 #include "bench/load/request_mix.h"
 #include "bench/load/run_load.h"
+#include "bench/load/search_load.h"
 
 namespace tet::load {
 
@@ -28,13 +27,9 @@ std::string report_text(const LoadSetting& setting, const LoadResult& result);
 /// One JSON object.
 std::string report_json(const LoadSetting& setting, const LoadResult& result);
 
-/// The answer of a search first. `best` is a run at the answer, if there is one.
-std::string search_text(const LoadSetting& setting,
-                        const SearchResult& search,
-                        const std::optional<LoadResult>& best);
-std::string search_json(const LoadSetting& setting,
-                        const SearchResult& search,
-                        const std::optional<LoadResult>& best);
+/// The answer of a search first, then a run at that rate.
+std::string search_text(const LoadSetting& setting, const LoadSearch& found);
+std::string search_json(const LoadSetting& setting, const LoadSearch& found);
 
 /// One line for one trial.
 std::string trial_line(const Trial& trial);

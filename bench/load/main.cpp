@@ -99,8 +99,7 @@ absl::Status run_search(const LoadOptions& options,
   view.reset();
   if (!found.ok()) return found.status();
   const absl::Status written =
-      write_report(search_text(setting, found->search, found->best), options.json,
-                   search_json(setting, found->search, found->best));
+      write_report(search_text(setting, *found), options.json, search_json(setting, *found));
   if (!written.ok()) return written;
   if (found->search.interrupted)
     return absl::CancelledError("stopped; reported what was known");

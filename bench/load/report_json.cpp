@@ -213,13 +213,11 @@ std::string report_json(const LoadSetting& setting, const LoadResult& result) {
   return dump(json);
 }
 
-std::string search_json(const LoadSetting& setting,
-                        const SearchResult& search,
-                        const std::optional<LoadResult>& best) {
+std::string search_json(const LoadSetting& setting, const LoadSearch& found) {
   Json json = setting_json(setting);
-  json["search"] = answer_json(setting, search);
+  json["search"] = answer_json(setting, found.search);
   json["trials"] = Json::array();
-  for (const Trial& trial : search.all) {
+  for (const Trial& trial : found.search.all) {
     json["trials"].push_back({
         {"per_second",       trial.per_second},
         {   "verdict", name_of(trial.verdict)},
@@ -227,7 +225,8 @@ std::string search_json(const LoadSetting& setting,
         {    "missed",           trial.missed}
     });
   }
-  json["best"] = best ? run_json(setting, *best) : Json(nullptr);
+  json["alone"] = found.alone ? run_json(setting, *found.alone) : Json(nullptr);
+  json["best"] = found.best ? run_json(setting, *found.best) : Json(nullptr);
   return dump(json);
 }
 

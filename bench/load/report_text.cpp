@@ -186,13 +186,16 @@ std::string report_text(const LoadSetting& setting, const LoadResult& result) {
                       warnings_text(setting, result));
 }
 
-std::string search_text(const LoadSetting& setting,
-                        const SearchResult& search,
-                        const std::optional<LoadResult>& best) {
-  std::string text = answer_text(setting, search);
-  if (best)
-    absl::StrAppend(&text, "one of the trials at that rate:\n", report_text(setting, *best));
-  return text;
+std::string search_text(const LoadSetting& setting, const LoadSearch& found) {
+  std::string text = answer_text(setting, found.search);
+  if (found.alone) {
+    const LatencyHistogram whole = found.alone->total.latency(LatencyKind::kWhole);
+    absl::StrAppendFormat(&text, "  one request at a time took %s (p50 of %d)\n",
+                          show_time(whole.quantile(0.5)), whole.count());
+  }
+  if (!found.best) return text;
+  return absl::StrCat(text, "one of the trials at that rate:\n",
+                      report_text(setting, *found.best));
 }
 
 std::string trial_line(const Trial& trial) {

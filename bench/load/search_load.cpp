@@ -12,26 +12,28 @@ constexpr double kMinRequests = 5;
 
 constexpr double kProbeSeconds = 2;
 
-/// Half the rate that one worker gets, so that nobody waits for anybody.
-absl::StatusOr<double> find_start(LoadPlan plan,
-                                  RequestMix& mix,
-                                  RequestSender& sender,
-                                  const Cancellation& interruption,
-                                  const LoadWatch& watch) {
+/// One worker for the time of a trial, at most kProbeSeconds.
+LoadPlan plan_of_one_worker(LoadPlan plan) {
   plan.workers = 1;
   plan.warm_up_seconds = 0;
   plan.steps = {
-      {1, kProbeSeconds}
+      {1, std::min(kProbeSeconds, plan.steps.front().seconds)}
   };
-  const LoadResult result = run_load(plan, mix, sender, interruption, watch);
-  const LatencyHistogram& whole =
-      result.total.done_latency[static_cast<std::size_t>(LatencyKind::kWhole)];
-  if (interruption.requested()) return absl::CancelledError("stopped before the first trial");
-  if (result.total.done > 0) return 0.5 / std::max(to_seconds(whole.mean()), 1e-6);
-  if (result.total.errors.empty()) {
+  return plan;
+}
+
+/// Half the rate that one worker got, so that nobody waits for anybody.
+absl::StatusOr<double> start_of(const LoadResult& alone) {
+  const Tally& total = alone.total;
+  if (alone.interrupted) return absl::CancelledError("stopped before the first trial");
+  if (total.done > 0) {
+    const LatencyHistogram whole = total.latency(LatencyKind::kWhole);
+    return 0.5 / std::max(to_seconds(whole.mean()), 1e-6);
+  }
+  if (total.errors.empty()) {
     return absl::DeadlineExceededError("not one request was answered within --drain");
   }
-  const auto& [code, message] = *result.total.error_messages.begin();
+  const auto& [code, message] = *total.error_messages.begin();
   return absl::Status(code, message);
 }
 
@@ -55,9 +57,12 @@ absl::StatusOr<LoadSearch> search_load(SearchPlan search,
                                        RequestSender& sender,
                                        const Cancellation& interruption,
                                        const SearchWatch& watch) {
+  LoadSearch found;
   const double seconds = plan.steps.front().seconds;
   if (search.start_per_second <= 0) {
-    const auto start = find_start(plan, mix, sender, interruption, watch.begin_trial(0));
+    found.alone =
+        run_load(plan_of_one_worker(plan), mix, sender, interruption, watch.begin_trial(0));
+    const absl::StatusOr<double> start = start_of(*found.alone);
     if (!start.ok()) return start.status();
     search.start_per_second = std::max(*start, kMinRequests / seconds);
   }
@@ -78,7 +83,7 @@ absl::StatusOr<LoadSearch> search_load(SearchPlan search,
     if (trial.verdict == Verdict::kHeld) held.insert_or_assign(per_second, std::move(result));
     return trial;
   };
-  LoadSearch found{find_rate(search, run_trial), std::nullopt};
+  found.search = find_rate(search, run_trial);
   if (found.search.per_second) {
     if (const auto best = held.find(*found.search.per_second); best != held.end()) {
       found.best = std::move(best->second);

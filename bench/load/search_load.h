@@ -14,7 +14,8 @@ namespace tet::load {
 
 struct LoadSearch {
   SearchResult search;
-  std::optional<LoadResult> best;  ///< a trial at the answer that held
+  std::optional<LoadResult> alone;  ///< one worker, where that found the start
+  std::optional<LoadResult> best;   ///< a trial at the answer that held
 };
 
 /// Shows the runs of a search; both are called between runs, and may return nothing or do

@@ -21,8 +21,6 @@ namespace {
 
 namespace v1 = ::tetstream::v1;
 
-constexpr std::chrono::seconds kConnectTime{5};
-
 class StreamSender;
 
 /// One call; deletes itself when it is over.
@@ -64,13 +62,13 @@ class StreamSender final : public RequestSender {
     all_ended_.wait(lock, [this] { return running_ == 0; });
   }
 
-  absl::Status connect(const std::string& address) {
-    const auto end = std::chrono::system_clock::now() + kConnectTime;
+  absl::Status connect(const StreamSettings& settings) {
+    const auto end = std::chrono::system_clock::now() + settings.patience;
     // All at once, not one after the other.
     for (const auto& channel : channels_) channel->GetState(true);
     for (const auto& channel : channels_) {
       if (!channel->WaitForConnected(end)) {
-        return absl::UnavailableError(absl::StrCat("no connection to ", address));
+        return absl::UnavailableError(absl::StrCat("no connection to ", settings.address));
       }
     }
     return absl::OkStatus();
@@ -185,7 +183,7 @@ void StreamCall::OnDone(const grpc::Status& status) {
 absl::StatusOr<std::unique_ptr<RequestSender>> open_stream_sender(
     const StreamSettings& settings) {
   auto sender = std::make_unique<StreamSender>(settings);
-  if (absl::Status status = sender->connect(settings.address); !status.ok()) return status;
+  if (absl::Status status = sender->connect(settings); !status.ok()) return status;
   return sender;
 }
 
