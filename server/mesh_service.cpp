@@ -113,8 +113,8 @@ grpc::ServerUnaryReactor* MeshService::EstimateMesh(grpc::CallbackServerContext*
   return Estimate::start(engine_, *context, request->mesh(), *response);
 }
 
-grpc::ServerWriteReactor<v1::MeshEvent>* MeshService::StreamMesh(
-    grpc::CallbackServerContext* context, const v1::StreamMeshRequest* request) {
+grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshService::StreamMesh(
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
   return ChunkStream::start(engine_, *context, *request);
 }
 

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <span>
 
+#include "core/base/byte_buffer.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -55,22 +55,6 @@ struct ChunkColumns {
   std::span<std::byte> positions;
   std::span<std::byte> tets;
   std::span<std::byte> regions;  ///< empty unless the header has regions
-};
-
-/// Memory that is not zeroed when allocated: its first writer touches it, on its own core.
-class ByteBuffer {
- public:
-  ByteBuffer() = default;
-  explicit ByteBuffer(std::size_t size)
-      : bytes_(std::make_unique_for_overwrite<std::byte[]>(size)), size_(size) {}
-
-  std::span<std::byte> bytes() noexcept { return {bytes_.get(), size_}; }
-  std::span<const std::byte> bytes() const noexcept { return {bytes_.get(), size_}; }
-  std::size_t size() const noexcept { return size_; }
-
- private:
-  std::unique_ptr<std::byte[]> bytes_;
-  std::size_t size_ = 0;
 };
 
 /// Positions and tets that somebody else holds; tets may be some of the mesh only.
