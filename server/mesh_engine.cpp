@@ -23,12 +23,26 @@ void WorkspacePool::give_back(MeshWorkspace workspace) {
   idle_.push_back(std::move(workspace));
 }
 
+namespace {
+
+/// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
+constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
+
+MeshLimits mesh_limits(const Config& config) {
+  MeshLimits limits;
+  limits.max_tets = config.max_tets;
+  limits.kept_geometry_bytes = kKeptGeometryBytes;
+  return limits;
+}
+
+}  // namespace
+
 MeshEngine::MeshEngine(const Config& server_config,
                        CallRegistry& call_registry,
                        GridStore& store)
     : config(server_config),
       calls(call_registry),
-      planner(pool, store, config.resident_bytes, MeshLimits{config.max_tets}),
+      planner(pool, store, config.resident_bytes, mesh_limits(config)),
       pool(static_cast<int>(config.threads)) {}
 
 absl::StatusOr<MeshTicket> MeshEngine::admit() {

@@ -63,20 +63,38 @@ void QualityMeter::add_tet(const WorldPoint& a,
                            const WorldPoint& c,
                            const WorldPoint& d) noexcept {
   const std::array<Vector, 4> normal = face_normals(a, b, c, d);
-  six_volumes_ += dot(from_to(a, b), normal[1]);
+  six_volumes_[0] += dot(from_to(a, b), normal[1]);
+  extremes_.add(normal);
   const std::array<double, 6> cosines = dihedral_cosines(normal);
   for (std::size_t edge = 0; edge < 6; ++edge) {
-    angles_.add(cosines[edge]);
     ++histograms_[edge][kBinOf(cosines[edge])];
   }
 }
 
-void QualityMeter::add_batch(const BatchAngles& angles, std::size_t count) noexcept {
+void QualityMeter::add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept {
+  TetBatch batch;
+  BatchAngles angles;
+  while (!tets.empty()) {
+    const auto some = tets.first(std::min(tets.size(), TetBatch::kSize));
+    batch.load(points, some);
+    measure_batch(batch, angles);
+    add_batch(angles, some.size(), [&](std::size_t lane) {
+      std::array<WorldPoint, 4> places;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const LocalPoint& p = points[some[lane][k]];
+        places[k] = {p.x, p.y, p.z};
+      }
+      return places;
+    });
+    tets = tets.subspan(some.size());
+  }
+}
+
+void QualityMeter::count_batch(const BatchAngles& batch, std::size_t count) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
-    six_volumes_ += angles.six_volumes[i];
-    angles_.add({angles.largest_cosine[i], angles.smallest_cosine[i]});
+    six_volumes_[i] += static_cast<double>(batch.six_volumes[i]);
     for (std::size_t edge = 0; edge < 6; ++edge) {
-      ++histograms_[edge][kBinOf(angles.cosine[edge][i])];
+      ++histograms_[edge][static_cast<std::size_t>(batch.degrees[edge][i])];
     }
   }
 }
@@ -86,10 +104,11 @@ QualityStats QualityMeter::stats() const noexcept {
   for (const auto& histogram : histograms_) {
     for (std::size_t d = 0; d < histogram.size(); ++d) stats.histogram[d] += histogram[d];
   }
-  stats.volume = six_volumes_ / 6;
-  if (angles_.empty()) return stats;
-  stats.min_dihedral_deg = degrees_of(angles_.largest_cosine);
-  stats.max_dihedral_deg = degrees_of(angles_.smallest_cosine);
+  for (const double six_volumes : six_volumes_) stats.volume += six_volumes / 6;
+  const AngleRange& angles = extremes_.range();
+  if (angles.empty()) return stats;
+  stats.min_dihedral_deg = degrees_of(angles.largest_cosine);
+  stats.max_dihedral_deg = degrees_of(angles.smallest_cosine);
   return stats;
 }
 

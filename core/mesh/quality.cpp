@@ -20,7 +20,8 @@ QualityStats measure_range(const MeshView& view,
     const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - i);
     view.load(i, count, batch);
     measure_batch(batch, angles);
-    meter.add_batch(angles, count);
+    meter.add_batch(angles, count,
+                    [&](std::size_t lane) { return view.stored_places(i + lane); });
   }
   return meter.stats();
 }

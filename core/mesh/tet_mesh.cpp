@@ -38,8 +38,13 @@ WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
 
 void MeshView::load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept {
   for (std::size_t lane = 0; lane < TetBatch::kSize; ++lane) {
-    const auto corners = tet(first + std::min(lane, count - 1));
-    for (std::size_t k = 0; k < 4; ++k) batch.set(lane, k, stored_position(corners[k]));
+    const std::array<WorldPoint, 4> places = stored_places(first + std::min(lane, count - 1));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector edge = from_to(places[0], places[k + 1]);
+      batch.set(
+          lane, k,
+          {static_cast<float>(edge.x), static_cast<float>(edge.y), static_cast<float>(edge.z)});
+    }
   }
 }
 

@@ -97,8 +97,10 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
   const BrickPlace place = mesh_.place(brick);
   lattice_ = nullptr;
   if (place.level == 0 && mesh_.touches_surface(place.brick)) {
-    stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], mesh_.rules(),
-                mesh_.restored(), workspace_.stuffing);
+    if (!mesh_.unpack_lattice(place.brick, workspace_.stuffing.lattice)) {
+      stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], mesh_.rules(),
+                  mesh_.restored(), workspace_.stuffing);
+    }
     lattice_ = &workspace_.stuffing.lattice;
   }
   if (header_.coordinate_type == CoordinateType::kFloat32) {

@@ -13,6 +13,7 @@
 #include "core/octree/octree.h"
 #include "core/pipeline/mesh_plan.h"
 #include "core/pipeline/thin_walls.h"
+#include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/fill.h"
 #include "core/stuffing/restored_nodes.h"
 #include "core/stuffing/stuffed_brick.h"
@@ -34,13 +35,21 @@ bool stuff_brick(PhiSampler& sampler,
                  const RestoredNodes* restored,
                  StuffingWorkspace& workspace) noexcept;
 
+/// Packed geometry (see brick_geometry.h) of some of a survey's bricks; what is not kept is
+/// found again from the samples.
+struct KeptGeometry {
+  std::vector<const std::byte*> of_brick;  ///< null where it was not kept
+  std::vector<std::shared_ptr<std::byte[]>> blocks;
+};
+
 /// What the survey found, by brick; only bricks whose nodes touch the surface.
 struct Survey {
   std::vector<BrickCoord> bricks;  ///< sorted
   std::vector<StuffedBrick> stuffed;
   std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
   std::vector<FanMasks> fans;     ///< where both sides are meshed; empty otherwise
-  std::vector<ThinBrick> thin;    ///< sorted; few, and not all of them among `bricks`
+  KeptGeometry geometry;
+  std::vector<ThinBrick> thin;  ///< sorted; few, and not all of them among `bricks`
   std::shared_ptr<const RestoredNodes> restored;  ///< may be null
 
   SurfaceCounts surface;
@@ -57,6 +66,7 @@ struct MeshedSpace {
   StuffingRules rules;
   std::optional<BrickBox> domain;  ///< finest bricks, where both sides are meshed
   bool manifold = false;           ///< nodes are restored until the boundary is one
+  std::uint64_t kept_geometry_bytes = MeshLimits{}.kept_geometry_bytes;
 };
 
 /// Memory that a brick takes until the mesh is made, bytes: while the survey runs it is held

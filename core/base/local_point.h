@@ -1,0 +1,18 @@
+// Positions near one brick, in float: small enough for a brick's tets to stay in the cache.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace tet {
+
+/// Position in spacings from a brick's lowest corner; with its padding, one vector register.
+struct alignas(16) LocalPoint {
+  float x = 0, y = 0, z = 0;
+  float unused = 0;
+};
+
+/// A tet's corners in its own order, as indices of a brick's points.
+using LocalTet = std::array<std::uint16_t, 4>;
+
+}  // namespace tet
