@@ -64,10 +64,9 @@ VolumeReader::Brick VolumeReader::brick(BrickCoord coord) noexcept {
   return {volume_->values.data() + std::size_t{index} * kBrickCells, volume_->ranges[index]};
 }
 
-bool VolumeReader::constant_region(BrickCoord region_min, float& value) noexcept {
+VolumeReader::RegionOrConstant VolumeReader::region(BrickCoord region_min) noexcept {
   enter(region_min);
-  value = constant_;
-  return region_ == nullptr;
+  return {region_, constant_};
 }
 
 float VolumeReader::value(VoxelCoord voxel) noexcept {
