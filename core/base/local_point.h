@@ -11,8 +11,7 @@ namespace tet {
 
 /// Position in spacings from a brick's lowest corner; with its padding, one vector register.
 struct alignas(16) LocalPoint {
-  float x = 0, y = 0, z = 0;
-  float unused = 0;
+  float x, y, z;
 };
 
 inline FloatRow row_of(const LocalPoint& point) noexcept {

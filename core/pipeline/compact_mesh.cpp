@@ -13,13 +13,32 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/parallel.h"
+#include "core/lattice/reach.h"
 #include "core/pipeline/fill_brick.h"
+#include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
 
 constexpr std::size_t kBricksPerRange = 16;
+
+/// Enters the cut points that a finest brick's tets reach.
+void unpack_fractions(const CountedMesh& mesh, std::size_t brick, CutPoints& cuts) {
+  const VerticesAround around = mesh.vertices_around(brick);
+  for (std::size_t o = 0; o < around.size(); ++o) {
+    if (!around[o].at_surface) continue;
+    const PackedGeometry geometry(around[o].geometry, *around[o].stuffed);
+    std::size_t first = geometry.zeros();
+    for (std::size_t family = 0; family < kEdgeFamilies; ++family) {
+      first += for_each_in_reach(
+          around[o].stuffed->cut[family], o, [&](int x, int y, int z, std::uint32_t rank) {
+            cuts.fraction[family][static_cast<std::size_t>(halo_index(x, y, z))] =
+                geometry.fraction(first + rank);
+          });
+    }
+  }
+}
 
 /// Whether every surface quad that has a vertex in its middle is said to have one.
 bool fans_are_right(const CountedMesh& mesh) {
@@ -30,7 +49,7 @@ bool fans_are_right(const CountedMesh& mesh) {
     const auto lattice = std::make_unique<StuffedLattice>();
     for (std::size_t i = begin; i < end; ++i) {
       if (!mesh.touches_surface(i)) continue;
-      mesh.unpack_lattice(i, *lattice);
+      unpack_fractions(mesh, i, lattice->cuts);
       const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
       const FanMasks fans =
           find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
