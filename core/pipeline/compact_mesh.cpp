@@ -24,7 +24,8 @@ namespace {
 constexpr std::size_t kBricksPerRange = 16;
 
 /// Enters the cut points that a finest brick's tets reach.
-void unpack_fractions(const CountedMesh& mesh, std::size_t brick, CutPoints& cuts) {
+void unpack_cut_points(const CountedMesh& mesh, std::size_t brick, StuffedLattice& lattice) {
+  lattice.warped.cut = {};
   const VerticesAround around = mesh.vertices_around(brick);
   for (std::size_t o = 0; o < around.size(); ++o) {
     if (!around[o].at_surface) continue;
@@ -33,7 +34,9 @@ void unpack_fractions(const CountedMesh& mesh, std::size_t brick, CutPoints& cut
     for (std::size_t family = 0; family < kEdgeFamilies; ++family) {
       first += for_each_in_reach(
           around[o].stuffed->cut[family], o, [&](int x, int y, int z, std::uint32_t rank) {
-            cuts.fraction[family][static_cast<std::size_t>(halo_index(x, y, z))] =
+            const int low = halo_index(x, y, z);
+            lattice.warped.cut[family].set(low);
+            lattice.cuts.fraction[family][static_cast<std::size_t>(low)] =
                 geometry.fraction(first + rank);
           });
     }
@@ -49,7 +52,7 @@ bool fans_are_right(const CountedMesh& mesh) {
     const auto lattice = std::make_unique<StuffedLattice>();
     for (std::size_t i = begin; i < end; ++i) {
       if (!mesh.touches_surface(i)) continue;
-      unpack_fractions(mesh, i, lattice->cuts);
+      unpack_cut_points(mesh, i, *lattice);
       const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
       const FanMasks fans =
           find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
