@@ -238,6 +238,9 @@ void for_each_bit(const HaloSet& set, const Visit& visit) {
 
 /// Copies the cells of the brick itself, [0, 8)^3, out of a halo set.
 BrickMask brick_part(const HaloSet& set) noexcept;
+/// The same seen from (dx, dy, dz), each in -1..1: cell (x, y, z) of the result is the set's
+/// (x + dx, y + dy, z + dz).
+BrickMask brick_part(const HaloSet& set, int dx, int dy, int dz) noexcept;
 
 /// Adds what `mask` says of the neighbour brick at (bx, by, bz), each in -1..1, where it lies
 /// within the halo.

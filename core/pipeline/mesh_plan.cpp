@@ -308,6 +308,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
       survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
   if (!survey.ok()) return survey.status();
   const std::optional<BoundaryTopology> boundary = count_boundary(*survey);
+  survey->sheets = {};
   survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              {bricks->inside, space->domain}, asked->levels);

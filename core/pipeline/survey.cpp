@@ -10,6 +10,7 @@
 
 #include <absl/status/status.h>
 
+#include "core/base/brick_neighbours.h"
 #include "core/base/parallel.h"
 #include "core/pipeline/manifold.h"
 #include "core/stuffing/cut_tet.h"
@@ -24,6 +25,7 @@ struct SurveyedBrick {
   BrickMask finest;
   std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
+  std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
   const std::byte* geometry = nullptr;  ///< where it is kept
   bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
 };
@@ -126,7 +128,11 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   if (space.domain && !holds(*space.domain, brick)) return found;
   const BrickMask cells = stuffed_cells(lattice.warped, rules);
   found.finest = with_siblings(cells);
-  found.surface = survey_surface(lattice.warped, workspace.surface);
+  found.surface = survey_surface(lattice.warped, found.stuffed);
+  if (found.surface.sheet.any && !found.surface.sheet.one) {
+    found.parts =
+        std::make_unique<SurfaceParts>(find_surface_parts(lattice.warped, workspace.surface));
+  }
   if (!space.domain) return found;
   found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
   found.surface.counts.add_fans(count_fans(*found.fans));
@@ -166,6 +172,34 @@ class GeometryKeeper {
   std::vector<std::pair<SurveyedBrick*, std::size_t>> kept_;
 };
 
+/// Where zeros may lie within the inside, the surface is walked over in that brick and those
+/// around it, whose sheets may hang together by nothing but such zeros.
+void find_parts_around_inner_zeros(const PhiField& field,
+                                   const std::vector<BrickCoord>& candidates,
+                                   const MeshedSpace& space,
+                                   const RestoredNodes* restored,
+                                   std::vector<std::optional<SurveyedBrick>>& found) {
+  std::vector<std::uint32_t> again;
+  BrickNeighbours neighbours(candidates);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!found[i] || !found[i]->surface.has_inner_zeros) continue;
+    for (const std::uint32_t at : neighbours.around(candidates[i])) {
+      if (at == kNoBrick || !found[at] || !found[at]->surface.sheet.one) continue;
+      found[at]->surface.sheet.one = false;
+      again.push_back(at);
+    }
+  }
+  for_each_range(again.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    PhiSampler sampler(field);
+    const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
+    for (std::size_t i = begin; i < end; ++i) {
+      stuff_brick(sampler, candidates[again[i]], space.rules, restored, workspace->stuffing);
+      found[again[i]]->parts = std::make_unique<SurfaceParts>(
+          find_surface_parts(workspace->stuffing.lattice.warped, workspace->surface));
+    }
+  });
+}
+
 /// Gathers what was found, in the order of the bricks.
 Survey gather(const std::vector<BrickCoord>& candidates,
               std::vector<std::optional<SurveyedBrick>>& found,
@@ -179,7 +213,11 @@ Survey gather(const std::vector<BrickCoord>& candidates,
     survey.geometry.of_brick.push_back(found[i]->geometry);
     if (both_sides) survey.fans.push_back(found[i]->fans ? *found[i]->fans : FanMasks{});
     survey.surface.add(found[i]->surface.counts);
-    survey.parts.push_back(std::move(found[i]->surface.parts));
+    if (found[i]->parts) {
+      const auto at = static_cast<std::uint32_t>(survey.sheets.size());
+      survey.parts.push_back({at, std::move(*found[i]->parts)});
+    }
+    survey.sheets.push_back(found[i]->surface.sheet);
     survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
   }
   return survey;
@@ -251,6 +289,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
+  find_parts_around_inner_zeros(field, candidates, space, restored.get(), found);
   Survey survey = gather(candidates, found, space.rules.both_sides);
   survey.restored = std::move(restored);
   std::erase(blocks, nullptr);
