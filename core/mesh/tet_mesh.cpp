@@ -1,5 +1,7 @@
 #include "core/mesh/tet_mesh.h"
 
+#include <utility>
+
 namespace tet {
 namespace {
 
@@ -17,6 +19,13 @@ TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
   positions = ByteBuffer(sizes.positions);
   tets = ByteBuffer(sizes.tets);
   regions = ByteBuffer(sizes.regions);
+}
+
+TetMesh::TetMesh(const MeshHeader& mesh_header, TetMesh&& used) : header(mesh_header) {
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  positions = ByteBuffer(sizes.positions, std::move(used.positions));
+  tets = ByteBuffer(sizes.tets, std::move(used.tets));
+  regions = ByteBuffer(sizes.regions, std::move(used.regions));
 }
 
 void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexcept {

@@ -115,6 +115,8 @@ struct TetMesh {
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.
   explicit TetMesh(const MeshHeader& mesh_header);
+  /// The same in the memory of a mesh that is no longer needed, as far as that is enough.
+  TetMesh(const MeshHeader& mesh_header, TetMesh&& used);
 
   /// World coordinates, in double whatever the storage.
   WorldPoint vertex(std::uint64_t i) const noexcept;
