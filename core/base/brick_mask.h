@@ -206,6 +206,14 @@ constexpr HaloSet seen_from(const HaloSet& set, int offset) noexcept {
   return out;
 }
 
+/// Word `w` of what `seen_from` makes of a set, where every bit of it comes from within the
+/// set.
+constexpr std::uint64_t word_seen_from(const HaloSet& set, std::size_t w, int offset) noexcept {
+  const std::size_t at = w + static_cast<std::size_t>(offset >> 6);  // wraps if negative
+  // Shifted twice, so that nothing is shifted by 64.
+  return set.word[at] >> (offset & 63) | set.word[at + 1] << 1 << (63 - (offset & 63));
+}
+
 /// The set that holds every index of the box [min, max]^3, both ends included.
 constexpr HaloSet halo_cube(int min, int max) noexcept {
   HaloSet set;

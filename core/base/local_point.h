@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
+
+#include "core/base/float_row.h"
 
 namespace tet {
 
@@ -10,6 +13,12 @@ namespace tet {
 struct alignas(16) LocalPoint {
   float x, y, z;
 };
+
+inline FloatRow row_of(const LocalPoint& point) noexcept {
+  FloatRow row;
+  std::memcpy(&row, &point, sizeof(row));
+  return row;
+}
 
 /// A tet's corners in its own order, as indices of a brick's points.
 using LocalTet = std::array<std::uint16_t, 4>;

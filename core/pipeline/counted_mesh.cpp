@@ -27,6 +27,26 @@ CountedMesh::CountedMesh(
   count_bricks();
 }
 
+CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
+    : rules_(rules),
+      geometry_is_trimmed_(true),
+      survey_(std::move(structure.survey)),
+      tree_(std::move(structure.tree)),
+      stuffed_(std::move(structure.stuffed)) {
+  find_cut_points();
+  find_vertices();
+  count_bricks();
+}
+
+void CountedMesh::find_cut_points() {
+  for_each_index(
+      stuffed_.size(),
+      [&](std::size_t i) {
+        if (touches_surface(i)) survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(i));
+      },
+      kBricksPerRange);
+}
+
 void CountedMesh::find_stuffed(const PhiField& field) {
   const BrickIndex surveyed(survey_.bricks);
   const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
@@ -74,13 +94,7 @@ void CountedMesh::find_vertices_of_both_sides(std::size_t brick, const HaloSet& 
     nodes_[0].centre[brick] = brick_part(leaf);
     return;
   }
-  const BrickCoord b = tree_.levels[0].bricks[brick];
-  BrickSurroundings around;
-  for (int o = 0; o < 27; ++o) {
-    around[static_cast<std::size_t>(o)] =
-        stuffed_at({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1});
-  }
-  const UsedByTets used = used_by_tets(around, leaf);
+  const UsedByTets used = used_by_tets(surroundings(brick), leaf);
   nodes_[0].corner[brick] = used.node[kCorner];
   nodes_[0].centre[brick] = used.node[kCentre];
   trim_cut_points(stuffed_[brick], used);
@@ -92,7 +106,7 @@ void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used)
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
     const BrickMask trimmed = cut[f] & used.edge[f];
     // What was packed has the cut points that were there before.
-    if (!(trimmed == cut[f])) survey_.geometry.of_brick[stuffed] = nullptr;
+    if (!(trimmed == cut[f]) && !geometry_is_trimmed_) survey_.geometry.of_brick[stuffed] = nullptr;
     cut[f] = trimmed;
   }
 }
@@ -143,6 +157,16 @@ BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept 
         stuffed_at({b.x + (o >> 2), b.y + (o >> 1 & 1), b.z + (o & 1)});
   }
   return bricks;
+}
+
+BrickSurroundings CountedMesh::surroundings(std::size_t brick) const noexcept {
+  const BrickCoord b = tree_.levels[0].bricks[brick];
+  BrickSurroundings around;
+  for (int o = 0; o < 27; ++o) {
+    around[static_cast<std::size_t>(o)] =
+        stuffed_at({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1});
+  }
+  return around;
 }
 
 std::span<const MeshRegion> CountedMesh::regions() const noexcept {

@@ -22,6 +22,17 @@ struct BrickPlace {
   std::size_t brick = 0;
 };
 
+/// Where a finest brick's signs are: which of the surveyed ones it is, or one of these.
+inline constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
+inline constexpr std::uint32_t kAllInside = kAllOutside - 1;
+
+/// All that a mesh is counted from.
+struct MeshStructure {
+  Octree tree;                         ///< with every brick that owns a corner
+  std::vector<std::uint32_t> stuffed;  ///< of each finest brick
+  Survey survey;
+};
+
 /// The octree with the vertices and tets of each brick, finest level first: a mesh but for its
 /// bytes.
 class CountedMesh {
@@ -31,6 +42,9 @@ class CountedMesh {
               Octree tree,
               const StuffingRules& rules,
               bool uniform);
+
+  /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets use.
+  CountedMesh(MeshStructure structure, const StuffingRules& rules);
 
   const StuffingRules& rules() const noexcept { return rules_; }
   const RestoredNodes* restored() const noexcept { return survey_.restored.get(); }
@@ -50,10 +64,14 @@ class CountedMesh {
 
   /// A finest brick and those beyond its upper faces, with what the survey kept of each.
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
+  BrickSurroundings surroundings(std::size_t brick) const noexcept;
   /// Their vertices; `geometry` is null where it was not kept.
   VerticesAround vertices_around(std::size_t brick) const noexcept;
   /// The leaves of a finest brick and of those beyond its faces.
   LeavesAround leaves_around(std::size_t brick) const noexcept;
+  /// What the survey kept of a finest brick: see MeshStructure::stuffed.
+  std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
+  const Survey& survey() const noexcept { return survey_; }
   /// True when a finest brick has warped nodes or cut points in reach.
   bool touches_surface(std::size_t brick) const noexcept;
 
@@ -65,15 +83,14 @@ class CountedMesh {
   void find_finest_vertices(std::size_t brick);
   void find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf);
   void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
+  void find_cut_points();
   void count_bricks();
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place) const noexcept;
   std::uint64_t finest_tets_of(std::size_t brick) const noexcept;
 
-  static constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
-  static constexpr std::uint32_t kAllInside = kAllOutside - 1;
-
   StuffingRules rules_;
+  bool geometry_is_trimmed_ = false;  ///< packed after cut points that no tet uses were dropped
   Survey survey_;
   Octree tree_;
   StuffedBrick all_inside_ = StuffedBrick::all_inside();

@@ -14,6 +14,7 @@
 #include "core/grid/domain.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
+#include "core/pipeline/compact_chunk.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/fill_mesh.h"
@@ -236,6 +237,18 @@ QualityStats MeshPlan::fill_unimproved(std::uint64_t index,
   }
   TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
   return filler.stats();
+}
+
+void MeshPlan::encode_chunk(std::uint64_t index,
+                            MeshWorkspace& workspace,
+                            std::vector<std::byte>& bytes) const {
+  TET_CHECK(!improvement_);
+  encode_bricks(impl_->mesh, impl_->field, impl_->first_brick[index],
+                impl_->first_brick[index + 1], workspace.impl().stuffing, bytes);
+}
+
+CompactFrame MeshPlan::compact_frame() const noexcept {
+  return {impl_->to_world, impl_->mesh.rules()};
 }
 
 Improvement MeshPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
