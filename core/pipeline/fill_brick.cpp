@@ -119,11 +119,12 @@ template <class Index>
 void BrickFiller::fill_tets(BrickPlace place, const ChunkColumns& columns) noexcept {
   auto* const begin = reinterpret_cast<Index*>(columns.tets.data());
   Index* end = begin;
+  const Index* const limit = begin + columns.tets.size() / sizeof(Index);
   std::span<std::byte> labels = columns.regions;
   if (place.level == 0) nodes_ = nodes_of(place.brick);
   for (const MeshRegion region : mesh_.regions()) {
     Index* const first = end;
-    end = place.level == 0 ? fill_finest_tets(region, first)
+    end = place.level == 0 ? fill_finest_tets(region, first, limit)
                            : fill_background_tets(place, region, first);
     if (labels.empty()) continue;
     const auto tets = static_cast<std::size_t>(end - first) / 4;
@@ -142,13 +143,15 @@ CellNodes BrickFiller::nodes_of(std::size_t brick) const noexcept {
 }
 
 template <class Index>
-Index* BrickFiller::fill_finest_tets(MeshRegion region, Index* out) noexcept {
+Index* BrickFiller::fill_finest_tets(MeshRegion region,
+                                     Index* out,
+                                     const Index* limit) noexcept {
   if (region == MeshRegion::kOutside) see_from_outside(nodes_);
   StuffedTets& stuffed = workspace_.stuffed_tets;
   stuffed.clear();
   BackgroundCounts counts;
-  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules()}, ids<Index>(), out, stuffed,
-                    counts);
+  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules()}, ids<Index>(), out, limit,
+                    stuffed, counts);
   meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
   count_background_quality(counts, 0);
   return out;

@@ -53,7 +53,7 @@ class BrickFiller {
   template <class Index>
   void fill_tets(BrickPlace place, const ChunkColumns& columns) noexcept;
   template <class Index>
-  Index* fill_finest_tets(MeshRegion region, Index* out) noexcept;
+  Index* fill_finest_tets(MeshRegion region, Index* out, const Index* limit) noexcept;
   template <class Index>
   Index* fill_background_tets(BrickPlace place, MeshRegion region, Index* out) noexcept;
   void find_vertices(std::size_t brick) noexcept;

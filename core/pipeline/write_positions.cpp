@@ -1,5 +1,6 @@
 #include "core/pipeline/write_positions.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -31,29 +32,37 @@ inline Real* transform(const BrickFrame& frame,
   return out + 3 * count;
 }
 
-/// A row of eight lattice nodes along z.
+/// Rows of eight lattice nodes along z.
 template <class Real>
-class NodeRow {
+class NodeRows {
  public:
-  NodeRow(const BrickFrame& frame, NodeKind kind) noexcept : frame_(frame), kind_(kind) {
-    for (std::size_t z = 0; z < kRow; ++z) {
-      const double pz = at(2, static_cast<int>(z));
-      for (std::size_t r = 0; r < 3; ++r) along_z_[3 * z + r] = frame.row(r)[2] * pz;
+  NodeRows(const BrickFrame& frame, NodeKind kind) noexcept : frame_(frame), kind_(kind) {
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t z = 0; z < kRow; ++z) {
+        along_z_[r][z] = frame.row(r)[2] * at(2, static_cast<int>(z));
+      }
     }
   }
 
-  /// Writes all eight.
-  void write(int x, int y, Real* out) const noexcept {
+  void go_to(int x, int y) noexcept {
     const double px = at(0, x), py = at(1, y);
-    std::array<double, 3 * kRow> base;
     for (std::size_t r = 0; r < 3; ++r) {
-      const auto& row = frame_.row(r);
-      base[r] = row[0] * px + row[1] * py;
+      start_[r] = frame_.row(r)[0] * px + frame_.row(r)[1] * py;
     }
-    for (std::size_t k = 3; k < base.size(); ++k) base[k] = base[k - 3];
-    for (std::size_t k = 0; k < base.size(); ++k) {
-      out[k] = static_cast<Real>(base[k] + along_z_[k]);
+  }
+  inline Real* write_all(Real* out) const noexcept {
+    const auto [x, y, z] = start_;
+    const auto& [along_x, along_y, along_z] = along_z_;
+    for (std::size_t i = 0; i < kRow; ++i) {
+      out[3 * i] = static_cast<Real>(x + along_x[i]);
+      out[3 * i + 1] = static_cast<Real>(y + along_y[i]);
+      out[3 * i + 2] = static_cast<Real>(z + along_z[i]);
     }
+    return out + 3 * kRow;
+  }
+  Real* write_one(std::size_t z, Real* out) const noexcept {
+    for (std::size_t r = 0; r < 3; ++r) *out++ = static_cast<Real>(start_[r] + along_z_[r][z]);
+    return out;
   }
 
  private:
@@ -63,43 +72,39 @@ class NodeRow {
 
   const BrickFrame& frame_;
   NodeKind kind_;
-  std::array<double, 3 * kRow> along_z_;
+  std::array<std::array<double, kRow>, 3> along_z_;
+  std::array<double, 3> start_;
 };
 
-/// Nodes of one kind; `place` is that of the first zero one.
+/// Nodes of one kind; `moved` has the stored coordinates of its zero ones.
 template <class Real>
 inline Real* write_nodes(const BrickFrame& frame,
                          NodeKind kind,
                          const BrickMask& nodes,
                          const BrickMask& zero,
-                         const OwnPlaces& places,
-                         std::size_t place,
+                         const Real* moved,
                          Real* out) noexcept {
-  const NodeRow<Real> row(frame, kind);
-  std::array<Real, 3 * kRow> all;
+  NodeRows<Real> rows(frame, kind);
   for (int x = 0; x < 8; ++x) {
     std::uint64_t slice = nodes.slice[static_cast<std::size_t>(x)];
     std::uint64_t zero_slice = zero.slice[static_cast<std::size_t>(x)];
-    for (int y = 0; y < 8; ++y, slice >>= 8, zero_slice >>= 8) {
-      const std::uint64_t zeros = zero_slice & 0xff;
-      std::uint64_t bits = slice & 0xff;
-      if (bits == 0xff && zeros == 0) {
-        row.write(x, y, out);
-        out += all.size();
+    for (int y = 0; (slice | zero_slice) != 0; ++y, slice >>= 8, zero_slice >>= 8) {
+      const std::uint64_t row = slice & 0xff, zeros = zero_slice & 0xff;
+      rows.go_to(x, y);
+      if (row == 0xff && zeros == 0) {
+        out = rows.write_all(out);
         continue;
       }
-      if (bits != 0) row.write(x, y, all.data());
-      for (; bits != 0; bits &= bits - 1) {
+      for (std::uint64_t bits = row | zeros; bits != 0; bits &= bits - 1) {
         const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-        if ((zeros >> z & 1) != 0) {
-          const std::uint64_t lower = zeros & ((std::uint64_t{1} << z) - 1);
-          const std::size_t i = place + static_cast<std::size_t>(std::popcount(lower));
-          out = transform(frame, &places.x[i], &places.y[i], &places.z[i], 1, out);
+        if ((zeros >> z & 1) == 0) {
+          out = rows.write_one(z, out);
         } else {
-          for (std::size_t r = 0; r < 3; ++r) *out++ = all[3 * z + r];
+          // Of both sides' zeros, those beyond the domain are no vertices.
+          if ((row >> z & 1) != 0) out = std::copy_n(moved, 3, out);
+          moved += 3;
         }
       }
-      place += static_cast<std::size_t>(std::popcount(zeros));
     }
   }
   return out;
@@ -111,15 +116,18 @@ inline Real* write_all(const BrickFrame& frame,
                        const OwnPlaces& places,
                        Real* out) noexcept {
   static constexpr BrickMask kNone;
-  std::size_t place = 0;
+  std::array<Real, std::size_t{3} * kNodeKinds * kBrickCells> moved;
+  std::size_t zeros = 0;
   for (const NodeKind kind : {kCorner, kCentre}) {
     const BrickMask& zero = own.at_surface ? own.stuffed->zero[kind] : kNone;
-    out = write_nodes(frame, kind, *own.node[kind], zero, places, place, out);
-    place += zero.count();
+    const std::size_t count = zero.count();
+    transform(frame, &places.x[zeros], &places.y[zeros], &places.z[zeros], count, moved.data());
+    out = write_nodes(frame, kind, *own.node[kind], zero, moved.data(), out);
+    zeros += count;
   }
   if (!own.at_surface) return out;
-  return transform(frame, &places.x[place], &places.y[place], &places.z[place],
-                   places.count - place, out);
+  return transform(frame, &places.x[zeros], &places.y[zeros], &places.z[zeros],
+                   places.count - zeros, out);
 }
 
 TET_VECTOR_CLONES

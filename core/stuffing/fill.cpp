@@ -9,31 +9,46 @@
 namespace tet {
 namespace {
 
-/// The slots of a shape's nodes, from those of the cell it belongs to.
-std::array<int, 4> node_slots(const TetShape& shape) noexcept {
-  std::array<int, 4> slot;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto o = static_cast<int>(node_around_cell(shape, i));
-    slot[i] = shape.kind[i] * kSlotsOfKind + node_slot(o >> 2, o >> 1 & 1, o & 1);
+/// Where a shape's nodes and edges are found in a brick's tables, from the slot of the cell
+/// that the tet belongs to.
+struct SlotShape {
+  std::array<Slot, 4> node{};
+  std::array<Slot, 4> whole{};  ///< the nodes in the order of a positive tet
+  std::array<int, kTetEdge.size()> edge{};
+};
+
+constexpr auto kSlotShapes = [] {
+  std::array<SlotShape, kTetShapes> shapes;
+  for (std::size_t number = 0; number < kTetShapes; ++number) {
+    const TetShape& shape = kTetShape[number];
+    SlotShape& out = shapes[number];
+    std::array<int, 4> slot_of_kind{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto o = static_cast<int>(node_around_cell(shape, i));
+      slot_of_kind[i] = node_slot(o >> 2, o >> 1 & 1, o & 1);
+      out.node[i] = static_cast<Slot>(shape.kind[i] * kSlotsOfKind + slot_of_kind[i]);
+    }
+    out.whole = out.node;
+    if (shape.negative) std::swap(out.whole[2], out.whole[3]);
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      out.edge[e] = edge_slot(shape.edge_family[e], slot_of_kind[kTetEdge[e][0]]);
+    }
   }
-  return slot;
+  return shapes;
+}();
+
+/// The tet with `first` in cell 0, moved on by `cells`: all four slots at once.
+LocalTet moved_on(const LocalTet& first, int cells) noexcept {
+  constexpr std::uint64_t kEach = 0x0001000100010001;
+  return std::bit_cast<LocalTet>(std::bit_cast<std::uint64_t>(first) +
+                                 static_cast<std::uint64_t>(cells) * kEach);
 }
 
-/// Tets without cut nodes, in the order that makes them positive.
-std::array<int, 4> whole_tet(const TetShape& shape) noexcept {
-  std::array<int, 4> slot = node_slots(shape);
-  if (shape.negative) std::swap(slot[2], slot[3]);
-  return slot;
-}
-
-void add_moved(const TetShape& shape, const BrickMask& moved, StuffedTets& out) noexcept {
-  const std::array<int, 4> first = whole_tet(shape);
+void add_moved(const LocalTet& first, const BrickMask& moved, StuffedTets& out) noexcept {
   for (int x = 0; x < 8; ++x) {
     for (std::uint64_t bits = moved.slice[static_cast<std::size_t>(x)]; bits != 0;
          bits &= bits - 1) {
-      const int cell = cell_slot(x, std::countr_zero(bits));
-      out.add({static_cast<Slot>(first[0] + cell), static_cast<Slot>(first[1] + cell),
-               static_cast<Slot>(first[2] + cell), static_cast<Slot>(first[3] + cell)});
+      out.add(moved_on(first, cell_slot(x, std::countr_zero(bits))));
     }
   }
 }
@@ -42,7 +57,7 @@ void add_moved(const TetShape& shape, const BrickMask& moved, StuffedTets& out) 
 class CutShape {
  public:
   CutShape(const FinestBrick& brick, std::size_t number) noexcept
-      : brick_(brick), number_(number), shape_(kTetShape[number]), node_(node_slots(shape_)) {
+      : brick_(brick), number_(number), shape_(kTetShape[number]), slots_(kSlotShapes[number]) {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t o = node_around_cell(shape_, i);
       plus_[i] = &brick.nodes.plus[shape_.kind[i]][o];
@@ -52,11 +67,18 @@ class CutShape {
 
   /// Adds those of the tet in the cell at a bit of a slice.
   void add(int x, int bit, StuffedTets& out) const noexcept {
+    const int cell = cell_slot(x, bit);
+    // All four nodes and all six edges, cut or not: what is not there is not asked for.
     std::array<Slot, kStencilVertices> slot;
     EdgeFractions fraction;
-    find_corners(x, bit, slot, fraction);
-    const CutTet cut_tet(shape_, stencil_of(x, bit), fraction, brick_.nodes.region,
-                         brick_.rules);
+    for (std::size_t i = 0; i < 4; ++i) slot[i] = static_cast<Slot>(slots_.node[i] + cell);
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      const Slot cut = brick_.vertices.cut_slot(slots_.edge[e] + cell);
+      slot[cut_on_edge(e)] = cut;
+      fraction[e] = brick_.vertices.fraction(cut);
+    }
+    const CutTet cut_tet(shape_, stencil_of(static_cast<std::size_t>(x), bit), fraction,
+                         brick_.nodes.region, brick_.rules);
     if (cut_tet.has_fan()) slot[kQuadCentre] = brick_.vertices.fan_slot(number_, x, bit);
     for (auto [a, b, c, d] : cut_tet.tets()) {
       if (shape_.negative) std::swap(c, d);
@@ -65,36 +87,19 @@ class CutShape {
   }
 
  private:
-  std::size_t stencil_of(int x, int bit) const noexcept {
-    const auto slice = static_cast<std::size_t>(x);
+  std::size_t stencil_of(std::size_t x, int bit) const noexcept {
     std::size_t number = 0;
     for (std::size_t i = 4; i-- > 0;) {
-      number = 3 * number + 2 * (plus_[i]->slice[slice] >> bit & 1) +
-               (zero_[i]->slice[slice] >> bit & 1);
+      number =
+          3 * number + 2 * (plus_[i]->slice[x] >> bit & 1) + (zero_[i]->slice[x] >> bit & 1);
     }
     return number;
-  }
-
-  /// All four nodes and all six edges, cut or not: what is not there is not asked for.
-  void find_corners(int x,
-                    int bit,
-                    std::array<Slot, kStencilVertices>& slot,
-                    EdgeFractions& fraction) const noexcept {
-    const int cell = cell_slot(x, bit);
-    for (std::size_t i = 0; i < 4; ++i) slot[i] = static_cast<Slot>(node_[i] + cell);
-    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
-      const std::size_t low = kTetEdge[e][0];
-      const int low_node = slot[low] - shape_.kind[low] * kSlotsOfKind;
-      const Slot cut = brick_.vertices.cut_slot(shape_.edge_family[e], low_node);
-      slot[cut_on_edge(e)] = cut;
-      fraction[e] = brick_.vertices.fraction(cut);
-    }
   }
 
   const FinestBrick& brick_;
   std::size_t number_;
   const TetShape& shape_;
-  std::array<int, 4> node_;
+  const SlotShape& slots_;
   std::array<const BrickMask*, 4> plus_, zero_;
 };
 
@@ -144,16 +149,16 @@ template <class Index>
 Index* fill_finest(const FinestBrick& brick,
                    const SlotIds<Index>& ids,
                    Index* tets,
+                   const Index* end,
                    StuffedTets& stuffed,
                    BackgroundCounts& counts) noexcept {
-  for (std::size_t number = 0; number < kTetShapes; ++number) {
-    const TetShape& shape = kTetShape[number];
-    const ShapeTets found = tets_of_shape(brick.nodes, number);
-    tets = write_rows(found.whole, whole_tet(shape), ids.data(), tets);
+  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
+    const ShapeTets found = tets_of_shape(brick.nodes, shape);
+    tets = write_rows(found.whole, kSlotShapes[shape].whole, ids.data(), tets, end);
     counts.bcc += found.regular.count();
-    add_moved(shape, found.whole & ~found.regular, stuffed);
+    add_moved(kSlotShapes[shape].whole, found.whole & ~found.regular, stuffed);
     const std::size_t first_cut = stuffed.count();
-    add_cut(brick, number, found.cut, stuffed);
+    add_cut(brick, shape, found.cut, stuffed);
     tets = write_local(stuffed.from(first_cut), ids, tets);
   }
   return write_half_pyramids_of_finest(brick.nodes, ids, tets, counts);
@@ -162,11 +167,13 @@ Index* fill_finest(const FinestBrick& brick,
 template std::uint32_t* fill_finest(const FinestBrick&,
                                     const SlotIds<std::uint32_t>&,
                                     std::uint32_t*,
+                                    const std::uint32_t*,
                                     StuffedTets&,
                                     BackgroundCounts&) noexcept;
 template std::uint64_t* fill_finest(const FinestBrick&,
                                     const SlotIds<std::uint64_t>&,
                                     std::uint64_t*,
+                                    const std::uint64_t*,
                                     StuffedTets&,
                                     BackgroundCounts&) noexcept;
 

@@ -37,12 +37,14 @@ class StuffedTets {
   std::array<LocalTet, kMax> tet_;
 };
 
-/// Writes a brick's tets of one region, four ids each; returns the end. Those that are no
-/// background tets are also put into `stuffed`, the others are counted in `counts`.
+/// Writes a brick's tets of one region, four ids each; returns the end of those. Up to `end`,
+/// where the last region's end, more may be overwritten. Tets that are no background tets are
+/// also put into `stuffed`, the others are counted in `counts`.
 template <class Index>
 Index* fill_finest(const FinestBrick& brick,
                    const SlotIds<Index>& ids,
                    Index* tets,
+                   const Index* end,
                    StuffedTets& stuffed,
                    BackgroundCounts& counts) noexcept;
 

@@ -35,7 +35,8 @@ Index number_nodes(const BrickMask& mask, std::size_t o, Index next, Index* ids)
       if (bz == 1) {
         *out = next;
       } else {
-        for (std::size_t z = 0; z < 8; ++z) out[z] = next + kRanks[row][z];
+        const std::array<std::uint8_t, 8> ranks = kRanks[row];
+        for (std::size_t z = 0; z < 8; ++z) out[z] = next + ranks[z];
       }
       next += static_cast<Index>(std::popcount(row));
     }
@@ -85,7 +86,7 @@ LocalVertices::LocalVertices() noexcept {
           local_point(lattice_place(node));
     }
   }
-  for (auto& slots : cut_slot_) slots.fill(kFirstCutSlot);
+  cut_slot_.fill(kFirstCutSlot);
   fraction_.fill(0);
 }
 
@@ -100,8 +101,9 @@ void LocalVertices::forget() noexcept {
   next_slot_ = kFirstCutSlot;
 }
 
-void LocalVertices::enter_zeros(const OwnedVertices& from, std::size_t o) noexcept {
-  const PackedGeometry packed(from.geometry, *from.stuffed);
+void LocalVertices::enter_zeros(const OwnedVertices& from,
+                                const PackedGeometry& packed,
+                                std::size_t o) noexcept {
   std::size_t first = 0;
   for (const NodeKind kind : {kCorner, kCentre}) {
     first += for_each_in_reach(
@@ -123,14 +125,14 @@ void LocalVertices::enter_zeros(const OwnedVertices& from, std::size_t o) noexce
 
 template <class Index>
 void LocalVertices::enter_cuts(const OwnedVertices& from,
+                               const PackedGeometry& packed,
                                std::size_t o,
                                Index next,
                                SlotIds<Index>& ids) noexcept {
-  const PackedGeometry packed(from.geometry, *from.stuffed);
   std::size_t first = packed.zeros();
   for (int family = 0; family < kEdgeFamilies; ++family) {
     const NodeKind kind = family_kind(family);
-    auto& slots = cut_slot_[static_cast<std::size_t>(family)];
+    Slot* const slots = cut_slot_.data() + family * kSlotsOfKind;
     const std::size_t cuts = for_each_in_reach(
         from.stuffed->cut[static_cast<std::size_t>(family)], o,
         [&](int x, int y, int z, std::size_t rank) {
@@ -138,7 +140,7 @@ void LocalVertices::enter_cuts(const OwnedVertices& from,
           const WorldPoint place =
               place_on_edge(node_at(kind, x, y, z), family_direction(family), fraction);
           if (o == 0) own_.add(place);
-          slots[static_cast<std::size_t>(node_slot(x, y, z))] = next_slot_;
+          slots[node_slot(x, y, z)] = next_slot_;
           fraction_[static_cast<std::size_t>(next_slot_ - kFirstCutSlot)] = fraction;
           ids[next_slot_] = next + static_cast<Index>(rank);
           point_[next_slot_++] = local_point(place);
@@ -162,8 +164,7 @@ WorldPoint LocalVertices::middle_of_quad(
         !stuffed->cut[static_cast<std::size_t>(family)].test(low.x & 7, low.y & 7, low.z & 7)) {
       continue;
     }
-    const Slot slot =
-        cut_slot(static_cast<std::size_t>(family), node_slot(low.x, low.y, low.z));
+    const Slot slot = cut_slot(edge_slot(family, node_slot(low.x, low.y, low.z)));
     const WorldPoint cut = place_on_edge(node_at(family_kind(family), low.x, low.y, low.z),
                                          family_direction(family), fraction(slot));
     sum = {sum.x + cut.x, sum.y + cut.y, sum.z + cut.z};
@@ -202,8 +203,9 @@ void LocalVertices::enter(const VerticesAround& around, SlotIds<Index>& ids) noe
       next = number_nodes(*from.node[kind], o, next, ids.data() + kind * kSlotsOfKind);
     }
     if (!from.at_surface) continue;
-    enter_zeros(from, o);
-    enter_cuts(from, o, next, ids);
+    const PackedGeometry packed(from.geometry, *from.stuffed);
+    enter_zeros(from, packed, o);
+    enter_cuts(from, packed, o, next, ids);
   }
   enter_fans(around, ids);
 }

@@ -14,6 +14,8 @@
 
 namespace tet {
 
+class PackedGeometry;
+
 /// Vertices of one brick in the order of their ids, from `first` on: nodes of either kind, cut
 /// points by family, middles of surface quads by shape.
 struct OwnedVertices {
@@ -43,6 +45,10 @@ static_assert(kSlots <= 1 << 16);
 constexpr int node_slot(int x, int y, int z) noexcept { return (x * 9 + y) * 9 + z; }
 /// The same of the lowest corner, or the centre, of the cell at a bit of a mask's slice.
 constexpr int cell_slot(int x, int bit) noexcept { return x * 81 + bit + (bit >> 3); }
+
+/// An edge's place in a table of all that a brick's tets may have, by its family and the
+/// node_slot of its lower node.
+constexpr int edge_slot(int family, int low) noexcept { return family * kSlotsOfKind + low; }
 
 /// Global ids by slot; anything where there is no vertex.
 template <class Index>
@@ -79,10 +85,8 @@ class LocalVertices {
 
   const OwnPlaces& own_places() const noexcept { return own_; }
 
-  /// The cut point on the edge of a family from its lower node; any slot where there is none.
-  Slot cut_slot(std::size_t family, int low) const noexcept {
-    return cut_slot_[family][static_cast<std::size_t>(low)];
-  }
+  /// The cut point on an edge, by its edge_slot; any slot where there is none.
+  Slot cut_slot(int edge) const noexcept { return cut_slot_[static_cast<std::size_t>(edge)]; }
   /// How far along its edge a cut point lies.
   float fraction(Slot cut) const noexcept {
     return fraction_[static_cast<std::size_t>(cut - kFirstCutSlot)];
@@ -92,9 +96,12 @@ class LocalVertices {
 
  private:
   void forget() noexcept;
-  void enter_zeros(const OwnedVertices& from, std::size_t o) noexcept;
+  void enter_zeros(const OwnedVertices& from,
+                   const PackedGeometry& packed,
+                   std::size_t o) noexcept;
   template <class Index>
   void enter_cuts(const OwnedVertices& from,
+                  const PackedGeometry& packed,
                   std::size_t o,
                   Index next,
                   SlotIds<Index>& ids) noexcept;
@@ -105,7 +112,7 @@ class LocalVertices {
 
   std::array<LocalPoint, kSlots> point_;
   std::array<float, kMaxCutSlots> fraction_;
-  std::array<std::array<Slot, kSlotsOfKind>, kEdgeFamilies> cut_slot_;
+  std::array<Slot, kMaxCutSlots> cut_slot_;
   std::array<Slot, kFirstCutSlot> moved_;  // nodes, to be put back
   OwnPlaces own_;
   std::size_t moved_count_ = 0;

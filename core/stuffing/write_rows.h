@@ -46,29 +46,31 @@ inline void write_transposed(const std::uint64_t* a,
 
 }  // namespace internal
 
-/// Writes the tets of `cells`: `corner` are the slots of the tet in the first cell, and `ids`
-/// the ids by slot. Returns the end.
+/// Writes the tets of `cells` and returns their end: `corner` are the slots of the tet in the
+/// first cell, and `ids` the ids by slot. Four tets are written at a time, so a few places
+/// behind the end may be overwritten, but none from `limit` on.
 template <class Index>
 Index* write_rows(const BrickMask& cells,
-                  const std::array<int, 4>& corner,
+                  const LocalTet& corner,
                   const Index* ids,
-                  Index* out) noexcept {
+                  Index* out,
+                  const Index* limit) noexcept {
   for (int x = 0; x < 8; ++x) {
     std::uint64_t slice = cells.slice[static_cast<std::size_t>(x)];
     for (int y = 0; slice != 0; ++y, slice >>= 8) {
-      const int row = node_slot(x, y, 0);
-      const Index *a = ids + corner[0] + row, *b = ids + corner[1] + row,
-                  *c = ids + corner[2] + row, *d = ids + corner[3] + row;
-      std::uint64_t bits = slice & 0xff;
-      if (bits == 0xff) {
+      // Most rows are one run of cells.
+      for (std::uint64_t row = slice & 0xff; row != 0; row &= row + (row & -row)) {
+        const int first = std::countr_zero(row), count = std::countr_one(row >> first);
+        const Index* const at = ids + node_slot(x, y, first);
+        const Index *a = at + corner[0], *b = at + corner[1], *c = at + corner[2],
+                    *d = at + corner[3];
+        if (limit - out < 4 * kBrickEdge) {
+          for (int z = 0; z < count; ++z) out = write_tet(out, a[z], b[z], c[z], d[z]);
+          continue;
+        }
         internal::write_transposed(a, b, c, d, out);
-        internal::write_transposed(a + 4, b + 4, c + 4, d + 4, out + 16);
-        out += 32;
-        continue;
-      }
-      for (; bits != 0; bits &= bits - 1) {
-        const int z = std::countr_zero(bits);
-        out = write_tet(out, a[z], b[z], c[z], d[z]);
+        if (count > 4) internal::write_transposed(a + 4, b + 4, c + 4, d + 4, out + 16);
+        out += 4 * count;
       }
     }
   }
