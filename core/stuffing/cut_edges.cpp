@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 
 #include "core/base/vector_clones.h"
 
@@ -36,35 +35,30 @@ constexpr WordRange words_of(const HaloSet& set) noexcept {
   return range;
 }
 
-/// Edges of one family with a change of sign; adds them to `any` of them all.
-template <int kFamily>
-void find_sign_changes(const NodeSigns& signs, HaloSet& cut, HaloSet& any) noexcept {
-  constexpr NodeKind kKind = family_kind(kFamily);
-  constexpr NodeKind kEnd = end_kind(kKind, family_direction(kFamily));
-  constexpr int kOffset = end_offset(kKind, family_direction(kFamily));
-  constexpr const HaloSet& kReach = kEdgesInReach[kFamily];
-  constexpr WordRange kWords = words_of(kReach);
-  static_assert(kOffset >= -64 * static_cast<int>(kWords.begin) &&
-                kWords.end + (kOffset >> 6) < HaloSet::kWords);
-  const HaloSet &inside = signs.inside[kKind], &outside = signs.outside[kKind];
-  std::fill_n(cut.word.begin(), kWords.begin, 0);
-  for (std::size_t w = kWords.begin; w < kWords.end; ++w) {
-    const std::uint64_t end_inside = word_seen_from(signs.inside[kEnd], w, kOffset);
-    const std::uint64_t end_outside = word_seen_from(signs.outside[kEnd], w, kOffset);
-    cut.word[w] =
-        ((inside.word[w] & end_outside) | (outside.word[w] & end_inside)) & kReach.word[w];
-    any.word[w] |= cut.word[w];
-  }
-  std::fill(cut.word.begin() + kWords.end, cut.word.end(), 0);
-}
+constexpr std::array<WordRange, kEdgeFamilies> kWordsInReach = [] {
+  std::array<WordRange, kEdgeFamilies> words;
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) words[f] = words_of(kEdgesInReach[f]);
+  return words;
+}();
 
+/// Edges with a change of sign, family by family; `any` holds those of all families.
 TET_VECTOR_CLONES
-void find_all_sign_changes(const NodeSigns& signs, EdgeSets& cut, HaloSet& any) noexcept {
-  any = {};
-  [&]<std::size_t... kFamily>(std::index_sequence<kFamily...>) {
-    (find_sign_changes<static_cast<int>(kFamily)>(signs, cut[kFamily], any), ...);
+void find_sign_changes(const NodeSigns& signs, EdgeSets& cut, HaloSet& any) noexcept {
+  for (int family = 0; family < kEdgeFamilies; ++family) {
+    const auto f = static_cast<std::size_t>(family);
+    const NodeKind kind = family_kind(family);
+    const NodeKind end = end_kind(kind, family_direction(family));
+    const int offset = end_offset(kind, family_direction(family));
+    const auto& inside = signs.inside[kind].word;
+    const auto& outside = signs.outside[kind].word;
+    auto& out = cut[f].word;
+    for (std::size_t w = kWordsInReach[f].begin; w < kWordsInReach[f].end; ++w) {
+      const std::uint64_t end_inside = word_seen_from(signs.inside[end], w, offset);
+      const std::uint64_t end_outside = word_seen_from(signs.outside[end], w, offset);
+      out[w] = ((inside[w] & end_outside) | (outside[w] & end_inside)) & kEdgesInReach[f].word[w];
+      any.word[w] |= out[w];
+    }
   }
-  (std::make_index_sequence<kEdgeFamilies>{});
 }
 
 /// Which words of a set have bits, and what those are: found without a branch on either.
@@ -120,7 +114,7 @@ void list_edges(const EdgeSets& cut, const HaloSet& any, CutEdges& edges) noexce
 
 void find_cut_edges(const NodeSigns& signs, EdgeSets& cut, CutEdges& edges) noexcept {
   HaloSet any;
-  find_all_sign_changes(signs, cut, any);
+  find_sign_changes(signs, cut, any);
   list_edges(cut, any, edges);
 }
 

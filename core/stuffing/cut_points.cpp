@@ -21,16 +21,13 @@ float linear_zero(float a, float b) noexcept { return a / (a - b); }
 /// Zeros of functions on [0, 1] that are `a` at 0 and `b` at 1: secant steps that keep a
 /// bracket, for 16 functions at once.
 struct Brackets {
-  alignas(64) Lanes low, high, a, b, t;
+  alignas(64) Lanes low{}, high, a, b, t;
 
-  void begin(const float* at_0, const float* at_1) noexcept {
-    for (std::size_t i = 0; i < kEdgeLanes; ++i) {
-      low[i] = 0;
-      high[i] = 1;
-      a[i] = at_0[i];
-      b[i] = at_1[i];
-      t[i] = linear_zero(a[i], b[i]);
-    }
+  Brackets(const float* at_0, const float* at_1) noexcept {
+    std::copy_n(at_0, kEdgeLanes, a.begin());
+    std::copy_n(at_1, kEdgeLanes, b.begin());
+    high.fill(1);
+    for (std::size_t i = 0; i < kEdgeLanes; ++i) t[i] = linear_zero(a[i], b[i]);
   }
 
   /// Where the function at `t` is `value`.
@@ -162,8 +159,7 @@ void zeros_on_diagonals(const BrickSamples& samples,
   // How far along the cell's diagonal, from the corner: 0.5 * t, or 0.5 * (1 - t).
   const float start = from_corner ? 0.0F : 0.5F, slope = from_corner ? 0.5F : -0.5F;
   for (std::size_t first = 0; first < count; first += kEdgeLanes) {
-    Brackets zero;
-    zero.begin(&field.a[first], &field.b[first]);
+    Brackets zero(&field.a[first], &field.b[first]);
     for (int step = 0; step < kSecantSteps; ++step) {
       for (std::size_t i = 0; i < kEdgeLanes; ++i) {
         const std::size_t e = first + i;
@@ -190,8 +186,7 @@ void zeros_of_field(PhiSampler& sampler,
       a[i] = family.low_phi[low[first + i]];
       b[i] = family.high_phi[low[first + i]];
     }
-    Brackets zero;
-    zero.begin(a.data(), b.data());
+    Brackets zero(a.data(), b.data());
     for (int step = 0; step < kSecantSteps; ++step) {
       for (std::size_t i = 0; i < kEdgeLanes; ++i) {
         const LatticeCoord from = node_coord(family.kind, low[first + i]);

@@ -35,7 +35,6 @@ RowSigns row_signs(const float* row) noexcept {
 void find_signs(const BrickSamples& samples, NodeSigns& signs) noexcept {
   for (const NodeKind kind : {kCorner, kCentre}) {
     const auto& phi = kind == kCorner ? samples.corner : samples.centre;
-    signs.inside[kind] = signs.outside[kind] = {};
     for (std::size_t w = 0; w < kSampledWords; ++w) {
       std::uint64_t negative = 0, zero = 0;
       for (std::size_t row = 0; row < 4; ++row) {

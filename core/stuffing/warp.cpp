@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <cstring>
 #include <emmintrin.h>
+#include <limits>
 #include <numbers>
-#include <utility>
 
 #include "core/base/vector_clones.h"
 
@@ -25,25 +24,25 @@ constexpr float kShortLength = static_cast<float>(std::numbers::sqrt3 / 2);
 /// A violating cut point as a number that sorts like (distance, direction): the bits of a float
 /// that is not negative sort like the float.
 using Violation = std::uint64_t;
-constexpr Violation kNoViolation = ~Violation{0};
-Violation violation(float distance, int direction) noexcept {
-  return Violation{std::bit_cast<std::uint32_t>(distance)} << 8 |
-         static_cast<Violation>(direction);
+constexpr std::uint32_t kNoDirection = 0xff;
+constexpr float kNever = std::numeric_limits<float>::infinity();
+constexpr Violation violation(float distance, std::uint32_t direction) noexcept {
+  return Violation{std::bit_cast<std::uint32_t>(distance)} << 8 | direction;
 }
-/// All ones where there is none.
-std::uint8_t direction_of(Violation violation) noexcept {
-  return static_cast<std::uint8_t>(violation);
-}
+constexpr Violation kNoViolation = violation(kNever, kNoDirection);
 
-/// By kind and halo index, as one column.
-constexpr std::size_t kAllNodes = std::size_t{kNodeKinds} * kHaloNodes;
-using NearestViolations = std::array<Violation, kAllNodes>;
+template <class Value>
+using ByNode = std::array<std::array<Value, kHaloNodes>, kNodeKinds>;
+/// Where a node is in such columns, one kind after the other.
 constexpr int node_slot(NodeKind kind, int index) noexcept { return kind * kHaloNodes + index; }
 
-/// What a batch of one family's edges does to their ends: each violates one node or none.
-struct ViolatedNodes {
-  alignas(64) std::array<std::int32_t, kEdgeLanes> node;
-  alignas(64) std::array<Violation, kEdgeLanes> by;
+/// Which of its ends each edge of a batch violates, if any.
+struct Violations {
+  template <class Value>
+  using Lanes = std::array<Value, kEdgeLanes>;
+  alignas(64) Lanes<std::int32_t> node;
+  alignas(64) Lanes<float> distance;
+  alignas(64) Lanes<std::uint32_t> direction;
 };
 
 /// An edge family's ends, and what violates them.
@@ -64,15 +63,29 @@ struct FamilyLimits {
 inline void find_violations(const FamilyLimits& family,
                             const std::uint16_t* low,
                             const float* fraction,
-                            ViolatedNodes& out) noexcept {
-  const int to_upper = family.direction, to_lower = opposite(family.direction);
+                            Violations& out) noexcept {
+  const auto to_upper = static_cast<std::uint32_t>(family.direction);
+  const auto to_lower = static_cast<std::uint32_t>(opposite(family.direction));
   for (std::size_t i = 0; i < kEdgeLanes; ++i) {
     const float t = fraction[i], rest = 1 - t;
-    const bool at_low = t < family.alpha, at_high = rest < family.alpha;
-    const float distance = (at_low ? t : rest) * family.length;
-    out.node[i] = low[i] + (at_low ? family.to_low : family.to_high);
-    const Violation by = violation(distance, at_low ? to_upper : to_lower);
-    out.by[i] = at_low | at_high ? by : kNoViolation;
+    const bool from_low = t < rest;  // only the nearer end: no limit is above a half
+    const float share = from_low ? t : rest;
+    const std::uint32_t direction = from_low ? to_upper : to_lower;
+    out.node[i] = low[i] + (from_low ? family.to_low : family.to_high);
+    out.distance[i] = share < family.alpha ? share * family.length : kNever;
+    out.direction[i] = share < family.alpha ? direction : kNoDirection;
+  }
+}
+
+/// Forgets the violations of the nodes and of their neighbours, which share edges with them.
+TET_VECTOR_CLONES
+void clear_violations(ByNode<Violation>& nearest) noexcept {
+  constexpr int kRows = kNodeMax - kNodeMin + 3;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    for (int x = kNodeMin - 1; x <= kNodeMax + 1; ++x) {
+      std::fill_n(nearest[kind].begin() + halo_index(x, kNodeMin - 1, -2), kRows * 16,
+                  kNoViolation);
+    }
   }
 }
 
@@ -80,84 +93,68 @@ inline void find_violations(const FamilyLimits& family,
 TET_VECTOR_CLONES
 void find_nearest(const CutEdges& edges,
                   const WarpLimits& limits,
-                  NearestViolations& nearest,
-                  std::uint8_t* direction) noexcept {
+                  ByNode<Violation>& nearest_of,
+                  ByNode<std::uint8_t>& directions) noexcept {
+  Violation* const nearest = nearest_of.front().data();
+  std::uint8_t* const direction = directions.front().data();
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
     const FamilyLimits family(static_cast<int>(f), limits);
     const auto [begin, count] = edges.run[f];
     for (std::size_t first = 0; first < count; first += kEdgeLanes) {
-      ViolatedNodes violated;
+      Violations violations;
       find_violations(family, &edges.low[begin + first], &edges.fraction[begin + first],
-                      violated);
+                      violations);
       const std::size_t lanes = std::min(kEdgeLanes, count - first);
       for (std::size_t i = 0; i < lanes; ++i) {
-        const auto node = static_cast<std::size_t>(violated.node[i]);
-        nearest[node] = std::min(nearest[node], violated.by[i]);
-        direction[node] = direction_of(nearest[node]);
+        const auto node = static_cast<std::size_t>(violations.node[i]);
+        const Violation found = violation(violations.distance[i], violations.direction[i]);
+        nearest[node] = std::min(nearest[node], found);
+        direction[node] = static_cast<std::uint8_t>(nearest[node]);
       }
     }
   }
 }
 
-/// Forgets the violations of the nodes and of their neighbours, which share edges with them.
-void clear_violations(NearestViolations& nearest) noexcept {
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for (int x = kNodeMin - 1; x <= kNodeMax + 1; ++x) {
-      const auto row = [&](int y) {
-        return nearest.begin() + node_slot(kind, halo_index(x, y, -2));
-      };
-      std::fill(row(kNodeMin - 1), row(kNodeMax + 2), kNoViolation);
-    }
-  }
-}
-
 /// The nodes of one kind that have a direction.
-HaloSet nodes_with_direction(const std::array<std::uint8_t, kHaloNodes>& direction) noexcept {
-  HaloSet nodes;
+void find_warped(const std::uint8_t* direction, HaloSet& warped) noexcept {
   for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
     std::uint64_t none = 0;
     for (std::size_t row = 0; row < 4; ++row) {
       const __m128i bytes =
-          _mm_loadu_si128(reinterpret_cast<const __m128i*>(&direction[(w * 4 + row) * 16]));
+          _mm_load_si128(reinterpret_cast<const __m128i*>(direction + (w * 4 + row) * 16));
       const auto bits = static_cast<unsigned>(_mm_movemask_epi8(bytes));
       none |= std::uint64_t{bits} << (row * 16);
     }
-    nodes.word[w] = kNodes.word[w] & ~none;
+    warped.word[w] = kNodes.word[w] & ~none;
   }
-  return nodes;
 }
 
-/// Cut points of a family whose ends both keep their signs.
-template <int kFamily>
-void keep_cut_points(const EdgeSets& cut,
-                     const std::array<HaloSet, kNodeKinds>& unmoved,
-                     EdgeSets& kept) noexcept {
-  constexpr NodeKind kKind = family_kind(kFamily);
-  constexpr NodeKind kEnd = end_kind(kKind, family_direction(kFamily));
-  constexpr int kOffset = end_offset(kKind, family_direction(kFamily));
-  HaloSet& out = kept[kFamily];
-  std::fill_n(out.word.begin(), kFirstWord, 0);
-  for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
-    out.word[w] = cut[kFamily].word[w] & unmoved[kKind].word[w] &
-                  word_seen_from(unmoved[kEnd], w, kOffset);
-  }
-  std::fill(out.word.begin() + kEndWord, out.word.end(), 0);
-}
-
-/// Signs after the warp, and the cut points that it leaves.
+/// Signs after the warp, and the cut points that it leaves: those whose ends both keep their
+/// sign.
 TET_VECTOR_CLONES
 void settle_signs(const CutPoints& cuts, WarpedLattice& lattice) noexcept {
-  std::array<HaloSet, kNodeKinds> unmoved;  // nodes that keep their sign, and so their cuts
+  std::array<HaloSet, kNodeKinds> unmoved;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    unmoved[kind] =
-        ((cuts.signs.inside[kind] | cuts.signs.outside[kind]) & kNodes) - lattice.warped[kind];
-    lattice.zero[kind] = kNodes - unmoved[kind];
-    lattice.plus[kind] = cuts.signs.inside[kind] & unmoved[kind];
+    const auto& inside = cuts.signs.inside[kind].word;
+    const auto& outside = cuts.signs.outside[kind].word;
+    for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+      const std::uint64_t still =
+          (inside[w] | outside[w]) & kNodes.word[w] & ~lattice.warped[kind].word[w];
+      unmoved[kind].word[w] = still;
+      lattice.zero[kind].word[w] = kNodes.word[w] & ~still;
+      lattice.plus[kind].word[w] = inside[w] & still;
+    }
   }
-  [&]<std::size_t... kFamily>(std::index_sequence<kFamily...>) {
-    (keep_cut_points<static_cast<int>(kFamily)>(cuts.cut, unmoved, lattice.cut), ...);
+  for (int family = 0; family < kEdgeFamilies; ++family) {
+    const auto f = static_cast<std::size_t>(family);
+    const HaloSet& low = unmoved[family_kind(family)];
+    const HaloSet& end = unmoved[end_kind(family_kind(family), family_direction(family))];
+    const int offset = end_offset(family_kind(family), family_direction(family));
+    for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+      lattice.cut[f].word[w] =
+          cuts.cut[f].word[w] & low.word[w] & word_seen_from(end, w, offset);
+    }
   }
-  (std::make_index_sequence<kEdgeFamilies>{});
 }
 
 }  // namespace
@@ -165,12 +162,12 @@ void settle_signs(const CutPoints& cuts, WarpedLattice& lattice) noexcept {
 void warp_lattice(const CutPoints& cuts,
                   const WarpLimits& limits,
                   WarpedLattice& lattice) noexcept {
-  alignas(64) NearestViolations nearest;
+  alignas(64) ByNode<Violation> nearest;
   clear_violations(nearest);
-  for (auto& direction : lattice.direction) direction.fill(direction_of(kNoViolation));
-  find_nearest(cuts.edges, limits, nearest, lattice.direction[0].data());
+  for (auto& direction : lattice.direction) direction.fill(kNoDirection);
+  find_nearest(cuts.edges, limits, nearest, lattice.direction);
   for (const NodeKind kind : {kCorner, kCentre}) {
-    lattice.warped[kind] = nodes_with_direction(lattice.direction[kind]);
+    find_warped(lattice.direction[kind].data(), lattice.warped[kind]);
   }
   settle_signs(cuts, lattice);
 }
