@@ -4,11 +4,10 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
-#include <grpcpp/support/channel_arguments.h>
 
+#include "client/channel.h"
 #include "client/client_call.h"
+#include "client/event_stream.h"
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
 #include "grpc/health/v1/health.grpc.pb.h"
@@ -19,18 +18,6 @@
 namespace tet {
 
 namespace {
-
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  for (const TransportSetting& setting : kTransportSettings) {
-    arguments.SetInt(setting.name, setting.value);
-  }
-  // A connection of its own, tried again sooner than our own retries end.
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 3000);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-}
 
 void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
           std::uint64_t done,
@@ -205,29 +192,27 @@ absl::Status MeshClient::check_health(const std::string& service,
 namespace {
 
 /// One stream, from the first chunk that is missing on.
-absl::Status receive(v1::MeshService::Stub& meshes,
-                     const v1::MeshRequest& request,
+absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
+                     v1::StreamMeshRequest message,
                      const ClientProgress& progress,
                      const Cancellation& cancellation,
                      MeshReceiver& receiver) {
-  v1::StreamMeshRequest message;
-  *message.mutable_mesh() = request;
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
   ClientCall call(cancellation);
-  const auto reader = meshes.StreamMesh(&call.context(), message);
+  EventStream stream(channel, call.context(), message);
   absl::Status taken;
-  for (v1::MeshEvent event; taken.ok() && reader->Read(&event);) {
+  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {
     taken = receiver.take(event);
-    if (event.has_progress()) {
-      tell(progress.planning, static_cast<std::uint64_t>(event.progress().done_bricks()),
-           static_cast<std::uint64_t>(event.progress().total_bricks()));
+    if (const auto& planning = receiver.planning()) {
+      tell(progress.planning, static_cast<std::uint64_t>(planning->done_bricks()),
+           static_cast<std::uint64_t>(planning->total_bricks()));
     } else {
       tell(progress.tets, receiver.tets_received(), receiver.tet_count());
     }
   }
   if (!taken.ok()) call.context().TryCancel();
-  const absl::Status ended = call.result(reader->Finish());
+  const absl::Status ended = call.result(stream.finish());
   if (!taken.ok()) return taken;
   if (!ended.ok() || receiver.complete()) return ended;
   return absl::UnavailableError("the stream ended before the mesh was whole");
@@ -237,11 +222,16 @@ absl::Status receive(v1::MeshService::Stub& meshes,
 
 absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& request,
                                                      const ClientProgress& progress,
-                                                     const Cancellation& cancellation) {
+                                                     const Cancellation& cancellation,
+                                                     v1::Encoding encoding) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_encoding(encoding);
   MeshReceiver receiver;
   for (Retries retries(connection_->retry, cancellation);;) {
-    const auto status = receive(connection_->meshes, request, progress, cancellation, receiver);
-    if (receiver.complete()) return std::move(receiver).finish();
+    const auto status =
+        receive(connection_->channel, message, progress, cancellation, receiver);
+    if (receiver.complete()) return std::move(receiver).finish(cancellation);
     if (!retries.again(status, receiver.next_chunk())) return status;
   }
 }

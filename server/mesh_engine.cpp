@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/wire/chunk_frame.h"
 #include "server/status.h"
 
 namespace tet {
@@ -25,6 +26,9 @@ void WorkspacePool::give_back(MeshWorkspace workspace) {
 
 namespace {
 
+// 32 MiB: more than one stream, or a few, ever hold.
+constexpr std::size_t kIdleBlocks = 64;
+
 /// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
 constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
 
@@ -42,6 +46,7 @@ MeshEngine::MeshEngine(const Config& server_config,
                        GridStore& store)
     : config(server_config),
       calls(call_registry),
+      blocks(kChunkBytes + ChunkFrame::kMaxOverhead, kIdleBlocks),
       planner(pool, store, config.resident_bytes, mesh_limits(config)),
       pool(static_cast<int>(config.threads)) {}
 
