@@ -16,7 +16,7 @@
 namespace tet {
 
 /// Collects one mesh from as many streams as it takes. Trusts nothing that the server says:
-/// every count is checked before it is used. Not thread-safe.
+/// every count and every vertex id is checked before it is used. Not thread-safe.
 class MeshReceiver {
  public:
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
@@ -43,7 +43,9 @@ class MeshReceiver {
   absl::Status take_chunk(const v1::MeshChunk& chunk);
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk,
                                         const std::array<std::size_t, 3>& column_bytes);
-  absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
+  absl::Status advance(const ChunkNumbers& chunk,
+                       const ChunkColumns& columns,
+                       std::uint32_t checksum);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   void take_quality(const v1::MeshTrailer& trailer);
 
