@@ -8,10 +8,10 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "client/chunk_message.h"
 #include "proto/wire/checksum.h"
+#include "proto/wire/serialized.h"
 
 namespace tet {
 
@@ -105,6 +105,24 @@ ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
           unsigned_count(chunk.tet_count()),    chunk.checksum()};
 }
 
+template <class Id>
+std::uint64_t largest_id(std::span<const std::byte> ids) {
+  Id largest = 0;
+  for (std::size_t i = 0; i < ids.size(); i += sizeof(Id)) {
+    Id id = 0;
+    std::memcpy(&id, ids.data() + i, sizeof id);
+    largest = std::max(largest, id);
+  }
+  return largest;
+}
+
+bool are_within(std::span<const std::byte> ids, const MeshHeader& header) {
+  const std::uint64_t largest = header.index_type == IndexType::kUint64
+                                    ? largest_id<std::uint64_t>(ids)
+                                    : largest_id<std::uint32_t>(ids);
+  return ids.empty() || largest < header.vertex_count;
+}
+
 void copy(const std::string& from, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }
@@ -130,11 +148,11 @@ absl::Status MeshReceiver::take(grpc::ByteBuffer& event) {
                  {chunk->columns[0].size, chunk->columns[1].size, chunk->columns[2].size});
     if (!columns.ok()) return columns.status();
     return advance(
-        chunk->numbers,
+        chunk->numbers, *columns,
         copy_columns(event, *chunk, {columns->positions, columns->tets, columns->regions}));
   }
   v1::MeshEvent message;
-  if (!grpc::SerializationTraits<v1::MeshEvent>::Deserialize(&event, &message).ok()) {
+  if (!deserialize(event, message)) {
     return bad_stream("a message that is no MeshEvent");
   }
   return take(message);
@@ -186,7 +204,8 @@ absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
   copy(chunk.positions(), columns->positions);
   copy(chunk.tets(), columns->tets);
   copy(chunk.regions(), columns->regions);
-  return advance(numbers, chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+  return advance(numbers, *columns,
+                 chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
 }
 
 absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
@@ -230,9 +249,14 @@ absl::Status MeshReceiver::check_place(const ChunkNumbers& chunk) const {
 
 /// The chunk counts as received if what was copied is what the server sent; else the next
 /// attempt overwrites it.
-absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t checksum) {
+absl::Status MeshReceiver::advance(const ChunkNumbers& chunk,
+                                   const ChunkColumns& columns,
+                                   std::uint32_t checksum) {
   if (checksum != chunk.checksum) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
+  }
+  if (!are_within(columns.tets, received_.mesh.header)) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
   }
   next_vertex_ += chunk.vertex_count;
   next_tet_ += chunk.tet_count;

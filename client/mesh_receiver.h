@@ -17,7 +17,7 @@
 namespace tet {
 
 /// Collects one mesh from as many streams as it takes. Trusts nothing that the server says:
-/// every count is checked before it is used. Not thread-safe.
+/// every count and every vertex id is checked before it is used. Not thread-safe.
 class MeshReceiver {
  public:
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
@@ -47,7 +47,9 @@ class MeshReceiver {
   absl::Status check_place(const ChunkNumbers& chunk) const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk,
                                         const std::array<std::size_t, 3>& column_bytes);
-  absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
+  absl::Status advance(const ChunkNumbers& chunk,
+                       const ChunkColumns& columns,
+                       std::uint32_t checksum);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   void take_quality(const v1::MeshTrailer& trailer);
 

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "proto/wire/checksum.h"
 #include "proto/wire/chunk_frame.h"
+#include "proto/wire/serialized.h"
 #include "server/status.h"
 
 namespace tet {
@@ -19,22 +19,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
-absl::StatusOr<StreamOrder> parse(const grpc::ByteBuffer& request) {
-  grpc::ByteBuffer consumed = request;
+absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
   v1::StreamMeshRequest message;
-  if (!grpc::SerializationTraits<v1::StreamMeshRequest>::Deserialize(&consumed, &message)
-           .ok()) {
+  if (!deserialize(request, message)) {
     return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
                        "MALFORMED");
   }
   return parse_stream_request(message);
-}
-
-grpc::ByteBuffer serialized(const v1::MeshEvent& event) {
-  grpc::ByteBuffer message;
-  bool own = false;
-  grpc::SerializationTraits<v1::MeshEvent>::Serialize(event, &message, &own);
-  return message;
 }
 
 std::uint32_t checksum_of(const ChunkColumns& columns) {
