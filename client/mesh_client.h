@@ -23,6 +23,8 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
+class MeshReceiver;
+
 /// How often a broken call is taken up again.
 struct RetryPolicy {
   int attempts = 6;            ///< in a row without any progress between them
@@ -89,7 +91,19 @@ class MeshClient {
                                            const Cancellation& cancellation,
                                            v1::Encoding encoding = v1::ENCODING_PLAIN);
 
+  /// The mesh of another grid by the request of an earlier one: what did not change is taken from
+  /// `earlier`, and only the rest is sent, if the server still has the earlier grid. The same
+  /// bytes as stream_mesh makes; where parts were kept, `quality` is that of the rest alone.
+  absl::StatusOr<StreamedMesh> update_mesh(const std::string& grid_name,
+                                           const StreamedMesh& earlier,
+                                           const ClientProgress& progress,
+                                           const Cancellation& cancellation);
+
  private:
+  absl::StatusOr<StreamedMesh> receive_mesh(v1::StreamMeshRequest message,
+                                            MeshReceiver receiver,
+                                            const ClientProgress& progress,
+                                            const Cancellation& cancellation);
   struct Connection;
   explicit MeshClient(std::unique_ptr<Connection> connection);
   std::unique_ptr<Connection> connection_;
