@@ -7,26 +7,24 @@
 
 namespace tet {
 
-namespace {
+std::string stream_mesh_method() {
+  return absl::StrCat("/", v1::MeshService::service_full_name(), "/StreamMesh");
+}
 
-grpc::ByteBuffer serialized(const v1::StreamMeshRequest& request) {
+grpc::ByteBuffer stream_mesh_bytes(const v1::StreamMeshRequest& request) {
   grpc::ByteBuffer message;
   bool own = false;
   grpc::SerializationTraits<v1::StreamMeshRequest>::Serialize(request, &message, &own);
   return message;
 }
 
-}  // namespace
-
 EventStream::EventStream(const std::shared_ptr<grpc::Channel>& channel,
                          grpc::ClientContext& context,
                          const v1::StreamMeshRequest& request) {
-  const std::string method =
-      absl::StrCat("/", v1::MeshService::service_full_name(), "/StreamMesh");
   context.set_initial_metadata_corked(true);  // sent with the request
-  call_ = grpc::GenericStub(channel).PrepareCall(&context, method, &queue_);
+  call_ = grpc::GenericStub(channel).PrepareCall(&context, stream_mesh_method(), &queue_);
   call_->StartCall(nullptr);
-  call_->WriteLast(serialized(request), grpc::WriteOptions(), nullptr);
+  call_->WriteLast(stream_mesh_bytes(request), grpc::WriteOptions(), nullptr);
   done();  // what kept it from being sent, `finish` tells
 }
 

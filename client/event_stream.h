@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -15,6 +16,12 @@
 namespace tet {
 
 namespace v1 = ::tetstream::v1;
+
+/// "/tetstream.v1.MeshService/StreamMesh".
+std::string stream_mesh_method();
+
+/// What that call sends.
+grpc::ByteBuffer stream_mesh_bytes(const v1::StreamMeshRequest& request);
 
 /// The generated stub would parse every message, copying its columns into strings. Not
 /// thread-safe; `context` outlives it.
