@@ -117,6 +117,21 @@ class MessageBytes {
   std::size_t position_ = 0;
 };
 
+/// Calls `use(i, piece)` for the bytes of each column i, one piece after another.
+template <class Use>
+void read_columns(grpc::ByteBuffer& message, const ChunkMessage& chunk, const Use& use) {
+  MessageBytes bytes(message);
+  for (std::size_t i = 0; i < chunk.columns.size(); ++i) {
+    bytes.go_to(chunk.columns[i].begin);
+    for (std::size_t left = chunk.columns[i].size; left > 0;) {
+      const auto piece = bytes.next(std::min(left, kPieceBytes));
+      if (piece.empty()) break;
+      use(i, piece);
+      left -= piece.size();
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
@@ -136,18 +151,21 @@ std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
 std::uint32_t copy_columns(grpc::ByteBuffer& message,
                            const ChunkMessage& chunk,
                            const std::array<std::span<std::byte>, 3>& to) {
-  MessageBytes bytes(message);
   std::uint32_t checksum = 0;
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    bytes.go_to(chunk.columns[i].begin);
-    for (std::span<std::byte> left = to[i]; !left.empty();) {
-      const auto piece = bytes.next(std::min(left.size(), kPieceBytes));
-      if (piece.empty()) break;
-      checksum = add_to_checksum(checksum, piece);
-      std::memcpy(left.data(), piece.data(), piece.size());
-      left = left.subspan(piece.size());
-    }
-  }
+  std::array<std::span<std::byte>, 3> left = to;
+  read_columns(message, chunk, [&](std::size_t i, std::span<const std::byte> piece) {
+    checksum = add_to_checksum(checksum, piece);
+    std::memcpy(left[i].data(), piece.data(), piece.size());
+    left[i] = left[i].subspan(piece.size());
+  });
+  return checksum;
+}
+
+std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ChunkMessage& chunk) {
+  std::uint32_t checksum = 0;
+  read_columns(message, chunk, [&](std::size_t, std::span<const std::byte> piece) {
+    checksum = add_to_checksum(checksum, piece);
+  });
   return checksum;
 }
 

@@ -185,13 +185,12 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
   return receive_mesh(std::move(message), MeshReceiver(), progress, cancellation);
 }
 
-absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const std::string& grid_name,
+absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,
                                                      const StreamedMesh& earlier,
                                                      const ClientProgress& progress,
                                                      const Cancellation& cancellation) {
   v1::StreamMeshRequest message;
-  *message.mutable_mesh() = earlier.canonical_request;
-  message.mutable_mesh()->set_name(grid_name);
+  *message.mutable_mesh() = request;
   message.set_base_mesh_id(earlier.mesh_id);
   message.set_base_name(earlier.canonical_request.name());
   return receive_mesh(std::move(message), MeshReceiver(&earlier.mesh), progress, cancellation);

@@ -91,10 +91,10 @@ class MeshClient {
                                            const Cancellation& cancellation,
                                            v1::Encoding encoding = v1::ENCODING_PLAIN);
 
-  /// The mesh of another grid by the request of an earlier one: what did not change is taken from
-  /// `earlier`, and only the rest is sent, if the server still has the earlier grid. The same
-  /// bytes as stream_mesh makes; where parts were kept, `quality` is that of the rest alone.
-  absl::StatusOr<StreamedMesh> update_mesh(const std::string& grid_name,
+  /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of another
+  /// grid: what did not change is taken from it, and only the rest is sent, if the server still
+  /// has the earlier grid. Where parts were kept, `quality` is that of the rest alone.
+  absl::StatusOr<StreamedMesh> update_mesh(const v1::MeshRequest& request,
                                            const StreamedMesh& earlier,
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation);

@@ -166,7 +166,7 @@ TEST_F(MeshClientTest, UpdatesAMeshToTheBytesOfAWholeOne) {
   const auto earlier = client_->stream_mesh(sphere, {}, never_);
   const auto whole = client_->stream_mesh(cavity, {}, never_);
   ASSERT_TRUE(earlier.ok() && whole.ok()) << earlier.status() << whole.status();
-  const auto updated = client_->update_mesh(cavity.name(), *earlier, {}, never_);
+  const auto updated = client_->update_mesh(cavity, *earlier, {}, never_);
   ASSERT_TRUE(updated.ok()) << updated.status();
   EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
   EXPECT_EQ(updated->mesh_id, whole->mesh_id);
@@ -184,7 +184,7 @@ TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
   lost.mesh_id = "lost";
   lost.canonical_request = whole->canonical_request;
   lost.canonical_request.set_name("grids/" + std::string(64, '0'));
-  const auto updated = client_->update_mesh(sphere.name(), lost, {}, never_);
+  const auto updated = client_->update_mesh(sphere, lost, {}, never_);
   ASSERT_TRUE(updated.ok()) << updated.status();
   EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
 }
