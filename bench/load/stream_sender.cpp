@@ -17,6 +17,7 @@
 #include "bench/load/stream_check.h"
 #include "client/channel.h"
 #include "proto/wire/serialized.h"
+#include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet::load {
 namespace {
