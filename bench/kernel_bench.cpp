@@ -1,9 +1,11 @@
 // Each stage of the mesher alone, on one thread, in the order in which a mesh passes through
 // them.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -193,7 +195,48 @@ void fill(benchmark::State& state, const Prepared& prepared, int levels, ChooseB
   state.counters["tets/s"] = benchmark::Counter(filled, benchmark::Counter::kIsRate);
 }
 
-// What is measured of a finished mesh.
+// What is measured of tets.
+
+/// The tets of a brick whose nodes all moved a little.
+struct ShakenBrick {
+  std::vector<LocalPoint> points;
+  std::vector<LocalTet> tets;
+
+  ShakenBrick() {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> step(-0.2F, 0.2F);
+    for (const float centre : {0.0F, 0.5F}) {
+      for (int i = 0; i < 1000; ++i) {
+        const auto place = [&](int n) { return static_cast<float>(n) + centre + step(random); };
+        points.push_back({place(i / 100), place(i / 10 % 10), place(i % 10)});
+      }
+    }
+    constexpr std::array<int, 3> kStep{100, 10, 1};
+    for (int i = 0; i < 1000; ++i) {
+      if (i / 100 > 7 || i / 10 % 10 > 7 || i % 10 > 7) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        add_around_face(i, kStep[axis], kStep[(axis + 1) % 3], kStep[(axis + 2) % 3]);
+    }
+  }
+
+ private:
+  void add_around_face(int cell, int across, int u, int v) {
+    const int face = cell + across;
+    const std::array<int, 4> ring{face, face + u, face + u + v, face + v};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto id = [](int i) { return static_cast<std::uint16_t>(i); };
+      tets.push_back({id(1000 + cell), id(1000 + face), id(ring[k]), id(ring[(k + 1) % 4])});
+    }
+  }
+};
+
+void measure_local_tets(benchmark::State& state) {
+  const ShakenBrick brick;
+  QualityMeter meter;
+  for (auto _ : state) meter.add_tets(brick.points.data(), brick.tets);
+  benchmark::DoNotOptimize(meter.stats());
+  count_items(state, "tets/s", static_cast<double>(brick.tets.size()));
+}
 
 using MeasureMesh = std::function<void(const TetMesh&)>;
 
@@ -226,6 +269,7 @@ constexpr BenchSize kWithInside{"5e5", 5e5};
 
 void add_brick_stages() {
   using namespace std::placeholders;
+  benchmark::RegisterBenchmark("measure_local_tets", measure_local_tets);
   const auto add_here = [](const char* stage, Solid solid, const Body& body) {
     add(stage, solid, kWithInside, body);
   };

@@ -1,9 +1,8 @@
 // `tetstream mesh`: a volume or a closed surface in, a mesh file out.
-#include <array>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
@@ -15,6 +14,7 @@
 #include "client/mesh_file.h"
 #include "client/mesh_maker.h"
 #include "client/mesh_report.h"
+#include "client/request_options.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
 
@@ -45,45 +45,24 @@ Examples:
 /// What the command line says, before it is understood.
 struct MeshArguments {
   MeshOptions options;
-  std::string preset = "default";
-  std::optional<std::array<double, 6>> box;
-  std::string coordinates;
+  RequestArguments request;
 };
 
 void describe_options(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
-  MeshRequest& request = options.request;
   app.footer(kExamples);
   app.add_option("INPUT", options.input,
                  "A .vdb volume, or a closed .obj, .stl or .ply surface")
       ->required();
   app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
       ->required();
-  app.add_option("--grid", options.grid, "Grid of the .vdb [its only meshable one]");
-  app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
-  app.add_option("--spacing", request.spacing,
-                 "Finest lattice spacing, world units [voxel size]");
-  app.add_option("--levels", request.levels,
-                 "Coarser octree levels inside; 0 is uniform [all]");
-  app.add_option("--preset", arguments.preset,
-                 "default, min-angle (the best smallest angle) or both-sides (meshes the "
-                 "outside too)")
-      ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
-  app.add_option("--box", arguments.box,
-                 "How far both-sides meshes, world units, rounded outward to 8 spacings [all "
-                 "that the grid stores]")
-      ->type_name("X0 Y0 Z0 X1 Y1 Z1");
-  app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
-  app.add_flag("--improve", request.improve,
-               "Move vertices, on the surface along it, to better the worst angles");
-  app.add_option(
-         "--coordinates", arguments.coordinates,
-         "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")
-      ->check(CLI::IsMember({"float32", "float64"}));
+  describe_request(app, arguments.request);
   app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
+  app.add_flag("--compact", options.compact,
+               "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
 }
@@ -111,17 +90,22 @@ absl::Status check_input(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
-absl::Status check_box(const MeshRequest& request) {
-  if (!request.box || request.preset == Preset::kBothSides) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "--box is for --preset both-sides; with %s the mesh ends where the inside does",
-      preset_name(request.preset)));
+absl::Status check_encoding(const MeshOptions& options) {
+  if (!options.compact) return absl::OkStatus();
+  if (options.server.empty()) {
+    return absl::InvalidArgumentError("--compact is about what a server sends: add --server");
+  }
+  if (options.request.improve) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry an improved mesh: leave --compact or --improve out");
+  }
+  return absl::OkStatus();
 }
 
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
   absl::Status status = check_input(options);
-  if (status.ok()) status = check_box(options.request);
+  if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = mesh_format_of(options.output).status();
   if (status.ok()) status = check_can_create(options.output);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
@@ -130,18 +114,10 @@ absl::Status check_options(const MeshOptions& options) {
 
 absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
   MeshOptions options = arguments.options;
-  options.request.preset = *parse_preset(arguments.preset);
-  if (arguments.box) {
-    const auto [x0, y0, z0, x1, y1, z1] = *arguments.box;
-    options.request.box = {
-        {x0, y0, z0},
-        {x1, y1, z1}
-    };
-  }
-  if (arguments.coordinates == "float32")
-    options.request.coordinates = CoordinateType::kFloat32;
-  if (arguments.coordinates == "float64")
-    options.request.coordinates = CoordinateType::kFloat64;
+  absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
+  if (!request.ok()) return request.status();
+  options.request = *std::move(request);
+  options.grid = arguments.request.grid;
   return options;
 }
 

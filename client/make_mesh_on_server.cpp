@@ -5,6 +5,7 @@
 
 #include "client/mesh_client.h"
 #include "client/mesh_maker.h"
+#include "client/request_options.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
 
@@ -70,48 +71,6 @@ absl::StatusOr<std::string> upload_input(MeshClient& client,
   return client.upload_file(path, progress, interruption);
 }
 
-v1::Preset wire_preset(Preset preset) {
-  switch (preset) {
-    case Preset::kDefault:
-      return v1::PRESET_DEFAULT;
-    case Preset::kMinAngle:
-      return v1::PRESET_MIN_ANGLE;
-    case Preset::kBothSides:
-      return v1::PRESET_BOTH_SIDES;
-  }
-  return v1::PRESET_UNSPECIFIED;
-}
-
-v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {
-  if (!type) return v1::COORDINATE_TYPE_UNSPECIFIED;
-  return *type == CoordinateType::kFloat64 ? v1::COORDINATE_TYPE_FLOAT64
-                                           : v1::COORDINATE_TYPE_FLOAT32;
-}
-
-void set_point(const WorldPoint& point, v1::Point& message) {
-  message.set_x(point.x);
-  message.set_y(point.y);
-  message.set_z(point.z);
-}
-
-v1::MeshRequest wire_request(const MeshOptions& options, const std::string& name) {
-  v1::MeshRequest request;
-  request.set_name(name);
-  request.set_grid_name(options.grid);
-  if (options.request.spacing) request.set_spacing(*options.request.spacing);
-  if (options.request.iso) request.set_iso(*options.request.iso);
-  request.set_levels(options.request.levels);
-  request.set_preset(wire_preset(options.request.preset));
-  request.set_improve(options.request.improve);
-  request.set_coordinate_type(wire_coordinates(options.request.coordinates));
-  if (options.request.box) {
-    set_point(options.request.box->min, *request.mutable_box()->mutable_min());
-    set_point(options.request.box->max, *request.mutable_box()->mutable_max());
-  }
-  request.set_manifold(options.request.manifold);
-  return request;
-}
-
 /// Shows both halves of a stream, and tells when the first ended.
 class StreamWatch {
  public:
@@ -159,8 +118,9 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
   const double uploading_seconds = watch.lap();
 
   StreamWatch stream(bar);
-  absl::StatusOr<StreamedMesh> streamed =
-      client->stream_mesh(wire_request(options, *name), stream.callbacks(), interruption);
+  absl::StatusOr<StreamedMesh> streamed = client->stream_mesh(
+      wire_request(options.request, *name, options.grid), stream.callbacks(), interruption,
+      options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   if (!streamed.ok()) return streamed.status();
   return MadeMesh{.mesh = std::move(streamed->mesh),
                   .quality = streamed->quality,

@@ -1,17 +1,17 @@
 #include "client/mesh_client.h"
 
-#include <fstream>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
-#include <grpcpp/support/channel_arguments.h>
 
+#include "client/channel.h"
 #include "client/client_call.h"
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
+#include "client/raw_call.h"
+#include "client/upload.h"
 #include "grpc/health/v1/health.grpc.pb.h"
+#include "proto/wire/serialized.h"
 #include "proto/wire/transport.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
@@ -19,18 +19,6 @@
 namespace tet {
 
 namespace {
-
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  for (const TransportSetting& setting : kTransportSettings) {
-    arguments.SetInt(setting.name, setting.value);
-  }
-  // A connection of its own, tried again sooner than our own retries end.
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 3000);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-}
 
 void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
           std::uint64_t done,
@@ -79,54 +67,6 @@ MeshClient::MeshClient(std::unique_ptr<Connection> connection)
 
 MeshClient::~MeshClient() = default;
 
-namespace {
-
-using UploadWriter = grpc::ClientWriter<v1::UploadGridRequest>;
-
-/// Writes what the server lacks; false when it stopped listening.
-bool write_pieces(UploadWriter& writer,
-                  const LocalFile& file,
-                  std::uint64_t offset,
-                  const ClientProgress& progress) {
-  v1::UploadGridRequest message;
-  message.mutable_start()->set_name(file.name);
-  message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(file.size_bytes));
-  if (!writer.Write(message)) return false;
-  std::ifstream input(file.path, std::ios::binary);
-  input.seekg(static_cast<std::streamoff>(offset));
-  std::string& piece = *message.mutable_data()->mutable_data();
-  while (offset < file.size_bytes) {
-    piece.resize(static_cast<std::size_t>(kUploadPieceBytes));
-    input.read(piece.data(), kUploadPieceBytes);
-    piece.resize(static_cast<std::size_t>(input.gcount()));
-    if (piece.empty()) break;  // the file shrank: the server will miss the rest
-    message.mutable_data()->set_offset(static_cast<std::int64_t>(offset));
-    if (!writer.Write(message)) return false;
-    offset += piece.size();
-    tell(progress.upload, offset, file.size_bytes);
-  }
-  return true;
-}
-
-/// One upload call from `offset` on. kAborted when it ended well but short.
-absl::Status upload_from(v1::GridService::Stub& grids,
-                         const LocalFile& file,
-                         std::uint64_t offset,
-                         const ClientProgress& progress,
-                         const Cancellation& cancellation) {
-  ClientCall call(cancellation);
-  v1::UploadGridResponse response;
-  const auto writer = grids.UploadGrid(&call.context(), &response);
-  if (write_pieces(*writer, file, offset, progress)) writer->WritesDone();
-  const absl::Status status = call.result(writer->Finish());
-  if (!status.ok() || response.complete()) return status;
-  return absl::AbortedError(absl::StrCat("the server holds ", response.committed_size(), " of ",
-                                         file.size_bytes, " bytes; did ", file.path,
-                                         " change?"));
-}
-
-}  // namespace
-
 absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
                                                     const ClientProgress& progress,
                                                     const Cancellation& cancellation) {
@@ -148,7 +88,8 @@ absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
     if (!state.ok()) return state.status();
     if (state->complete()) return file->name;
     const auto offset = static_cast<std::uint64_t>(state->committed_size());
-    const auto status = upload_from(grids, *file, offset, progress, cancellation);
+    const auto status =
+        upload_from(connection_->channel, *file, offset, progress, cancellation);
     if (status.ok()) return file->name;
     if (!retries.again(status, offset)) return status;
   }
@@ -205,29 +146,28 @@ absl::Status MeshClient::check_health(const std::string& service,
 namespace {
 
 /// One stream, from the first chunk that is missing on.
-absl::Status receive(v1::MeshService::Stub& meshes,
-                     const v1::MeshRequest& request,
+absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
+                     v1::StreamMeshRequest message,
                      const ClientProgress& progress,
                      const Cancellation& cancellation,
                      MeshReceiver& receiver) {
-  v1::StreamMeshRequest message;
-  *message.mutable_mesh() = request;
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
   ClientCall call(cancellation);
-  const auto reader = meshes.StreamMesh(&call.context(), message);
+  RawCall stream(channel, call.context(), v1::MeshService::service_full_name(), "StreamMesh");
+  stream.write_last(serialized(message));
   absl::Status taken;
-  for (v1::MeshEvent event; taken.ok() && reader->Read(&event);) {
+  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {
     taken = receiver.take(event);
-    if (event.has_progress()) {
-      tell(progress.planning, static_cast<std::uint64_t>(event.progress().done_bricks()),
-           static_cast<std::uint64_t>(event.progress().total_bricks()));
+    if (const auto& planning = receiver.planning()) {
+      tell(progress.planning, static_cast<std::uint64_t>(planning->done_bricks()),
+           static_cast<std::uint64_t>(planning->total_bricks()));
     } else {
       tell(progress.tets, receiver.tets_received(), receiver.tet_count());
     }
   }
   if (!taken.ok()) call.context().TryCancel();
-  const absl::Status ended = call.result(reader->Finish());
+  const absl::Status ended = call.result(stream.finish());
   if (!taken.ok()) return taken;
   if (!ended.ok() || receiver.complete()) return ended;
   return absl::UnavailableError("the stream ended before the mesh was whole");
@@ -237,11 +177,16 @@ absl::Status receive(v1::MeshService::Stub& meshes,
 
 absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& request,
                                                      const ClientProgress& progress,
-                                                     const Cancellation& cancellation) {
+                                                     const Cancellation& cancellation,
+                                                     v1::Encoding encoding) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_encoding(encoding);
   MeshReceiver receiver;
   for (Retries retries(connection_->retry, cancellation);;) {
-    const auto status = receive(connection_->meshes, request, progress, cancellation, receiver);
-    if (receiver.complete()) return std::move(receiver).finish();
+    const auto status =
+        receive(connection_->channel, message, progress, cancellation, receiver);
+    if (receiver.complete()) return std::move(receiver).finish(cancellation);
     if (!retries.again(status, receiver.next_chunk())) return status;
   }
 }

@@ -1,13 +1,16 @@
 #include "server/chunk_stream.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <span>
+#include <string_view>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
 #include "proto/wire/checksum.h"
+#include "proto/wire/chunk_frame.h"
+#include "proto/wire/serialized.h"
 #include "server/status.h"
 
 namespace tet {
@@ -16,9 +19,20 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
-std::span<std::byte> resized(std::string& column, std::size_t size) {
-  column.resize(size);
-  return std::as_writable_bytes(std::span(column));
+absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
+  v1::StreamMeshRequest message;
+  if (!deserialize(request, message)) {
+    return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
+                       "MALFORMED");
+  }
+  return parse_stream_request(message);
+}
+
+std::uint32_t checksum_of(const ChunkColumns& columns) {
+  const auto text = [](std::span<const std::byte> bytes) {
+    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  return chunk_checksum(text(columns.positions), text(columns.tets), text(columns.regions));
 }
 
 absl::Status client_gone(const Cancellation& cancellation) {
@@ -28,10 +42,10 @@ absl::Status client_gone(const Cancellation& cancellation) {
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::MeshEvent>* ChunkStream::start(
+grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
     MeshEngine& engine,
     const grpc::CallbackServerContext& context,
-    const v1::StreamMeshRequest& request) {
+    const grpc::ByteBuffer& request) {
   const std::shared_ptr<ChunkStream> stream(new ChunkStream(engine, context));
   stream->self_ = stream;
   stream->begin(request);
@@ -43,9 +57,9 @@ ChunkStream::ChunkStream(MeshEngine& engine, const grpc::CallbackServerContext& 
       call_(engine.calls, context, "StreamMesh"),
       watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
 
-void ChunkStream::begin(const v1::StreamMeshRequest& request) {
+void ChunkStream::begin(const grpc::ByteBuffer& request) {
   auto ticket = engine_.admit();
-  auto order = parse_stream_request(request);
+  auto order = parse(request);
   const absl::Status status = ticket.ok() ? order.status() : ticket.status();
   if (!status.ok()) {
     end(status);
@@ -115,9 +129,18 @@ absl::Status ChunkStream::check_range() {
                      "CHUNK_RANGE");
 }
 
+/// Chunks made ahead: enough of all streams together to keep every thread busy, but two a
+/// stream.
+std::uint64_t ChunkStream::window() const {
+  const auto streams = static_cast<std::uint64_t>(engine_.activity.meshes.load());
+  return std::clamp<std::uint64_t>(slots_.size() / std::max<std::uint64_t>(streams, 1),
+                                   std::min<std::uint64_t>(slots_.size(), 2), slots_.size());
+}
+
 /// Fills the window.
 void ChunkStream::post_chunks() {
-  while (posted_ < end_ && posted_ < next_ + slots_.size()) {
+  const std::uint64_t ahead = window();
+  while (posted_ < end_ && posted_ < next_ + ahead) {
     engine_.activity.chunks_in_flight.fetch_add(1);
     engine_.pool.post(
         [self = shared_from_this(), index = posted_] { self->make_chunk(index); });
@@ -129,7 +152,7 @@ void ChunkStream::post_chunks() {
 void ChunkStream::make_chunk(std::uint64_t index) {
   Slot& slot = slot_of(index);
   const bool wanted = !watch_->cancellation.requested();
-  if (wanted) fill(index, slot);
+  if (wanted) order_.compact ? encode(index, slot) : fill(index, slot);
   engine_.activity.chunks_in_flight.fetch_sub(1);
   {
     const std::lock_guard lock(mutex_);
@@ -140,22 +163,49 @@ void ChunkStream::make_chunk(std::uint64_t index) {
 }
 
 void ChunkStream::fill(std::uint64_t index, Slot& slot) {
-  const ChunkExtent extent = planned_.plan->chunk(index);
-  v1::MeshChunk& chunk = *slot.event.mutable_chunk();
+  const MeshPlan& plan = *planned_.plan;
+  const ChunkExtent extent = plan.chunk(index);
+  const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
+  const ChunkFrame frame({size.positions, size.tets, size.regions});
+  const grpc::Slice slice = engine_.blocks.take(frame.block_bytes());
+  auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));
+  const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block)};
+
+  MeshWorkspace workspace = engine_.workspaces.take();
+  slot.quality = plan.fill_chunk(index, workspace, columns);
+  engine_.workspaces.give_back(std::move(workspace));
+  const auto parts =
+      frame.write(block, {index, extent.first_vertex, extent.vertex_count, extent.first_tet,
+                          extent.tet_count, checksum_of(columns)});
+  const std::array<grpc::Slice, 3> slices = {slice.sub(parts[0].begin, parts[0].end),
+                                             slice.sub(parts[1].begin, parts[1].end),
+                                             slice.sub(parts[2].begin, parts[2].end)};
+  slot.message = grpc::ByteBuffer(slices.data(), size.regions == 0 ? 2 : 3);
+  slot.tets = extent.tet_count;
+  slot.bytes = size.total();
+  engine_.activity.chunks_made.fetch_add(1);
+}
+
+void ChunkStream::encode(std::uint64_t index, Slot& slot) {
+  const MeshPlan& plan = *planned_.plan;
+  const ChunkExtent extent = plan.chunk(index);
+  std::vector<std::byte> bytes;
+  MeshWorkspace workspace = engine_.workspaces.take();
+  plan.encode_chunk(index, workspace, bytes);
+  engine_.workspaces.give_back(std::move(workspace));
+
+  v1::MeshEvent event;
+  v1::MeshChunk& chunk = *event.mutable_chunk();
   chunk.set_index(static_cast<std::int64_t>(index));
   chunk.set_first_vertex(static_cast<std::int64_t>(extent.first_vertex));
   chunk.set_vertex_count(static_cast<std::int64_t>(extent.vertex_count));
   chunk.set_first_tet(static_cast<std::int64_t>(extent.first_tet));
   chunk.set_tet_count(static_cast<std::int64_t>(extent.tet_count));
-
-  MeshWorkspace workspace = engine_.workspaces.take();
-  const ChunkSizes size(planned_.plan->header(), extent.vertex_count, extent.tet_count);
-  slot.quality = planned_.plan->fill_chunk(index, workspace,
-                                           {resized(*chunk.mutable_positions(), size.positions),
-                                            resized(*chunk.mutable_tets(), size.tets),
-                                            resized(*chunk.mutable_regions(), size.regions)});
-  engine_.workspaces.give_back(std::move(workspace));
-  chunk.set_checksum(chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+  chunk.set_checksum(add_to_checksum(0, bytes));
+  chunk.set_compact(bytes.data(), bytes.size());
+  slot.message = serialized(event);
+  slot.tets = extent.tet_count;
+  slot.bytes = bytes.size();
   engine_.activity.chunks_made.fetch_add(1);
 }
 
@@ -166,7 +216,7 @@ void ChunkStream::advance() {
     case Step::kWait:
       return;
     case Step::kWrite:
-      return StartWrite(outgoing_);
+      return StartWrite(&outgoing_);
     case Step::kFinish:
       return Finish(call_.finish(status_));
   }
@@ -182,54 +232,74 @@ ChunkStream::Step ChunkStream::next_step() {
     call_.note("bytes", bytes_written_);
     return Step::kFinish;
   }
-  outgoing_ = next_event();
-  if (outgoing_ == nullptr) return Step::kWait;
+  if (!prepare_message()) return Step::kWait;
   writing_ = true;
   written_ = phase_;
   return Step::kWrite;
 }
 
-/// The message to be written now, if there is one.
-const v1::MeshEvent* ChunkStream::next_event() {
+/// The message to be written now, if there is one, becomes `outgoing_`.
+bool ChunkStream::prepare_message() {
   switch (phase_) {
-    case Phase::kPlanning: {
-      if (!std::exchange(progress_due_, false)) return nullptr;
-      v1::MeshProgress& progress = *control_.mutable_progress();
-      progress.set_done_bricks(static_cast<std::int64_t>(watch_->progress.done.load()));
-      progress.set_total_bricks(static_cast<std::int64_t>(watch_->progress.total.load()));
-      return &control_;
-    }
-    case Phase::kHeader: {
-      v1::MeshHeader& header = *control_.mutable_header();
-      to_proto(planned_.plan->header(), header);
-      header.set_mesh_id(planned_.mesh_id);
-      *header.mutable_canonical_request() = planned_.canonical;
-      return &control_;
-    }
+    case Phase::kPlanning:
+      if (!std::exchange(progress_due_, false)) return false;
+      outgoing_ = serialized(progress_event());
+      return true;
+    case Phase::kHeader:
+      outgoing_ = serialized(header_event());
+      return true;
     case Phase::kChunks:
-      return slot_of(next_).ready ? &slot_of(next_).event : nullptr;
-    case Phase::kTrailer: {
-      v1::MeshTrailer& trailer = *control_.mutable_trailer();
-      trailer.set_first_chunk(static_cast<std::int64_t>(order_.start_chunk));
-      trailer.set_end_chunk(static_cast<std::int64_t>(end_));
-      to_proto(quality_, *trailer.mutable_quality());
-      const auto& boundary = planned_.plan->boundary();
-      if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
-      const auto& improvement = planned_.plan->improvement();
-      if (improvement) to_proto(*improvement, *trailer.mutable_improvement());
-      to_proto(planned_.plan->thin_walls(), *trailer.mutable_thin_walls());
-      return &control_;
-    }
+      if (!slot_of(next_).ready) return false;
+      outgoing_.Swap(&slot_of(next_).message);
+      return true;
+    case Phase::kTrailer:
+      outgoing_ = serialized(trailer_event());
+      return true;
     case Phase::kEnded:
       break;
   }
-  return nullptr;
+  return false;
+}
+
+v1::MeshEvent ChunkStream::progress_event() const {
+  v1::MeshEvent event;
+  v1::MeshProgress& progress = *event.mutable_progress();
+  progress.set_done_bricks(static_cast<std::int64_t>(watch_->progress.done.load()));
+  progress.set_total_bricks(static_cast<std::int64_t>(watch_->progress.total.load()));
+  return event;
+}
+
+v1::MeshEvent ChunkStream::header_event() const {
+  v1::MeshEvent event;
+  v1::MeshHeader& header = *event.mutable_header();
+  to_proto(planned_.plan->header(), header);
+  header.set_mesh_id(planned_.mesh_id);
+  *header.mutable_canonical_request() = planned_.canonical;
+  if (order_.compact) {
+    to_proto(planned_.plan->compact_frame().to_world, *header.mutable_lattice());
+  }
+  return event;
+}
+
+v1::MeshEvent ChunkStream::trailer_event() const {
+  v1::MeshEvent event;
+  v1::MeshTrailer& trailer = *event.mutable_trailer();
+  trailer.set_first_chunk(static_cast<std::int64_t>(order_.start_chunk));
+  trailer.set_end_chunk(static_cast<std::int64_t>(end_));
+  if (!order_.compact) to_proto(quality_, *trailer.mutable_quality());
+  const auto& boundary = planned_.plan->boundary();
+  if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
+  const auto& improvement = planned_.plan->improvement();
+  if (improvement) to_proto(*improvement, *trailer.mutable_improvement());
+  to_proto(planned_.plan->thin_walls(), *trailer.mutable_thin_walls());
+  return event;
 }
 
 void ChunkStream::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
+    outgoing_.Clear();  // its block is gRPC's alone now
     if (!ok) {
       watch_->cancellation.cancel();
       end(client_gone(watch_->cancellation));
@@ -255,10 +325,9 @@ void ChunkStream::after_write() {
 /// Counts the chunk that was written and reuses its slot.
 void ChunkStream::after_chunk() {
   Slot& slot = slot_of(next_);
-  const v1::MeshChunk& chunk = slot.event.chunk();
   quality_.add(slot.quality);
-  tets_written_ += chunk.tet_count();
-  bytes_written_ += chunk.positions().size() + chunk.tets().size() + chunk.regions().size();
+  tets_written_ += slot.tets;
+  bytes_written_ += slot.bytes;
   slot.ready = false;
   ++next_;
   post_chunks();

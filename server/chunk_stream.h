@@ -9,6 +9,7 @@
 
 #include <absl/status/status.h>
 #include <grpcpp/alarm.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "server/mesh_engine.h"
@@ -20,28 +21,30 @@ namespace tet {
 /// them in order. It never waits: each event (plan made, chunk made, message written, client
 /// gone) moves it one step, on whichever thread the event came.
 ///
-/// At most `window` chunks are made and not yet taken by the transport, so a client that reads
-/// slowly holds that many buffers and nothing else.
+/// A chunk's columns are made in the memory they are sent from, within the protobuf bytes
+/// around them. At most `window` chunks are made and not yet taken by the transport, so a
+/// client that reads slowly holds that many blocks and nothing else.
 ///
 /// Lives until gRPC is done with it and the last task that refers to it has run.
-class ChunkStream final : public grpc::ServerWriteReactor<v1::MeshEvent>,
+class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                           public std::enable_shared_from_this<ChunkStream> {
  public:
   /// Begins the call; what it returns is for gRPC.
-  static grpc::ServerWriteReactor<v1::MeshEvent>* start(
+  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(
       MeshEngine& engine,
       const grpc::CallbackServerContext& context,
-      const v1::StreamMeshRequest& request);
+      const grpc::ByteBuffer& request);
 
  private:
   /// What is written next.
   enum class Phase { kPlanning, kHeader, kChunks, kTrailer, kEnded };
   enum class Step { kWait, kWrite, kFinish };
 
-  /// A chunk being made (`ready` is false) or waiting to be written. Its buffers are reused.
+  /// A chunk being made (`ready` is false) or waiting to be written.
   struct Slot {
-    v1::MeshEvent event;
+    grpc::ByteBuffer message;  ///< a MeshEvent
     QualityStats quality;
+    std::uint64_t tets = 0, bytes = 0;
     bool ready = false;
   };
 
@@ -51,18 +54,23 @@ class ChunkStream final : public grpc::ServerWriteReactor<v1::MeshEvent>,
   void OnCancel() override;
   void OnDone() override;
 
-  void begin(const v1::StreamMeshRequest& request);
+  void begin(const grpc::ByteBuffer& request);
   void watch_progress();
   void report_progress();
   void begin_chunks(absl::StatusOr<PlannedMesh> planned);
   absl::Status check_range();
+  std::uint64_t window() const;
   void post_chunks();
   void make_chunk(std::uint64_t index);
   void fill(std::uint64_t index, Slot& slot);
+  void encode(std::uint64_t index, Slot& slot);
 
   void advance();
   Step next_step();
-  const v1::MeshEvent* next_event();
+  bool prepare_message();
+  v1::MeshEvent progress_event() const;
+  v1::MeshEvent header_event() const;
+  v1::MeshEvent trailer_event() const;
   void after_write();
   void after_chunk();
   void end(const absl::Status& status);
@@ -84,16 +92,14 @@ class ChunkStream final : public grpc::ServerWriteReactor<v1::MeshEvent>,
   bool writing_ = false;
   bool finished_ = false;
   bool progress_due_ = false;
-  absl::Status status_;    ///< how the call ends
-  v1::MeshEvent control_;  ///< the header, progress or trailer being written
-  const v1::MeshEvent* outgoing_ = nullptr;
-  std::vector<Slot> slots_;   ///< chunk i in slot i % size
-  std::uint64_t next_ = 0;    ///< chunk to be written next
-  std::uint64_t posted_ = 0;  ///< chunk to be posted next
-  std::uint64_t end_ = 0;     ///< one past the last chunk
-  QualityStats quality_;      ///< of the chunks written, in their order
-  std::int64_t tets_written_ = 0;
-  std::uint64_t bytes_written_ = 0;
+  absl::Status status_;        ///< how the call ends
+  grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
+  std::vector<Slot> slots_;    ///< chunk i in slot i % size
+  std::uint64_t next_ = 0;     ///< chunk to be written next
+  std::uint64_t posted_ = 0;   ///< chunk to be posted next
+  std::uint64_t end_ = 0;      ///< one past the last chunk
+  QualityStats quality_;       ///< of the chunks written, in their order
+  std::uint64_t tets_written_ = 0, bytes_written_ = 0;
 };
 
 }  // namespace tet

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/wire/chunk_frame.h"
 #include "server/status.h"
 
 namespace tet {
@@ -23,12 +24,30 @@ void WorkspacePool::give_back(MeshWorkspace workspace) {
   idle_.push_back(std::move(workspace));
 }
 
+namespace {
+
+// 32 MiB: more than one stream, or a few, ever hold.
+constexpr std::size_t kIdleBlocks = 64;
+
+/// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
+constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
+
+MeshLimits mesh_limits(const Config& config) {
+  MeshLimits limits;
+  limits.max_tets = config.max_tets;
+  limits.kept_geometry_bytes = kKeptGeometryBytes;
+  return limits;
+}
+
+}  // namespace
+
 MeshEngine::MeshEngine(const Config& server_config,
                        CallRegistry& call_registry,
                        GridStore& store)
     : config(server_config),
       calls(call_registry),
-      planner(pool, store, config.resident_bytes, MeshLimits{config.max_tets}),
+      blocks(kChunkBytes + ChunkFrame::kMaxOverhead, kIdleBlocks),
+      planner(pool, store, config.resident_bytes, mesh_limits(config)),
       pool(static_cast<int>(config.threads)) {}
 
 absl::StatusOr<MeshTicket> MeshEngine::admit() {

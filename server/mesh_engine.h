@@ -11,6 +11,7 @@
 
 #include "core/base/parallel.h"
 #include "core/pipeline/mesh_plan.h"
+#include "proto/wire/block_pool.h"
 #include "server/calls.h"
 #include "server/config.h"
 #include "server/planner.h"
@@ -48,6 +49,7 @@ struct MeshEngine {
   CallRegistry& calls;
   Activity activity;
   WorkspacePool workspaces;
+  BlockPool blocks;
   Planner planner;
   TaskPool pool;  ///< last, so that its tasks end before what they use
 };

@@ -6,8 +6,13 @@
 
 namespace tet {
 
+/// The generated service, but StreamMesh in bytes: ChunkStream writes its messages itself.
+using RawStreamService = v1::MeshService::WithCallbackMethod_GetCapabilities<
+    v1::MeshService::WithCallbackMethod_EstimateMesh<
+        v1::MeshService::WithRawCallbackMethod_StreamMesh<v1::MeshService::Service>>>;
+
 /// gRPC's side of the mesher. Thread-safe; the engine outlives it.
-class MeshService final : public v1::MeshService::CallbackService {
+class MeshService final : public RawStreamService {
  public:
   explicit MeshService(MeshEngine& engine) : engine_(engine) {}
 
@@ -17,8 +22,8 @@ class MeshService final : public v1::MeshService::CallbackService {
   grpc::ServerUnaryReactor* EstimateMesh(grpc::CallbackServerContext* context,
                                          const v1::EstimateMeshRequest* request,
                                          v1::MeshHeader* response) override;
-  grpc::ServerWriteReactor<v1::MeshEvent>* StreamMesh(
-      grpc::CallbackServerContext* context, const v1::StreamMeshRequest* request) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamMesh(
+      grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
 
  private:
   MeshEngine& engine_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/tet_geometry.h"
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
@@ -63,33 +64,62 @@ void QualityMeter::add_tet(const WorldPoint& a,
                            const WorldPoint& c,
                            const WorldPoint& d) noexcept {
   const std::array<Vector, 4> normal = face_normals(a, b, c, d);
-  six_volumes_ += dot(from_to(a, b), normal[1]);
+  six_volumes_[0] += dot(from_to(a, b), normal[1]);
+  extremes_.add(normal);
   const std::array<double, 6> cosines = dihedral_cosines(normal);
   for (std::size_t edge = 0; edge < 6; ++edge) {
-    angles_.add(cosines[edge]);
-    ++histograms_[edge][kBinOf(cosines[edge])];
+    histogram_.add_one(kBinOf(cosines[edge]));
   }
 }
 
-void QualityMeter::add_batch(const BatchAngles& angles, std::size_t count) noexcept {
-  for (std::size_t i = 0; i < count; ++i) {
-    six_volumes_ += angles.six_volumes[i];
-    angles_.add({angles.largest_cosine[i], angles.smallest_cosine[i]});
-    for (std::size_t edge = 0; edge < 6; ++edge) {
-      ++histograms_[edge][kBinOf(angles.cosine[edge][i])];
-    }
+void QualityMeter::add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept {
+  constexpr std::size_t kSize = TetBatch::kSize;
+  for (; tets.size() >= kSize; tets = tets.subspan(kSize)) {
+    add_lanes(points, tets.first<kSize>(), kSize);
   }
+  if (tets.empty()) return;
+  std::array<LocalTet, kSize> last;
+  std::fill(std::copy(tets.begin(), tets.end(), last.begin()), last.end(), tets.back());
+  add_lanes(points, last, tets.size());
+}
+
+void QualityMeter::add_lanes(const LocalPoint* points,
+                             std::span<const LocalTet, TetBatch::kSize> tets,
+                             std::size_t count) noexcept {
+  TetBatch batch;
+  BatchAngles angles;
+  batch.load([&](std::size_t lane) {
+    const auto& [a, b, c, d] = tets[lane];
+    const FloatRow from = row_of(points[a]);
+    return std::array{row_of(points[b]) - from, row_of(points[c]) - from,
+                      row_of(points[d]) - from};
+  });
+  measure_batch(batch, angles);
+  add_batch(angles, count, [&](std::size_t lane) {
+    const auto place = [&](std::uint16_t i) {
+      return WorldPoint{points[i].x, points[i].y, points[i].z};
+    };
+    const auto& [a, b, c, d] = tets[lane];
+    return std::array{place(a), place(b), place(c), place(d)};
+  });
+}
+
+TET_VECTOR_CLONES
+void QualityMeter::count_batch(const BatchAngles& batch, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    six_volumes_[i] += static_cast<double>(batch.six_volumes[i]);
+  }
+  histogram_.add(batch.cosine, count);
 }
 
 QualityStats QualityMeter::stats() const noexcept {
   QualityStats stats;
-  for (const auto& histogram : histograms_) {
-    for (std::size_t d = 0; d < histogram.size(); ++d) stats.histogram[d] += histogram[d];
-  }
-  stats.volume = six_volumes_ / 6;
-  if (angles_.empty()) return stats;
-  stats.min_dihedral_deg = degrees_of(angles_.largest_cosine);
-  stats.max_dihedral_deg = degrees_of(angles_.smallest_cosine);
+  stats.histogram = histogram_.counts();
+  for (const double six_volumes : six_volumes_) stats.volume += six_volumes / 6;
+  const AngleRange& angles = extremes_.range();
+  if (angles.empty()) return stats;
+  stats.min_dihedral_deg = degrees_of(angles.largest_cosine);
+  stats.max_dihedral_deg = degrees_of(angles.smallest_cosine);
   return stats;
 }
 

@@ -1,11 +1,14 @@
-// Dihedral angles and volume of tets, gathered one by one.
+// Statistics of tets: dihedral angles and volume.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
-#include "core/base/dihedral.h"
+#include "core/base/degree_histogram.h"
+#include "core/base/extreme_angles.h"
+#include "core/base/local_point.h"
 #include "core/base/tet_batch.h"
 #include "core/base/types.h"
 
@@ -29,7 +32,7 @@ struct QualityStats {
   void add_copies(const QualityStats& shape, std::uint64_t count, double scale) noexcept;
 };
 
-/// Gathers the statistics of tets one by one.
+/// Gathers the statistics of tets.
 class QualityMeter {
  public:
   /// Corners in the order of the tet; relative to any common origin, in world units. An
@@ -39,17 +42,28 @@ class QualityMeter {
                const WorldPoint& c,
                const WorldPoint& d) noexcept;
 
-  /// Adds the first `count` tets of a batch: the same as one by one, but quicker.
-  void add_batch(const BatchAngles& angles, std::size_t count) noexcept;
+  /// Adds tets whose corners are `points`, several at once: float arithmetic, and
+  /// ExtremeAngles.
+  void add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept;
+
+  /// Adds the first `count` tets of a measured batch; `places_of(lane)` is their four corners.
+  template <class PlacesOf>
+  void add_batch(const BatchAngles& batch, std::size_t count, PlacesOf places_of) noexcept {
+    extremes_.add(batch, count, places_of);
+    count_batch(batch, count);
+  }
 
   QualityStats stats() const noexcept;
 
  private:
-  /// One histogram for each of a tet's edges: tets in a row are often alike, and counting into
-  /// one bin again and again waits for the last store each time.
-  std::array<std::array<std::uint64_t, QualityStats::kBins>, 6> histograms_{};
-  AngleRange angles_;
-  double six_volumes_ = 0;
+  void add_lanes(const LocalPoint* points,
+                 std::span<const LocalTet, TetBatch::kSize> tets,
+                 std::size_t count) noexcept;
+  void count_batch(const BatchAngles& batch, std::size_t count) noexcept;
+
+  DegreeHistogram histogram_;
+  ExtremeAngles extremes_;
+  TetBatch::Column<double> six_volumes_{};  // of every sixteenth tet
 };
 
 }  // namespace tet

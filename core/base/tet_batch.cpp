@@ -1,62 +1,57 @@
 #include "core/base/tet_batch.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "core/base/tet_geometry.h"
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
 
-using Column = TetBatch::Column<double>;
+using FloatVector = BasicVector<float>;
 
-/// Normals of the four faces as columns, as `face_normals` has them, and 1 / |normal|^2.
-struct BatchNormals {
-  alignas(64) std::array<TetBatch::Corner, 4> normal;
-  std::array<Column, 4> per_square;
+// Unlike std::min and std::max these become one instruction. The second number wins when the
+// first is none.
+float lower(float a, float b) noexcept { return a < b ? a : b; }
+float higher(float a, float b) noexcept { return a > b ? a : b; }
+
+struct Face {
+  FloatVector normal;
+  float per_square;  // 1 / |normal|^2
+
+  explicit Face(const FloatVector& n) noexcept : normal(n), per_square(1 / dot(n, n)) {}
 };
 
-void find_normals(const TetBatch& batch, BatchNormals& out, Column& six_volumes) noexcept {
-  const auto& [a, b, c, d] = batch.corner;
-  for (std::size_t i = 0; i < TetBatch::kSize; ++i) {
-    const WorldPoint pa{a.x[i], a.y[i], a.z[i]}, pb{b.x[i], b.y[i], b.z[i]};
-    const WorldPoint pc{c.x[i], c.y[i], c.z[i]}, pd{d.x[i], d.y[i], d.z[i]};
-    const std::array<Vector, 4> normal = face_normals(pa, pb, pc, pd);
-    for (std::size_t f = 0; f < 4; ++f) {
-      out.normal[f].x[i] = normal[f].x;
-      out.normal[f].y[i] = normal[f].y;
-      out.normal[f].z[i] = normal[f].z;
-      out.per_square[f][i] = 1 / dot(normal[f], normal[f]);
-    }
-    six_volumes[i] = dot(from_to(pa, pb), normal[1]);
-  }
-}
-
-void find_cosines(const BatchNormals& in, std::size_t f, std::size_t g, Column& out) noexcept {
-  const auto &m = in.normal[f], &n = in.normal[g];
-  for (std::size_t i = 0; i < TetBatch::kSize; ++i) {
-    const double inward = -(m.x[i] * n.x[i] + m.y[i] * n.y[i] + m.z[i] * n.z[i]);
-    const double cosine =
-        (inward * in.per_square[f][i]) * (std::abs(inward) * in.per_square[g][i]);
-    out[i] = cosine > -1 ? std::min(cosine, 1.0) : -1;  // not a number becomes -1
-  }
+/// Of the dihedral angle between two faces.
+[[gnu::always_inline]] inline float signed_square_of_cosine(const Face& f,
+                                                            const Face& g) noexcept {
+  const float inward = -dot(f.normal, g.normal);
+  return higher((inward * f.per_square) * (std::abs(inward) * g.per_square), -1);
 }
 
 }  // namespace
 
-void measure_batch(const TetBatch& batch, BatchAngles& angles) noexcept {
-  BatchNormals normals;
-  find_normals(batch, normals, angles.six_volumes);
-  angles.largest_cosine.fill(-1);
-  angles.smallest_cosine.fill(1);
-  std::size_t edge = 0;
-  for (std::size_t f = 0; f < 3; ++f) {
-    for (std::size_t g = f + 1; g < 4; ++g, ++edge) {
-      Column& cosine = angles.cosine[edge];
-      find_cosines(normals, f, g, cosine);
-      for (std::size_t i = 0; i < TetBatch::kSize; ++i) {
-        angles.largest_cosine[i] = std::max(angles.largest_cosine[i], cosine[i]);
-        angles.smallest_cosine[i] = std::min(angles.smallest_cosine[i], cosine[i]);
-      }
+TET_VECTOR_CLONES
+void measure_batch(const TetBatch& __restrict batch, BatchAngles& __restrict angles) noexcept {
+  const auto& [ab, ac, ad] = batch.edge;
+  for (std::size_t i = 0; i < TetBatch::kSize; ++i) {
+    const FloatVector u{ab.x[i], ab.y[i], ab.z[i]}, v{ac.x[i], ac.y[i], ac.z[i]};
+    const FloatVector w{ad.x[i], ad.y[i], ad.z[i]};
+    const Face a(cross(w - u, v - u)), b(cross(v, w)), c(cross(w, u)), d(cross(u, v));
+    const std::array<float, 6> cosine{
+        signed_square_of_cosine(a, b), signed_square_of_cosine(a, c),
+        signed_square_of_cosine(a, d), signed_square_of_cosine(b, c),
+        signed_square_of_cosine(b, d), signed_square_of_cosine(c, d)};
+    float largest = cosine[0], smallest = cosine[0];
+#pragma GCC unroll 6  // inner loops would keep the outer one from becoming vector instructions
+    for (std::size_t edge = 0; edge < 6; ++edge) {
+      angles.cosine[edge][i] = cosine[edge];
+      largest = higher(largest, cosine[edge]);
+      smallest = lower(smallest, cosine[edge]);
     }
+    angles.largest_cosine[i] = largest;
+    angles.smallest_cosine[i] = smallest;
+    angles.six_volumes[i] = dot(u, b.normal);
   }
 }
 

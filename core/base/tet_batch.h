@@ -5,36 +5,41 @@
 #include <array>
 #include <cstddef>
 
-#include "core/base/dihedral.h"
-#include "core/base/types.h"
+#include "core/base/float_row.h"
 
 namespace tet {
 
-/// Corners of a few tets, as columns.
+/// The edges of a few tets from their first corner to each of the others, as columns.
 struct TetBatch {
-  static constexpr std::size_t kSize = 16;
+  static constexpr std::size_t kSize = 32;
   template <class Number>
   using Column = std::array<Number, kSize>;
 
-  struct Corner {
-    Column<double> x, y, z;
+  struct Edge {
+    Column<float> x, y, z;
   };
-  alignas(64) std::array<Corner, 4> corner;
+  alignas(64) std::array<Edge, 3> edge;
 
-  void set(std::size_t lane, std::size_t k, const WorldPoint& p) noexcept {
-    corner[k].x[lane] = p.x;
-    corner[k].y[lane] = p.y;
-    corner[k].z[lane] = p.z;
+  /// Fills all lanes; `edges_of(lane)` is the tet's three edges as an array of FloatRow.
+  template <class EdgesOf>
+  void load(EdgesOf edges_of) noexcept {
+    for (std::size_t lane = 0; lane < kSize; lane += 4) {
+      const auto e0 = edges_of(lane), e1 = edges_of(lane + 1);
+      const auto e2 = edges_of(lane + 2), e3 = edges_of(lane + 3);
+      for (std::size_t k = 0; k < 3; ++k) {
+        auto& [x, y, z] = edge[k];
+        store_transposed({e0[k], e1[k], e2[k], e3[k]}, &x[lane], &y[lane], &z[lane]);
+      }
+    }
   }
 };
 
-/// What is known of each tet of a batch.
+/// What is known of each tet of a batch, by float arithmetic. Cosines are sign(cos) * cos^2,
+/// and -1 at a face without area; rounding may put them beyond 1.
 struct BatchAngles {
-  /// Signed squares of the cosines of the six dihedral angles, -1 to 1; -1 at a face without
-  /// area.
-  alignas(64) std::array<TetBatch::Column<double>, 6> cosine;
-  TetBatch::Column<double> largest_cosine, smallest_cosine;
-  TetBatch::Column<double> six_volumes;
+  alignas(64) std::array<TetBatch::Column<float>, 6> cosine;
+  TetBatch::Column<float> largest_cosine, smallest_cosine;
+  TetBatch::Column<float> six_volumes;
 };
 
 void measure_batch(const TetBatch& batch, BatchAngles& angles) noexcept;

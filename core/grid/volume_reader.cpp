@@ -40,10 +40,9 @@ void VolumeReader::find_region(BrickCoord region_min) noexcept {
   }
 }
 
-bool VolumeReader::constant_region(BrickCoord region_min, float& value) noexcept {
+VolumeReader::RegionOrConstant VolumeReader::region(BrickCoord region_min) noexcept {
   enter(region_min);
-  value = constant_;
-  return region_ == nullptr;
+  return {region_, constant_};
 }
 
 float VolumeReader::value(VoxelCoord voxel) noexcept {

@@ -32,8 +32,12 @@ class VolumeReader {
   /// Trilinear interpolation between the eight voxel centres around `p`.
   double trilinear(const VoxelPoint& p) noexcept;
 
-  /// True when the 128-voxel region at `region_min` (a multiple of 16 bricks) has one value.
-  bool constant_region(BrickCoord region_min, float& value) noexcept;
+  /// The 128-voxel region at `region_min` (a multiple of 16 bricks).
+  struct RegionOrConstant {
+    const Region* region;  ///< null: `constant` throughout
+    float constant;
+  };
+  RegionOrConstant region(BrickCoord region_min) noexcept;
 
  private:
   /// Makes the region at `region_min` the one that is read.

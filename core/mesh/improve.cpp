@@ -5,8 +5,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/base/extreme_angles.h"
 #include "core/base/parallel.h"
-#include "core/base/tet_batch.h"
+#include "core/mesh/load_batch.h"
 #include "core/mesh/star.h"
 #include "core/mesh/vertex_mover.h"
 #include "core/mesh/vertex_stars.h"
@@ -35,18 +36,21 @@ AngleSurvey survey_range(const MeshView& view,
                          std::uint64_t begin,
                          std::uint64_t end) {
   AngleSurvey survey;
+  ExtremeAngles extremes;
   TetBatch batch;
   BatchAngles angles;
   for (std::uint64_t first = begin; first < end; first += TetBatch::kSize) {
     const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - first);
-    view.load(first, count, batch);
+    load_batch(view, first, count, batch);
     measure_batch(batch, angles);
+    extremes.add(angles, count,
+                 [&](std::size_t lane) { return view.stored_places(first + lane); });
     for (std::size_t i = 0; i < count; ++i) {
       const AngleRange range{angles.largest_cosine[i], angles.smallest_cosine[i]};
-      survey.angles.add(range);
       if (!goal.met_by(range)) survey.bad_tets.push_back(first + i);
     }
   }
+  survey.angles = extremes.range();
   return survey;
 }
 

@@ -1,6 +1,6 @@
 #include "core/mesh/tet_mesh.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace tet {
 namespace {
@@ -21,6 +21,13 @@ TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
   regions = ByteBuffer(sizes.regions);
 }
 
+TetMesh::TetMesh(const MeshHeader& mesh_header, TetMesh&& used) : header(mesh_header) {
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  positions = ByteBuffer(sizes.positions, std::move(used.positions));
+  tets = ByteBuffer(sizes.tets, std::move(used.tets));
+  regions = ByteBuffer(sizes.regions, std::move(used.regions));
+}
+
 void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexcept {
   const auto [x, y, z] = position;
   if (header.coordinate_type == CoordinateType::kFloat64) {
@@ -34,13 +41,6 @@ void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexce
 WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
   const auto [x, y, z] = stored_position(i);
   return {header.origin.x + x, header.origin.y + y, header.origin.z + z};
-}
-
-void MeshView::load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept {
-  for (std::size_t lane = 0; lane < TetBatch::kSize; ++lane) {
-    const auto corners = tet(first + std::min(lane, count - 1));
-    for (std::size_t k = 0; k < 4; ++k) batch.set(lane, k, stored_position(corners[k]));
-  }
 }
 
 MeshRegion TetMesh::region(std::uint64_t i) const noexcept {

@@ -5,10 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <span>
 
-#include "core/base/tet_batch.h"
+#include "core/base/byte_buffer.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -58,22 +57,6 @@ struct ChunkColumns {
   std::span<std::byte> regions;  ///< empty unless the header has regions
 };
 
-/// Memory that is not zeroed when allocated: its first writer touches it, on its own core.
-class ByteBuffer {
- public:
-  ByteBuffer() = default;
-  explicit ByteBuffer(std::size_t size)
-      : bytes_(std::make_unique_for_overwrite<std::byte[]>(size)), size_(size) {}
-
-  std::span<std::byte> bytes() noexcept { return {bytes_.get(), size_}; }
-  std::span<const std::byte> bytes() const noexcept { return {bytes_.get(), size_}; }
-  std::size_t size() const noexcept { return size_; }
-
- private:
-  std::unique_ptr<std::byte[]> bytes_;
-  std::size_t size_ = 0;
-};
-
 /// Positions and tets that somebody else holds; tets may be some of the mesh only.
 struct MeshView {
   CoordinateType coordinate_type = CoordinateType::kFloat32;
@@ -85,8 +68,8 @@ struct MeshView {
   /// As stored, relative to the mesh's origin.
   WorldPoint stored_position(std::uint64_t i) const noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
-  /// Stored positions of `count` tets from `first` on; lanes beyond repeat the last tet.
-  void load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept;
+  /// Stored positions of a tet's corners.
+  std::array<WorldPoint, 4> stored_places(std::uint64_t i) const noexcept;
 
  private:
   template <class Number, std::size_t N>
@@ -113,6 +96,11 @@ inline std::array<std::uint64_t, 4> MeshView::tet(std::uint64_t i) const noexcep
   return {a, b, c, d};
 }
 
+inline std::array<WorldPoint, 4> MeshView::stored_places(std::uint64_t i) const noexcept {
+  const auto [a, b, c, d] = tet(i);
+  return {stored_position(a), stored_position(b), stored_position(c), stored_position(d)};
+}
+
 /// A whole mesh as columns, in exactly the bytes that chunks carry (little-endian).
 ///
 /// positions: vertex_count * 3 coordinates (x, y, z), relative to `header.origin`.
@@ -127,6 +115,8 @@ struct TetMesh {
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.
   explicit TetMesh(const MeshHeader& mesh_header);
+  /// The same in the memory of a mesh that is no longer needed, as far as that is enough.
+  TetMesh(const MeshHeader& mesh_header, TetMesh&& used);
 
   /// World coordinates, in double whatever the storage.
   WorldPoint vertex(std::uint64_t i) const noexcept;

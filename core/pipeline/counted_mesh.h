@@ -10,7 +10,8 @@
 #include "core/lattice/node_numbers.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/survey.h"
-#include "core/stuffing/fill.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/local_vertices.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
@@ -19,6 +20,17 @@ namespace tet {
 struct BrickPlace {
   int level = 0;
   std::size_t brick = 0;
+};
+
+/// Where a finest brick's signs are: which of the surveyed ones it is, or one of these.
+inline constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
+inline constexpr std::uint32_t kAllInside = kAllOutside - 1;
+
+/// All that a mesh is counted from.
+struct MeshStructure {
+  Octree tree;                         ///< with every brick that owns a corner
+  std::vector<std::uint32_t> stuffed;  ///< of each finest brick
+  Survey survey;
 };
 
 /// The octree with the vertices and tets of each brick, finest level first: a mesh but for its
@@ -30,6 +42,9 @@ class CountedMesh {
               Octree tree,
               const StuffingRules& rules,
               bool uniform);
+
+  /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets use.
+  CountedMesh(MeshStructure structure, const StuffingRules& rules);
 
   const StuffingRules& rules() const noexcept { return rules_; }
   const RestoredNodes* restored() const noexcept { return survey_.restored.get(); }
@@ -44,31 +59,42 @@ class CountedMesh {
 
   std::size_t brick_count() const noexcept { return first_vertex_.size() - 1; }
   BrickPlace place(std::size_t brick) const noexcept;
+  /// The number of a level's first brick.
+  std::size_t first_brick(int level) const noexcept {
+    return first_brick_[static_cast<std::size_t>(level)];
+  }
   std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
   std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
 
   /// A finest brick and those beyond its upper faces, with what the survey kept of each.
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
-  /// The vertices of the finest brick at `coord`; none where there is no such brick.
-  OwnedVertices finest_vertices_at(BrickCoord coord) const noexcept;
+  BrickSurroundings surroundings(std::size_t brick) const noexcept;
+  /// Their vertices; `geometry` is null where it was not kept.
+  VerticesAround vertices_around(std::size_t brick) const noexcept;
+  /// The leaves of a finest brick and of those beyond its faces.
+  LeavesAround leaves_around(std::size_t brick) const noexcept;
+  /// What the survey kept of a finest brick: see MeshStructure::stuffed.
+  std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
+  const Survey& survey() const noexcept { return survey_; }
   /// True when a finest brick has warped nodes or cut points in reach.
   bool touches_surface(std::size_t brick) const noexcept;
 
  private:
   const StuffedBrick* stuffed_at(BrickCoord coord) const noexcept;
+  OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   void find_stuffed(const PhiField& field);
   void find_vertices();
   void find_finest_vertices(std::size_t brick);
   void find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf);
+  void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
+  void find_cut_points();
   void count_bricks();
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place) const noexcept;
   std::uint64_t finest_tets_of(std::size_t brick) const noexcept;
 
-  static constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
-  static constexpr std::uint32_t kAllInside = kAllOutside - 1;
-
   StuffingRules rules_;
+  bool geometry_is_trimmed_ = false;  ///< packed after cut points that no tet uses were dropped
   Survey survey_;
   Octree tree_;
   StuffedBrick all_inside_ = StuffedBrick::all_inside();

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -17,6 +18,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
+#include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/pipeline/thin_walls.h"
@@ -41,6 +43,26 @@ class MeshWorkspace {
 /// Where long work stands; readable from any thread while it runs.
 struct MeshProgress {
   std::atomic<std::uint64_t> done{0}, total{0};  ///< bricks surveyed, of those to survey
+};
+
+/// Where the lattice of a compact mesh lies, and how it was stuffed.
+struct CompactFrame {
+  LatticeToWorld to_world;
+  StuffingRules rules;
+};
+
+class CountedMesh;
+struct PhiField;
+
+/// A counted mesh and the field that it was counted from.
+struct ComparedMesh {
+  const CountedMesh& mesh;
+  const PhiField& field;
+};
+
+/// Bricks of a mesh in the order of ids, the last one excluded.
+struct BrickRange {
+  std::size_t begin = 0, end = 0;
 };
 
 /// The counted mesh of one (volume, request). Immutable: any thread may call any member.
@@ -74,11 +96,22 @@ class MeshPlan {
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept;
 
- private:
-  QualityStats fill_unimproved(std::uint64_t index,
-                               MeshWorkspace& workspace,
-                               ChunkColumns columns) const noexcept;
+  /// The same by bricks: of which there are any number in a chunk.
+  ComparedMesh counted() const noexcept;
+  ChunkExtent bricks(const BrickRange& range) const noexcept;
+  QualityStats fill_bricks(const BrickRange& range,
+                           MeshWorkspace& workspace,
+                           ChunkColumns columns) const noexcept;
 
+  /// Appends one chunk as its compact encoding, which depends on (volume, request, index) alone
+  /// too. Not for an improved mesh, whose positions no rule implies.
+  void encode_chunk(std::uint64_t index,
+                    MeshWorkspace& workspace,
+                    std::vector<std::byte>& bytes) const;
+  /// What compact chunks leave out because all of them share it.
+  CompactFrame compact_frame() const noexcept;
+
+ private:
   std::shared_ptr<const Impl> impl_;
   ByteBuffer positions_;  // of all vertices, where they were improved
   std::optional<Improvement> improvement_;

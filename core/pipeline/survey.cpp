@@ -1,6 +1,9 @@
 #include "core/pipeline/survey.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -21,7 +24,9 @@ struct SurveyedBrick {
   BrickMask finest;
   std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
-  bool at_domain_face = false;  ///< some tet near a face of the domain is cut or moved
+  std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
+  const std::byte* geometry = nullptr;  ///< where it is kept
+  bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
 };
 
 struct SurveyWorkspace {
@@ -122,13 +127,49 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   if (space.domain && !holds(*space.domain, brick)) return found;
   const BrickMask cells = stuffed_cells(lattice.warped, rules);
   found.finest = with_siblings(cells);
-  found.surface = survey_surface(lattice.warped, workspace.surface);
+  found.surface = survey_surface(lattice.warped, found.stuffed);
+  if (found.surface.sheet.any && !found.surface.sheet.one) {
+    found.parts =
+        std::make_unique<SurfaceParts>(find_surface_parts(lattice.warped, workspace.surface));
+  }
   if (!space.domain) return found;
   found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
   found.surface.counts.add_fans(count_fans(*found.fans));
   found.at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
   return found;
 }
+
+/// Packs the geometry of one brick after another, as long as there is room for it.
+class GeometryKeeper {
+ public:
+  /// `room` is what all keepers together may still take, bytes.
+  explicit GeometryKeeper(std::atomic<std::int64_t>& room) : room_(room) {}
+
+  void keep(const StuffedLattice& lattice, SurveyedBrick& found) {
+    const std::size_t size = GeometrySizes(found.stuffed).bytes();
+    if (room_.fetch_sub(static_cast<std::int64_t>(size)) < static_cast<std::int64_t>(size))
+      return;
+    const std::size_t begin = packed_.size();
+    packed_.resize(begin + size);
+    pack_geometry(lattice, found.stuffed, packed_.data() + begin);
+    kept_.emplace_back(&found, begin);
+  }
+
+  /// Moves all of it to where it stays, and tells the bricks.
+  std::shared_ptr<std::byte[]> take() {
+    if (packed_.empty()) return nullptr;
+    std::shared_ptr<std::byte[]> block =
+        std::make_unique_for_overwrite<std::byte[]>(packed_.size());
+    std::copy(packed_.begin(), packed_.end(), block.get());
+    for (const auto& [found, begin] : kept_) found->geometry = block.get() + begin;
+    return block;
+  }
+
+ private:
+  std::atomic<std::int64_t>& room_;
+  std::vector<std::byte> packed_;
+  std::vector<std::pair<SurveyedBrick*, std::size_t>> kept_;
+};
 
 /// Gathers what was found, in the order of the bricks.
 Survey gather(const std::vector<BrickCoord>& candidates,
@@ -140,9 +181,14 @@ Survey gather(const std::vector<BrickCoord>& candidates,
     survey.bricks.push_back(candidates[i]);
     survey.stuffed.push_back(found[i]->stuffed);
     survey.finest.push_back(found[i]->finest);
+    survey.geometry.of_brick.push_back(found[i]->geometry);
     if (both_sides) survey.fans.push_back(found[i]->fans ? *found[i]->fans : FanMasks{});
     survey.surface.add(found[i]->surface.counts);
-    survey.parts.push_back(std::move(found[i]->surface.parts));
+    if (found[i]->parts) {
+      const auto at = static_cast<std::uint32_t>(survey.sheets.size());
+      survey.parts.push_back({at, std::move(*found[i]->parts)});
+    }
+    survey.sheets.push_back(found[i]->surface.sheet);
     survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
   }
   return survey;
@@ -196,20 +242,28 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
   }
   std::vector<std::optional<SurveyedBrick>> found(candidates.size());
   std::vector<std::unique_ptr<ThinSpots>> thin(candidates.size());  // null where there are none
+  std::vector<std::shared_ptr<std::byte[]>> blocks(
+      candidates.size());  // of ranges, where they begin
+  std::atomic<std::int64_t> room{static_cast<std::int64_t>(space.kept_geometry_bytes)};
   for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
     const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
+    GeometryKeeper keeper(room);
     ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       found[i] = survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+      if (found[i]) keeper.keep(workspace->stuffing.lattice, *found[i]);
       if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
+    blocks[begin] = keeper.take();
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
   Survey survey = gather(candidates, found, space.rules.both_sides);
   survey.restored = std::move(restored);
+  std::erase(blocks, nullptr);
+  survey.geometry.blocks = std::move(blocks);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (thin[i]) survey.thin.push_back({candidates[i], *thin[i]});
   }

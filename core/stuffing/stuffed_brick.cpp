@@ -40,6 +40,12 @@ void add_nodes(FinestNodes& nodes, const StuffedBrick* brick, int x, int y, int 
   }
 }
 
+void add_surroundings(FinestNodes& nodes, const BrickSurroundings& bricks) noexcept {
+  for (int o = 0; o < 27; ++o) {
+    add_nodes(nodes, bricks[static_cast<std::size_t>(o)], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
+  }
+}
+
 }  // namespace
 
 StuffedBrick StuffedBrick::all_inside() noexcept {
@@ -149,12 +155,35 @@ void mark_half_pyramids(const FinestNodes& nodes,
 
 }  // namespace
 
+std::array<BrickMask, kEdgeFamilies> edges_cut(const BrickSurroundings& bricks) noexcept {
+  FinestNodes nodes;
+  add_surroundings(nodes, bricks);
+  for (int o = 0; o < 27; ++o) {
+    if (bricks[static_cast<std::size_t>(o)] != nullptr) continue;
+    // No edge is cut that leads to a brick the surface does not reach, whichever side it is on.
+    for (HaloSet& zero : nodes.zero) {
+      add_brick(zero, BrickMask::all(), o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
+    }
+  }
+  std::array<BrickMask, kEdgeFamilies> cut;
+  for (int family = 0; family < kEdgeFamilies; ++family) {
+    const NodeKind kind = family_kind(family);
+    const NodeKind end = end_kind(kind, family_direction(family));
+    const int offset = end_offset(kind, family_direction(family));
+    const BrickMask plus = brick_part(nodes.plus[kind]);
+    const BrickMask zero = brick_part(nodes.zero[kind]);
+    const BrickMask end_plus = brick_part(seen_from(nodes.plus[end], offset));
+    const BrickMask end_zero = brick_part(seen_from(nodes.zero[end], offset));
+    const BrickMask one_is_plus = (plus & ~end_plus) | (end_plus & ~plus);
+    cut[static_cast<std::size_t>(family)] = one_is_plus & ~(zero | end_zero);
+  }
+  return cut;
+}
+
 UsedByTets used_by_tets(const BrickSurroundings& bricks, const HaloSet& leaf) noexcept {
   FinestNodes nodes;
   nodes.leaf = leaf;
-  for (int o = 0; o < 27; ++o) {
-    add_nodes(nodes, bricks[static_cast<std::size_t>(o)], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
-  }
+  add_surroundings(nodes, bricks);
   std::array<HaloSet, kNodeKinds> node;
   std::array<HaloSet, kEdgeFamilies> edge;
   for (int axis = 0; axis < 3; ++axis) {

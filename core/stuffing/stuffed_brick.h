@@ -73,6 +73,10 @@ std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
 /// A brick and the 26 around it, at 9*(x+1) + 3*(y+1) + z+1; null where every node is `-`.
 using BrickSurroundings = std::array<const StuffedBrick*, 27>;
 
+/// The brick's own edges that have a cut point after the warp, from signs alone: one end is `+`,
+/// the other `-`.
+std::array<BrickMask, kEdgeFamilies> edges_cut(const BrickSurroundings& bricks) noexcept;
+
 /// What a mesh of both sides uses of a brick: the nodes, and the edges, of all its tets. At the
 /// edge of the domain that is less than everything.
 struct UsedByTets {

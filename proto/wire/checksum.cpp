@@ -4,20 +4,21 @@
 
 namespace tet {
 
-namespace {
-
-// ISA-L's is the zlib checksum at 10 times zlib's speed.
-std::uint32_t add_crc(std::uint32_t crc, std::string_view bytes) noexcept {
-  return crc32_gzip_refl(crc, reinterpret_cast<const unsigned char*>(bytes.data()),
+// ISA-L's is the zlib checksum at more than 10 times zlib's speed.
+std::uint32_t add_to_checksum(std::uint32_t checksum,
+                              std::span<const std::byte> bytes) noexcept {
+  return crc32_gzip_refl(checksum, reinterpret_cast<const unsigned char*>(bytes.data()),
                          bytes.size());
 }
-
-}  // namespace
 
 std::uint32_t chunk_checksum(std::string_view positions,
                              std::string_view tets,
                              std::string_view regions) noexcept {
-  return add_crc(add_crc(add_crc(0, positions), tets), regions);
+  std::uint32_t checksum = 0;
+  for (const std::string_view column : {positions, tets, regions}) {
+    checksum = add_to_checksum(checksum, std::as_bytes(std::span(column)));
+  }
+  return checksum;
 }
 
 }  // namespace tet

@@ -1,7 +1,9 @@
 // The checksum of a chunk's columns.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace tet {
@@ -11,5 +13,9 @@ namespace tet {
 std::uint32_t chunk_checksum(std::string_view positions,
                              std::string_view tets,
                              std::string_view regions) noexcept;
+
+/// The checksum of what `checksum` is of, 0 of nothing, followed by `bytes`.
+std::uint32_t add_to_checksum(std::uint32_t checksum,
+                              std::span<const std::byte> bytes) noexcept;
 
 }  // namespace tet

@@ -16,7 +16,8 @@ LAYERS["server"] = [*CORE, "proto", "server"]
 LAYERS["client"] = [*CORE, "proto", "client"]
 
 # Outside library -> (how its includes look, the folders that may use it).
-NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support", "bench"]
+NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support", "bench",
+           "tests/bench"]
 LIBRARIES = {
     "OpenVDB": (r"openvdb/", ["core/grid", "tests/core/grid", "tests/support", "bench"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
 #include "core/pipeline/mesh_plan.h"
@@ -206,10 +207,45 @@ TEST_F(MeshServiceTest, RefusesWhatItCannotMesh) {
   EXPECT_EQ(refusal(stream_of(boxed)), grpc::StatusCode::INVALID_ARGUMENT);
   boxed = both_sides_of_ball(8, -1);
   EXPECT_EQ(refusal(stream_of(boxed)), grpc::StatusCode::INVALID_ARGUMENT);
+  v1::StreamMeshRequest improved = stream_of(ball);
+  improved.mutable_mesh()->set_improve(true);
+  improved.set_encoding(v1::ENCODING_COMPACT);
+  EXPECT_EQ(refusal(improved), grpc::StatusCode::INVALID_ARGUMENT);
   ball.set_grid_name("nothing");
   EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
   ball.set_name("grids/" + std::string(64, '0'));
   EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(MeshServiceTest, RefusesBytesThatAreNoRequest) {
+  grpc::GenericStub stub(channel_);
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  void* tag = nullptr;
+  bool ok = false;
+  const auto wait = [&] { return queue.Next(&tag, &ok) && ok; };
+  const auto call = stub.PrepareCall(&context, "/tetstream.v1.MeshService/StreamMesh", &queue);
+  call->StartCall(nullptr);
+  wait();
+  const grpc::Slice garbage("\x0a\xff\xff");  // a field that is longer than the message
+  call->WriteLast(grpc::ByteBuffer(&garbage, 1), {}, nullptr);
+  wait();
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  wait();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_TRUE(work_stops());
+}
+
+TEST_F(MeshServiceTest, UsesTheBlocksOfOneStreamAgainForTheNext) {
+  const v1::StreamMeshRequest ball = stream_of(uniform_ball(28));
+  const auto blocks_of_a_stream = [&] {
+    const Received mesh = receive(ball);
+    EXPECT_GT(mesh.chunks.size(), 30U);
+    return server_->engine().blocks.idle();
+  };
+  EXPECT_TRUE(eventually([&] { return blocks_of_a_stream() > 0; }));
+  EXPECT_LE(blocks_of_a_stream(), 8U) << "more than made ahead and in the transport's hands";
 }
 
 TEST_F(MeshServiceTest, RefusesAMeshOverItsLimitWithDetails) {

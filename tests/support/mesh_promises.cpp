@@ -278,6 +278,7 @@ std::string check_bytes(const Meshed& meshed,
     TaskPool pool(threads);
     MeshLimits limits;
     limits.chunk_bytes = std::size_t{1} << (threads == 1 ? 30 : 14);
+    limits.kept_geometry_bytes = threads == 1 ? 0 : 20000;  // none of it, and some
     const auto again = mesh_volume(pool, volume, request, limits, Cancellation(), nullptr);
     const bool same =
         again.ok() &&

@@ -1,0 +1,89 @@
+// The compact encoding of graded meshes, on one thread: making its chunks from a plan, and the
+// mesh from its chunks.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "bench/bench_fields.h"
+#include "core/base/parallel.h"
+#include "core/pipeline/compact_mesh.h"
+#include "core/pipeline/mesh_plan.h"
+
+namespace tet::bench {
+namespace {
+
+using Chunks = std::vector<std::vector<std::byte>>;
+using Plan = std::shared_ptr<const MeshPlan>;
+
+Plan make_plan(Solid solid, const BenchSize& size) {
+  return plan_mesh(make_solid(solid, size), {}, {}, {}, nullptr).value();
+}
+
+Chunks encode(const MeshPlan& plan) {
+  Chunks chunks(plan.header().chunk_count);
+  MeshWorkspace workspace;
+  for (std::size_t i = 0; i < chunks.size(); ++i) plan.encode_chunk(i, workspace, chunks[i]);
+  return chunks;
+}
+
+FilledMesh decode(const MeshPlan& plan, const Chunks& chunks) {
+  CompactBricks bricks(plan.compact_frame().rules.both_sides);
+  for (const auto& chunk : chunks) {
+    if (!bricks.add(chunk).ok()) return {};
+  }
+  return decode_mesh(std::move(bricks), plan.header(), plan.compact_frame(), {}).value();
+}
+
+void count(benchmark::State& state, const MeshPlan& plan, const Chunks& chunks) {
+  const auto tets = static_cast<double>(plan.header().tet_count);
+  double bytes = 0;
+  for (const auto& chunk : chunks) bytes += static_cast<double>(chunk.size());
+  state.counters["bytes/tet"] = bytes / tets;
+  state.counters["tets/s"] =
+      benchmark::Counter(tets, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void run_encode(benchmark::State& state, const MeshPlan& plan) {
+  for (auto _ : state) benchmark::DoNotOptimize(encode(plan));
+  count(state, plan, encode(plan));
+}
+
+void run_decode(benchmark::State& state, const MeshPlan& plan) {
+  const Chunks chunks = encode(plan);
+  for (auto _ : state) benchmark::DoNotOptimize(decode(plan, chunks));
+  count(state, plan, chunks);
+}
+
+using Run = void (*)(benchmark::State& state, const MeshPlan& plan);
+
+/// Registers `encode` or `decode/solid/size`; rates are of CPU time.
+void add(const std::string& what, Run run, Solid solid, const BenchSize& size) {
+  const std::string name = what + "/" + name_of(solid) + "/" + size.label;
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    TaskPool pool(1);
+    pool.run([&] { run(state, *make_plan(solid, size)); });
+  })->Unit(benchmark::kMillisecond);
+}
+
+}  // namespace
+}  // namespace tet::bench
+
+int main(int argc, char** argv) {
+  using namespace tet::bench;
+  for (const BenchSize& size : {kSmall, kMedium, kLarge}) {
+    for (const Solid solid : kSolids) {
+      add("encode", run_encode, solid, size);
+      add("decode", run_decode, solid, size);
+    }
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

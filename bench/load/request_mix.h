@@ -1,0 +1,53 @@
+// Which requests a run sends, and how often each.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tetstream/v1/meshes.pb.h"
+
+namespace tet::load {
+
+struct IsoRange {
+  double low = 0, high = 0;
+};
+
+/// One kind of request.
+struct MixEntry {
+  std::string label;  ///< what the user wrote
+  double weight = 1;  ///< how often, compared to the others; positive
+  tetstream::v1::MeshRequest message;
+  std::optional<IsoRange> iso;  ///< each request takes its own from here, uniformly
+  /// Each request asks for a mesh that the server has not planned before: the spacing, which
+  /// must be set, grows by 1e-12 of itself each time.
+  bool fresh = false;
+  std::int64_t tet_count = 0;  ///< of the message as it is
+};
+
+/// Draws requests at random. Not thread-safe.
+class RequestMix {
+ public:
+  explicit RequestMix(std::vector<MixEntry> entries);
+
+  const std::vector<MixEntry>& entries() const { return entries_; }
+
+  struct Drawn {
+    std::size_t entry = 0;
+    tetstream::v1::MeshRequest message;
+  };
+  /// The same state of `random` draws the same entry and iso value.
+  Drawn draw(std::mt19937_64& random);
+
+ private:
+  std::size_t draw_entry(std::mt19937_64& random) const;
+
+  std::vector<MixEntry> entries_;
+  double weight_ = 0;
+  std::uint64_t drawn_ = 0;
+};
+
+}  // namespace tet::load

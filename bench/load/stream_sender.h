@@ -1,0 +1,29 @@
+// Requests to a real server.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "bench/load/request_sender.h"
+
+namespace tet::load {
+
+struct StreamSettings {
+  std::string address;
+  int connections = 8;                            ///< requests go to them in turn
+  bool check_columns = false;                     ///< verify the checksum of every chunk
+  Nanoseconds patience{std::chrono::seconds(5)};  ///< until all connections are open
+};
+
+/// Sends StreamMesh calls and drops what comes. Calls are asynchronous: gRPC's own few threads
+/// read all streams, so that thousands may be under way without a thread each. A stream whose
+/// chunks are not whole and in order ends with kDataLoss.
+///
+/// Waits for all connections, so that no request pays for opening one.
+/// Errors: kUnavailable (no connection).
+absl::StatusOr<std::unique_ptr<RequestSender>> open_stream_sender(
+    const StreamSettings& settings);
+
+}  // namespace tet::load

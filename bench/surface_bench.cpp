@@ -1,0 +1,85 @@
+// A volume for the price of its surface: our graded tets of a level set beside the surface
+// alone by OpenVDB's volumeToMesh, on the same threads, in turn.
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "bench/bench_fields.h"
+#include "bench/openvdb_surface.h"
+#include "core/base/parallel.h"
+#include "core/pipeline/mesher.h"
+
+namespace tet::bench {
+namespace {
+
+using MakeVolume = std::function<std::shared_ptr<const Volume>()>;
+
+/// Real seconds that `work` takes.
+template <class Work>
+double seconds_of(const Work& work) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  work();
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Both meshers on one volume, in turn, so that a busy machine slows both.
+void compare(benchmark::State& state, const MakeVolume& make_volume, int threads) {
+  const std::shared_ptr<const Volume> volume = make_volume();
+  if (volume == nullptr) return state.SkipWithError("glmark2-data is not installed");
+  const OpenVdbSurface openvdb(*volume);
+  TaskPool pool(threads);
+  double tets = 0, triangles = 0, tets_seconds = 0, surface_seconds = 0;
+  for (auto _ : state) {
+    tets_seconds += seconds_of([&] {
+      const auto mesh = mesh_volume(pool, volume, MeshRequest{}, {}, {}, nullptr);
+      if (mesh.ok()) tets += static_cast<double>(mesh->mesh.header.tet_count);
+    });
+    surface_seconds += seconds_of([&] {
+      pool.run([&] { triangles += static_cast<double>(openvdb.count_triangles()); });
+    });
+  }
+  const auto runs = static_cast<double>(state.iterations());
+  state.counters["tets"] = tets / runs;
+  state.counters["tets_ms"] = 1e3 * tets_seconds / runs;
+  state.counters["tets/s"] = tets / tets_seconds;
+  state.counters["triangles"] = triangles / runs;
+  state.counters["surface_ms"] = 1e3 * surface_seconds / runs;
+  state.counters["triangles/s"] = triangles / surface_seconds;
+  state.counters["times_surface"] = tets_seconds / surface_seconds;
+}
+
+/// Registers `price/volume/threads:n`.
+void add_volume(const std::string& name, const MakeVolume& make_volume) {
+  for (const int threads : {1, 2}) {
+    const std::string full = "price/" + name + "/threads:" + std::to_string(threads);
+    benchmark::RegisterBenchmark(
+        full.c_str(), [=](benchmark::State& state) { compare(state, make_volume, threads); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
+}
+
+}  // namespace
+}  // namespace tet::bench
+
+int main(int argc, char** argv) {
+  using namespace tet::bench;
+  for (const BenchSize& size : {kSmall, kMedium, kLarge}) {
+    for (const Solid solid : kSolids) {
+      add_volume(std::string(name_of(solid)) + "/" + size.label,
+                 [=] { return make_solid(solid, size); });
+    }
+  }
+  add_volume("bunny/2e5", [] { return make_bunny(0.046); });
+  add_volume("bunny/2.5e6", [] { return make_bunny(0.02); });
+  add_volume("bunny/1e7", [] { return make_bunny(0.0126); });
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

@@ -1,0 +1,36 @@
+// A chunk read from the bytes that came, without a copy of its columns on the way.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include "proto/wire/chunk_frame.h"
+
+namespace tet {
+
+/// What a message says of its chunk, and where in it the columns lie.
+struct ChunkMessage {
+  struct Column {
+    std::size_t begin = 0, size = 0;
+  };
+  ChunkNumbers numbers;
+  std::array<Column, 3> columns;  ///< positions, tets, regions
+};
+
+/// Reads a MeshEvent that holds a chunk as our server writes it: no field twice or unknown, and
+/// the columns last. Anything else, malformed bytes too, is left to protobuf: nothing.
+/// `message` is read, not changed.
+std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message);
+
+/// Copies the columns, each into as many bytes as it has; returns the checksum of what was
+/// copied.
+std::uint32_t copy_columns(grpc::ByteBuffer& message,
+                           const ChunkMessage& chunk,
+                           const std::array<std::span<std::byte>, 3>& to);
+
+}  // namespace tet

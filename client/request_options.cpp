@@ -1,0 +1,103 @@
+#include "client/request_options.h"
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/str_format.h>
+
+namespace tet {
+namespace {
+
+v1::Preset wire_preset(Preset preset) {
+  switch (preset) {
+    case Preset::kDefault:
+      return v1::PRESET_DEFAULT;
+    case Preset::kMinAngle:
+      return v1::PRESET_MIN_ANGLE;
+    case Preset::kBothSides:
+      return v1::PRESET_BOTH_SIDES;
+  }
+  return v1::PRESET_UNSPECIFIED;
+}
+
+v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {
+  if (!type) return v1::COORDINATE_TYPE_UNSPECIFIED;
+  return *type == CoordinateType::kFloat64 ? v1::COORDINATE_TYPE_FLOAT64
+                                           : v1::COORDINATE_TYPE_FLOAT32;
+}
+
+void set_point(const WorldPoint& point, v1::Point& message) {
+  message.set_x(point.x);
+  message.set_y(point.y);
+  message.set_z(point.z);
+}
+
+absl::Status check_box(const MeshRequest& request) {
+  if (!request.box || request.preset == Preset::kBothSides) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "--box is for --preset both-sides; with %s the mesh ends where the inside does",
+      preset_name(request.preset)));
+}
+
+}  // namespace
+
+void describe_request(CLI::App& app, RequestArguments& arguments) {
+  MeshRequest& request = arguments.request;
+  app.add_option("--grid", arguments.grid, "Grid of the .vdb [its only meshable one]");
+  app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
+  app.add_option("--spacing", request.spacing,
+                 "Finest lattice spacing, world units [voxel size]");
+  app.add_option("--levels", request.levels,
+                 "Coarser octree levels inside; 0 is uniform [all]");
+  app.add_option("--preset", arguments.preset,
+                 "default, min-angle (the best smallest angle) or both-sides (meshes the "
+                 "outside too)")
+      ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
+  app.add_option("--box", arguments.box,
+                 "How far both-sides meshes, world units, rounded outward to 8 spacings [all "
+                 "that the grid stores]")
+      ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+  app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
+  app.add_flag("--improve", request.improve,
+               "Move vertices, on the surface along it, to better the worst angles");
+  app.add_option(
+         "--coordinates", arguments.coordinates,
+         "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")
+      ->check(CLI::IsMember({"float32", "float64"}));
+}
+
+absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments) {
+  MeshRequest request = arguments.request;
+  request.preset = *parse_preset(arguments.preset);
+  if (arguments.box) {
+    const auto [x0, y0, z0, x1, y1, z1] = *arguments.box;
+    request.box = {
+        {x0, y0, z0},
+        {x1, y1, z1}
+    };
+  }
+  if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
+  if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;
+  if (absl::Status status = check_box(request); !status.ok()) return status;
+  return request;
+}
+
+v1::MeshRequest wire_request(const MeshRequest& request,
+                             const std::string& name,
+                             const std::string& grid) {
+  v1::MeshRequest message;
+  message.set_name(name);
+  message.set_grid_name(grid);
+  if (request.spacing) message.set_spacing(*request.spacing);
+  if (request.iso) message.set_iso(*request.iso);
+  message.set_levels(request.levels);
+  message.set_preset(wire_preset(request.preset));
+  message.set_improve(request.improve);
+  message.set_coordinate_type(wire_coordinates(request.coordinates));
+  if (request.box) {
+    set_point(request.box->min, *message.mutable_box()->mutable_min());
+    set_point(request.box->max, *message.mutable_box()->mutable_max());
+  }
+  message.set_manifold(request.manifold);
+  return message;
+}
+
+}  // namespace tet

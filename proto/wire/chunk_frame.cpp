@@ -1,0 +1,65 @@
+#include "proto/wire/chunk_frame.h"
+
+#include "proto/wire/field_writer.h"
+
+namespace tet {
+
+namespace {
+
+constexpr std::size_t kRoomForNumbers = 2 * ChunkFrame::kAlignment;
+static_assert(kRoomForNumbers >= FieldWriter::kCapacity);
+
+constexpr std::size_t aligned(std::size_t offset) noexcept {
+  return (offset + ChunkFrame::kAlignment - 1) / ChunkFrame::kAlignment *
+         ChunkFrame::kAlignment;
+}
+
+constexpr std::array kColumns = {chunk_field::kPositions, chunk_field::kTets,
+                                 chunk_field::kRegions};
+
+FieldWriter write_numbers(const ChunkNumbers& numbers) noexcept {
+  FieldWriter writer;
+  writer.number(chunk_field::kIndex, numbers.index);
+  writer.number(chunk_field::kFirstVertex, numbers.first_vertex);
+  writer.number(chunk_field::kVertexCount, numbers.vertex_count);
+  writer.number(chunk_field::kFirstTet, numbers.first_tet);
+  writer.number(chunk_field::kTetCount, numbers.tet_count);
+  writer.fixed32(chunk_field::kChecksum, numbers.checksum);
+  return writer;
+}
+
+}  // namespace
+
+ChunkFrame::ChunkFrame(const std::array<std::size_t, 3>& column_bytes) noexcept
+    : bytes_(column_bytes) {
+  std::size_t room = kRoomForNumbers;
+  for (std::size_t i = 0; i < bytes_.size(); ++i) {
+    begin_[i] = aligned(end_ + room);
+    end_ = begin_[i] + bytes_[i];
+    room = kAlignment;  // for a tag and a size, 11 bytes at most
+  }
+}
+
+std::array<ChunkFrame::Part, 3> ChunkFrame::write(std::byte* block,
+                                                  const ChunkNumbers& numbers) const noexcept {
+  std::array<FieldWriter, 3> before;
+  before[0] = write_numbers(numbers);
+  std::size_t chunk_bytes = 0;
+  for (std::size_t i = 0; i < bytes_.size(); ++i) {
+    before[i].bytes(kColumns[i], bytes_[i]);
+    chunk_bytes += before[i].size() + bytes_[i];
+  }
+  FieldWriter event;
+  event.message(chunk_field::kEvent, chunk_bytes);
+  event.append(before[0]);
+  before[0] = event;
+
+  std::array<Part, 3> parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    before[i].copy_before(block + begin_[i]);
+    parts[i] = {begin_[i] - before[i].size(), begin_[i] + bytes_[i]};
+  }
+  return parts;
+}
+
+}  // namespace tet

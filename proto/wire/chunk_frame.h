@@ -1,0 +1,75 @@
+// The protobuf bytes around a chunk's columns, so that these are sent from where they were
+// made.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace tet {
+
+/// Numbers of MeshEvent's and MeshChunk's fields.
+namespace chunk_field {
+inline constexpr std::uint32_t kEvent = 3;  ///< MeshEvent.chunk
+inline constexpr std::uint32_t kIndex = 1;
+inline constexpr std::uint32_t kFirstVertex = 2;
+inline constexpr std::uint32_t kVertexCount = 3;
+inline constexpr std::uint32_t kFirstTet = 4;
+inline constexpr std::uint32_t kTetCount = 5;
+inline constexpr std::uint32_t kChecksum = 6;
+inline constexpr std::uint32_t kPositions = 7;
+inline constexpr std::uint32_t kTets = 8;
+inline constexpr std::uint32_t kRegions = 9;
+}  // namespace chunk_field
+
+/// A MeshChunk but for its columns.
+struct ChunkNumbers {
+  std::uint64_t index = 0;
+  std::uint64_t first_vertex = 0, vertex_count = 0;
+  std::uint64_t first_tet = 0, tet_count = 0;
+  std::uint32_t checksum = 0;
+};
+
+/// A MeshEvent with a MeshChunk, laid out in one block of memory: columns at aligned places,
+/// and just before each the bytes that protobuf wants there. What lies between is not sent.
+///
+///     ....event and numbers, tag|positions....tag|tets....tag|regions
+class ChunkFrame {
+ public:
+  /// Columns begin at multiples of this, if the block does.
+  static constexpr std::size_t kAlignment = 64;
+  /// More than `block_bytes` exceeds the columns' own sizes by.
+  static constexpr std::size_t kMaxOverhead = 6 * kAlignment;
+
+  /// Sizes of positions, tets and regions, bytes.
+  explicit ChunkFrame(const std::array<std::size_t, 3>& column_bytes) noexcept;
+
+  /// Size of the memory that holds it all.
+  std::size_t block_bytes() const noexcept { return end_; }
+
+  /// Where the columns go; `block` has `block_bytes`.
+  std::span<std::byte> positions(std::byte* block) const noexcept { return column(block, 0); }
+  std::span<std::byte> tets(std::byte* block) const noexcept { return column(block, 1); }
+  std::span<std::byte> regions(std::byte* block) const noexcept { return column(block, 2); }
+
+  /// A run of bytes within the block.
+  struct Part {
+    std::size_t begin = 0, end = 0;
+  };
+
+  /// Writes what protobuf wants before each column. The parts, one after another, are the
+  /// message as protobuf itself would write it; those of empty columns may be empty.
+  std::array<Part, 3> write(std::byte* block, const ChunkNumbers& numbers) const noexcept;
+
+ private:
+  std::span<std::byte> column(std::byte* block, std::size_t i) const noexcept {
+    return {block + begin_[i], bytes_[i]};
+  }
+
+  std::array<std::size_t, 3> bytes_;
+  std::array<std::size_t, 3> begin_{};
+  std::size_t end_ = 0;
+};
+
+}  // namespace tet

@@ -1,0 +1,234 @@
+"""The program tetstream-load as its user meets it, with real servers.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/bench/load/load_cli_test.py [unittest options]
+"""
+
+import json
+import os
+import pathlib
+import pty
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "client"))
+from command_case import (  # noqa: E402  pylint: disable=wrong-import-position
+    DONE, REFUSED, SERVER, USAGE, CommandTest, binaries, unused_port, wait_until)
+
+
+class LoadTest(CommandTest):
+    def load(self, *arguments, **options):
+        return subprocess.run(
+            [binaries() / "tetstream-load", *map(str, arguments)],
+            capture_output=True, text=True, timeout=60, check=False, **options)
+
+
+class Usage(LoadTest):
+    volumes = {}
+
+    def test_help_teaches(self):
+        result = self.load("--help")
+        self.assert_done(result)
+        for word in ("--rate", "--workers", "--find-rate", "--target", "--spacing", "Exit codes",
+                     "tetstream-load bunny.vdb --rate 20"):
+            self.assertIn(word, result.stdout)
+
+    def test_says_what_cannot_be_understood(self):
+        for arguments, *words in (
+                (["--rate", "5"], "GRID"),
+                (["a.vdb"], "--rate", "--workers"),
+                (["a.vdb", "--rate", "0"], "rate 0"),
+                (["a.vdb", "--rate", "fast"], "fast"),
+                (["a.vdb", "--rate", "5", "--workers", "2"], "exclude"),
+                (["a.vdb", "--rate", "5", "--duration", "soon"], "--duration", "soon"),
+                (["a.vdb", "--rate", "5", "--duration", "0"], "--duration"),
+                (["a.vdb", "--rate", "5", "--target", "p99"], "p99"),
+                (["a.vdb", "--find-rate"], "--target"),
+                (["a.vdb", "--find-rate", "--target", "p99=1s", "--trials", "2"], "odd"),
+                (["a.vdb", "--rate", "5", "--fast"], "--fast")):
+            with self.subTest(arguments):
+                self.assert_fails(self.load(*arguments), USAGE, *words)
+
+    def test_an_output_that_cannot_be_written(self):
+        self.assert_fails(
+            self.load("a.vdb", "--rate", "5", "--json", "/nowhere/load.json"), REFUSED, "/nowhere")
+
+    def test_a_server_that_is_not_there(self):
+        (self.out / "a.vdb").write_text("grid")
+        address = f"127.0.0.1:{unused_port()}"
+        result = self.load(self.out / "a.vdb", "--rate", "5", "--server", address)
+        self.assertEqual(result.returncode, SERVER, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
+
+class OnAServer(LoadTest):
+    """A server with a ball, and what a run says of it."""
+
+    volumes = {"sphere": 0.1}
+    settings = ()
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.address = f"127.0.0.1:{unused_port()}"
+        server = subprocess.Popen(
+            [binaries() / "tetstreamd", "--listen", cls.address,
+             "--store", cls.inputs / "store", *cls.settings],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def stop():
+            server.terminate()
+            server.wait(30)
+
+        cls.addClassCleanup(stop)
+        wait_until(lambda: subprocess.run(
+            [binaries() / "tetstream", "health", "--server", cls.address],
+            capture_output=True, check=False).returncode == DONE)
+
+    def load_ball(self, *arguments):
+        return self.load(self.inputs / "sphere.vdb", "--server", self.address, "--json",
+                         self.out / "load.json", *arguments)
+
+    def report(self):
+        return json.loads((self.out / "load.json").read_text())
+
+
+class Live(OnAServer):
+    def test_measures_every_request(self):
+        result = self.load_ball("--rate", "20,40", "--duration", "500ms", "--warm-up", "200ms",
+                                "--arrivals", "constant", "--check", "--quiet")
+        self.assert_done(result)
+        self.assertEqual(result.stderr, "")
+        report = self.report()
+        self.assertEqual(report["requests"]["offered"], 30)
+        self.assertEqual(report["requests"]["done"], 30)
+        self.assertEqual(report["errors"], {})
+        latency = report["latency_ms"]
+        for quantile in ("p50", "p99", "max"):
+            self.assertLessEqual(latency["header"][quantile], latency["first_chunk"][quantile])
+            self.assertLessEqual(latency["first_chunk"][quantile], latency["whole"][quantile])
+        self.assertGreater(report["rates"]["tets_s"], 0)
+        self.assertEqual([step["requests"]["offered"] for step in report["by_step"]], [10, 20])
+        self.assertIn("30 offered", result.stdout)
+
+    def test_sends_the_same_requests_for_the_same_seed(self):
+        offered = []
+        for _ in range(2):
+            self.assert_done(self.load_ball("--rate", "50", "--duration", "300ms", "--warm-up",
+                                            "0", "--seed", "7", "--vary-iso", "0", "0.05"))
+            offered.append(self.report()["requests"]["offered"])
+        self.assertEqual(*offered)
+
+    def test_works_back_to_back(self):
+        self.assert_done(self.load_ball("--workers", "2", "--duration", "500ms", "--warm-up",
+                                        "0s", "--fresh"))
+        report = self.report()
+        self.assertEqual(report["plan"]["mode"], "workers")
+        self.assertGreater(report["requests"]["done"], 2)
+        self.assertIn("spacing", report["mix"][0]["request"])
+
+    def test_takes_a_mix_of_files_and_digests(self):
+        self.assert_done(self.load_ball("--rate", "10", "--duration", "200ms", "--warm-up", "0"))
+        name = self.report()["mix"][0]["request"]["name"]
+        mix = self.out / "mix.txt"
+        mix.write_text(f"--weight 3 {self.inputs / 'sphere.vdb'} --levels 0\n"
+                       f"{name} --preset min-angle\n{name.split('/')[1]} --spacing 0.2\n")
+        self.assert_done(self.load("--mix", mix, "--server", self.address, "--json",
+                                   self.out / "load.json", "--rate", "40", "--duration", "500ms",
+                                   "--warm-up", "0"))
+        report = self.report()
+        self.assertEqual([entry["weight"] for entry in report["mix"]], [3, 1, 1])
+        self.assertEqual(report["requests"]["failed"], 0)
+        by_request = [entry["requests"]["offered"] for entry in report["by_request"]]
+        self.assertEqual(sum(by_request), report["requests"]["offered"])
+        self.assertEqual(max(by_request), by_request[0])
+
+    def test_exits_with_1_when_a_target_is_missed(self):
+        target = ("--rate", "20", "--duration", "300ms", "--warm-up", "0", "--target")
+        self.assert_done(self.load_ball(*target, "p99=60s"))
+        result = self.load_ball(*target, "p50=1us")
+        self.assertEqual(result.returncode, REFUSED)
+        self.assertIn("NOT held", result.stdout)
+        self.assertIn("p50=0.001ms was missed", result.stderr)
+
+    def test_refusals_are_the_servers_own(self):
+        for arguments, *words in (
+                ([self.inputs / "none.vdb", "--rate", "5"], "none.vdb"),
+                (["0" * 64, "--rate", "5"], "0" * 64),
+                ([self.inputs / "sphere.vdb", "--rate", "5", "--grid", "density"], "density"),
+                ([self.inputs / "sphere.vdb", "--rate", "5", "--spacing", "0"], "spacing"),
+                (["--mix", self.inputs / "none.txt", "--rate", "5"], "none.txt")):
+            with self.subTest(arguments):
+                self.assert_fails(
+                    self.load(*arguments, "--server", self.address), REFUSED, *words)
+
+    def test_ctrl_c_ends_early_with_a_whole_report(self):
+        process = subprocess.Popen(
+            [binaries() / "tetstream-load", self.inputs / "sphere.vdb", "--server", self.address,
+             "--rate", "20", "--warm-up", "0", "--json", self.out / "load.json"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("latency", out)
+        report = self.report()
+        self.assertTrue(report["interrupted"])
+        self.assertGreater(report["requests"]["done"], 0)
+
+    def test_draws_one_screen_on_a_terminal_and_erases_it(self):
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [binaries() / "tetstream-load", self.inputs / "sphere.vdb", "--server", self.address,
+             "--rate", "20", "--duration", "1200ms", "--warm-up", "0"],
+            stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"})
+        os.close(theirs)
+        drawn = b""
+        try:
+            while chunk := os.read(ours, 65536):
+                drawn += chunk
+        except OSError:  # how Linux tells that the other end is closed
+            pass
+        os.close(ours)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, DONE)
+        text = drawn.decode()
+        for word in ("measuring", "outstanding", "first chunk", "errors"):
+            self.assertIn(word, text)
+        self.assertTrue(text.endswith("\x1b[J"), text[-50:])
+
+    def test_finds_a_rate(self):
+        result = self.load_ball("--find-rate", "--target", "p90=300ms", "--duration", "300ms",
+                                "--warm-up", "0", "--precision", "1", "--trials", "1")
+        self.assert_done(result)
+        report = self.report()
+        self.assertGreater(report["search"]["per_second"], 0)
+        self.assertEqual(report["search"]["targets"], ["p90=300ms"])
+        self.assertGreater(len(report["trials"]), 1)
+        self.assertEqual(report["best"]["targets"][0]["held"], True)
+        self.assertIn("holds p90=300ms", result.stdout)
+
+    def test_says_when_no_rate_holds(self):
+        result = self.load_ball("--find-rate", "--target", "p90=1us", "--duration", "300ms",
+                                "--warm-up", "0", "--quiet")
+        self.assertEqual(result.returncode, REFUSED)
+        self.assertIn("no rate was found", result.stdout)
+        self.assertIsNone(self.report()["search"]["per_second"])
+
+
+class OneMeshAtATime(OnAServer):
+    volumes = {"sphere": 0.02}
+    settings = ("--max-streams", "1")
+
+    def test_counts_what_the_server_refuses(self):
+        self.assert_done(self.load_ball("--workers", "3", "--duration", "1s", "--warm-up", "0"))
+        report = self.report()
+        self.assertGreater(report["requests"]["done"], 0)
+        self.assertEqual(list(report["errors"]), ["RESOURCE_EXHAUSTED"])
+        self.assertGreater(report["errors"]["RESOURCE_EXHAUSTED"]["count"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
