@@ -142,8 +142,8 @@ TEST(QualityMeter, FindsTheExtremesThatDoubleArithmeticFinds) {
     const SomeTets some = moved_tets(500 + seed, seed);
     const Expected expected(some);
     const QualityStats stats = some.measured();
-    EXPECT_NEAR(stats.min_dihedral_deg, expected.degrees.front(), 1e-4) << seed;
-    EXPECT_NEAR(stats.max_dihedral_deg, expected.degrees.back(), 1e-4) << seed;
+    EXPECT_EQ(stats.min_dihedral_deg, expected.degrees.front()) << seed;
+    EXPECT_EQ(stats.max_dihedral_deg, expected.degrees.back()) << seed;
   }
 }
 
