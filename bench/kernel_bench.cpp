@@ -140,13 +140,23 @@ void warp(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
   warp_lattice(work.lattice.cuts, {}, work.lattice.warped);
 }
 
-void stuff(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
-  benchmark::DoNotOptimize(stuff_brick(sampler, brick, {}, nullptr, work));
-}
-
 void keep(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
   benchmark::DoNotOptimize(keep_brick(work.lattice.warped, {}));
   benchmark::DoNotOptimize(stuffed_cells(work.lattice.warped, {}));
+}
+
+/// All of them in one workspace, brick after brick, as the survey does it.
+void stuff_each(benchmark::State& state, const Prepared& prepared) {
+  const std::vector<BrickCoord> bricks = some_surface_bricks(prepared);
+  const auto work = std::make_unique_for_overwrite<StuffingWorkspace>();
+  PhiSampler sampler(prepared.field);
+  for (auto _ : state) {
+    for (const BrickCoord brick : bricks) {
+      benchmark::DoNotOptimize(stuff_brick(sampler, brick, {}, nullptr, *work));
+    }
+    benchmark::ClobberMemory();
+  }
+  count_items(state, "bricks/s", static_cast<double>(bricks.size()));
 }
 
 // Filling: one brick after another of a counted mesh.
@@ -276,16 +286,15 @@ void add_brick_stages() {
   add_here("brick_sample", Solid::kGyroid, std::bind(each_brick, _1, _2, sample));
   add_here("brick_cut_points", Solid::kGyroid, std::bind(each_brick, _1, _2, cut));
   add_here("brick_warp", Solid::kGyroid, std::bind(each_brick, _1, _2, warp));
-  add_here("brick_stuff", Solid::kGyroid, std::bind(each_brick, _1, _2, stuff));
+  add_here("brick_stuff", Solid::kGyroid, stuff_each);
   add_here("brick_keep", Solid::kGyroid, std::bind(each_brick, _1, _2, keep));
-  const auto add_off_voxels = [](const char* stage, const BrickStage& brick_stage) {
+  const auto add_off_voxels = [](const char* stage, const Body& body) {
     constexpr double kSpacingVoxels = 1.5;
-    add(stage, Solid::kGyroid, kWithInside, std::bind(each_brick, _1, _2, brick_stage),
-        kSpacingVoxels);
+    add(stage, Solid::kGyroid, kWithInside, body, kSpacingVoxels);
   };
-  add_off_voxels("brick_sample_1.5_voxels", sample);
-  add_off_voxels("brick_cut_points_1.5_voxels", cut);
-  add_off_voxels("brick_stuff_1.5_voxels", stuff);
+  add_off_voxels("brick_sample_1.5_voxels", std::bind(each_brick, _1, _2, sample));
+  add_off_voxels("brick_cut_points_1.5_voxels", std::bind(each_brick, _1, _2, cut));
+  add_off_voxels("brick_stuff_1.5_voxels", stuff_each);
   add_here("fill_surface", Solid::kGyroid, std::bind(fill, _1, _2, 0, is_surface_brick));
   add_here("fill_inside", Solid::kBall, std::bind(fill, _1, _2, 0, is_inside_brick));
   add_here("fill_coarse", Solid::kBall, std::bind(fill, _1, _2, kMaxLevels, is_coarse_brick));
