@@ -42,10 +42,18 @@ class BrickIds {
 BackgroundCells gather_background(const OctreeLevel& level,
                                   BrickCoord brick,
                                   MeshRegion region) noexcept {
-  BackgroundCells cells{gather_halo(level, level.leaf, brick),
-                        gather_halo(level, level.refined, brick), kOwnCells};
+  return gather_background(level, BrickNeighbours(level.bricks).around(brick), region);
+}
+
+BackgroundCells gather_background(const OctreeLevel& level,
+                                  const PlacesAround& around,
+                                  MeshRegion region) noexcept {
+  BackgroundCells cells{gather_halo(level.leaf, around), gather_halo(level.refined, around),
+                        kOwnCells};
   if (level.inside.empty()) return cells;
-  const HaloSet inside = gather_halo(level, level.inside, brick);
+  // A brick's tets are those of its own cells: no others' sides matter.
+  HaloSet inside;
+  add_brick(inside, level.inside[around[kItself]], 0, 0, 0);
   if (region == MeshRegion::kInside) {
     cells.own &= inside;
   } else {

@@ -43,6 +43,9 @@ struct BackgroundCells {
 BackgroundCells gather_background(const OctreeLevel& level,
                                   BrickCoord brick,
                                   MeshRegion region) noexcept;
+BackgroundCells gather_background(const OctreeLevel& level,
+                                  const PlacesAround& around,
+                                  MeshRegion region) noexcept;
 
 /// Tets of a brick's leaves at a level above 0.
 BackgroundCounts count_background(const BackgroundCells& cells) noexcept;

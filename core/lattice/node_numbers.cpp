@@ -12,6 +12,15 @@ namespace {
 
 constexpr std::size_t kBricksPerRange = 16;
 
+/// The cells (or corners) of a slice at even places, 4 x 4 of them, as the first of a slice.
+std::uint64_t even_places(std::uint64_t slice) noexcept {
+  std::uint64_t bits = slice & 0x0055005500550055;
+  bits = (bits | bits >> 1) & 0x0033003300330033;
+  bits = (bits | bits >> 2) & 0x000f000f000f000f;
+  bits = (bits | bits >> 8) & 0x00000f0f00000f0f;
+  return (bits | bits >> 16) & 0x0f0f0f0f;
+}
+
 /// Corners (x, y, z) of the level below at even places are this level's; those of `brick`.
 BrickMask corners_used_below(const OctreeLevel& below,
                              const LevelNodes& nodes,
@@ -22,11 +31,23 @@ BrickMask corners_used_below(const OctreeLevel& below,
     const std::uint32_t at =
         below.index.find({2 * brick.x + ox, 2 * brick.y + oy, 2 * brick.z + oz});
     if (at == kNoBrick) continue;
-    for_each_bit(nodes.used[at], [&](int x, int y, int z) {
-      if (((x | y | z) & 1) == 0) mask.set(ox * 4 + x / 2, oy * 4 + y / 2, oz * 4 + z / 2);
-    });
+    for (std::size_t x = 0; x < 4; ++x) {
+      mask.slice[static_cast<std::size_t>(4 * ox) + x] |=
+          even_places(nodes.used[at].slice[2 * x]) << (32 * oy + 4 * oz);
+    }
   }
   return mask;
+}
+
+/// The highest cells along every axis that `o` (4*x + 2*y + z) is away on: their leaves have
+/// corners in that brick.
+BrickMask cells_towards(unsigned o) noexcept {
+  constexpr std::uint64_t kLastOfRows = 0x8080808080808080, kLastRow = 0xff00000000000000;
+  const std::uint64_t slice = ((o & 1) != 0 ? kLastOfRows : ~std::uint64_t{0}) &
+                              ((o & 2) != 0 ? kLastRow : ~std::uint64_t{0});
+  BrickMask cells;
+  for (std::size_t x = (o & 4) != 0 ? 7 : 0; x < 8; ++x) cells.slice[x] = slice;
+  return cells;
 }
 
 /// Splits a coordinate that may have left its brick, at 0 .. 16, into brick and rest.
@@ -40,32 +61,46 @@ BrickCoord settle(BrickCoord brick, int& x, int& y, int& z) noexcept {
 
 }  // namespace
 
-BrickMask leaf_corners(const HaloSet& leaf) noexcept {
-  HaloSet corners;
-  for (int o = 0; o < 8; ++o) {
-    corners |= seen_from(leaf, -offset_index(o >> 2, o >> 1 & 1, o & 1));
+LowerLeaves lower_leaves(const std::vector<BrickMask>& leaf,
+                         const PlacesAround& around) noexcept {
+  static constexpr BrickMask kNone;
+  LowerLeaves leaves;
+  for (std::size_t o = 0; o < leaves.size(); ++o) {
+    const std::uint32_t at = around[kItself - 9 * (o >> 2) - 3 * (o >> 1 & 1) - (o & 1)];
+    leaves[o] = at != kNoBrick ? &leaf[at] : &kNone;
   }
-  return brick_part(corners);
+  return leaves;
+}
+
+BrickMask leaf_corners(const LowerLeaves& leaves) noexcept {
+  // A corner is that of the cell at its place, and of those one step down along each axis.
+  const auto both = [](int axis, const BrickMask& mask, const BrickMask& below) {
+    return mask | previous_along(axis, mask, below);
+  };
+  std::array<BrickMask, 8> corners;
+  for (std::size_t o = 0; o < 8; o += 2) corners[o] = both(2, *leaves[o], *leaves[o + 1]);
+  for (std::size_t o = 0; o < 8; o += 4) corners[o] = both(1, corners[o], corners[o + 2]);
+  return both(0, corners[0], corners[4]);
 }
 
 void insert_corner_bricks(OctreeLevel& level) {
   std::vector<BrickCoord> owners;
+  BrickNeighbours neighbours(level.bricks);
   for (std::size_t i = 0; i < level.bricks.size(); ++i) {
-    HaloSet cells;
-    add_brick(cells, level.leaf[i], 0, 0, 0);
+    if (!level.leaf[i].any()) continue;
     const BrickCoord b = level.bricks[i];
-    for (int o = 1; o < 8; ++o) {
-      const int ox = o >> 2, oy = o >> 1 & 1, oz = o & 1;
-      // Seen from that brick, the leaves lie at -8..-1 along the axes it is away on.
-      const BrickCoord owner{b.x + ox, b.y + oy, b.z + oz};
-      if (leaf_corners(seen_from(cells, offset_index(8 * ox, 8 * oy, 8 * oz))).any()) {
-        owners.push_back(owner);
-      }
+    const PlacesAround& around = neighbours.around(b);
+    for (unsigned o = 1; o < 8; ++o) {
+      const unsigned x = o >> 2, y = o >> 1 & 1, z = o & 1;
+      if (around[kItself + 9 * x + 3 * y + z] != kNoBrick) continue;
+      if (!(level.leaf[i] & cells_towards(o)).any()) continue;
+      owners.push_back({b.x + static_cast<std::int32_t>(x), b.y + static_cast<std::int32_t>(y),
+                        b.z + static_cast<std::int32_t>(z)});
     }
   }
   std::sort(owners.begin(), owners.end());
   owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
-  level.insert_bricks(owners);
+  if (!owners.empty()) level.insert_bricks(owners);
 }
 
 LevelNodes background_nodes(const OctreeLevel& level,
@@ -76,9 +111,10 @@ LevelNodes background_nodes(const OctreeLevel& level,
   nodes.corner.resize(level.bricks.size());
   nodes.centre = level.leaf;
   for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    BrickNeighbours neighbours(level.bricks);
     for (std::size_t i = begin; i < end; ++i) {
       const BrickCoord brick = level.bricks[i];
-      nodes.used[i] = leaf_corners(gather_halo(level, level.leaf, brick));
+      nodes.used[i] = leaf_corners(lower_leaves(level.leaf, neighbours.around(brick)));
       if (!nodes.used[i].any()) continue;
       nodes.corner[i] = nodes.used[i] & ~corners_used_below(finer_level, finer, brick);
     }

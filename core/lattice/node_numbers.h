@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/brick_mask.h"
+#include "core/base/brick_neighbours.h"
 #include "core/lattice/bcc.h"
 #include "core/octree/octree.h"
 
@@ -19,8 +20,16 @@ struct LevelNodes {
   std::vector<std::uint64_t> first_vertex;  ///< id of the brick's first vertex
 };
 
-/// Corners of the leaves of `leaf` (a brick and its halo), those of the brick itself.
-BrickMask leaf_corners(const HaloSet& leaf) noexcept;
+/// Leaves of a brick and of the seven beyond its lower faces, edges and corner, at
+/// 4*x + 2*y + z.
+using LowerLeaves = std::array<const BrickMask*, 8>;
+
+/// `leaf` has those of each brick of the level.
+LowerLeaves lower_leaves(const std::vector<BrickMask>& leaf,
+                         const PlacesAround& around) noexcept;
+
+/// The corners of these leaves that the brick itself owns.
+BrickMask leaf_corners(const LowerLeaves& leaves) noexcept;
 
 /// Adds the bricks that own a corner of some leaf but hold no leaf themselves.
 void insert_corner_bricks(OctreeLevel& level);

@@ -20,38 +20,54 @@ BrickCoord parent_of(BrickCoord brick) noexcept {
   return {brick.x >> 1, brick.y >> 1, brick.z >> 1};
 }
 
+/// A row of 16 cells as the 8 of their parents.
+std::uint64_t parents_of_row(std::uint64_t row) noexcept {
+  std::uint64_t bits = (row | row >> 1) & 0x5555;
+  bits = (bits | bits >> 1) & 0x3333;
+  bits = (bits | bits >> 2) & 0x0f0f;
+  return (bits | bits >> 4) & 0xff;
+}
+
 /// Cells of a level as their parents, in halo coordinates of the parent's brick.
 HaloSet parents(const HaloSet& cells, BrickCoord brick) noexcept {
   HaloSet out;
   const int ox = (brick.x & 1) * 4, oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;
-  for_each_bit(cells, [&](int index) {
-    const int x = (index >> 8) - 2, y = (index >> 4 & 15) - 2, z = (index & 15) - 2;
-    out.set(halo_index(ox + (x >> 1), oy + (y >> 1), oz + (z >> 1)));
-  });
-  return out;
-}
-
-/// The set with all that share a face or an edge with it.
-HaloSet with_face_and_edge_neighbours(const HaloSet& cells) noexcept {
-  HaloSet out;
-  for (int dx = -1; dx <= 1; ++dx) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dz = -1; dz <= 1; ++dz) {
-        if (dx != 0 && dy != 0 && dz != 0) continue;
-        out |= seen_from(cells, offset_index(dx, dy, dz));
-      }
+  const auto row_of = [&](int x, int y) {
+    const int at = halo_index(x, y, -2);
+    return cells.word[static_cast<std::size_t>(at >> 6)] >> (at & 63) & 0xffff;
+  };
+  for (int x = -1; x < 7; ++x) {
+    for (int y = -1; y < 7; ++y) {
+      const std::uint64_t children = row_of(2 * x, 2 * y) | row_of(2 * x, 2 * y + 1) |
+                                     row_of(2 * x + 1, 2 * y) | row_of(2 * x + 1, 2 * y + 1);
+      const int at = halo_index(ox + x, oy + y, oz - 1);
+      out.word[static_cast<std::size_t>(at >> 6)] |= parents_of_row(children) << (at & 63);
     }
   }
   return out;
 }
 
-/// Hands each of the 27 bricks in the halo its part of `cells`, unless it is empty.
+/// The set with all that share a face or an edge with it: along any two axes at once.
+HaloSet with_face_and_edge_neighbours(const HaloSet& cells) noexcept {
+  constexpr int kX = offset_index(1, 0, 0), kY = offset_index(0, 1, 0),
+                kZ = offset_index(0, 0, 1);
+  const auto along = [](const HaloSet& set, int step) {
+    return set | seen_from(set, step) | seen_from(set, -step);
+  };
+  const HaloSet z = along(cells, kZ);
+  return along(z, kY) | along(z, kX) | along(along(cells, kY), kX);
+}
+
+/// Hands the bricks around a parent's their parts of `cells`, which reach out of the octant of
+/// its child `brick` by one cell.
 void add_parts(CellSetBuilder& builder, BrickCoord brick, const HaloSet& cells) {
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
+  const BrickCoord parent = parent_of(brick);
+  const auto first = [](std::int32_t child) { return (child & 1) - 1; };
+  for (int x = first(brick.x); x <= first(brick.x) + 1; ++x) {
+    for (int y = first(brick.y); y <= first(brick.y) + 1; ++y) {
+      for (int z = first(brick.z); z <= first(brick.z) + 1; ++z) {
         const BrickMask part = brick_part(seen_from(cells, offset_index(8 * x, 8 * y, 8 * z)));
-        if (part.any()) builder.add({brick.x + x, brick.y + y, brick.z + z}, part);
+        if (part.any()) builder.add({parent.x + x, parent.y + y, parent.z + z}, part);
       }
     }
   }
@@ -78,22 +94,29 @@ CellSet refined_above(const CellSet& refined) {
     HaloSet cells;
     add_brick(cells, refined.cells[i], 0, 0, 0);
     const BrickCoord brick = refined.bricks[i];
-    add_parts(builder, parent_of(brick), parents(with_face_and_edge_neighbours(cells), brick));
+    add_parts(builder, brick, parents(with_face_and_edge_neighbours(cells), brick));
   }
   return builder.take();
+}
+
+/// The 4 x 4 cells at the start of a slice, each as 2 x 2 of them.
+std::uint64_t doubled(std::uint64_t slice) noexcept {
+  std::uint64_t bits = slice & 0x0f0f0f0f;
+  bits = (bits | bits << 16) & 0x00000f0f00000f0f;
+  bits = (bits | bits << 8) & 0x000f000f000f000f;
+  bits = (bits | bits << 2) & 0x0033003300330033;
+  bits = (bits | bits << 1) & 0x0055005500550055;
+  bits |= bits << 1;
+  return bits | bits << 8;
 }
 
 /// The part of a parent brick's mask that covers child (ox, oy, oz), spread to the child's
 /// cells.
 BrickMask children_of(const BrickMask& parent_cells, int ox, int oy, int oz) noexcept {
   BrickMask mask;
-  for (int x = 0; x < 8; ++x) {
-    for (int y = 0; y < 8; ++y) {
-      for (int z = 0; z < 8; ++z) {
-        if (parent_cells.test(ox * 4 + x / 2, oy * 4 + y / 2, oz * 4 + z / 2))
-          mask.set(x, y, z);
-      }
-    }
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t slice = parent_cells.slice[static_cast<std::size_t>(ox * 4) + x / 2];
+    mask.slice[x] = doubled(slice >> (32 * oy + 4 * oz));
   }
   return mask;
 }
@@ -254,15 +277,20 @@ void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
 HaloSet gather_halo(const OctreeLevel& level,
                     const std::vector<BrickMask>& masks,
                     BrickCoord brick) noexcept {
+  PlacesAround around;
+  for (int o = 0; o < 27; ++o) {
+    around[static_cast<std::size_t>(o)] =
+        level.index.find({brick.x + o / 9 - 1, brick.y + o / 3 % 3 - 1, brick.z + o % 3 - 1});
+  }
+  return gather_halo(masks, around);
+}
+
+HaloSet gather_halo(const std::vector<BrickMask>& masks, const PlacesAround& around) noexcept {
   HaloSet set;
   if (masks.empty()) return set;
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
-        const std::uint32_t at = level.index.find({brick.x + x, brick.y + y, brick.z + z});
-        if (at != kNoBrick) add_brick(set, masks[at], x, y, z);
-      }
-    }
+  for (int o = 0; o < 27; ++o) {
+    const std::uint32_t at = around[static_cast<std::size_t>(o)];
+    if (at != kNoBrick) add_brick(set, masks[at], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
   }
   return set;
 }

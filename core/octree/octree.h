@@ -9,6 +9,7 @@
 
 #include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
+#include "core/base/brick_neighbours.h"
 #include "core/base/types.h"
 #include "core/grid/find_bricks.h"
 #include "core/grid/phi_field.h"
@@ -60,6 +61,9 @@ struct Octree {
 HaloSet gather_halo(const OctreeLevel& level,
                     const std::vector<BrickMask>& masks,
                     BrickCoord brick) noexcept;
+
+/// The same, of a brick whose neighbours are known.
+HaloSet gather_halo(const std::vector<BrickMask>& masks, const PlacesAround& around) noexcept;
 
 /// The cells with all their siblings: the seven others of the same parent.
 BrickMask with_siblings(BrickMask cells) noexcept;

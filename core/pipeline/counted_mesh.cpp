@@ -5,14 +5,38 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/brick_neighbours.h"
 #include "core/base/parallel.h"
 #include "core/lattice/reach.h"
+#include "core/stuffing/count_tets.h"
 
 namespace tet {
 namespace {
 
 constexpr std::size_t kBricksPerRange = 16;
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
+
+/// Calls `body(place, around)` for each brick of a level, in any order.
+template <class Body>
+void for_each_surrounded(const OctreeLevel& level, const Body& body) {
+  for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    BrickNeighbours neighbours(level.bricks);
+    for (std::size_t i = begin; i < end; ++i) body(i, neighbours.around(level.bricks[i]));
+  });
+}
+
+/// Leaves of the bricks beyond a finest brick's faces.
+LeavesAround leaves_beside(const OctreeLevel& finest, const PlacesAround& around) noexcept {
+  static constexpr BrickMask kNone;
+  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
+      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
+  LeavesAround leaves{&finest.leaf[around[kItself]], {}};
+  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
+    const std::uint32_t at = around[kBeyond[direction]];
+    leaves.beyond[direction] = at != kNoBrick ? &finest.leaf[at] : &kNone;
+  }
+  return leaves;
+}
 
 }  // namespace
 
@@ -48,15 +72,20 @@ void CountedMesh::find_cut_points() {
 }
 
 void CountedMesh::find_stuffed(const PhiField& field) {
-  const BrickIndex surveyed(survey_.bricks);
   const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
   stuffed_.resize(bricks.size());
   for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
+    // Both lists are sorted: their bricks are met in turn.
+    auto surveyed =
+        std::lower_bound(survey_.bricks.begin(), survey_.bricks.end(), bricks[begin]);
     for (std::size_t i = begin; i < end; ++i) {
-      stuffed_[i] = surveyed.find(bricks[i]);
-      if (stuffed_[i] != kNoBrick) continue;
       const BrickCoord b = bricks[i];
+      while (surveyed != survey_.bricks.end() && *surveyed < b) ++surveyed;
+      if (surveyed != survey_.bricks.end() && *surveyed == b) {
+        stuffed_[i] = static_cast<std::uint32_t>(surveyed - survey_.bricks.begin());
+        continue;
+      }
       const bool inside =
           sampler.inside(std::int64_t{8} * b.x, std::int64_t{8} * b.y, std::int64_t{8} * b.z);
       stuffed_[i] = inside ? kAllInside : kAllOutside;
@@ -69,32 +98,35 @@ void CountedMesh::find_vertices() {
   nodes_.resize(tree_.levels.size());
   nodes_[0].corner.resize(finest.bricks.size());
   nodes_[0].centre.resize(finest.bricks.size());
-  for_each_index(
-      finest.bricks.size(), [&](std::size_t i) { find_finest_vertices(i); }, kBricksPerRange);
+  for_each_surrounded(finest, [&](std::size_t i, const PlacesAround& around) {
+    if (rules_.both_sides) {
+      find_vertices_of_both_sides(i, around);
+    } else {
+      find_finest_vertices(i, around);
+    }
+  });
   nodes_[0].used = nodes_[0].corner;
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
     nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
   }
 }
 
-void CountedMesh::find_finest_vertices(std::size_t brick) {
-  const OctreeLevel& finest = tree_.levels[0];
-  const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[brick]);
-  if (rules_.both_sides) return find_vertices_of_both_sides(brick, leaf);
-  const StuffedBrick* stuffed = stuffed_at(finest.bricks[brick]);
+void CountedMesh::find_finest_vertices(std::size_t brick, const PlacesAround& around) {
+  const StuffedBrick* stuffed = stuffed_at(static_cast<std::uint32_t>(brick));
   if (stuffed == nullptr) return;
-  const auto vertices = finest_vertices(*stuffed, leaf);
+  const auto vertices = finest_vertices(*stuffed, lower_leaves(tree_.levels[0].leaf, around));
   nodes_[0].corner[brick] = vertices[kCorner];
   nodes_[0].centre[brick] = vertices[kCentre];
 }
 
-void CountedMesh::find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf) {
+void CountedMesh::find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around) {
+  const std::vector<BrickMask>& leaf = tree_.levels[0].leaf;
   if (!touches_surface(brick)) {
-    nodes_[0].corner[brick] = leaf_corners(leaf);
-    nodes_[0].centre[brick] = brick_part(leaf);
+    nodes_[0].corner[brick] = leaf_corners(lower_leaves(leaf, around));
+    nodes_[0].centre[brick] = leaf[brick];
     return;
   }
-  const UsedByTets used = used_by_tets(surroundings(brick), leaf);
+  const UsedByTets used = used_by_tets(surroundings(brick), gather_halo(leaf, around));
   nodes_[0].corner[brick] = used.node[kCorner];
   nodes_[0].centre[brick] = used.node[kCentre];
   trim_cut_points(stuffed_[brick], used);
@@ -106,7 +138,8 @@ void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used)
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
     const BrickMask trimmed = cut[f] & used.edge[f];
     // What was packed has the cut points that were there before.
-    if (!(trimmed == cut[f]) && !geometry_is_trimmed_) survey_.geometry.of_brick[stuffed] = nullptr;
+    if (!(trimmed == cut[f]) && !geometry_is_trimmed_)
+      survey_.geometry.of_brick[stuffed] = nullptr;
     cut[f] = trimmed;
   }
 }
@@ -118,13 +151,13 @@ void CountedMesh::count_bricks() {
     bricks += level.bricks.size();
   }
   std::vector<std::uint64_t> vertices(bricks), tets(bricks);
-  for_each_index(
-      bricks,
-      [&](std::size_t i) {
-        vertices[i] = vertices_of(place(i));
-        tets[i] = tets_of(place(i));
-      },
-      kBricksPerRange);
+  for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
+    for_each_surrounded(tree_.levels[l], [&](std::size_t i, const PlacesAround& around) {
+      const BrickPlace place{static_cast<int>(l), i};
+      vertices[first_brick_[l] + i] = vertices_of(place);
+      tets[first_brick_[l] + i] = tets_of(place, around);
+    });
+  }
   first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
   first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });
   for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
@@ -139,10 +172,9 @@ BrickPlace CountedMesh::place(std::size_t brick) const noexcept {
   return {static_cast<int>(level - first_brick_.begin()), brick - *level};
 }
 
-const StuffedBrick* CountedMesh::stuffed_at(BrickCoord coord) const noexcept {
-  const std::uint32_t at = tree_.levels[0].index.find(coord);
-  if (at == kNoBrick || stuffed_[at] == kAllOutside) return nullptr;
-  return stuffed_[at] == kAllInside ? &all_inside_ : &survey_.stuffed[stuffed_[at]];
+const StuffedBrick* CountedMesh::stuffed_at(std::uint32_t place) const noexcept {
+  if (place == kNoBrick || stuffed_[place] == kAllOutside) return nullptr;
+  return stuffed_[place] == kAllInside ? &all_inside_ : &survey_.stuffed[stuffed_[place]];
 }
 
 bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
@@ -153,8 +185,8 @@ BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept 
   const BrickCoord b = tree_.levels[0].bricks[brick];
   BrickNeighbourhood bricks;
   for (int o = 0; o < 8; ++o) {
-    bricks[static_cast<std::size_t>(o)] =
-        stuffed_at({b.x + (o >> 2), b.y + (o >> 1 & 1), b.z + (o & 1)});
+    bricks[static_cast<std::size_t>(o)] = stuffed_at(
+        tree_.levels[0].index.find({b.x + (o >> 2), b.y + (o >> 1 & 1), b.z + (o & 1)}));
   }
   return bricks;
 }
@@ -163,8 +195,8 @@ BrickSurroundings CountedMesh::surroundings(std::size_t brick) const noexcept {
   const BrickCoord b = tree_.levels[0].bricks[brick];
   BrickSurroundings around;
   for (int o = 0; o < 27; ++o) {
-    around[static_cast<std::size_t>(o)] =
-        stuffed_at({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1});
+    around[static_cast<std::size_t>(o)] = stuffed_at(
+        tree_.levels[0].index.find({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1}));
   }
   return around;
 }
@@ -201,19 +233,8 @@ VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
 }
 
 LeavesAround CountedMesh::leaves_around(std::size_t brick) const noexcept {
-  static constexpr BrickMask kNone;
   const OctreeLevel& finest = tree_.levels[0];
-  LeavesAround leaves{&finest.leaf[brick], {}};
-  for (std::size_t direction = 0; direction < leaves.beyond.size(); ++direction) {
-    BrickCoord beyond = finest.bricks[brick];
-    const int step = direction < 3 ? 1 : -1;
-    if (direction % 3 == 0) beyond.x += step;
-    if (direction % 3 == 1) beyond.y += step;
-    if (direction % 3 == 2) beyond.z += step;
-    const std::uint32_t found = finest.index.find(beyond);
-    leaves.beyond[direction] = found != kNoBrick ? &finest.leaf[found] : &kNone;
-  }
-  return leaves;
+  return leaves_beside(finest, BrickNeighbours(finest.bricks).around(finest.bricks[brick]));
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
@@ -224,29 +245,33 @@ std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
   return std::uint64_t{level.corner[place.brick].count()} + level.centre[place.brick].count();
 }
 
-std::uint64_t CountedMesh::tets_of(BrickPlace place) const noexcept {
+std::uint64_t CountedMesh::tets_of(BrickPlace place,
+                                   const PlacesAround& around) const noexcept {
   const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
   if (!level.leaf[place.brick].any()) return 0;
-  if (place.level == 0) return finest_tets_of(place.brick);
+  if (place.level == 0) return finest_tets_of(place.brick, around);
   std::uint64_t tets = 0;
   for (const MeshRegion region : regions()) {
-    tets +=
-        count_background(gather_background(level, level.bricks[place.brick], region)).total();
+    tets += count_background(gather_background(level, around, region)).total();
   }
   return tets;
 }
 
-std::uint64_t CountedMesh::finest_tets_of(std::size_t brick) const noexcept {
-  const OctreeLevel& level = tree_.levels[0];
-  const BrickCoord coord = level.bricks[brick];
-  const BrickNeighbourhood bricks = neighbourhood(brick);
+std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
+                                          const PlacesAround& around) const noexcept {
+  BrickNeighbourhood bricks;
+  for (std::size_t o = 0; o < bricks.size(); ++o) {
+    bricks[o] = stuffed_at(around[kItself + 9 * (o >> 2) + 3 * (o >> 1 & 1) + (o & 1)]);
+  }
   const bool all_minus =
       std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
   if (all_minus && !rules_.both_sides) return 0;
-  const FinestNodes inside = gather_nodes(bricks, gather_halo(level, level.leaf, coord));
-  if (!rules_.both_sides) return count_finest(inside, nullptr);
+  CellNodes nodes = nodes_around_cells(bricks, leaves_beside(tree_.levels[0], around));
+  if (!rules_.both_sides) return count_finest(nodes, nullptr);
   const FanMasks* fans = vertices_of_finest(brick).fans;
-  return count_finest(inside, fans) + count_finest(seen_from_outside(inside), fans);
+  const std::uint64_t inside = count_finest(nodes, fans);
+  see_from_outside(nodes);
+  return inside + count_finest(nodes, fans);
 }
 
 }  // namespace tet

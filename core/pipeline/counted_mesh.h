@@ -43,7 +43,8 @@ class CountedMesh {
               const StuffingRules& rules,
               bool uniform);
 
-  /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets use.
+  /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets
+  /// use.
   CountedMesh(MeshStructure structure, const StuffingRules& rules);
 
   const StuffingRules& rules() const noexcept { return rules_; }
@@ -80,18 +81,18 @@ class CountedMesh {
   bool touches_surface(std::size_t brick) const noexcept;
 
  private:
-  const StuffedBrick* stuffed_at(BrickCoord coord) const noexcept;
+  const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
   OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   void find_stuffed(const PhiField& field);
   void find_vertices();
-  void find_finest_vertices(std::size_t brick);
-  void find_vertices_of_both_sides(std::size_t brick, const HaloSet& leaf);
+  void find_finest_vertices(std::size_t brick, const PlacesAround& around);
+  void find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
   void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
   void find_cut_points();
   void count_bricks();
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
-  std::uint64_t tets_of(BrickPlace place) const noexcept;
-  std::uint64_t finest_tets_of(std::size_t brick) const noexcept;
+  std::uint64_t tets_of(BrickPlace place, const PlacesAround& around) const noexcept;
+  std::uint64_t finest_tets_of(std::size_t brick, const PlacesAround& around) const noexcept;
 
   StuffingRules rules_;
   bool geometry_is_trimmed_ = false;  ///< packed after cut points that no tet uses were dropped

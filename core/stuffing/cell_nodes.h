@@ -35,6 +35,11 @@ struct CellNodes {
 CellNodes nodes_around_cells(const BrickNeighbourhood& bricks,
                              const LeavesAround& leaves) noexcept;
 
+/// As the inside sees them where every cell is a leaf; `plus` and `zero` are valid for nodes in
+/// [0, 8]^3.
+CellNodes nodes_around_cells(const std::array<HaloSet, kNodeKinds>& plus,
+                             const std::array<HaloSet, kNodeKinds>& zero) noexcept;
+
 /// The same as the outside sees them.
 void see_from_outside(CellNodes& nodes) noexcept;
 

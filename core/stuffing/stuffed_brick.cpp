@@ -1,35 +1,11 @@
 #include "core/stuffing/stuffed_brick.h"
 
-#include <bit>
 #include <cstddef>
 
 #include "core/lattice/node_numbers.h"
 
 namespace tet {
 namespace {
-
-/// Tets that the stencils of one shape emit: 1, and more where nodes are cut away (see
-/// stencil.h).
-std::uint64_t count_stencil_tets(const ShapeSigns& signs) noexcept {
-  std::uint64_t count = signs.whole.count() + signs.cut.count();
-  for (std::size_t w = 0; w < HaloSet::kWords; ++w) {
-    const std::uint64_t cut = signs.cut.word[w];
-    if (cut == 0) continue;
-    // Bit-sliced sums: `odd` and `pairs` are the two low digits of the number of + nodes.
-    std::uint64_t odd = 0, pairs = 0, any_zero = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint64_t plus = signs.plus[i]->word[w];
-      pairs |= odd & plus;  // with at most three +, a carry happens once
-      odd ^= plus;
-      any_zero |= signs.zero[i]->word[w];
-    }
-    const std::uint64_t two = cut & pairs & ~odd, three = cut & pairs & odd;
-    count += static_cast<std::uint64_t>(std::popcount(two));              // ++0-: 2
-    count += static_cast<std::uint64_t>(std::popcount(two & ~any_zero));  // ++--: 3
-    count += 2 * static_cast<std::uint64_t>(std::popcount(three));        // +++-: 3
-  }
-  return count;
-}
 
 /// Adds the nodes of the neighbour at (x, y, z), each -1, 0 or 1; null: every one is `-`.
 void add_nodes(FinestNodes& nodes, const StuffedBrick* brick, int x, int y, int z) noexcept {
@@ -118,9 +94,9 @@ FinestNodes seen_from_outside(const FinestNodes& inside) noexcept {
 }
 
 std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
-                                                  const HaloSet& leaf) noexcept {
-  return {(brick.plus[kCorner] & leaf_corners(leaf)) | brick.zero[kCorner],
-          (brick.plus[kCentre] & brick_part(leaf)) | brick.zero[kCentre]};
+                                                  const LowerLeaves& leaves) noexcept {
+  return {(brick.plus[kCorner] & leaf_corners(leaves)) | brick.zero[kCorner],
+          (brick.plus[kCentre] & *leaves[0]) | brick.zero[kCentre]};
 }
 
 namespace {
@@ -251,23 +227,6 @@ HaloSet cells_with_half_pyramids(const FinestNodes& nodes,
     cells &= seen_from(nodes.plus[kCorner], offset_index(at.x, at.y, at.z));
   }
   return cells;
-}
-
-std::uint64_t count_finest(const FinestNodes& nodes, const FanMasks* fans) noexcept {
-  std::uint64_t count = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const FaceSigns faces = signs_around_faces(nodes, axis);
-    for (const TetShape& shape : shapes_across(axis)) {
-      count += count_stencil_tets(signs_of_shape(faces, shape));
-    }
-  }
-  for (int direction = 0; direction < kFaceDirections; ++direction) {
-    count += 2 * std::uint64_t{cells_with_half_pyramids(nodes, kOwnCells, direction).count()};
-  }
-  if (fans != nullptr) {
-    for (const BrickMask& fan : *fans) count += 3 * std::uint64_t{fan.count()};  // 6, not 3
-  }
-  return count;
 }
 
 }  // namespace tet

@@ -68,13 +68,13 @@ FinestNodes seen_from_outside(const FinestNodes& inside) noexcept;
 /// Nodes of the brick that are vertices of a one-sided mesh: used zeros, and `+` nodes of
 /// finest leaves.
 std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
-                                                  const HaloSet& leaf) noexcept;
+                                                  const LowerLeaves& leaves) noexcept;
 
 /// A brick and the 26 around it, at 9*(x+1) + 3*(y+1) + z+1; null where every node is `-`.
 using BrickSurroundings = std::array<const StuffedBrick*, 27>;
 
-/// The brick's own edges that have a cut point after the warp, from signs alone: one end is `+`,
-/// the other `-`.
+/// The brick's own edges that have a cut point after the warp, from signs alone: one end is
+/// `+`, the other `-`.
 std::array<BrickMask, kEdgeFamilies> edges_cut(const BrickSurroundings& bricks) noexcept;
 
 /// What a mesh of both sides uses of a brick: the nodes, and the edges, of all its tets. At the
@@ -121,9 +121,5 @@ inline NodeSign sign_at(const ShapeSigns& signs, std::size_t i, int cell) noexce
 HaloSet cells_with_half_pyramids(const FinestNodes& nodes,
                                  const HaloSet& own,
                                  int direction) noexcept;
-
-/// Tets that the stencils and the half pyramids of a finest brick emit in one region. `fans` is
-/// null where there are none.
-std::uint64_t count_finest(const FinestNodes& nodes, const FanMasks* fans) noexcept;
 
 }  // namespace tet

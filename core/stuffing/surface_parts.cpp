@@ -5,9 +5,9 @@
 #include <span>
 
 #include "core/lattice/background.h"
+#include "core/stuffing/count_tets.h"
 #include "core/stuffing/stencil.h"
 #include "core/stuffing/stuffed_brick.h"
-#include "core/stuffing/tet_signs.h"
 
 namespace tet {
 namespace {

@@ -2,8 +2,9 @@
 
 #include <cstddef>
 
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/count_tets.h"
 #include "core/stuffing/node_link.h"
-#include "core/stuffing/tet_signs.h"
 
 namespace tet {
 namespace {
@@ -80,7 +81,7 @@ SurveyedSurface survey_surface(const WarpedLattice& lattice,
   SurveyedSurface found;
   ThreeZeros three_zeros;
   found.counts.triangles =
-      count_cut_triangles(signs_around_cells(lattice.plus, lattice.zero), three_zeros);
+      count_cut_triangles(nodes_around_cells(lattice.plus, lattice.zero), three_zeros);
   found.counts.triangles += count_zero_triangles(lattice, three_zeros);
   found.counts.vertices = count_cut_points(kept);
   count_zeros(lattice, kept, found.counts);

@@ -1,0 +1,47 @@
+// How many tets a finest brick's cells carry, and how many triangles the surface has in them:
+// 64 cells at once.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/brick_mask.h"
+#include "core/lattice/bcc.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+/// Tets that the stencils and the half pyramids of a finest brick emit in one region. `fans` is
+/// null where there are none.
+std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcept;
+
+/// Tets of a brick's cells with one `+` and three zeros, by shape.
+using ThreeZeros = std::array<BrickMask, kTetShapes>;
+
+/// For each node of a shape, how far from the cell the node opposite it lies, across the face
+/// of the other three: the mirror image in the middle of the tet's other long edge.
+inline constexpr std::array<std::array<int, 4>, kTetShapes> kMirrored = [] {
+  std::array<std::array<int, 4>, kTetShapes> mirrored{};
+  for (std::size_t s = 0; s < kTetShapes; ++s) {
+    const TetShape& shape = kTetShape[s];
+    for (std::size_t a = 0; a < 4; ++a) {
+      LatticeCoord at{};
+      for (std::size_t b = 0; b < 4; ++b) {
+        const LatticeCoord node =
+            node_coord(shape.kind[b], halo_index(0, 0, 0) + shape.offset[b]);
+        if (b == a) at = at - node;
+        if (shape.kind[b] != shape.kind[a]) at = at + node;
+      }
+      mirrored[s][a] = node_index(at) - halo_index(0, 0, 0);
+    }
+  }
+  return mirrored;
+}();
+
+/// Triangles of the surface within the brick's cut tets; notes tets that may have one on a
+/// face.
+std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept;
+
+}  // namespace tet
