@@ -31,7 +31,7 @@ Chunks encode(const MeshPlan& plan) {
   return chunks;
 }
 
-TetMesh decode(const MeshPlan& plan, const Chunks& chunks) {
+FilledMesh decode(const MeshPlan& plan, const Chunks& chunks) {
   CompactBricks bricks(plan.compact_frame().rules.both_sides);
   for (const auto& chunk : chunks) {
     if (!bricks.add(chunk).ok()) return {};

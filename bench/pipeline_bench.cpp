@@ -25,6 +25,7 @@ struct PipelineCase {
   MakeVolume make_volume;
   MeshRequest request;
   int threads = 1;
+  bool reuse = false;  ///< the memory of the mesh before
 };
 
 double process_cpu_seconds() {
@@ -81,7 +82,8 @@ std::shared_ptr<const Volume> volume_of(const PipelineCase& run) {
   return kept;
 }
 
-/// Meshes into fresh memory each time, and gives it back: what a caller pays for one mesh.
+/// Meshes into fresh memory each time, and gives it back: what a caller pays for one mesh. Or into
+/// the memory of the mesh before: what a caller pays who makes many.
 void mesh(benchmark::State& state, const PipelineCase& run) {
   const std::shared_ptr<const Volume> volume = volume_of(run);
   if (volume == nullptr) return state.SkipWithError("glmark2-data is not installed");
@@ -91,8 +93,9 @@ void mesh(benchmark::State& state, const PipelineCase& run) {
   const PeakMemory memory;
   const double cpu_before = process_cpu_seconds();
   for (auto _ : state) {
+    TetMesh used = run.reuse ? std::move(last.mesh) : TetMesh{};
     last = {};
-    auto result = mesh_volume(pool, volume, run.request, {}, {}, nullptr);
+    auto result = mesh_volume(pool, volume, run.request, {}, {}, nullptr, std::move(used));
     if (!result.ok()) return state.SkipWithError(result.status().ToString().c_str());
     totals.add(*result);
     last = *std::move(result);
@@ -118,6 +121,10 @@ void add_volume(const std::string& name, const MakeVolume& make_volume) {
   improved.improve = true;
   for (const int threads : {1, 2}) add_case({name, make_volume, uniform, threads}, "uniform");
   for (const int threads : {1, 2}) add_case({name, make_volume, graded, threads}, "graded");
+  for (const int threads : {1, 2}) {
+    add_case({name, make_volume, uniform, threads, true}, "uniform_again");
+    add_case({name, make_volume, graded, threads, true}, "graded_again");
+  }
   for (const int threads : {1, 2}) add_case({name, make_volume, improved, threads}, "improved");
 }
 

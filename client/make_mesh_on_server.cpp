@@ -119,7 +119,8 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
 
   StreamWatch stream(bar);
   absl::StatusOr<StreamedMesh> streamed = client->stream_mesh(
-      wire_request(options.request, *name, options.grid), stream.callbacks(), interruption);
+      wire_request(options.request, *name, options.grid), stream.callbacks(), interruption,
+      options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   if (!streamed.ok()) return streamed.status();
   return MadeMesh{.mesh = std::move(streamed->mesh),
                   .quality = streamed->quality,

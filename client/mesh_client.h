@@ -81,12 +81,13 @@ class MeshClient {
   /// kOk when the server says that it serves `service` ("", "liveness", "readiness").
   absl::Status check_health(const std::string& service, const Cancellation& cancellation);
 
-  /// Makes a mesh on the server and receives all of it. A stream that breaks is resumed at the
-  /// first chunk that is missing. Errors also: kDataLoss (a checksum or a chunk's place is
-  /// wrong).
+  /// Makes a mesh on the server and receives all of it: the same mesh whatever the encoding. A
+  /// stream that breaks is resumed at the first chunk that is missing. Errors also: kDataLoss (a
+  /// checksum or a chunk's place is wrong).
   absl::StatusOr<StreamedMesh> stream_mesh(const v1::MeshRequest& request,
                                            const ClientProgress& progress,
-                                           const Cancellation& cancellation);
+                                           const Cancellation& cancellation,
+                                           v1::Encoding encoding = v1::ENCODING_PLAIN);
 
  private:
   struct Connection;

@@ -15,6 +15,7 @@ struct MeshOptions {
   MeshRequest request;
   int threads = 0;     ///< 0 takes every core
   std::string server;  ///< HOST:PORT; empty meshes in this process
+  bool compact = false;  ///< half a byte a tet from the server, and the mesh is made here
   std::string report;  ///< path; empty writes none
 };
 

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "client/chunk_message.h"
 #include "proto/wire/checksum.h"
+#include "proto/wire/serialized.h"
 
 namespace tet {
 
@@ -105,25 +105,54 @@ ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
           unsigned_count(chunk.tet_count()),    chunk.checksum()};
 }
 
+template <class Id>
+std::uint64_t largest_id(std::span<const std::byte> ids) {
+  Id largest = 0;
+  for (std::size_t i = 0; i < ids.size(); i += sizeof(Id)) {
+    Id id = 0;
+    std::memcpy(&id, ids.data() + i, sizeof id);
+    largest = std::max(largest, id);
+  }
+  return largest;
+}
+
+bool are_within(std::span<const std::byte> ids, const MeshHeader& header) {
+  const std::uint64_t largest = header.index_type == IndexType::kUint64
+                                    ? largest_id<std::uint64_t>(ids)
+                                    : largest_id<std::uint32_t>(ids);
+  return ids.empty() || largest < header.vertex_count;
+}
+
 void copy(const std::string& from, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
+}
+
+absl::Status allocate(const MeshHeader& header, TetMesh& mesh) {
+  try {
+    mesh = TetMesh(header);
+    return absl::OkStatus();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat("no memory for ", header.vertex_count,
+                                                     " vertices and ", header.tet_count,
+                                                     " tets"));
+  }
 }
 
 }  // namespace
 
 absl::Status MeshReceiver::take(grpc::ByteBuffer& event) {
-  if (const auto chunk = read_chunk(event)) {
+  if (const auto chunk = compact_ ? std::nullopt : read_chunk(event)) {
     planning_.reset();
     const auto columns =
         place_of(chunk->numbers,
                  {chunk->columns[0].size, chunk->columns[1].size, chunk->columns[2].size});
     if (!columns.ok()) return columns.status();
     return advance(
-        chunk->numbers,
+        chunk->numbers, *columns,
         copy_columns(event, *chunk, {columns->positions, columns->tets, columns->regions}));
   }
   v1::MeshEvent message;
-  if (!grpc::SerializationTraits<v1::MeshEvent>::Deserialize(&event, &message).ok()) {
+  if (!deserialize(event, message)) {
     return bad_stream("a message that is no MeshEvent");
   }
   return take(message);
@@ -152,12 +181,13 @@ absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
     return header.mesh_id() == received_.mesh_id ? absl::OkStatus()
                                                  : bad_stream("another mesh after resuming");
   }
-  try {
-    received_.mesh = TetMesh(to_core(header));
-  } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError(absl::StrCat("no memory for ", header.vertex_count(),
-                                                     " vertices and ", header.tet_count(),
-                                                     " tets"));
+  if (header.has_lattice()) {
+    absl::StatusOr<CompactReceiver> compact = CompactReceiver::begin(header);
+    if (!compact.ok()) return compact.status();
+    compact_ = *std::move(compact);
+    received_.mesh.header = to_core(header);  // its columns come last
+  } else if (absl::Status status = allocate(to_core(header), received_.mesh); !status.ok()) {
+    return status;
   }
   received_.mesh_id = header.mesh_id();
   received_.canonical_request = header.canonical_request();
@@ -166,6 +196,7 @@ absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
 }
 
 absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
+  if (compact_) return take_compact(chunk);
   const ChunkNumbers numbers = numbers_of(chunk);
   const auto columns = place_of(
       numbers, {chunk.positions().size(), chunk.tets().size(), chunk.regions().size()});
@@ -173,13 +204,36 @@ absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
   copy(chunk.positions(), columns->positions);
   copy(chunk.tets(), columns->tets);
   copy(chunk.regions(), columns->regions);
-  return advance(numbers, chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+  return advance(numbers, *columns,
+                 chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+}
+
+absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
+  const ChunkNumbers numbers = numbers_of(chunk);
+  if (absl::Status status = check_place(numbers); !status.ok()) return status;
+  const auto bytes = std::as_bytes(std::span(chunk.compact()));
+  if (absl::Status status = advance(numbers, {}, add_to_checksum(0, bytes)); !status.ok()) {
+    return status;
+  }
+  return compact_->add(bytes);
 }
 
 /// Where the next chunk's columns belong, if this is the next chunk and has columns of that
 /// size.
 absl::StatusOr<ChunkColumns> MeshReceiver::place_of(
     const ChunkNumbers& chunk, const std::array<std::size_t, 3>& column_bytes) {
+  if (absl::Status status = check_place(chunk); !status.ok()) return status;
+  const ChunkColumns columns =
+      received_.mesh.columns_of({next_vertex_, chunk.vertex_count, next_tet_, chunk.tet_count});
+  if (column_bytes[0] != columns.positions.size() || column_bytes[1] != columns.tets.size() ||
+      column_bytes[2] != columns.regions.size()) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
+  }
+  return columns;
+}
+
+/// Whether this is the chunk that is missing next, and fits.
+absl::Status MeshReceiver::check_place(const ChunkNumbers& chunk) const {
   if (!has_header_) return bad_stream("a chunk before the header");
   if (!is_count(chunk.vertex_count) || !is_count(chunk.tet_count)) {
     return bad_stream("a chunk with impossible counts");
@@ -190,20 +244,19 @@ absl::StatusOr<ChunkColumns> MeshReceiver::place_of(
       chunk.tet_count > header.tet_count - next_tet_) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
   }
-  const ChunkColumns columns =
-      received_.mesh.columns_of({next_vertex_, chunk.vertex_count, next_tet_, chunk.tet_count});
-  if (column_bytes[0] != columns.positions.size() || column_bytes[1] != columns.tets.size() ||
-      column_bytes[2] != columns.regions.size()) {
-    return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
-  }
-  return columns;
+  return absl::OkStatus();
 }
 
 /// The chunk counts as received if what was copied is what the server sent; else the next
 /// attempt overwrites it.
-absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t checksum) {
+absl::Status MeshReceiver::advance(const ChunkNumbers& chunk,
+                                   const ChunkColumns& columns,
+                                   std::uint32_t checksum) {
   if (checksum != chunk.checksum) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
+  }
+  if (!are_within(columns.tets, received_.mesh.header)) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
   }
   next_vertex_ += chunk.vertex_count;
   next_tet_ += chunk.tet_count;
@@ -241,7 +294,15 @@ void MeshReceiver::take_quality(const v1::MeshTrailer& trailer) {
                  received_.quality.histogram.begin(), unsigned_count);
 }
 
-StreamedMesh MeshReceiver::finish() && {
+absl::StatusOr<StreamedMesh> MeshReceiver::finish(const Cancellation& cancellation) && {
+  if (compact_) {
+    absl::StatusOr<FilledMesh> filled =
+        std::move(*compact_).finish(received_.mesh.header, cancellation);
+    if (!filled.ok()) return filled.status();
+    received_.mesh = std::move(filled->mesh);
+    received_.quality = filled->quality;
+    return std::move(received_);
+  }
   if (!has_quality_) received_.quality = measure_quality(received_.mesh);
   return std::move(received_);
 }

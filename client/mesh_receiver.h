@@ -10,13 +10,14 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "client/compact_receiver.h"
 #include "client/mesh_client.h"
 #include "proto/wire/chunk_frame.h"
 
 namespace tet {
 
 /// Collects one mesh from as many streams as it takes. Trusts nothing that the server says:
-/// every count is checked before it is used. Not thread-safe.
+/// every count and every vertex id is checked before it is used. Not thread-safe.
 class MeshReceiver {
  public:
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
@@ -36,18 +37,24 @@ class MeshReceiver {
   bool complete() const noexcept { return complete_; }
 
   /// The mesh, once complete. Statistics are measured here unless one stream brought them all.
-  StreamedMesh finish() &&;
+  /// Errors: those of CompactReceiver::finish.
+  absl::StatusOr<StreamedMesh> finish(const Cancellation& cancellation) &&;
 
  private:
   absl::Status take_header(const v1::MeshHeader& header);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
+  absl::Status take_compact(const v1::MeshChunk& chunk);
+  absl::Status check_place(const ChunkNumbers& chunk) const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk,
                                         const std::array<std::size_t, 3>& column_bytes);
-  absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
+  absl::Status advance(const ChunkNumbers& chunk,
+                       const ChunkColumns& columns,
+                       std::uint32_t checksum);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   void take_quality(const v1::MeshTrailer& trailer);
 
   StreamedMesh received_;
+  std::optional<CompactReceiver> compact_;  ///< where chunks are compact
   std::optional<v1::MeshProgress> planning_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0;
   bool has_header_ = false, has_quality_ = false, complete_ = false;

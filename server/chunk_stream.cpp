@@ -7,10 +7,10 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "proto/wire/checksum.h"
 #include "proto/wire/chunk_frame.h"
+#include "proto/wire/serialized.h"
 #include "server/status.h"
 
 namespace tet {
@@ -19,22 +19,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
-absl::StatusOr<StreamOrder> parse(const grpc::ByteBuffer& request) {
-  grpc::ByteBuffer consumed = request;
+absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
   v1::StreamMeshRequest message;
-  if (!grpc::SerializationTraits<v1::StreamMeshRequest>::Deserialize(&consumed, &message)
-           .ok()) {
+  if (!deserialize(request, message)) {
     return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
                        "MALFORMED");
   }
   return parse_stream_request(message);
-}
-
-grpc::ByteBuffer serialized(const v1::MeshEvent& event) {
-  grpc::ByteBuffer message;
-  bool own = false;
-  grpc::SerializationTraits<v1::MeshEvent>::Serialize(event, &message, &own);
-  return message;
 }
 
 std::uint32_t checksum_of(const ChunkColumns& columns) {
@@ -161,7 +152,7 @@ void ChunkStream::post_chunks() {
 void ChunkStream::make_chunk(std::uint64_t index) {
   Slot& slot = slot_of(index);
   const bool wanted = !watch_->cancellation.requested();
-  if (wanted) fill(index, slot);
+  if (wanted) order_.compact ? encode(index, slot) : fill(index, slot);
   engine_.activity.chunks_in_flight.fetch_sub(1);
   {
     const std::lock_guard lock(mutex_);
@@ -192,6 +183,29 @@ void ChunkStream::fill(std::uint64_t index, Slot& slot) {
   slot.message = grpc::ByteBuffer(slices.data(), size.regions == 0 ? 2 : 3);
   slot.tets = extent.tet_count;
   slot.bytes = size.total();
+  engine_.activity.chunks_made.fetch_add(1);
+}
+
+void ChunkStream::encode(std::uint64_t index, Slot& slot) {
+  const MeshPlan& plan = *planned_.plan;
+  const ChunkExtent extent = plan.chunk(index);
+  std::vector<std::byte> bytes;
+  MeshWorkspace workspace = engine_.workspaces.take();
+  plan.encode_chunk(index, workspace, bytes);
+  engine_.workspaces.give_back(std::move(workspace));
+
+  v1::MeshEvent event;
+  v1::MeshChunk& chunk = *event.mutable_chunk();
+  chunk.set_index(static_cast<std::int64_t>(index));
+  chunk.set_first_vertex(static_cast<std::int64_t>(extent.first_vertex));
+  chunk.set_vertex_count(static_cast<std::int64_t>(extent.vertex_count));
+  chunk.set_first_tet(static_cast<std::int64_t>(extent.first_tet));
+  chunk.set_tet_count(static_cast<std::int64_t>(extent.tet_count));
+  chunk.set_checksum(add_to_checksum(0, bytes));
+  chunk.set_compact(bytes.data(), bytes.size());
+  slot.message = serialized(event);
+  slot.tets = extent.tet_count;
+  slot.bytes = bytes.size();
   engine_.activity.chunks_made.fetch_add(1);
 }
 
@@ -261,6 +275,9 @@ v1::MeshEvent ChunkStream::header_event() const {
   to_proto(planned_.plan->header(), header);
   header.set_mesh_id(planned_.mesh_id);
   *header.mutable_canonical_request() = planned_.canonical;
+  if (order_.compact) {
+    to_proto(planned_.plan->compact_frame().to_world, *header.mutable_lattice());
+  }
   return event;
 }
 
@@ -269,7 +286,7 @@ v1::MeshEvent ChunkStream::trailer_event() const {
   v1::MeshTrailer& trailer = *event.mutable_trailer();
   trailer.set_first_chunk(static_cast<std::int64_t>(order_.start_chunk));
   trailer.set_end_chunk(static_cast<std::int64_t>(end_));
-  to_proto(quality_, *trailer.mutable_quality());
+  if (!order_.compact) to_proto(quality_, *trailer.mutable_quality());
   const auto& boundary = planned_.plan->boundary();
   if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
   const auto& improvement = planned_.plan->improvement();

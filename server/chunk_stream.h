@@ -63,6 +63,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void post_chunks();
   void make_chunk(std::uint64_t index);
   void fill(std::uint64_t index, Slot& slot);
+  void encode(std::uint64_t index, Slot& slot);
 
   void advance();
   Step next_step();

@@ -85,6 +85,8 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   add_preset(capabilities, v1::PRESET_BOTH_SIDES, Preset::kBothSides);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT32);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
+  capabilities.add_encodings(v1::ENCODING_PLAIN);
+  capabilities.add_encodings(v1::ENCODING_COMPACT);
   capabilities.set_max_chunk_bytes(std::int64_t{kChunkBytes});
   v1::Limits& limits = *capabilities.mutable_limits();
   limits.set_max_concurrent_meshes(static_cast<std::int32_t>(config.max_streams));

@@ -155,9 +155,19 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field(absl::StrCat("end_chunk ", request.end_chunk(),
                                       " is below start_chunk ", request.start_chunk()));
   }
+  if (!v1::Encoding_IsValid(request.encoding())) {
+    return invalid_field(absl::StrCat("encoding ", static_cast<int>(request.encoding()),
+                                      " is unknown: see Capabilities.encodings"));
+  }
+  const bool compact = request.encoding() == v1::ENCODING_COMPACT;
+  if (compact && mesh->request.improve) {
+    return invalid_field(
+        "encoding ENCODING_COMPACT cannot carry an improved mesh: leave improve unset, or ask "
+        "for ENCODING_PLAIN");
+  }
   return StreamOrder{*std::move(mesh), static_cast<std::uint64_t>(request.start_chunk()),
                      static_cast<std::uint64_t>(request.end_chunk()),
-                     request.expected_mesh_id()};
+                     request.expected_mesh_id(), compact};
 }
 
 v1::MeshRequest canonical_request(const MeshOrder& order,
@@ -242,6 +252,15 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
+}
+
+void to_proto(const LatticeToWorld& to_world, v1::Lattice& message) {
+  for (const auto& row : to_world.linear) {
+    for (const double entry : row) message.add_linear(entry);
+  }
+  message.set_origin_x(to_world.origin.x);
+  message.set_origin_y(to_world.origin.y);
+  message.set_origin_z(to_world.origin.z);
 }
 
 void to_proto(const Improvement& improvement, v1::Improvement& message) {

@@ -9,6 +9,7 @@
 #include "core/grid/load.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
+#include "core/mesh/lattice_to_world.h"
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/pipeline/thin_walls.h"
@@ -32,6 +33,7 @@ struct StreamOrder {
   std::uint64_t start_chunk = 0;
   std::uint64_t end_chunk = 0;  ///< 0: all
   std::string expected_mesh_id;
+  bool compact = false;
 };
 
 /// Errors: kInvalidArgument, naming the field, its value and what it may be.
@@ -54,6 +56,7 @@ v1::IndexType to_proto(IndexType type);
 v1::Preset to_proto(Preset preset);
 void to_proto(const GridInfo& info, v1::GridInfo& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
+void to_proto(const LatticeToWorld& to_world, v1::Lattice& message);
 void to_proto(const Improvement& improvement, v1::Improvement& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);
 void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message);

@@ -1,6 +1,7 @@
 #include "core/base/brick_mask.h"
 
 #include <algorithm>
+#include <emmintrin.h>
 
 namespace tet {
 namespace {
@@ -9,16 +10,19 @@ constexpr int kHaloMin = -2, kHaloMax = 13;
 
 }  // namespace
 
-BrickMask brick_part(const HaloSet& set) noexcept {
+BrickMask brick_part(const HaloSet& set) noexcept { return brick_part(set, 0, 0, 0); }
+
+BrickMask brick_part(const HaloSet& set, int dx, int dy, int dz) noexcept {
+  // Eight rows of 16 bits lie one after another: the middle byte of each is a row of cells.
+  const auto* const rows = reinterpret_cast<const char*>(set.word.data());
+  const __m128i byte = _mm_set1_epi16(0xff);
   BrickMask mask;
   for (int x = 0; x < 8; ++x) {
-    std::uint64_t slice = 0;
-    for (int y = 0; y < 8; ++y) {
-      const int row = halo_index(x, y, 0);
-      const std::uint64_t bits = set.word[static_cast<std::size_t>(row >> 6)] >> (row & 63);
-      slice |= (bits & 0xff) << (y * 8);
-    }
-    mask.slice[static_cast<std::size_t>(x)] = slice;
+    const int row = halo_index(x + dx, dy, -2) / 16;
+    const __m128i bits = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows + 2 * row));
+    const __m128i cells = _mm_and_si128(_mm_srli_epi16(bits, 2 + dz), byte);
+    mask.slice[static_cast<std::size_t>(x)] =
+        static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_packus_epi16(cells, cells)));
   }
   return mask;
 }

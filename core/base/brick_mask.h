@@ -62,6 +62,38 @@ struct BrickMask {
   friend constexpr bool operator==(const BrickMask&, const BrickMask&) = default;
 };
 
+/// What the next cells along `axis` say: bit (x, y, z) is that of the cell one step up, which
+/// for the last ones lies in the neighbour `beyond`.
+constexpr BrickMask next_along(int axis,
+                               const BrickMask& mask,
+                               const BrickMask& beyond) noexcept {
+  constexpr std::uint64_t kFirstOfRows = 0x0101010101010101;
+  BrickMask next;
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t here = mask.slice[x], there = beyond.slice[x];
+    next.slice[x] = axis == 0 ? (x < 7 ? mask.slice[x + 1] : beyond.slice[0])
+                    : axis == 1
+                        ? here >> 8 | there << 56
+                        : (here >> 1 & ~(kFirstOfRows << 7)) | (there & kFirstOfRows) << 7;
+  }
+  return next;
+}
+
+/// The same one step down: `beyond` is the lower neighbour.
+constexpr BrickMask previous_along(int axis,
+                                   const BrickMask& mask,
+                                   const BrickMask& beyond) noexcept {
+  constexpr std::uint64_t kFirstOfRows = 0x0101010101010101;
+  BrickMask previous;
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t here = mask.slice[x], there = beyond.slice[x];
+    previous.slice[x] = axis == 0   ? (x > 0 ? mask.slice[x - 1] : beyond.slice[7])
+                        : axis == 1 ? here << 8 | there >> 56
+                                    : (here << 1 & ~kFirstOfRows) | (there >> 7 & kFirstOfRows);
+  }
+  return previous;
+}
+
 /// Calls `visit(x, y, z)` for each set bit, x first.
 template <class Visit>
 void for_each_bit(const BrickMask& mask, const Visit& visit) {
@@ -174,6 +206,14 @@ constexpr HaloSet seen_from(const HaloSet& set, int offset) noexcept {
   return out;
 }
 
+/// Word `w` of what `seen_from` makes of a set, where every bit of it comes from within the
+/// set.
+constexpr std::uint64_t word_seen_from(const HaloSet& set, std::size_t w, int offset) noexcept {
+  const std::size_t at = w + static_cast<std::size_t>(offset >> 6);  // wraps if negative
+  // Shifted twice, so that nothing is shifted by 64.
+  return set.word[at] >> (offset & 63) | set.word[at + 1] << 1 << (63 - (offset & 63));
+}
+
 /// The set that holds every index of the box [min, max]^3, both ends included.
 constexpr HaloSet halo_cube(int min, int max) noexcept {
   HaloSet set;
@@ -198,6 +238,9 @@ void for_each_bit(const HaloSet& set, const Visit& visit) {
 
 /// Copies the cells of the brick itself, [0, 8)^3, out of a halo set.
 BrickMask brick_part(const HaloSet& set) noexcept;
+/// The same seen from (dx, dy, dz), each in -1..1: cell (x, y, z) of the result is the set's
+/// (x + dx, y + dy, z + dz).
+BrickMask brick_part(const HaloSet& set, int dx, int dy, int dz) noexcept;
 
 /// Adds what `mask` says of the neighbour brick at (bx, by, bz), each in -1..1, where it lies
 /// within the halo.

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <new>
 #include <sys/mman.h>
+#include <utility>
 
 namespace tet {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::size_t rounded_up(std::size_t size, std::size_t unit) {
 
 }  // namespace
 
-ByteBuffer::ByteBuffer(std::size_t size) : size_(size) {
+ByteBuffer::ByteBuffer(std::size_t size) : size_(size), capacity_(size) {
   // A smaller one would leave most of its last huge page unused.
   const bool huge = size >= 2 * kHugePage;
   const std::size_t unit = huge ? kHugePage : kCacheLine;
@@ -25,6 +26,16 @@ ByteBuffer::ByteBuffer(std::size_t size) : size_(size) {
   // Advice alone: where the system has no huge pages, small ones do.
   if (huge) ::madvise(memory, size, MADV_HUGEPAGE);
   bytes_.reset(static_cast<std::byte*>(memory));
+}
+
+ByteBuffer::ByteBuffer(std::size_t size, ByteBuffer&& used) {
+  if (used.capacity_.value < size) {
+    used = {};  // before there is another one
+    *this = ByteBuffer(size);
+  } else {
+    *this = std::move(used);
+    size_ = size;
+  }
 }
 
 void ByteBuffer::Free::operator()(std::byte* bytes) const noexcept { std::free(bytes); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/tet_geometry.h"
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
@@ -67,43 +68,53 @@ void QualityMeter::add_tet(const WorldPoint& a,
   extremes_.add(normal);
   const std::array<double, 6> cosines = dihedral_cosines(normal);
   for (std::size_t edge = 0; edge < 6; ++edge) {
-    ++histograms_[edge][kBinOf(cosines[edge])];
+    histogram_.add_one(kBinOf(cosines[edge]));
   }
 }
 
 void QualityMeter::add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept {
-  TetBatch batch;
-  BatchAngles angles;
-  while (!tets.empty()) {
-    const auto some = tets.first(std::min(tets.size(), TetBatch::kSize));
-    batch.load(points, some);
-    measure_batch(batch, angles);
-    add_batch(angles, some.size(), [&](std::size_t lane) {
-      std::array<WorldPoint, 4> places;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const LocalPoint& p = points[some[lane][k]];
-        places[k] = {p.x, p.y, p.z};
-      }
-      return places;
-    });
-    tets = tets.subspan(some.size());
+  constexpr std::size_t kSize = TetBatch::kSize;
+  for (; tets.size() >= kSize; tets = tets.subspan(kSize)) {
+    add_lanes(points, tets.first<kSize>(), kSize);
   }
+  if (tets.empty()) return;
+  std::array<LocalTet, kSize> last;
+  std::fill(std::copy(tets.begin(), tets.end(), last.begin()), last.end(), tets.back());
+  add_lanes(points, last, tets.size());
 }
 
+void QualityMeter::add_lanes(const LocalPoint* points,
+                             std::span<const LocalTet, TetBatch::kSize> tets,
+                             std::size_t count) noexcept {
+  TetBatch batch;
+  BatchAngles angles;
+  batch.load([&](std::size_t lane) {
+    const auto& [a, b, c, d] = tets[lane];
+    const FloatRow from = row_of(points[a]);
+    return std::array{row_of(points[b]) - from, row_of(points[c]) - from,
+                      row_of(points[d]) - from};
+  });
+  measure_batch(batch, angles);
+  add_batch(angles, count, [&](std::size_t lane) {
+    const auto place = [&](std::uint16_t i) {
+      return WorldPoint{points[i].x, points[i].y, points[i].z};
+    };
+    const auto& [a, b, c, d] = tets[lane];
+    return std::array{place(a), place(b), place(c), place(d)};
+  });
+}
+
+TET_VECTOR_CLONES
 void QualityMeter::count_batch(const BatchAngles& batch, std::size_t count) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     six_volumes_[i] += static_cast<double>(batch.six_volumes[i]);
-    for (std::size_t edge = 0; edge < 6; ++edge) {
-      ++histograms_[edge][static_cast<std::size_t>(batch.degrees[edge][i])];
-    }
   }
+  histogram_.add(batch.cosine, count);
 }
 
 QualityStats QualityMeter::stats() const noexcept {
   QualityStats stats;
-  for (const auto& histogram : histograms_) {
-    for (std::size_t d = 0; d < histogram.size(); ++d) stats.histogram[d] += histogram[d];
-  }
+  stats.histogram = histogram_.counts();
   for (const double six_volumes : six_volumes_) stats.volume += six_volumes / 6;
   const AngleRange& angles = extremes_.range();
   if (angles.empty()) return stats;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/degree_histogram.h"
 #include "core/base/extreme_angles.h"
 #include "core/base/local_point.h"
 #include "core/base/tet_batch.h"
@@ -55,11 +56,12 @@ class QualityMeter {
   QualityStats stats() const noexcept;
 
  private:
+  void add_lanes(const LocalPoint* points,
+                 std::span<const LocalTet, TetBatch::kSize> tets,
+                 std::size_t count) noexcept;
   void count_batch(const BatchAngles& batch, std::size_t count) noexcept;
 
-  /// One histogram for each of a tet's edges: tets in a row are often alike, and counting into
-  /// one bin again and again waits for the last store each time.
-  std::array<std::array<std::uint64_t, QualityStats::kBins>, 6> histograms_{};
+  DegreeHistogram histogram_;
   ExtremeAngles extremes_;
   TetBatch::Column<double> six_volumes_{};  // of every sixteenth tet
 };

@@ -4,17 +4,14 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <span>
 
-#include "core/base/local_point.h"
-#include "core/base/tet_geometry.h"
+#include "core/base/float_row.h"
 
 namespace tet {
 
 /// The edges of a few tets from their first corner to each of the others, as columns.
 struct TetBatch {
-  static constexpr std::size_t kSize = 16;
+  static constexpr std::size_t kSize = 32;
   template <class Number>
   using Column = std::array<Number, kSize>;
 
@@ -23,23 +20,24 @@ struct TetBatch {
   };
   alignas(64) std::array<Edge, 3> edge;
 
-  /// The tet of one lane, relative to its first corner.
-  void set(std::size_t lane, std::size_t k, const BasicVector<float>& e) noexcept {
-    edge[k].x[lane] = e.x;
-    edge[k].y[lane] = e.y;
-    edge[k].z[lane] = e.z;
+  /// Fills all lanes; `edges_of(lane)` is the tet's three edges as an array of FloatRow.
+  template <class EdgesOf>
+  void load(EdgesOf edges_of) noexcept {
+    for (std::size_t lane = 0; lane < kSize; lane += 4) {
+      const auto e0 = edges_of(lane), e1 = edges_of(lane + 1);
+      const auto e2 = edges_of(lane + 2), e3 = edges_of(lane + 3);
+      for (std::size_t k = 0; k < 3; ++k) {
+        auto& [x, y, z] = edge[k];
+        store_transposed({e0[k], e1[k], e2[k], e3[k]}, &x[lane], &y[lane], &z[lane]);
+      }
+    }
   }
-
-  /// One to `kSize` tets; lanes beyond repeat the last one.
-  void load(const LocalPoint* points, std::span<const LocalTet> tets) noexcept;
 };
 
-/// What is known of each tet of a batch.
+/// What is known of each tet of a batch, by float arithmetic. Cosines are sign(cos) * cos^2,
+/// and -1 at a face without area; rounding may put them beyond 1.
 struct BatchAngles {
-  /// The six dihedral angles in whole degrees, 0 to 179. An angle less than 1e-4 below a whole
-  /// degree may count as that degree, so that rounding does not tear 60, 90 or 120 in two.
-  alignas(64) std::array<TetBatch::Column<std::int32_t>, 6> degrees;
-  /// Of the smallest and the largest angle: sign(cos) * cos^2; -1 at a face without area.
+  alignas(64) std::array<TetBatch::Column<float>, 6> cosine;
   TetBatch::Column<float> largest_cosine, smallest_cosine;
   TetBatch::Column<float> six_volumes;
 };

@@ -1,7 +1,7 @@
 #include "core/grid/find_bricks.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <mutex>
@@ -10,19 +10,10 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/parallel.h"
+#include "core/grid/region_signs.h"
 
 namespace tet {
 namespace {
-
-/// Signs that occur in a brick. Exact zeros count as outside: they touch the surface either
-/// way.
-enum Signs : std::uint8_t { kNone = 0, kInside = 1, kOutside = 2, kBoth = 3 };
-
-Signs signs_of(const PhiField& field, ValueRange range) noexcept {
-  const float lowest = field.negated() ? field.phi(range.max) : field.phi(range.min);
-  const float highest = field.negated() ? field.phi(range.min) : field.phi(range.max);
-  return static_cast<Signs>((lowest < 0 ? kInside : kNone) | (highest < 0 ? kNone : kOutside));
-}
 
 /// Looking at a region costs microseconds; more than this many are a claim, not a grid.
 constexpr std::size_t kMaxRegions = std::size_t{1} << 22;
@@ -81,97 +72,35 @@ absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
   return regions;
 }
 
-/// Signs of a region's 16^3 bricks with one more brick on every side.
-class RegionSigns {
- public:
-  static constexpr int kEdge = kRegionBricks + 2;
-
-  void read(const PhiField& field, VolumeReader& reader, BrickCoord region) noexcept {
-    // Part by part of the 27 regions that the halo reaches into: entering one is what costs.
-    for (int part = 0; part < 27; ++part) {
-      const Span x(part / 9 - 1), y(part / 3 % 3 - 1), z(part % 3 - 1);
-      for_each_brick(
-          {
-              {x.first, y.first, z.first},
-              { x.last,  y.last,  z.last}
-      },
-          [&](BrickCoord at) {
-            const auto brick =
-                reader.brick({region.x + at.x, region.y + at.y, region.z + at.z});
-            own_[index(at.x, at.y, at.z)] = signs_of(field, brick.range);
-          });
-    }
-    around_ = own_;
-    for (const std::size_t step :
-         {std::size_t{1}, std::size_t{kEdge}, std::size_t{kEdge * kEdge}}) {
-      const auto before = around_;
-      for (std::size_t i = step; i + step < around_.size(); ++i) {
-        around_[i] = static_cast<std::uint8_t>(before[i - step] | before[i] | before[i + step]);
-      }
-    }
+/// Adds the runs of bricks along z that a region's row has bits for.
+void add_runs(BrickCoord row, unsigned bits, std::vector<BrickBox>& boxes) {
+  while (bits != 0) {
+    const int first = std::countr_zero(bits), end = first + std::countr_one(bits >> first);
+    boxes.push_back({
+        {row.x, row.y,   row.z + first},
+        {row.x, row.y, row.z + end - 1}
+    });
+    bits &= ~0U << end;
   }
-
-  bool inside(int x, int y, int z) const noexcept {
-    return (own_[index(x, y, z)] & kInside) != 0;
-  }
-  bool near_surface(int x, int y, int z) const noexcept {
-    return around_[index(x, y, z)] == kBoth;
-  }
-
- private:
-  /// The bricks along one axis that lie in the region before (-1), itself (0) or the one after
-  /// (1).
-  struct Span {
-    int first, last;
-    explicit Span(int part)
-        : first(part < 0 ? -1 : part * kRegionBricks),
-          last(part == 0 ? kRegionBricks - 1 : first) {}
-  };
-
-  static std::size_t index(int x, int y, int z) noexcept {
-    return static_cast<std::size_t>(((x + 1) * kEdge + y + 1) * kEdge + z + 1);
-  }
-  std::array<std::uint8_t, kEdge * kEdge * kEdge> own_, around_;
-};
-
-/// True when the region and the 26 around it hold nothing but one sign.
-bool one_sign_around(const PhiField& field,
-                     VolumeReader& reader,
-                     BrickCoord region,
-                     Signs& sign) {
-  int seen = kNone;
-  bool constant = true;
-  for_each_region_around(region, [&](BrickCoord around) {
-    float value = 0;
-    constant = constant && reader.constant_region(around, value);
-    seen |= signs_of(field, {value, value});
-  });
-  if (!constant) return false;
-  sign = static_cast<Signs>(seen);
-  return sign != kBoth;
 }
 
-void scan_region(const PhiField& field,
-                 VolumeReader& reader,
-                 RegionSigns& signs,
-                 BrickCoord region,
-                 FoundBricks& found) {
-  Signs sign = kNone;
-  if (one_sign_around(field, reader, region, sign)) {
+void scan_region(SignsAround& signs, BrickCoord region, FoundBricks& found) {
+  signs.enter(region);
+  if (signs.one_sign()) {
     constexpr int kLast = kRegionBricks - 1;
     const BrickCoord last{region.x + kLast, region.y + kLast, region.z + kLast};
-    if (sign == kInside) found.inside.push_back({region, last});
+    if (signs.inside()) found.inside.push_back({region, last});
     return;
   }
-  signs.read(field, reader, region);
-  for (int x = 0; x < kRegionBricks; ++x) {
-    for (int y = 0; y < kRegionBricks; ++y) {
-      for (int z = 0; z < kRegionBricks; ++z) {
-        const BrickCoord brick{region.x + x, region.y + y, region.z + z};
-        if (signs.near_surface(x, y, z)) found.near_surface.push_back(brick);
-        if (signs.inside(x, y, z)) found.inside.push_back({brick, brick});
-      }
+  const RegionRows near_surface = signs.near_surface();
+  for (std::size_t i = 0; i < near_surface.size(); ++i) {
+    const auto at = static_cast<std::int32_t>(i);
+    const BrickCoord row{region.x + at / kRegionBricks, region.y + at % kRegionBricks,
+                         region.z};
+    for (unsigned bits = near_surface[i]; bits != 0; bits &= bits - 1) {
+      found.near_surface.push_back({row.x, row.y, row.z + std::countr_zero(bits)});
     }
+    add_runs(row, signs.inside_rows()[i], found.inside);
   }
 }
 
@@ -230,9 +159,14 @@ FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
   return found;
 }
 
+double bricks_in(const BrickBox& box) {
+  return (box.max.x - box.min.x + 1.0) * (box.max.y - box.min.y + 1.0) *
+         (box.max.z - box.min.z + 1.0);
+}
+
 double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks) {
   double bricks = 0;
-  for (const BrickBox& box : voxel_bricks) bricks += std::pow(box.max.x - box.min.x + 1, 3);
+  for (const BrickBox& box : voxel_bricks) bricks += bricks_in(box);
   return bricks * kBrickCells / std::pow(field.spacing_voxels, 3);
 }
 
@@ -252,24 +186,20 @@ void keep_domain(const BrickBox& domain, FoundBricks& found) {
            b.x > domain.max.x + 1 || b.y > domain.max.y + 1 || b.z > domain.max.z + 1;
   });
   found.inside = {domain};
-  found.inside_cells = kBrickCells * (domain.max.x - domain.min.x + 1.0) *
-                       (domain.max.y - domain.min.y + 1.0) *
-                       (domain.max.z - domain.min.z + 1.0);
+  found.inside_cells = kBrickCells * bricks_in(domain);
 }
 
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field) {
   const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
   if (!regions.ok()) return regions.status();
 
+  const std::vector<RegionSigns> of_regions = signs_of_regions(field);
   FoundBricks found;
   std::mutex mutex;  // taken once a range; the order of arrival is sorted away
   for_each_range(regions->size(), 16, [&](std::size_t begin, std::size_t end) {
-    VolumeReader reader(*field.volume);
-    RegionSigns signs;
+    SignsAround signs(field, of_regions);
     FoundBricks mine;
-    for (std::size_t i = begin; i < end; ++i) {
-      scan_region(field, reader, signs, (*regions)[i], mine);
-    }
+    for (std::size_t i = begin; i < end; ++i) scan_region(signs, (*regions)[i], mine);
     const std::lock_guard lock(mutex);
     found.near_surface.insert(found.near_surface.end(), mine.near_surface.begin(),
                               mine.near_surface.end());

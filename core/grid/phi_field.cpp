@@ -2,46 +2,126 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
+
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
 
 constexpr int kMinNode = -2, kMaxCorner = 10, kMaxCentre = 9;
+constexpr std::size_t kRow = 16, kSlice = 16 * kRow;          // of a halo
+constexpr std::size_t kUsedRows = kMaxCorner - kMinNode + 1;  // of a slice; as many slices
 
-/// A centre's sample is the mean of its cell's corners, summed along z, then y, then x.
-void average_centres(BrickSamples& samples) noexcept {
-  alignas(64) std::array<float, kHaloNodes> sum;
-  constexpr auto kDx = static_cast<std::size_t>(offset_index(1, 0, 0));
-  constexpr auto kDy = static_cast<std::size_t>(offset_index(0, 1, 0));
-  const auto& corner = samples.corner;
-  for (std::size_t i = 0; i + 1 < kHaloNodes; ++i) sum[i] = corner[i] + corner[i + 1];
-  sum[kHaloNodes - 1] = 0;
-  for (std::size_t i = 0; i + kDy < kHaloNodes; ++i) sum[i] += sum[i + kDy];
-  for (std::size_t i = 0; i + kDx < kHaloNodes; ++i) {
-    samples.centre[i] = 0.125F * (sum[i] + sum[i + kDx]);
+/// A brick of values as rows along z; all rows of a constant brick are one.
+struct BrickRows {
+  const float* first = nullptr;
+  std::size_t stride = 0;
+
+  const float* row(std::size_t x, std::size_t y) const noexcept {
+    return first + (x * 8 + y) * stride;
+  }
+};
+
+/// The 27 bricks at and around a brick, at 9*(x+1) + 3*(y+1) + z+1.
+class Surroundings {
+ public:
+  Surroundings(VolumeReader& reader, BrickCoord brick) noexcept {
+    for (int i = 0; i < 27; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const VolumeReader::Brick found =
+          reader.brick({brick.x + i / 9 - 1, brick.y + i / 3 % 3 - 1, brick.z + i % 3 - 1});
+      if (found.values != nullptr) {
+        rows_[at] = {found.values, 8};
+      } else {
+        constant_[at].fill(found.range.min);
+        rows_[at] = {constant_[at].data(), 0};
+      }
+    }
+  }
+  Surroundings(const Surroundings&) = delete;  // it points into itself
+  Surroundings& operator=(const Surroundings&) = delete;
+
+  /// Copies all rows of the halo that are used, brick by brick.
+  void copy_rows(std::array<float, kHaloNodes>& values) const noexcept {
+    const BrickRows* along_z = rows_.data();
+    for (const Part& x : kParts) {
+      for (const Part& y : kParts) {
+        copy_rows_along_z(along_z, x, y, &values[x.at * kSlice + y.at * kRow]);
+        along_z += 3;
+      }
+    }
+  }
+
+ private:
+  /// What a halo has of the brick before, of the brick itself, and of the one behind, along an
+  /// axis: its voxels from `first`, and where they are in the halo.
+  struct Part {
+    std::size_t first, count, at;
+  };
+  static constexpr std::array<Part, 3> kParts{
+      {{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}
+  };
+
+  static void copy_rows_along_z(const BrickRows* along_z,
+                                const Part& x,
+                                const Part& y,
+                                float* to) noexcept {
+    for (std::size_t i = 0; i < x.count; ++i) {
+      for (std::size_t j = 0; j < y.count; ++j) {
+        float* const row = to + i * kSlice + j * kRow;
+        const auto from = [&](int brick) {
+          return along_z[brick].row(x.first + i, y.first + j);
+        };
+        std::memcpy(row, from(0) + 6, 2 * sizeof(float));
+        std::memcpy(row + 2, from(1), 8 * sizeof(float));
+        std::memcpy(row + 10, from(2), 6 * sizeof(float));
+      }
+    }
+  }
+
+  std::array<BrickRows, 27> rows_;
+  std::array<std::array<float, 8>, 27> constant_;
+};
+
+/// phi within what sums can bear; no zero has a sign.
+float clamped_phi(float phi) noexcept {
+  return std::clamp(phi, -PhiField::kMaxPhi, PhiField::kMaxPhi) + 0.0F;
+}
+
+/// Makes phi = sign * value + shift of the values of all corners.
+TET_VECTOR_CLONES
+void shift_corners(float sign, float shift, BrickSamples& samples) noexcept {
+  for (std::size_t x = 0; x < kUsedRows; ++x) {
+    float* const slice = &samples.corner[x * kSlice];
+    for (std::size_t i = 0; i < kUsedRows * kRow; ++i) {
+      slice[i] = clamped_phi(sign * slice[i] + shift);
+    }
+    slice[kUsedRows * kRow] = 0;  // the last row's sums along z read it
   }
 }
 
-/// Copies row (x, y), z in [-2, 10], from the three bricks that it passes through.
-void gather_row(const VolumeReader::Brick* along_z, int row_in_brick, float* row) noexcept {
-  const auto copy = [&](const VolumeReader::Brick& brick, int first, int count, float* out) {
-    if (brick.values == nullptr) {
-      std::fill_n(out, count, brick.range.min);
-    } else {
-      std::copy_n(brick.values + row_in_brick * 8 + first, count, out);
+/// A centre's sample is the mean of its cell's corners, summed along z, then y, then x.
+TET_VECTOR_CLONES
+void average_centres(BrickSamples& samples) noexcept {
+  constexpr std::size_t kUsed = (kUsedRows - 1) * kRow;
+  alignas(64) std::array<float, kUsed> sums{};  // of the slice before
+  for (std::size_t x = 0; x < kUsedRows; ++x) {
+    const float* const corner = &samples.corner[x * kSlice];
+    // What the first slice leaves behind itself is no centre, and is written again.
+    float* const before = &samples.centre[(x == 0 ? 0 : x - 1) * kSlice];
+    for (std::size_t i = 0; i < kUsed; ++i) {
+      const float sum = (corner[i] + corner[i + 1]) + (corner[i + kRow] + corner[i + kRow + 1]);
+      before[i] = 0.125F * (sums[i] + sum) + 0.0F;  // no zero has a sign
+      sums[i] = sum;
     }
-  };
-  copy(along_z[0], 6, 2, row);
-  copy(along_z[1], 0, 8, row + 2);
-  copy(along_z[2], 0, 3, row + 10);
-  std::fill_n(row + 13, 3, row[12]);
+  }
 }
 
 }  // namespace
 
 float PhiField::phi(float value) const noexcept {
-  const float shifted = negated() ? iso - value : value - iso;
-  return std::clamp(shifted, -kMaxPhi, kMaxPhi);
+  return clamped_phi(negated() ? iso - value : value - iso);
 }
 
 VoxelTransform PhiField::lattice_transform() const noexcept {
@@ -62,26 +142,9 @@ void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
 }
 
 void PhiSampler::gather_values(BrickCoord brick, BrickSamples& samples) noexcept {
-  std::array<VolumeReader::Brick, 27> bricks;
-  std::size_t next = 0;
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
-        bricks[next++] = reader_.brick({brick.x + x, brick.y + y, brick.z + z});
-      }
-    }
-  }
-  for (int x = kMinNode; x <= kMaxCorner; ++x) {
-    for (int y = kMinNode; y <= kMaxCorner; ++y) {
-      const int bx = (x >> 3) + 1, by = (y >> 3) + 1;
-      gather_row(&bricks[static_cast<std::size_t>((bx * 3 + by) * 3)], (x & 7) * 8 + (y & 7),
-                 &samples.corner[static_cast<std::size_t>(halo_index(x, y, kMinNode))]);
-    }
-    // Rows past the last are never used, but the sums read them: keep them finite.
-    std::fill_n(&samples.corner[static_cast<std::size_t>(halo_index(x, 11, -2))], 3 * 16, 0.0F);
-  }
-  std::fill(samples.corner.begin() + halo_index(11, -2, -2), samples.corner.end(), 0.0F);
-  for (float& value : samples.corner) value = field_.phi(value);
+  Surroundings(reader_, brick).copy_rows(samples.corner);
+  const float sign = field_.negated() ? -1.0F : 1.0F;
+  shift_corners(sign, -sign * field_.iso, samples);
   average_centres(samples);
 }
 

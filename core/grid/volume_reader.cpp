@@ -8,12 +8,6 @@ namespace tet {
 namespace {
 
 constexpr std::int32_t kBrickShift = 3;  // voxels of a brick's edge, as a power of two
-constexpr std::int32_t kRegionBricks = 16;
-
-BrickCoord region_of(BrickCoord brick) noexcept {
-  const auto down = [](std::int32_t v) { return v & ~(kRegionBricks - 1); };
-  return {down(brick.x), down(brick.y), down(brick.z)};
-}
 
 const ConstantCube* find_cube(const std::vector<ConstantCube>& cubes,
                               BrickCoord region_min,
@@ -28,8 +22,7 @@ const ConstantCube* find_cube(const std::vector<ConstantCube>& cubes,
 
 }  // namespace
 
-void VolumeReader::enter(BrickCoord region_min) noexcept {
-  if (entered_ && region_min == region_min_) return;
+void VolumeReader::find_region(BrickCoord region_min) noexcept {
   entered_ = true;
   region_min_ = region_min;
   const auto& regions = volume_->regions;
@@ -47,27 +40,9 @@ void VolumeReader::enter(BrickCoord region_min) noexcept {
   }
 }
 
-VolumeReader::Brick VolumeReader::brick(BrickCoord coord) noexcept {
-  enter(region_of(coord));
-  if (region_ == nullptr)
-    return {
-        nullptr, {constant_, constant_}
-    };
-  const auto at =
-      static_cast<std::size_t>(((coord.x & 15) * 16 + (coord.y & 15)) * 16 + (coord.z & 15));
-  const std::uint32_t index = region_->brick_index[at];
-  if (index == Region::kConstant) {
-    return {
-        nullptr, {region_->constant[at], region_->constant[at]}
-    };
-  }
-  return {volume_->values.data() + std::size_t{index} * kBrickCells, volume_->ranges[index]};
-}
-
-bool VolumeReader::constant_region(BrickCoord region_min, float& value) noexcept {
+VolumeReader::RegionOrConstant VolumeReader::region(BrickCoord region_min) noexcept {
   enter(region_min);
-  value = constant_;
-  return region_ == nullptr;
+  return {region_, constant_};
 }
 
 float VolumeReader::value(VoxelCoord voxel) noexcept {

@@ -1,6 +1,9 @@
 // Reading a volume at any voxel: region, then brick, then value.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 #include "core/base/types.h"
 #include "core/grid/volume.h"
 
@@ -24,11 +27,19 @@ class VolumeReader {
   /// Trilinear interpolation between the eight voxel centres around `p`.
   double trilinear(const VoxelPoint& p) noexcept;
 
-  /// True when the 128-voxel region at `region_min` (a multiple of 16 bricks) has one value.
-  bool constant_region(BrickCoord region_min, float& value) noexcept;
+  /// The 128-voxel region at `region_min` (a multiple of 16 bricks).
+  struct RegionOrConstant {
+    const Region* region;  ///< null: `constant` throughout
+    float constant;
+  };
+  RegionOrConstant region(BrickCoord region_min) noexcept;
 
  private:
-  void enter(BrickCoord region_min) noexcept;
+  /// Makes the region at `region_min` the one that is read.
+  void enter(BrickCoord region_min) noexcept {
+    if (!entered_ || region_min != region_min_) find_region(region_min);
+  }
+  void find_region(BrickCoord region_min) noexcept;
 
   const Volume* volume_;
   bool entered_ = false;
@@ -36,5 +47,27 @@ class VolumeReader {
   const Region* region_ = nullptr;  // null: `constant_` throughout
   float constant_ = 0;
 };
+
+// In the header because they are called for every brick around every brick.
+
+inline VolumeReader::Brick VolumeReader::brick(BrickCoord coord) noexcept {
+  constexpr std::int32_t kLast = Region::kEdgeBricks - 1;
+  enter({coord.x & ~kLast, coord.y & ~kLast, coord.z & ~kLast});
+  if (region_ == nullptr) {
+    return {
+        nullptr, {constant_, constant_}
+    };
+  }
+  const auto at = static_cast<std::size_t>(
+      ((coord.x & kLast) * Region::kEdgeBricks + (coord.y & kLast)) * Region::kEdgeBricks +
+      (coord.z & kLast));
+  const std::uint32_t index = region_->brick_index[at];
+  if (index == Region::kConstant) {
+    return {
+        nullptr, {region_->constant[at], region_->constant[at]}
+    };
+  }
+  return {volume_->values.data() + std::size_t{index} * kBrickCells, volume_->ranges[index]};
+}
 
 }  // namespace tet

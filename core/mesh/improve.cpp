@@ -7,6 +7,7 @@
 
 #include "core/base/extreme_angles.h"
 #include "core/base/parallel.h"
+#include "core/mesh/load_batch.h"
 #include "core/mesh/star.h"
 #include "core/mesh/vertex_mover.h"
 #include "core/mesh/vertex_stars.h"
@@ -40,7 +41,7 @@ AngleSurvey survey_range(const MeshView& view,
   BatchAngles angles;
   for (std::uint64_t first = begin; first < end; first += TetBatch::kSize) {
     const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - first);
-    view.load(first, count, batch);
+    load_batch(view, first, count, batch);
     measure_batch(batch, angles);
     extremes.add(angles, count,
                  [&](std::size_t lane) { return view.stored_places(first + lane); });

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/mesh/load_batch.h"
 
 namespace tet {
 namespace {
@@ -18,7 +19,7 @@ QualityStats measure_range(const MeshView& view,
   BatchAngles angles;
   for (std::uint64_t i = begin; i < end; i += TetBatch::kSize) {
     const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - i);
-    view.load(i, count, batch);
+    load_batch(view, i, count, batch);
     measure_batch(batch, angles);
     meter.add_batch(angles, count,
                     [&](std::size_t lane) { return view.stored_places(i + lane); });

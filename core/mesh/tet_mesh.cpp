@@ -1,6 +1,6 @@
 #include "core/mesh/tet_mesh.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace tet {
 namespace {
@@ -21,6 +21,13 @@ TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
   regions = ByteBuffer(sizes.regions);
 }
 
+TetMesh::TetMesh(const MeshHeader& mesh_header, TetMesh&& used) : header(mesh_header) {
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  positions = ByteBuffer(sizes.positions, std::move(used.positions));
+  tets = ByteBuffer(sizes.tets, std::move(used.tets));
+  regions = ByteBuffer(sizes.regions, std::move(used.regions));
+}
+
 void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexcept {
   const auto [x, y, z] = position;
   if (header.coordinate_type == CoordinateType::kFloat64) {
@@ -34,18 +41,6 @@ void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexce
 WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
   const auto [x, y, z] = stored_position(i);
   return {header.origin.x + x, header.origin.y + y, header.origin.z + z};
-}
-
-void MeshView::load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept {
-  for (std::size_t lane = 0; lane < TetBatch::kSize; ++lane) {
-    const std::array<WorldPoint, 4> places = stored_places(first + std::min(lane, count - 1));
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector edge = from_to(places[0], places[k + 1]);
-      batch.set(
-          lane, k,
-          {static_cast<float>(edge.x), static_cast<float>(edge.y), static_cast<float>(edge.z)});
-    }
-  }
 }
 
 MeshRegion TetMesh::region(std::uint64_t i) const noexcept {

@@ -8,7 +8,6 @@
 #include <span>
 
 #include "core/base/byte_buffer.h"
-#include "core/base/tet_batch.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -71,8 +70,6 @@ struct MeshView {
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
   /// Stored positions of a tet's corners.
   std::array<WorldPoint, 4> stored_places(std::uint64_t i) const noexcept;
-  /// `count` tets from `first` on; lanes beyond repeat the last tet.
-  void load(std::uint64_t first, std::size_t count, TetBatch& batch) const noexcept;
 
  private:
   template <class Number, std::size_t N>
@@ -118,6 +115,8 @@ struct TetMesh {
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.
   explicit TetMesh(const MeshHeader& mesh_header);
+  /// The same in the memory of a mesh that is no longer needed, as far as that is enough.
+  TetMesh(const MeshHeader& mesh_header, TetMesh&& used);
 
   /// World coordinates, in double whatever the storage.
   WorldPoint vertex(std::uint64_t i) const noexcept;

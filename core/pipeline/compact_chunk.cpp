@@ -216,11 +216,13 @@ absl::Status CompactBricks::add(std::span<const std::byte> chunk) {
   std::ranges::copy(chunk, kept.get());
   Reader reader({kept.get(), chunk.size()});
   structure_.survey.geometry.blocks.push_back(std::move(kept));
-  for (std::uint64_t left = reader.varint(); left > 0; --left) {
+  const std::uint64_t bricks = reader.varint();
+  for (std::uint64_t i = 0; i < bricks; ++i) {
     if (absl::Status status = add_brick(reader); !status.ok()) return status;
     if (reader.failed()) return broken("it ends within a brick");
   }
   if (reader.failed() || !reader.at_end()) return broken("it does not end where it says");
+  first_brick_.push_back(first_brick_.back() + bricks);
   return absl::OkStatus();
 }
 

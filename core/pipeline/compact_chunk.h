@@ -37,12 +37,16 @@ class CompactBricks {
   /// signs).
   absl::StatusOr<CountedMesh> count(const StuffingRules& rules) &&;
 
+  /// Bricks of the chunks added so far, chunk by chunk, from 0 on.
+  const std::vector<std::size_t>& first_brick() const noexcept { return first_brick_; }
+
  private:
   class Reader;
   absl::Status add_brick(Reader& reader);
   absl::Status add_surface(Reader& reader);
 
   bool both_sides_;
+  std::vector<std::size_t> first_brick_{0};
   std::vector<OctreeLevel> levels_;
   std::vector<std::size_t> geometry_sizes_;  ///< of surface bricks, bytes
   MeshStructure structure_;

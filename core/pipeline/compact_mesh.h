@@ -4,19 +4,19 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/mesh/tet_mesh.h"
 #include "core/pipeline/compact_chunk.h"
+#include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/mesh_plan.h"
 
 namespace tet {
 
-/// Makes the mesh that all chunks of `bricks` together tell. Parallel; run it on a TaskPool.
+/// Makes the mesh that all chunks of `bricks` together tell, with its statistics. Parallel; run it on a TaskPool.
 ///
 /// Errors: kDataLoss (the chunks make another mesh than `header` says, or none),
 /// kResourceExhausted (no memory for it), kCancelled, kDeadlineExceeded.
-absl::StatusOr<TetMesh> decode_mesh(CompactBricks bricks,
-                                    const MeshHeader& header,
-                                    const CompactFrame& frame,
-                                    const Cancellation& cancellation);
+absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
+                                       const MeshHeader& header,
+                                       const CompactFrame& frame,
+                                       const Cancellation& cancellation);
 
 }  // namespace tet

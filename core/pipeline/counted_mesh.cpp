@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/lattice/reach.h"
 
 namespace tet {
 namespace {
@@ -148,21 +149,6 @@ bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
   return stuffed_[brick] < kAllInside;
 }
 
-bool CountedMesh::unpack_lattice(std::size_t brick, StuffedLattice& lattice) const noexcept {
-  const BrickCoord b = tree_.levels[0].bricks[brick];
-  lattice.warped.warped = {};
-  lattice.warped.cut = {};
-  for (int o = 0; o < 8; ++o) {
-    const int x = o >> 2, y = o >> 1 & 1, z = o & 1;
-    const std::uint32_t at = tree_.levels[0].index.find({b.x + x, b.y + y, b.z + z});
-    if (at == kNoBrick || !touches_surface(at)) continue;
-    const std::byte* const geometry = survey_.geometry.of_brick[stuffed_[at]];
-    if (geometry == nullptr) return false;
-    unpack_geometry(survey_.stuffed[stuffed_[at]], geometry, x, y, z, lattice);
-  }
-  return true;
-}
-
 BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept {
   const BrickCoord b = tree_.levels[0].bricks[brick];
   BrickNeighbourhood bricks;
@@ -187,23 +173,52 @@ std::span<const MeshRegion> CountedMesh::regions() const noexcept {
   return std::span(kRegions).first(rules_.both_sides ? 2 : 1);
 }
 
-OwnedVertices CountedMesh::finest_vertices_at(BrickCoord coord) const noexcept {
+OwnedVertices CountedMesh::vertices_of_finest(std::size_t brick) const noexcept {
   OwnedVertices vertices;
-  const std::uint32_t at = tree_.levels[0].index.find(coord);
-  if (at == kNoBrick) return vertices;
-  vertices.node = {nodes_[0].corner[at], nodes_[0].centre[at]};
+  vertices.node = {&nodes_[0].corner[brick], &nodes_[0].centre[brick]};
   // While vertices are counted there are no ids yet.
-  if (!nodes_[0].first_vertex.empty()) vertices.first = nodes_[0].first_vertex[at];
-  if (touches_surface(at)) {
-    vertices.cut = &survey_.stuffed[stuffed_[at]].cut;
-    if (rules_.both_sides) vertices.fans = &survey_.fans[stuffed_[at]];
-  }
+  if (!nodes_[0].first_vertex.empty()) vertices.first = nodes_[0].first_vertex[brick];
+  const std::uint32_t at = stuffed_[brick];
+  if (at == kAllInside) vertices.stuffed = &all_inside_;
+  if (!touches_surface(brick)) return vertices;
+  vertices.stuffed = &survey_.stuffed[at];
+  vertices.at_surface = true;
+  vertices.geometry = survey_.geometry.of_brick[at];
+  if (rules_.both_sides) vertices.fans = &survey_.fans[at];
   return vertices;
+}
+
+VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
+  const BrickCoord b = tree_.levels[0].bricks[brick];
+  VerticesAround around;
+  for (std::size_t o = 0; o < around.size(); ++o) {
+    const UpperOffset at(o);
+    const std::uint32_t found =
+        tree_.levels[0].index.find({b.x + at.x, b.y + at.y, b.z + at.z});
+    if (found != kNoBrick) around[o] = vertices_of_finest(found);
+  }
+  return around;
+}
+
+LeavesAround CountedMesh::leaves_around(std::size_t brick) const noexcept {
+  static constexpr BrickMask kNone;
+  const OctreeLevel& finest = tree_.levels[0];
+  LeavesAround leaves{&finest.leaf[brick], {}};
+  for (std::size_t direction = 0; direction < leaves.beyond.size(); ++direction) {
+    BrickCoord beyond = finest.bricks[brick];
+    const int step = direction < 3 ? 1 : -1;
+    if (direction % 3 == 0) beyond.x += step;
+    if (direction % 3 == 1) beyond.y += step;
+    if (direction % 3 == 2) beyond.z += step;
+    const std::uint32_t found = finest.index.find(beyond);
+    leaves.beyond[direction] = found != kNoBrick ? &finest.leaf[found] : &kNone;
+  }
+  return leaves;
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
   if (place.level == 0) {
-    return finest_vertices_at(tree_.levels[0].bricks[place.brick]).count();
+    return vertices_of_finest(place.brick).count();
   }
   const LevelNodes& level = nodes(place.level);
   return std::uint64_t{level.corner[place.brick].count()} + level.centre[place.brick].count();
@@ -230,7 +245,7 @@ std::uint64_t CountedMesh::finest_tets_of(std::size_t brick) const noexcept {
   if (all_minus && !rules_.both_sides) return 0;
   const FinestNodes inside = gather_nodes(bricks, gather_halo(level, level.leaf, coord));
   if (!rules_.both_sides) return count_finest(inside, nullptr);
-  const FanMasks* fans = finest_vertices_at(coord).fans;
+  const FanMasks* fans = vertices_of_finest(brick).fans;
   return count_finest(inside, fans) + count_finest(seen_from_outside(inside), fans);
 }
 

@@ -10,7 +10,8 @@
 #include "core/lattice/node_numbers.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/survey.h"
-#include "core/stuffing/fill.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/local_vertices.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
@@ -58,25 +59,29 @@ class CountedMesh {
 
   std::size_t brick_count() const noexcept { return first_vertex_.size() - 1; }
   BrickPlace place(std::size_t brick) const noexcept;
+  /// The number of a level's first brick.
+  std::size_t first_brick(int level) const noexcept {
+    return first_brick_[static_cast<std::size_t>(level)];
+  }
   std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
   std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
 
   /// A finest brick and those beyond its upper faces, with what the survey kept of each.
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
   BrickSurroundings surroundings(std::size_t brick) const noexcept;
-  /// The vertices of the finest brick at `coord`; none where there is no such brick.
-  OwnedVertices finest_vertices_at(BrickCoord coord) const noexcept;
+  /// Their vertices; `geometry` is null where it was not kept.
+  VerticesAround vertices_around(std::size_t brick) const noexcept;
+  /// The leaves of a finest brick and of those beyond its faces.
+  LeavesAround leaves_around(std::size_t brick) const noexcept;
   /// What the survey kept of a finest brick: see MeshStructure::stuffed.
   std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
   const Survey& survey() const noexcept { return survey_; }
-  /// Unpacks where the vertices of a finest brick's tets lie into `lattice`; false where some
-  /// of it was not kept.
-  bool unpack_lattice(std::size_t brick, StuffedLattice& lattice) const noexcept;
   /// True when a finest brick has warped nodes or cut points in reach.
   bool touches_surface(std::size_t brick) const noexcept;
 
  private:
   const StuffedBrick* stuffed_at(BrickCoord coord) const noexcept;
+  OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   void find_stuffed(const PhiField& field);
   void find_vertices();
   void find_finest_vertices(std::size_t brick);

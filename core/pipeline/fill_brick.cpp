@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/check.h"
-#include "core/stuffing/cut_tet.h"
+#include "core/pipeline/write_positions.h"
 
 namespace tet {
 namespace {
@@ -51,159 +51,108 @@ double determinant(const std::array<std::array<double, 3>, 3>& m) noexcept {
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/// Writes stored positions one after another.
-template <class Real>
-class PositionWriter {
- public:
-  PositionWriter(const LatticeToWorld& to_world, std::span<std::byte> bytes)
-      : to_world_(to_world), out_(reinterpret_cast<Real*>(bytes.data())) {}
-
-  /// `place` in units of the spacing from lattice corner (x, y, z).
-  void write(double x, double y, double z, const WorldPoint& place) noexcept {
-    // Whole lattice distances first: they are exact, however far away the grid lies.
-    const double px = x - to_world_.origin.x + place.x;
-    const double py = y - to_world_.origin.y + place.y;
-    const double pz = z - to_world_.origin.z + place.z;
-    for (const auto& row : to_world_.linear) {
-      *out_++ = static_cast<Real>(row[0] * px + row[1] * py + row[2] * pz);
-    }
-  }
-
-  const Real* end() const noexcept { return out_; }
-
- private:
-  const LatticeToWorld& to_world_;
-  Real* out_;
-};
-
-/// Vertices in the middle of surface quads; (x, y, z) is the brick's lowest corner.
-template <class Real>
-void write_fans(const FanMasks& fans,
-                const StuffedLattice& lattice,
-                double x,
-                double y,
-                double z,
-                PositionWriter<Real>& writer) noexcept {
-  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    for_each_bit(fans[shape], [&](int i, int j, int k) {
-      writer.write(x, y, z, middle_of_quad(kTetShape[shape], halo_index(i, j, k), lattice));
-    });
-  }
-}
-
 }  // namespace
 
-void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
-  const BrickPlace place = mesh_.place(brick);
-  lattice_ = nullptr;
-  if (place.level == 0 && mesh_.touches_surface(place.brick)) {
-    if (!mesh_.unpack_lattice(place.brick, workspace_.stuffing.lattice)) {
-      stuff_brick(sampler_, mesh_.tree().levels[0].bricks[place.brick], mesh_.rules(),
-                  mesh_.restored(), workspace_.stuffing);
-    }
-    lattice_ = &workspace_.stuffing.lattice;
-  }
-  if (header_.coordinate_type == CoordinateType::kFloat32) {
-    fill_positions<float>(place, columns.positions);
-  } else {
-    fill_positions<double>(place, columns.positions);
-  }
-  if (header_.index_type == IndexType::kUint32) {
-    fill_tets<std::uint32_t>(place, columns.tets, columns.regions);
-  } else {
-    fill_tets<std::uint64_t>(place, columns.tets, columns.regions);
-  }
-}
-
-template <class Real>
-void BrickFiller::fill_positions(BrickPlace place, std::span<std::byte> bytes) noexcept {
-  PositionWriter<Real> writer(to_world_, bytes);
-  const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
-  const LevelNodes& nodes = mesh_.nodes(place.level);
-  const BrickCoord brick = level.bricks[place.brick];
-  const double edge = std::ldexp(1.0, place.level);  // of a cell, in spacings
-  const double x = 8 * edge * brick.x, y = 8 * edge * brick.y, z = 8 * edge * brick.z;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    const auto& owned = kind == kCorner ? nodes.corner : nodes.centre;
-    for_each_bit(owned[place.brick], [&](int i, int j, int k) {
-      const int index = halo_index(i, j, k);
-      if (lattice_ != nullptr) {
-        writer.write(x, y, z, lattice_->place_of_node(kind, index));
-      } else {
-        const WorldPoint at = lattice_place(kind, index);
-        writer.write(x, y, z, {edge * at.x, edge * at.y, edge * at.z});
-      }
-    });
-  }
-  if (lattice_ != nullptr) {
-    const OwnedVertices own = mesh_.finest_vertices_at(brick);
-    for (int family = 0; family < kEdgeFamilies; ++family) {
-      for_each_bit((*own.cut)[static_cast<std::size_t>(family)], [&](int i, int j, int k) {
-        writer.write(x, y, z, lattice_->place_of_cut(family, halo_index(i, j, k)));
-      });
-    }
-    if (own.fans != nullptr) write_fans(*own.fans, *lattice_, x, y, z, writer);
-  }
-  TET_CHECK(reinterpret_cast<const std::byte*>(writer.end()) == bytes.data() + bytes.size());
-}
-
 template <>
-FinestIds<std::uint32_t>& BrickFiller::ids() noexcept {
+SlotIds<std::uint32_t>& BrickFiller::ids() noexcept {
   return workspace_.ids32;
 }
 
 template <>
-FinestIds<std::uint64_t>& BrickFiller::ids() noexcept {
-  if (!workspace_.ids64) workspace_.ids64 = std::make_unique<FinestIds<std::uint64_t>>();
+SlotIds<std::uint64_t>& BrickFiller::ids() noexcept {
+  if (!workspace_.ids64) {
+    workspace_.ids64 = std::make_unique_for_overwrite<SlotIds<std::uint64_t>>();
+  }
   return *workspace_.ids64;
 }
 
-template <class Index>
-void BrickFiller::fill_tets(BrickPlace place,
-                            std::span<std::byte> bytes,
-                            std::span<std::byte> regions) noexcept {
-  if (bytes.empty()) return;
-  auto* const begin = reinterpret_cast<Index*>(bytes.data());
-  Index* end = begin;
+void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
+  const BrickPlace place = mesh_.place(brick);
+  const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
   if (place.level == 0) {
-    number_finest(mesh_.tree().levels[0].bricks[place.brick], ids<Index>());
+    find_vertices(place.brick);
+  } else {
+    const LevelNodes& nodes = mesh_.nodes(place.level);
+    around_[0] = {
+        .node = {&nodes.corner[place.brick], &nodes.centre[place.brick]}
+    };
   }
+  write_positions(BrickFrame(to_world_, level.bricks[place.brick], place.level), around_[0],
+                  workspace_.vertices.own_places(), header_.coordinate_type, columns.positions);
+  if (columns.tets.empty()) return;
+  if (header_.index_type == IndexType::kUint32) {
+    fill_tets<std::uint32_t>(place, columns);
+  } else {
+    fill_tets<std::uint64_t>(place, columns);
+  }
+}
+
+/// Numbers the vertices that a finest brick's tets use, and places them.
+void BrickFiller::find_vertices(std::size_t brick) noexcept {
+  around_ = mesh_.vertices_around(brick);
+  if (std::any_of(around_.begin(), around_.end(), [](const OwnedVertices& vertices) {
+        return vertices.at_surface && vertices.geometry == nullptr;
+      })) {
+    find_geometry(brick);
+  }
+  if (header_.index_type == IndexType::kUint32) {
+    workspace_.vertices.enter(around_, ids<std::uint32_t>());
+  } else {
+    workspace_.vertices.enter(around_, ids<std::uint64_t>());
+  }
+}
+
+/// Stuffs a brick again, where its geometry or that of a brick around it was not kept.
+void BrickFiller::find_geometry(std::size_t brick) noexcept {
+  stuff_brick(sampler_, mesh_.tree().levels[0].bricks[brick], mesh_.rules(), mesh_.restored(),
+              workspace_.stuffing);
+  for (std::size_t o = 0; o < around_.size(); ++o) {
+    OwnedVertices& vertices = around_[o];
+    if (!vertices.at_surface || vertices.geometry != nullptr) continue;
+    std::byte* const packed = workspace_.geometry[o].data();
+    pack_geometry_in_reach(workspace_.stuffing.lattice, *vertices.stuffed, o, packed);
+    vertices.geometry = packed;
+  }
+}
+
+template <class Index>
+void BrickFiller::fill_tets(BrickPlace place, const ChunkColumns& columns) noexcept {
+  auto* const begin = reinterpret_cast<Index*>(columns.tets.data());
+  Index* end = begin;
+  const Index* const limit = begin + columns.tets.size() / sizeof(Index);
+  std::span<std::byte> labels = columns.regions;
+  if (place.level == 0) nodes_ = nodes_of(place.brick);
   for (const MeshRegion region : mesh_.regions()) {
     Index* const first = end;
-    end = place.level == 0 ? fill_finest_tets(place.brick, ids<Index>(), region, first)
+    end = place.level == 0 ? fill_finest_tets(region, first, limit)
                            : fill_background_tets(place, region, first);
-    if (regions.empty()) continue;
+    if (labels.empty()) continue;
     const auto tets = static_cast<std::size_t>(end - first) / 4;
-    std::fill_n(regions.begin(), tets, static_cast<std::byte>(region));
-    regions = regions.subspan(tets);
+    std::fill_n(labels.begin(), tets, static_cast<std::byte>(region));
+    labels = labels.subspan(tets);
   }
-  TET_CHECK(reinterpret_cast<std::byte*>(end) == bytes.data() + bytes.size());
+  TET_CHECK(reinterpret_cast<std::byte*>(end) == columns.tets.data() + columns.tets.size());
   if (!to_world_.mirrors) return;
   for (Index* tet = begin; tet != end; tet += 4) std::swap(tet[2], tet[3]);
 }
 
-template <class Index>
-void BrickFiller::number_finest(BrickCoord brick, FinestIds<Index>& ids) noexcept {
-  for (int o = 0; o < 8; ++o) {
-    const int x = o >> 2, y = o >> 1 & 1, z = o & 1;
-    number_vertices(mesh_.finest_vertices_at({brick.x + x, brick.y + y, brick.z + z}), x, y, z,
-                    ids);
-  }
+CellNodes BrickFiller::nodes_of(std::size_t brick) const noexcept {
+  BrickNeighbourhood signs;
+  for (std::size_t o = 0; o < signs.size(); ++o) signs[o] = around_[o].stuffed;
+  return nodes_around_cells(signs, mesh_.leaves_around(brick));
 }
 
 template <class Index>
-Index* BrickFiller::fill_finest_tets(std::size_t brick,
-                                     const FinestIds<Index>& ids,
-                                     MeshRegion region,
-                                     Index* out) noexcept {
-  const OctreeLevel& level = mesh_.tree().levels[0];
-  const BrickCoord b = level.bricks[brick];
-  FinestNodes nodes =
-      gather_nodes(mesh_.neighbourhood(brick), gather_halo(level, level.leaf, b));
-  if (region == MeshRegion::kOutside) nodes = seen_from_outside(nodes);
-  const OwnedVertices own = mesh_.finest_vertices_at(b);
+Index* BrickFiller::fill_finest_tets(MeshRegion region,
+                                     Index* out,
+                                     const Index* limit) noexcept {
+  if (region == MeshRegion::kOutside) see_from_outside(nodes_);
+  StuffedTets& stuffed = workspace_.stuffed_tets;
+  stuffed.clear();
   BackgroundCounts counts;
-  out = fill_finest({nodes, own, lattice_, mesh_.rules()}, ids, out, meter_, counts);
+  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules()}, ids<Index>(), out, limit,
+                    stuffed, counts);
+  meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
   count_background_quality(counts, 0);
   return out;
 }
@@ -237,7 +186,7 @@ QualityStats BrickFiller::stats() const noexcept {
   return stats;
 }
 
-MeshWorkspace::MeshWorkspace() : impl_(std::make_unique<Impl>()) {}
+MeshWorkspace::MeshWorkspace() : impl_(std::make_unique_for_overwrite<Impl>()) {}
 MeshWorkspace::~MeshWorkspace() = default;
 MeshWorkspace::MeshWorkspace(MeshWorkspace&&) noexcept = default;
 MeshWorkspace& MeshWorkspace::operator=(MeshWorkspace&&) noexcept = default;

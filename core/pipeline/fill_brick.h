@@ -1,6 +1,7 @@
 // The third pass: one brick's vertices and tets, written where the count put them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,13 +13,20 @@
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/mesh_plan.h"
 #include "core/pipeline/survey.h"
+#include "core/stuffing/brick_geometry.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/fill.h"
+#include "core/stuffing/local_vertices.h"
 
 namespace tet {
 
 struct MeshWorkspace::Impl {
   StuffingWorkspace stuffing;
-  FinestIds<std::uint32_t> ids32;
-  std::unique_ptr<FinestIds<std::uint64_t>> ids64;  // for meshes beyond 2^32 vertices only
+  std::array<std::array<std::byte, kMaxGeometryBytes>, 8> geometry;  // that was not kept
+  LocalVertices vertices;
+  SlotIds<std::uint32_t> ids32;
+  std::unique_ptr<SlotIds<std::uint64_t>> ids64;  // for meshes beyond 2^32 vertices only
+  StuffedTets stuffed_tets;
 };
 
 /// Fills the bricks of one chunk, one after another.
@@ -43,22 +51,16 @@ class BrickFiller {
 
  private:
   template <class Index>
-  void fill_tets(BrickPlace place,
-                 std::span<std::byte> bytes,
-                 std::span<std::byte> regions) noexcept;
+  void fill_tets(BrickPlace place, const ChunkColumns& columns) noexcept;
   template <class Index>
-  void number_finest(BrickCoord brick, FinestIds<Index>& ids) noexcept;
-  template <class Index>
-  Index* fill_finest_tets(std::size_t brick,
-                          const FinestIds<Index>& ids,
-                          MeshRegion region,
-                          Index* out) noexcept;
+  Index* fill_finest_tets(MeshRegion region, Index* out, const Index* limit) noexcept;
   template <class Index>
   Index* fill_background_tets(BrickPlace place, MeshRegion region, Index* out) noexcept;
+  void find_vertices(std::size_t brick) noexcept;
+  void find_geometry(std::size_t brick) noexcept;
+  CellNodes nodes_of(std::size_t brick) const noexcept;
   template <class Index>
-  FinestIds<Index>& ids() noexcept;
-  template <class Real>
-  void fill_positions(BrickPlace place, std::span<std::byte> bytes) noexcept;
+  SlotIds<Index>& ids() noexcept;
   void count_background_quality(const BackgroundCounts& counts, int level) noexcept;
 
   const CountedMesh& mesh_;
@@ -66,7 +68,8 @@ class BrickFiller {
   const LatticeToWorld& to_world_;
   MeshWorkspace::Impl& workspace_;
   PhiSampler sampler_;
-  const StuffedLattice* lattice_ = nullptr;  // of the brick being filled, where it was stuffed
+  VerticesAround around_;  // of the brick being filled, where it is finest
+  CellNodes nodes_;
   QualityMeter meter_;
   QualityStats background_;
 };

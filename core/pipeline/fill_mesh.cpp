@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/base/parallel.h"
@@ -20,9 +21,10 @@ QualityStats sum_of(const std::vector<QualityStats>& chunks) {
 
 absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
                                      const Cancellation& cancellation,
-                                     const ProgressFunction& progress) {
+                                     const ProgressFunction& progress,
+                                     TetMesh used) {
   const std::uint64_t chunks = plan.header().chunk_count;
-  TetMesh mesh(plan.header());
+  TetMesh mesh(plan.header(), std::move(used));
   std::vector<QualityStats> stats(chunks);
   std::atomic<std::uint64_t> done{0};
   for_each_range(chunks, 1, [&](std::size_t begin, std::size_t end) {

@@ -20,11 +20,12 @@ struct FilledMesh {
   QualityStats quality;
 };
 
-/// Parallel; run it on a TaskPool. `progress` may be null. Errors: kCancelled,
-/// kDeadlineExceeded.
+/// Parallel; run it on a TaskPool. `progress` may be null. `used` is a mesh that is no longer
+/// needed: its memory becomes the new one's. Errors: kCancelled, kDeadlineExceeded.
 absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
                                      const Cancellation& cancellation,
-                                     const ProgressFunction& progress);
+                                     const ProgressFunction& progress,
+                                     TetMesh used = {});
 
 /// The same statistics as those of the chunks together; for positions that moved since.
 QualityStats measure_chunks(const MeshPlan& plan, const TetMesh& mesh);

@@ -18,7 +18,8 @@ absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
                                      const MeshRequest& request,
                                      const MeshLimits& limits,
                                      const Cancellation& cancellation,
-                                     const ProgressFunction& progress) {
+                                     const ProgressFunction& progress,
+                                     TetMesh used) {
   // The mesh is improved where it lies: a plan would make it once more.
   MeshRequest unimproved = request;
   unimproved.improve = false;
@@ -33,7 +34,7 @@ absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
   const auto tell = [&](double fraction) {
     if (progress) progress(share * fraction);
   };
-  absl::StatusOr<FilledMesh> filled = fill_mesh(**plan, cancellation, tell);
+  absl::StatusOr<FilledMesh> filled = fill_mesh(**plan, cancellation, tell, std::move(used));
   if (!filled.ok()) return filled.status();
   result.mesh = std::move(filled->mesh);
   result.quality = filled->quality;
@@ -58,10 +59,13 @@ absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
                                        const MeshRequest& request,
                                        const MeshLimits& limits,
                                        const Cancellation& cancellation,
-                                       const ProgressFunction& progress) {
+                                       const ProgressFunction& progress,
+                                       TetMesh used) {
   absl::StatusOr<MeshResult> result = absl::UnknownError("not started");
-  pool.run(
-      [&] { result = make_mesh(std::move(volume), request, limits, cancellation, progress); });
+  pool.run([&] {
+    result = make_mesh(std::move(volume), request, limits, cancellation, progress,
+                       std::move(used));
+  });
   return result;
 }
 

@@ -24,6 +24,7 @@ struct SurveyedBrick {
   BrickMask finest;
   std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
+  std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
   const std::byte* geometry = nullptr;  ///< where it is kept
   bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
 };
@@ -126,7 +127,11 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   if (space.domain && !holds(*space.domain, brick)) return found;
   const BrickMask cells = stuffed_cells(lattice.warped, rules);
   found.finest = with_siblings(cells);
-  found.surface = survey_surface(lattice.warped, workspace.surface);
+  found.surface = survey_surface(lattice.warped, found.stuffed);
+  if (found.surface.sheet.any && !found.surface.sheet.one) {
+    found.parts =
+        std::make_unique<SurfaceParts>(find_surface_parts(lattice.warped, workspace.surface));
+  }
   if (!space.domain) return found;
   found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
   found.surface.counts.add_fans(count_fans(*found.fans));
@@ -179,7 +184,11 @@ Survey gather(const std::vector<BrickCoord>& candidates,
     survey.geometry.of_brick.push_back(found[i]->geometry);
     if (both_sides) survey.fans.push_back(found[i]->fans ? *found[i]->fans : FanMasks{});
     survey.surface.add(found[i]->surface.counts);
-    survey.parts.push_back(std::move(found[i]->surface.parts));
+    if (found[i]->parts) {
+      const auto at = static_cast<std::uint32_t>(survey.sheets.size());
+      survey.parts.push_back({at, std::move(*found[i]->parts)});
+    }
+    survey.sheets.push_back(found[i]->surface.sheet);
     survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
   }
   return survey;

@@ -17,6 +17,7 @@
 #include "core/stuffing/fill.h"
 #include "core/stuffing/restored_nodes.h"
 #include "core/stuffing/stuffed_brick.h"
+#include "core/stuffing/surface_parts.h"
 #include "core/stuffing/surface_topology.h"
 
 namespace tet {
@@ -42,6 +43,12 @@ struct KeptGeometry {
   std::vector<std::shared_ptr<std::byte[]>> blocks;
 };
 
+/// The surface's parts near one brick of a survey.
+struct PartsOfBrick {
+  std::uint32_t brick = 0;  ///< its place
+  SurfaceParts parts;
+};
+
 /// What the survey found, by brick; only bricks whose nodes touch the surface.
 struct Survey {
   std::vector<BrickCoord> bricks;  ///< sorted
@@ -53,8 +60,11 @@ struct Survey {
   std::shared_ptr<const RestoredNodes> restored;  ///< may be null
 
   SurfaceCounts surface;
-  std::vector<SurfaceParts> parts;  ///< of the surface; may be dropped once they are counted
-  bool box_cuts_surface = false;    ///< the surface is open, and not counted
+  /// Of each brick; like the next, they may be dropped once they are counted.
+  std::vector<SurfaceSheet> sheets;
+  /// Where it is not known to be one sheet; sorted by brick.
+  std::vector<PartsOfBrick> parts;
+  bool box_cuts_surface = false;  ///< the surface is open, and not counted
 
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
   /// it.
@@ -70,12 +80,11 @@ struct MeshedSpace {
 };
 
 /// Memory that a brick takes until the mesh is made, bytes: while the survey runs it is held
-/// twice. A flat piece of surface has about 80 links.
+/// twice.
 constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexcept {
-  constexpr std::uint64_t kUsualLinks = 80;
   const std::uint64_t fans = rules.both_sides ? sizeof(FanMasks) : 0;
-  return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) + fans) +
-         kUsualLinks * sizeof(SurfaceLink);
+  return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) +
+              sizeof(SurfaceSheet) + fans);
 }
 
 /// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "core/stuffing/stuffed_brick.h"
 #include "core/stuffing/stuffed_lattice.h"
@@ -21,6 +22,8 @@ struct GeometrySizes {
   explicit GeometrySizes(const StuffedBrick& brick) noexcept;
   std::size_t bytes() const noexcept { return (zeros + cuts) * sizeof(float) + zeros; }
 };
+inline constexpr std::size_t kMaxGeometryBytes =
+    std::size_t{kBrickCells} * ((kNodeKinds + kEdgeFamilies) * sizeof(float) + kNodeKinds);
 
 /// Writes the geometry of `brick`, which `lattice` was kept as; returns the end. A moved node's
 /// fraction is that of the cut point it moved onto.
@@ -28,14 +31,45 @@ std::byte* pack_geometry(const StuffedLattice& lattice,
                          const StuffedBrick& brick,
                          std::byte* out) noexcept;
 
-/// Enters the geometry of the neighbour at offset (bx, by, bz), each 0 or 1, where the nodes
-/// [0, 8]^3 and the edges between them show it; the rest of `lattice` stays as it is. Source:
-/// what `pack_geometry` wrote for `brick`.
-void unpack_geometry(const StuffedBrick& brick,
-                     const std::byte* geometry,
-                     int bx,
-                     int by,
-                     int bz,
-                     StuffedLattice& lattice) noexcept;
+/// The same of brick `o` of the eight around the lattice's own (see reach.h), as far as the
+/// latter's tets reach; the rest of `out` stays as it is.
+std::byte* pack_geometry_in_reach(const StuffedLattice& lattice,
+                                  const StuffedBrick& brick,
+                                  std::size_t o,
+                                  std::byte* out) noexcept;
+
+/// Reads packed geometry: zero corners first, then zero centres, then cut points by family.
+class PackedGeometry {
+ public:
+  PackedGeometry(const std::byte* bytes, const StuffedBrick& brick) noexcept
+      : fractions_(bytes), directions_(bytes) {
+    const GeometrySizes sizes(brick);
+    zeros_ = sizes.zeros;
+    directions_ += sizes.bytes() - sizes.zeros;
+  }
+
+  std::size_t zeros() const noexcept { return zeros_; }
+
+  float fraction(std::size_t i) const noexcept {
+    float fraction;  // bricks follow each other without gaps, so nothing is aligned
+    std::memcpy(&fraction, fractions_ + i * sizeof(float), sizeof(float));
+    return fraction;
+  }
+  /// Of a zero node: where it moved, or kUnmoved.
+  std::uint8_t direction(std::size_t i) const noexcept {
+    return static_cast<std::uint8_t>(directions_[i]);
+  }
+
+ private:
+  const std::byte* fractions_;
+  const std::byte* directions_;
+  std::size_t zeros_;
+};
+
+/// The edge that a node moved along, by its family and its lower node.
+struct MovedAlong {
+  int family, low;
+};
+MovedAlong moved_along(NodeKind kind, int node, int direction) noexcept;
 
 }  // namespace tet

@@ -1,205 +1,243 @@
 #include "core/stuffing/cut_points.h"
 
+#include <algorithm>
 #include <cstddef>
-#include <emmintrin.h>
+
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
 
-/// Bits of the 16 values of a row for which value < 0 (low half) and value > 0 (high half).
-struct RowSigns {
-  std::uint64_t below, above;
-};
+using Lanes = std::array<float, kEdgeLanes>;
 
-RowSigns row_signs(const float* row) noexcept {
-  RowSigns signs{0, 0};
-  const __m128 zero = _mm_setzero_ps();
-  for (int i = 0; i < 4; ++i) {
-    const __m128 phi = _mm_load_ps(row + 4 * i);
-    signs.below |= static_cast<std::uint64_t>(_mm_movemask_ps(_mm_cmplt_ps(phi, zero)))
-                   << 4 * i;
-    signs.above |= static_cast<std::uint64_t>(_mm_movemask_ps(_mm_cmpgt_ps(phi, zero)))
-                   << 4 * i;
-  }
-  return signs;
-}
-
-/// Where samples are valid; see BrickSamples.
-constexpr std::array<HaloSet, kNodeKinds> kSampled{halo_cube(-2, 10), halo_cube(-2, 9)};
-
-/// Edges of a family with an end among the nodes that a brick needs to know.
-constexpr HaloSet edges_in_reach(int family) noexcept {
-  const NodeKind kind = family_kind(family);
-  const int offset = end_offset(kind, family_direction(family));
-  const HaloSet nodes = halo_cube(kNodeMin, kNodeMax);
-  return nodes | seen_from(nodes, offset);
-}
-constexpr std::array<HaloSet, kEdgeFamilies> kEdgesInReach = [] {
-  std::array<HaloSet, kEdgeFamilies> edges;
-  for (int f = 0; f < kEdgeFamilies; ++f) {
-    edges[static_cast<std::size_t>(f)] = edges_in_reach(f);
-  }
-  return edges;
-}();
+/// Edges are gathered this many at a time: so many that no column is read back while it is
+/// still being written, few enough for the first-level cache.
+constexpr std::size_t kBatch = 4 * kEdgeLanes;
+using Column = std::array<float, kBatch>;
 
 /// Zero of the line through (0, a) and (1, b), signs strictly opposite; in [0, 1].
 float linear_zero(float a, float b) noexcept { return a / (a - b); }
 
-/// Zero of `phi` on [0, 1], where it is `a` at 0 and `b` at 1: secant steps that keep a
-/// bracket.
-template <class Phi>
-float bracketed_zero(float a, float b, const Phi& phi) noexcept {
-  constexpr int kSteps = 2;
-  float low = 0, high = 1;
-  float t = linear_zero(a, b);
-  for (int step = 0; step < kSteps; ++step) {
-    const float value = phi(t);
-    if ((value < 0) == (a < 0) && value != 0) {
-      low = t;
-      a = value;
-    } else {
-      high = t;
-      b = value;
-    }
-    t = low + (high - low) * linear_zero(a, b);
-  }
-  return t;
-}
+/// Zeros of functions on [0, 1] that are `a` at 0 and `b` at 1: secant steps that keep a
+/// bracket, for 16 functions at once.
+struct Brackets {
+  alignas(64) Lanes low{}, high, a, b, t;
 
-/// An edge of the lattice, by its lower node.
-struct Edge {
+  Brackets(const float* at_0, const float* at_1) noexcept {
+    std::copy_n(at_0, kEdgeLanes, a.begin());
+    std::copy_n(at_1, kEdgeLanes, b.begin());
+    high.fill(1);
+    for (std::size_t i = 0; i < kEdgeLanes; ++i) t[i] = linear_zero(a[i], b[i]);
+  }
+
+  /// Where the function at `t` is `value`.
+  void narrow(std::size_t i, float value) noexcept {
+    const bool beyond = ((value < 0) == (a[i] < 0)) & (value != 0);
+    const float new_low = beyond ? t[i] : low[i], new_a = beyond ? value : a[i];
+    const float new_high = beyond ? high[i] : t[i], new_b = beyond ? b[i] : value;
+    low[i] = new_low;
+    high[i] = new_high;
+    a[i] = new_a;
+    b[i] = new_b;
+    t[i] = new_low + (new_high - new_low) * linear_zero(new_a, new_b);
+  }
+};
+constexpr int kSecantSteps = 2;
+
+/// One family of edges: its ends' samples, by the lower node's halo index.
+struct Family {
   NodeKind kind;
-  int low;  // halo index
   int direction;
+  const float* low_phi;
+  const float* high_phi;
+
+  Family(const BrickSamples& samples, int family) noexcept
+      : kind(family_kind(family)), direction(family_direction(family)) {
+    const auto phi = [&](NodeKind of) {
+      return of == kCorner ? samples.corner.data() : samples.centre.data();
+    };
+    low_phi = phi(kind);
+    high_phi = phi(end_kind(kind, direction)) + end_offset(kind, direction);
+  }
 };
 
-/// Zero on the edge between two centres: the trilinear field is linear on either side of the
-/// face.
-float zero_through_face(
-    const BrickSamples& samples, int low, int axis, float a, float b) noexcept {
-  constexpr std::array<std::array<int, 2>, 3> kAcross{
-      {
-       {offset_index(0, 1, 0), offset_index(0, 0, 1)},
-       {offset_index(1, 0, 0), offset_index(0, 0, 1)},
-       {offset_index(1, 0, 0), offset_index(0, 1, 0)},
-       }
-  };
-  constexpr std::array<int, 3> kAlong{offset_index(1, 0, 0), offset_index(0, 1, 0),
-                                      offset_index(0, 0, 1)};
-  const auto ax = static_cast<std::size_t>(axis);
-  const float* face = &samples.corner[static_cast<std::size_t>(low + kAlong[ax])];
-  const float middle = 0.25F * ((face[0] + face[kAcross[ax][0]]) +
-                                (face[kAcross[ax][1]] + face[kAcross[ax][0] + kAcross[ax][1]]));
-  if (middle == 0) return 0.5F;
-  if ((middle < 0) == (a < 0)) return 0.5F + 0.5F * linear_zero(middle, b);
-  return 0.5F * linear_zero(a, middle);
+/// Zeros on edges between two corners: the trilinear field is linear along a voxel's edge.
+TET_VECTOR_CLONES
+void zeros_between_corners(const Family& family,
+                           const std::uint16_t* low,
+                           std::size_t count,
+                           float* fraction) noexcept {
+  alignas(64) Column a, b;
+  for (std::size_t i = 0; i < count; ++i) {
+    a[i] = family.low_phi[low[i]];
+    b[i] = family.high_phi[low[i]];
+  }
+  for (std::size_t i = 0; i < count; ++i) fraction[i] = linear_zero(a[i], b[i]);
 }
 
-/// Zero on a short edge: the trilinear field is a cubic along the cell's diagonal.
-float zero_on_diagonal(const BrickSamples& samples,
-                       const Edge& edge,
-                       float a,
-                       float b) noexcept {
-  const auto [low_kind, low, direction] = edge;
-  const int centre = low_kind == kCentre ? low : low + end_offset(kCorner, direction);
-  const int corner = low_kind == kCorner ? low : low + end_offset(kCentre, direction);
-  // The corner as a vertex of its cell, each coordinate 0 or 1; steps lead away from it.
-  const int cell_corner = corner - centre;
-  const int sx = cell_corner & 256 ? -256 : 256;
-  const int sy = cell_corner & 16 ? -16 : 16;
-  const int sz = cell_corner & 1 ? -1 : 1;
-  const float* phi = &samples.corner[static_cast<std::size_t>(corner)];
-  const float near_sum = phi[sx] + phi[sy] + phi[sz];
-  const float far_sum = phi[sx + sy] + phi[sx + sz] + phi[sy + sz];
-  const float here = phi[0], far = phi[sx + sy + sz];
-  const bool from_corner = low_kind == kCorner;
-  return bracketed_zero(a, b, [&](float t) {
-    const float s = 0.5F * (from_corner ? t : 1 - t);
-    const float r = 1 - s;
-    return r * r * (r * here + s * near_sum) + s * s * (r * far_sum + s * far);
-  });
+/// Steps from a corner of a face across `axis` to the two corners beside it.
+constexpr std::array<int, 2> steps_across(int axis) noexcept {
+  constexpr std::array<int, 3> kStep{offset_index(1, 0, 0), offset_index(0, 1, 0),
+                                     offset_index(0, 0, 1)};
+  return {kStep[axis == 0 ? 1 : 0], kStep[axis == 2 ? 1 : 2]};
 }
 
-/// Zero on any edge of a lattice that does not sit on the voxels: phi is asked for.
-float zero_of_field(
-    PhiSampler& sampler, BrickCoord brick, const Edge& edge, float a, float b) noexcept {
-  const LatticeCoord from = node_coord(edge.kind, edge.low);
-  const LatticeCoord along = kDirection[static_cast<std::size_t>(edge.direction)];
-  return bracketed_zero(a, b, [&](float t) {
-    const double s = static_cast<double>(t);
-    return sampler.at(8.0 * brick.x + 0.5 * (from.x + s * along.x),
-                      8.0 * brick.y + 0.5 * (from.y + s * along.y),
-                      8.0 * brick.z + 0.5 * (from.z + s * along.z));
-  });
+/// Zeros on edges between two centres: the trilinear field is linear on either side of the face
+/// between them.
+TET_VECTOR_CLONES
+void zeros_through_faces(const BrickSamples& samples,
+                         const Family& family,
+                         const std::uint16_t* low,
+                         std::size_t count,
+                         float* fraction) noexcept {
+  const auto [u, v] = steps_across(family.direction);
+  const float* corner = samples.corner.data() + end_offset(kCorner, family.direction);
+  alignas(64) Column a, b, middle;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* face = corner + low[i];
+    a[i] = family.low_phi[low[i]];
+    b[i] = family.high_phi[low[i]];
+    middle[i] = 0.25F * ((face[0] + face[u]) + (face[v] + face[u + v]));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool beyond = (middle[i] < 0) == (a[i] < 0);
+    const float from = beyond ? middle[i] : a[i], to = beyond ? b[i] : middle[i];
+    const float zero = (beyond ? 0.5F : 0.0F) + 0.5F * linear_zero(from, to);
+    fraction[i] = middle[i] == 0 ? 0.5F : zero;
+  }
 }
 
+/// The trilinear field along a short edge, a cubic: by the cell's vertices at the corner, next
+/// to it, next to the vertex across, and across.
+struct Diagonals {
+  alignas(64) Column a, b, near_sum, far_sum, far;
+};
+
+/// A short edge's corner as a vertex of its cell: from the lower node, and the steps away from
+/// it along the axes.
+struct CellVertex {
+  int offset, x, y, z;
+
+  explicit CellVertex(const Family& family) noexcept {
+    const int end = end_offset(family.kind, family.direction);
+    offset = family.kind == kCorner ? 0 : end;
+    const int in_cell = family.kind == kCorner ? -end : end;  // each coordinate 0 or 1
+    x = in_cell & 256 ? -256 : 256;
+    y = in_cell & 16 ? -16 : 16;
+    z = in_cell & 1 ? -1 : 1;
+  }
+};
+
+void gather_diagonals(const BrickSamples& samples,
+                      const Family& family,
+                      const std::uint16_t* low,
+                      std::size_t count,
+                      Diagonals& out) noexcept {
+  const auto [offset, x, y, z] = CellVertex(family);
+  const float* corner = samples.corner.data() + offset;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* phi = corner + low[i];
+    out.a[i] = family.low_phi[low[i]];
+    out.b[i] = family.high_phi[low[i]];
+    out.near_sum[i] = phi[x] + phi[y] + phi[z];
+    out.far_sum[i] = phi[x + y] + phi[x + z] + phi[y + z];
+    out.far[i] = phi[x + y + z];
+  }
+}
+
+/// Zeros on short edges.
+TET_VECTOR_CLONES
+void zeros_on_diagonals(const BrickSamples& samples,
+                        const Family& family,
+                        const std::uint16_t* low,
+                        std::size_t count,
+                        float* fraction) noexcept {
+  Diagonals field;
+  gather_diagonals(samples, family, low, count, field);
+  const bool from_corner = family.kind == kCorner;
+  const Column& here = from_corner ? field.a : field.b;
+  // How far along the cell's diagonal, from the corner: 0.5 * t, or 0.5 * (1 - t).
+  const float start = from_corner ? 0.0F : 0.5F, slope = from_corner ? 0.5F : -0.5F;
+  for (std::size_t first = 0; first < count; first += kEdgeLanes) {
+    Brackets zero(&field.a[first], &field.b[first]);
+    for (int step = 0; step < kSecantSteps; ++step) {
+      for (std::size_t i = 0; i < kEdgeLanes; ++i) {
+        const std::size_t e = first + i;
+        const float s = start + slope * zero.t[i], r = 1 - s;
+        zero.narrow(i, r * r * (r * here[e] + s * field.near_sum[e]) +
+                           s * s * (r * field.far_sum[e] + s * field.far[e]));
+      }
+    }
+    std::copy(zero.t.begin(), zero.t.end(), fraction + first);
+  }
+}
+
+/// Zeros on any edges of a lattice that does not sit on the voxels: phi is asked for.
+void zeros_of_field(PhiSampler& sampler,
+                    BrickCoord brick,
+                    const Family& family,
+                    const std::uint16_t* low,
+                    std::size_t count,
+                    float* fraction) noexcept {
+  const LatticeCoord along = kDirection[static_cast<std::size_t>(family.direction)];
+  for (std::size_t first = 0; first < count; first += kEdgeLanes) {
+    alignas(64) Lanes a, b;
+    for (std::size_t i = 0; i < kEdgeLanes; ++i) {
+      a[i] = family.low_phi[low[first + i]];
+      b[i] = family.high_phi[low[first + i]];
+    }
+    Brackets zero(a.data(), b.data());
+    for (int step = 0; step < kSecantSteps; ++step) {
+      for (std::size_t i = 0; i < kEdgeLanes; ++i) {
+        const LatticeCoord from = node_coord(family.kind, low[first + i]);
+        const double s = static_cast<double>(zero.t[i]);
+        zero.narrow(i, sampler.at(8.0 * brick.x + 0.5 * (from.x + s * along.x),
+                                  8.0 * brick.y + 0.5 * (from.y + s * along.y),
+                                  8.0 * brick.z + 0.5 * (from.z + s * along.z)));
+      }
+    }
+    std::copy(zero.t.begin(), zero.t.end(), fraction + first);
+  }
+}
+
+/// Fractions of up to kBatch edges of a family; `count` is a multiple of kEdgeLanes.
 void find_fractions(const BrickSamples& samples,
                     PhiSampler& sampler,
                     BrickCoord brick,
-                    int family,
-                    CutPoints& cuts) noexcept {
-  const NodeKind kind = family_kind(family);
-  const int direction = family_direction(family);
-  const int offset = end_offset(kind, direction);
-  const auto& low_phi = kind == kCorner ? samples.corner : samples.centre;
-  const auto& high_phi = end_kind(kind, direction) == kCorner ? samples.corner : samples.centre;
-  auto& fraction = cuts.fraction[static_cast<std::size_t>(family)];
-  const bool at_voxels = sampler.field().at_voxels();
-  for_each_bit(cuts.cut[static_cast<std::size_t>(family)], [&](int low) {
-    const auto i = static_cast<std::size_t>(low);
-    const float a = low_phi[i];
-    const float b = high_phi[static_cast<std::size_t>(low + offset)];
-    if (!at_voxels) {
-      fraction[i] = zero_of_field(sampler, brick, {kind, low, direction}, a, b);
-    } else if (!is_long(direction)) {
-      fraction[i] = zero_on_diagonal(samples, {kind, low, direction}, a, b);
-    } else if (kind == kCentre) {
-      fraction[i] = zero_through_face(samples, low, direction, a, b);
-    } else {
-      fraction[i] = linear_zero(a, b);  // trilinear is linear along a voxel edge
-    }
-  });
-}
-
-}  // namespace
-
-void find_signs(const BrickSamples& samples, NodeSigns& signs) noexcept {
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    const auto& phi = kind == kCorner ? samples.corner : samples.centre;
-    HaloSet inside, outside;
-    for (std::size_t row = 0; row < kHaloNodes / 16; ++row) {
-      const RowSigns bits = row_signs(&phi[row * 16]);
-      inside.word[row / 4] |= bits.below << (row % 4 * 16);
-      outside.word[row / 4] |= bits.above << (row % 4 * 16);
-    }
-    signs.inside[kind] = inside & kSampled[kind];
-    signs.outside[kind] = outside & kSampled[kind];
+                    const Family& family,
+                    const std::uint16_t* low,
+                    std::size_t count,
+                    float* fraction) noexcept {
+  if (!sampler.field().at_voxels()) {
+    zeros_of_field(sampler, brick, family, low, count, fraction);
+  } else if (!is_long(family.direction)) {
+    zeros_on_diagonals(samples, family, low, count, fraction);
+  } else if (family.kind == kCentre) {
+    zeros_through_faces(samples, family, low, count, fraction);
+  } else {
+    zeros_between_corners(family, low, count, fraction);
   }
 }
 
-bool NodeSigns::one_sided() const noexcept {
-  const auto every_sample = [](const std::array<HaloSet, kNodeKinds>& nodes) {
-    return !(kSampled[kCorner] - nodes[kCorner]).any() &&
-           !(kSampled[kCentre] - nodes[kCentre]).any();
-  };
-  const bool none_inside = !inside[kCorner].any() && !inside[kCentre].any();
-  return none_inside || every_sample(inside);
-}
+}  // namespace
 
 void find_cut_points(const BrickSamples& samples,
                      PhiSampler& sampler,
                      BrickCoord brick,
                      CutPoints& cuts) noexcept {
-  const NodeSigns& signs = cuts.signs;
-  for (int family = 0; family < kEdgeFamilies; ++family) {
-    const auto f = static_cast<std::size_t>(family);
-    const NodeKind kind = family_kind(family);
-    const NodeKind end = end_kind(kind, family_direction(family));
-    const int offset = end_offset(kind, family_direction(family));
-    cuts.cut[f] = ((signs.inside[kind] & seen_from(signs.outside[end], offset)) |
-                   (signs.outside[kind] & seen_from(signs.inside[end], offset))) &
-                  kEdgesInReach[f];
-    find_fractions(samples, sampler, brick, family, cuts);
+  CutEdges& edges = cuts.edges;
+  find_cut_edges(cuts.signs, cuts.cut, edges);
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
+    const Family family(samples, static_cast<int>(f));
+    const auto [begin, count] = edges.run[f];
+    const std::size_t end = begin + edges.run[f].padded();
+    for (std::size_t first = begin; first < end; first += kBatch) {
+      find_fractions(samples, sampler, brick, family, &edges.low[first],
+                     std::min(kBatch, end - first), &edges.fraction[first]);
+    }
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      cuts.fraction[f][edges.low[i]] = edges.fraction[i];
+    }
   }
 }
 

@@ -2,28 +2,14 @@
 #pragma once
 
 #include <array>
-#include <memory>
 
 #include "core/base/brick_mask.h"
 #include "core/grid/phi_field.h"
 #include "core/lattice/bcc.h"
+#include "core/stuffing/cut_edges.h"
+#include "core/stuffing/node_signs.h"
 
 namespace tet {
-
-/// Signs of the samples of a brick and its halo, by node kind. A node in neither set is exactly
-/// zero (or outside the samples).
-struct NodeSigns {
-  std::array<HaloSet, kNodeKinds> inside;   ///< phi < 0: the `+` of the stencils
-  std::array<HaloSet, kNodeKinds> outside;  ///< phi > 0: the `-`
-
-  /// True when every sample is inside, or none is.
-  bool one_sided() const noexcept;
-};
-
-void find_signs(const BrickSamples& samples, NodeSigns& signs) noexcept;
-
-/// Nodes whose signs and warps a brick needs to know: its own, one more on each side.
-inline constexpr int kNodeMin = -1, kNodeMax = 8;
 
 /// Cut points of every edge with an end among the nodes in [kNodeMin, kNodeMax]^3.
 ///
@@ -33,7 +19,8 @@ inline constexpr int kNodeMin = -1, kNodeMax = 8;
 /// Labelle & Shewchuk 2007, section 3.
 struct CutPoints {
   NodeSigns signs;
-  std::array<HaloSet, kEdgeFamilies> cut;
+  EdgeSets cut;
+  CutEdges edges;  ///< the same, as columns
   std::array<std::array<float, kHaloNodes>, kEdgeFamilies> fraction;
 };
 

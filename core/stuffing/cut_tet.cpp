@@ -1,7 +1,5 @@
 #include "core/stuffing/cut_tet.h"
 
-#include <algorithm>
-
 #include "core/lattice/background.h"
 #include "core/stuffing/surface_diagonal.h"
 
@@ -11,8 +9,8 @@ namespace tet {
 /// reverse) one diagonal of its quad would close a cycle; the other is forced.
 std::optional<QuadSplit> CutTet::forced_split(const Nodes& plus,
                                               const Nodes& minus) const noexcept {
-  const bool first = second_longer(plus.at[0], plus.at[1], minus.at[0]);
-  const bool second = second_longer(plus.at[0], plus.at[1], minus.at[1]);
+  const bool first = second_longer(plus[0], plus[1], minus[0]);
+  const bool second = second_longer(plus[0], plus[1], minus[1]);
   if (first == second) return std::nullopt;
   return second ? QuadSplit::kSecondDiagonal : QuadSplit::kFirstDiagonal;
 }
@@ -21,8 +19,8 @@ std::optional<QuadSplit> CutTet::forced_split(const Nodes& plus,
 /// Seen from outside p, q and m, n change places, b and d too, and the diagonals stay what they
 /// are.
 CutTet::Quad CutTet::quad() const noexcept {
-  if (region_ == MeshRegion::kInside) return {plus_, minus_};
-  return {minus_, plus_};
+  if (region_ == MeshRegion::kInside) return {nodes_.plus, nodes_.minus};
+  return {nodes_.minus, nodes_.plus};
 }
 
 bool CutTet::has_fan() const noexcept {
@@ -40,33 +38,43 @@ QuadSplit CutTet::quad_split() const noexcept {
   if (rules_.both_sides) {
     if (const auto outside = forced_split(minus, plus)) return *outside;
   }
-  const auto [p, q, r, s] = plus.at;
-  const auto [m, n, o, t] = minus.at;
+  const auto [p, q, r, s] = plus;
+  const auto [m, n, o, t] = minus;
   // Each region's apex is the node of its longer columns.
-  const std::array<WorldPoint, 2> apex{
-      place(static_cast<StencilVertex>(second_longer(p, q, m) ? q : p)),
-      place(static_cast<StencilVertex>(second_longer(m, n, p) ? n : m))};
+  const std::array<WorldPoint, 2> apex{place_of_node(second_longer(p, q, m) ? q : p),
+                                       place_of_node(second_longer(m, n, p) ? n : m)};
   const bool second = second_diagonal_is_better(
       std::span(apex).first(rules_.both_sides ? 2 : 1), place_of_cut(p, m), place_of_cut(q, m),
       place_of_cut(q, n), place_of_cut(p, n));
   return second ? QuadSplit::kSecondDiagonal : QuadSplit::kFirstDiagonal;
 }
 
-WorldPoint CutTet::place_of_cut(std::size_t a, std::size_t b) const noexcept {
-  return place(cut_on_edge(edge_between(a, b)));
+/// In spacings from the cell's lowest corner; a node of a quad's tet has not moved.
+WorldPoint CutTet::place_of_node(std::size_t node) const noexcept {
+  return lattice_place(shape_.kind[node], halo_index(0, 0, 0) + shape_.offset[node]);
 }
 
-WorldPoint middle_of_quad(const TetShape& shape,
-                          int cell,
-                          const StuffedLattice& lattice) noexcept {
-  WorldPoint sum;
+WorldPoint CutTet::place_of_cut(std::size_t a, std::size_t b) const noexcept {
+  const std::size_t edge = edge_between(a, b), low = kTetEdge[edge][0];
+  return place_on_edge(node_coord(shape_.kind[low], halo_index(0, 0, 0) + shape_.offset[low]),
+                       family_direction(shape_.edge_family[edge]), fraction_[edge]);
+}
+
+std::size_t stencil_number(const ShapeSigns& signs, int cell) noexcept {
+  return stencil_number(sign_at(signs, 0, cell), sign_at(signs, 1, cell),
+                        sign_at(signs, 2, cell), sign_at(signs, 3, cell));
+}
+
+EdgeFractions edge_fractions(const StuffedLattice& lattice,
+                             const TetShape& shape,
+                             int cell) noexcept {
+  EdgeFractions fraction{};
   for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
     const int low = cell + shape.offset[kTetEdge[e][0]];
     if (!lattice.warped.cut[shape.edge_family[e]].test(low)) continue;
-    const WorldPoint cut = lattice.place_of_cut(shape.edge_family[e], low);
-    sum = {sum.x + cut.x, sum.y + cut.y, sum.z + cut.z};
+    fraction[e] = lattice.cuts.fraction[shape.edge_family[e]][static_cast<std::size_t>(low)];
   }
-  return {0.25 * sum.x, 0.25 * sum.y, 0.25 * sum.z};
+  return fraction;
 }
 
 FanMasks find_fans(const StuffedLattice& lattice,
@@ -80,7 +88,9 @@ FanMasks find_fans(const StuffedLattice& lattice,
       const ShapeSigns signs = signs_of_shape(faces, kTetShape[shape]);
       for_each_bit(signs.cut, [&](int cell) {
         const Cell at(cell);
-        if (CutTet(kTetShape[shape], signs, cell, lattice, rules).has_fan()) {
+        const EdgeFractions fraction = edge_fractions(lattice, kTetShape[shape], cell);
+        if (CutTet(kTetShape[shape], stencil_number(signs, cell), fraction, signs.region, rules)
+                .has_fan()) {
           fans[shape].set(at.x, at.y, at.z);
         }
       });

@@ -1,134 +1,143 @@
 #include "core/stuffing/fill.h"
 
 #include <bit>
-#include <cstddef>
+#include <utility>
 
-#include "core/lattice/node_numbers.h"
 #include "core/stuffing/cut_tet.h"
+#include "core/stuffing/write_rows.h"
 
 namespace tet {
 namespace {
 
-/// Bits of a neighbour's slice that lie among the nodes [0, 8]^3.
-constexpr std::uint64_t reachable_bits(int by, int bz) noexcept {
-  constexpr std::uint64_t kRowZero = 0xff, kFirstOfRows = 0x0101010101010101;
-  return (by == 1 ? kRowZero : ~std::uint64_t{0}) &
-         (bz == 1 ? kFirstOfRows : ~std::uint64_t{0});
-}
+/// Where a shape's nodes and edges are found in a brick's tables, from the slot of the cell
+/// that the tet belongs to.
+struct SlotShape {
+  std::array<Slot, 4> node{};
+  std::array<Slot, 4> whole{};  ///< the nodes in the order of a positive tet
+  std::array<int, kTetEdge.size()> edge{};
+};
 
-/// Gives the set bits ids from `next` on and enters those that are reachable; returns the next
-/// id.
-template <class Index>
-Index number_mask(const BrickMask& mask,
-                  int bx,
-                  int by,
-                  int bz,
-                  Index next,
-                  std::array<Index, kHaloNodes>& ids) noexcept {
-  const std::uint64_t reachable = reachable_bits(by, bz);
-  for (int x = 0; x < 8; ++x) {
-    const std::uint64_t slice = mask.slice[static_cast<std::size_t>(x)];
-    const int base = halo_index(x + 8 * bx, 8 * by, 8 * bz);
-    if (bx == 0 || x == 0) {
-      for (std::uint64_t bits = slice & reachable; bits != 0; bits &= bits - 1) {
-        const int bit = std::countr_zero(bits);
-        const std::uint64_t before = slice & ((std::uint64_t{1} << bit) - 1);
-        ids[static_cast<std::size_t>(base + offset_index(0, bit >> 3, bit & 7))] =
-            next + static_cast<Index>(std::popcount(before));
-      }
+constexpr auto kSlotShapes = [] {
+  std::array<SlotShape, kTetShapes> shapes;
+  for (std::size_t number = 0; number < kTetShapes; ++number) {
+    const TetShape& shape = kTetShape[number];
+    SlotShape& out = shapes[number];
+    std::array<int, 4> slot_of_kind{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto o = static_cast<int>(node_around_cell(shape, i));
+      slot_of_kind[i] = node_slot(o >> 2, o >> 1 & 1, o & 1);
+      out.node[i] = static_cast<Slot>(shape.kind[i] * kSlotsOfKind + slot_of_kind[i]);
     }
-    next += static_cast<Index>(std::popcount(slice));
+    out.whole = out.node;
+    if (shape.negative) std::swap(out.whole[2], out.whole[3]);
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      out.edge[e] = edge_slot(shape.edge_family[e], slot_of_kind[kTetEdge[e][0]]);
+    }
   }
-  return next;
+  return shapes;
+}();
+
+/// The tet with `first` in cell 0, moved on by `cells`: all four slots at once.
+LocalTet moved_on(const LocalTet& first, int cells) noexcept {
+  constexpr std::uint64_t kEach = 0x0001000100010001;
+  return std::bit_cast<LocalTet>(std::bit_cast<std::uint64_t>(first) +
+                                 static_cast<std::uint64_t>(cells) * kEach);
 }
 
-/// Id of a stencil's corner.
-template <class Index>
-class CornerIds {
- public:
-  CornerIds(const FinestIds<Index>& ids, const OwnedVertices& own, std::size_t shape)
-      : ids_(ids), own_(own), shape_number_(shape), shape_(kTetShape[shape]) {}
-
-  Index operator()(const CutTet& tet, StencilVertex vertex) const noexcept {
-    if (vertex < 4) return ids_.node[shape_.kind[vertex]][tet.node(vertex)];
-    if (vertex == kQuadCentre) {
-      return static_cast<Index>(own_.fan(shape_number_, tet.cell()));
+void add_moved(const LocalTet& first, const BrickMask& moved, StuffedTets& out) noexcept {
+  for (int x = 0; x < 8; ++x) {
+    for (std::uint64_t bits = moved.slice[static_cast<std::size_t>(x)]; bits != 0;
+         bits &= bits - 1) {
+      out.add(moved_on(first, cell_slot(x, std::countr_zero(bits))));
     }
-    const auto edge = static_cast<std::size_t>(vertex - 4);
-    return ids_.cut[shape_.edge_family[edge]][tet.node(kTetEdge[edge][0])];
+  }
+}
+
+/// Makes the tets that stand for cut ones of one shape.
+class CutShape {
+ public:
+  CutShape(const FinestBrick& brick, std::size_t number) noexcept
+      : brick_(brick), number_(number), shape_(kTetShape[number]), slots_(kSlotShapes[number]) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t o = node_around_cell(shape_, i);
+      plus_[i] = &brick.nodes.plus[shape_.kind[i]][o];
+      zero_[i] = &brick.nodes.zero[shape_.kind[i]][o];
+    }
+  }
+
+  /// Adds those of the tet in the cell at a bit of a slice.
+  void add(int x, int bit, StuffedTets& out) const noexcept {
+    const int cell = cell_slot(x, bit);
+    // All four nodes and all six edges, cut or not: what is not there is not asked for.
+    std::array<Slot, kStencilVertices> slot;
+    EdgeFractions fraction;
+    for (std::size_t i = 0; i < 4; ++i) slot[i] = static_cast<Slot>(slots_.node[i] + cell);
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      const Slot cut = brick_.vertices.cut_slot(slots_.edge[e] + cell);
+      slot[cut_on_edge(e)] = cut;
+      fraction[e] = brick_.vertices.fraction(cut);
+    }
+    const CutTet cut_tet(shape_, stencil_of(static_cast<std::size_t>(x), bit), fraction,
+                         brick_.nodes.region, brick_.rules);
+    if (cut_tet.has_fan()) slot[kQuadCentre] = brick_.vertices.fan_slot(number_, x, bit);
+    for (auto [a, b, c, d] : cut_tet.tets()) {
+      if (shape_.negative) std::swap(c, d);
+      out.add({slot[a], slot[b], slot[c], slot[d]});
+    }
   }
 
  private:
-  const FinestIds<Index>& ids_;
-  const OwnedVertices& own_;
-  std::size_t shape_number_;
+  std::size_t stencil_of(std::size_t x, int bit) const noexcept {
+    std::size_t number = 0;
+    for (std::size_t i = 4; i-- > 0;) {
+      number =
+          3 * number + 2 * (plus_[i]->slice[x] >> bit & 1) + (zero_[i]->slice[x] >> bit & 1);
+    }
+    return number;
+  }
+
+  const FinestBrick& brick_;
+  std::size_t number_;
   const TetShape& shape_;
+  const SlotShape& slots_;
+  std::array<const BrickMask*, 4> plus_, zero_;
 };
 
-/// Whole tets keep their four nodes.
+void add_cut(const FinestBrick& brick,
+             std::size_t shape,
+             const BrickMask& cut,
+             StuffedTets& out) noexcept {
+  const CutShape cut_shape(brick, shape);
+  for (int x = 0; x < 8; ++x) {
+    for (std::uint64_t bits = cut.slice[static_cast<std::size_t>(x)]; bits != 0;
+         bits &= bits - 1) {
+      cut_shape.add(x, std::countr_zero(bits), out);
+    }
+  }
+}
+
 template <class Index>
-Index* write_whole(const TetShape& shape,
-                   const ShapeSigns& signs,
-                   const FinestIds<Index>& ids,
+Index* write_local(std::span<const LocalTet> tets,
+                   const SlotIds<Index>& ids,
                    Index* out) noexcept {
-  const std::size_t third = shape.negative ? 3 : 2, fourth = shape.negative ? 2 : 3;
-  const auto column = [&](std::size_t i) {
-    return ids.node[shape.kind[i]].data() + shape.offset[i];
-  };
-  const Index *a = column(0), *b = column(1), *c = column(third), *d = column(fourth);
-  for_each_bit(signs.whole,
-               [&](int cell) { out = write_tet(out, a[cell], b[cell], c[cell], d[cell]); });
-  return out;
-}
-
-void measure_moved(const TetShape& shape,
-                   const ShapeSigns& signs,
-                   const StuffedLattice& lattice,
-                   QualityMeter& meter) noexcept {
-  for_each_bit(signs.whole - signs.regular, [&](int cell) {
-    std::array<WorldPoint, 4> place;
-    for (std::size_t i = 0; i < 4; ++i) {
-      place[i] = lattice.place_of_node(shape.kind[i], cell + shape.offset[i]);
-    }
-    if (shape.negative) std::swap(place[2], place[3]);
-    meter.add_tet(place[0], place[1], place[2], place[3]);
-  });
-}
-
-template <class Index>
-Index* write_cut(const FinestBrick& brick,
-                 std::size_t shape,
-                 const ShapeSigns& signs,
-                 const FinestIds<Index>& ids,
-                 Index* out,
-                 QualityMeter& meter) noexcept {
-  const CornerIds<Index> id(ids, brick.own, shape);
-  const bool negative = kTetShape[shape].negative;
-  for_each_bit(signs.cut, [&](int cell) {
-    const CutTet cut_tet(kTetShape[shape], signs, cell, *brick.lattice, brick.rules);
-    for (auto [a, b, c, d] : cut_tet.tets()) {
-      if (negative) std::swap(c, d);
-      out = write_tet(out, id(cut_tet, a), id(cut_tet, b), id(cut_tet, c), id(cut_tet, d));
-      meter.add_tet(cut_tet.place(a), cut_tet.place(b), cut_tet.place(c), cut_tet.place(d));
-    }
-  });
+  for (const auto& [a, b, c, d] : tets) out = write_tet(out, ids[a], ids[b], ids[c], ids[d]);
   return out;
 }
 
 template <class Index>
-Index* write_half_pyramids_of_finest(const FinestNodes& nodes,
-                                     const FinestIds<Index>& ids,
+Index* write_half_pyramids_of_finest(const CellNodes& nodes,
+                                     const SlotIds<Index>& ids,
                                      Index* out,
                                      BackgroundCounts& counts) noexcept {
+  const auto corner = [&](int x, int y, int z) {
+    return ids[static_cast<std::size_t>(node_slot(x, y, z))];
+  };
   for (int direction = 0; direction < kFaceDirections; ++direction) {
-    const HaloSet cells = cells_with_half_pyramids(nodes, kOwnCells, direction);
+    const BrickMask cells = half_pyramids_of_finest(nodes, direction);
     counts.half_pyramid += 2 * std::uint64_t{cells.count()};
-    for_each_bit(cells, [&](int cell) {
-      const auto corner = [&](int x, int y, int z) {
-        return ids.node[kCorner][static_cast<std::size_t>(halo_index(x, y, z))];
-      };
-      out = write_half_pyramids(direction, Cell(cell),
-                                ids.node[kCentre][static_cast<std::size_t>(cell)], corner, out);
+    for_each_bit(cells, [&](int x, int y, int z) {
+      const Index centre = ids[static_cast<std::size_t>(kSlotsOfKind + node_slot(x, y, z))];
+      out = write_half_pyramids(direction, Cell(halo_index(x, y, z)), centre, corner, out);
     });
   }
   return out;
@@ -136,72 +145,36 @@ Index* write_half_pyramids_of_finest(const FinestNodes& nodes,
 
 }  // namespace
 
-std::uint64_t OwnedVertices::count() const noexcept {
-  std::uint64_t vertices = node[kCorner].count() + node[kCentre].count();
-  if (cut != nullptr) {
-    for (const BrickMask& mask : *cut) vertices += mask.count();
-  }
-  if (fans != nullptr) {
-    for (const BrickMask& mask : *fans) vertices += mask.count();
-  }
-  return vertices;
-}
-
-std::uint64_t OwnedVertices::fan(std::size_t shape, int cell) const noexcept {
-  std::uint64_t id = first + count();
-  for (std::size_t s = shape; s < kTetShapes; ++s) id -= (*fans)[s].count();
-  const Cell at(cell);
-  return id + rank_of((*fans)[shape], at.x, at.y, at.z);
-}
-
-template <class Index>
-void number_vertices(
-    const OwnedVertices& vertices, int bx, int by, int bz, FinestIds<Index>& ids) noexcept {
-  Index next = static_cast<Index>(vertices.first);
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    next = number_mask(vertices.node[kind], bx, by, bz, next, ids.node[kind]);
-  }
-  if (vertices.cut == nullptr) return;
-  for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
-    next = number_mask((*vertices.cut)[f], bx, by, bz, next, ids.cut[f]);
-  }
-}
-
 template <class Index>
 Index* fill_finest(const FinestBrick& brick,
-                   const FinestIds<Index>& ids,
+                   const SlotIds<Index>& ids,
                    Index* tets,
-                   QualityMeter& meter,
+                   const Index* end,
+                   StuffedTets& stuffed,
                    BackgroundCounts& counts) noexcept {
-  for (int axis = 0; axis < 3; ++axis) {
-    const FaceSigns faces = signs_around_faces(brick.nodes, axis);
-    for (std::size_t turn = 0; turn < 4; ++turn) {
-      const std::size_t number = static_cast<std::size_t>(axis) * 4 + turn;
-      const TetShape& shape = kTetShape[number];
-      const ShapeSigns signs = signs_of_shape(faces, shape);
-      tets = write_whole(shape, signs, ids, tets);
-      counts.bcc += signs.regular.count();
-      if (brick.lattice == nullptr) continue;
-      measure_moved(shape, signs, *brick.lattice, meter);
-      tets = write_cut(brick, number, signs, ids, tets, meter);
-    }
+  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
+    const ShapeTets found = tets_of_shape(brick.nodes, shape);
+    tets = write_rows(found.whole, kSlotShapes[shape].whole, ids.data(), tets, end);
+    counts.bcc += found.regular.count();
+    add_moved(kSlotShapes[shape].whole, found.whole & ~found.regular, stuffed);
+    const std::size_t first_cut = stuffed.count();
+    add_cut(brick, shape, found.cut, stuffed);
+    tets = write_local(stuffed.from(first_cut), ids, tets);
   }
   return write_half_pyramids_of_finest(brick.nodes, ids, tets, counts);
 }
 
-template void number_vertices(
-    const OwnedVertices&, int, int, int, FinestIds<std::uint32_t>&) noexcept;
-template void number_vertices(
-    const OwnedVertices&, int, int, int, FinestIds<std::uint64_t>&) noexcept;
 template std::uint32_t* fill_finest(const FinestBrick&,
-                                    const FinestIds<std::uint32_t>&,
+                                    const SlotIds<std::uint32_t>&,
                                     std::uint32_t*,
-                                    QualityMeter&,
+                                    const std::uint32_t*,
+                                    StuffedTets&,
                                     BackgroundCounts&) noexcept;
 template std::uint64_t* fill_finest(const FinestBrick&,
-                                    const FinestIds<std::uint64_t>&,
+                                    const SlotIds<std::uint64_t>&,
                                     std::uint64_t*,
-                                    QualityMeter&,
+                                    const std::uint64_t*,
+                                    StuffedTets&,
                                     BackgroundCounts&) noexcept;
 
 }  // namespace tet

@@ -1,58 +1,51 @@
-// Filling a finest brick: ids, positions, and the tets of its stencils.
+// Filling a finest brick: the tets of its stencils.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <span>
 
-#include "core/base/quality.h"
+#include "core/base/local_point.h"
 #include "core/lattice/background.h"
-#include "core/stuffing/stuffed_brick.h"
-#include "core/stuffing/stuffed_lattice.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/local_vertices.h"
 
 namespace tet {
 
-/// Ids of the vertices at the nodes [0, 8]^3 and on the edges between them, by halo index; the
-/// rest is unspecified.
-template <class Index>
-struct FinestIds {
-  std::array<std::array<Index, kHaloNodes>, kNodeKinds> node;
-  std::array<std::array<Index, kHaloNodes>, kEdgeFamilies> cut;
-};
-
-/// Vertices of one brick in the order of their ids, from `first` on.
-struct OwnedVertices {
-  std::array<BrickMask, kNodeKinds> node;
-  const std::array<BrickMask, kEdgeFamilies>* cut = nullptr;
-  const FanMasks* fans = nullptr;  ///< no other brick has these
-  std::uint64_t first = 0;
-
-  std::uint64_t count() const noexcept;
-  /// Id of the middle of a tet's surface quad.
-  std::uint64_t fan(std::size_t shape, int cell) const noexcept;
-};
-
-/// Enters the vertices of the neighbour at offset (bx, by, bz), each 0 or 1.
-template <class Index>
-void number_vertices(
-    const OwnedVertices& vertices, int bx, int by, int bz, FinestIds<Index>& ids) noexcept;
-
 /// A finest brick that is to be filled, as one region sees it.
 struct FinestBrick {
-  const FinestNodes& nodes;
-  const OwnedVertices& own;
-  const StuffedLattice* lattice;  ///< null where nothing is zero or cut
+  const CellNodes& nodes;
+  const LocalVertices& vertices;
   const StuffingRules& rules;
 };
 
-/// Writes a brick's tets of one region, four ids each; returns the end. Tets whose nodes moved
-/// or were cut are measured by `meter` in units of the spacing; the others are counted in
-/// `counts`.
+/// Tets of one region of a brick that are no BCC tets: nodes moved, or were cut away.
+class StuffedTets {
+ public:
+  void clear() noexcept { count_ = 0; }
+  void add(const LocalTet& tet) noexcept { tet_[count_++] = tet; }
+  std::span<const LocalTet> from(std::size_t first) const noexcept {
+    return std::span(tet_).first(count_).subspan(first);
+  }
+  std::size_t count() const noexcept { return count_; }
+
+ private:
+  /// Every tet of a brick may be cut, and have a fan.
+  static constexpr std::size_t kMax = std::size_t{kBrickCells} * kTetShapes * 6;
+  std::size_t count_ = 0;
+  std::array<LocalTet, kMax> tet_;
+};
+
+/// Writes a brick's tets of one region, four ids each; returns the end of those. Up to `end`,
+/// where the last region's end, more may be overwritten. Tets that are no background tets are
+/// also put into `stuffed`, the others are counted in `counts`.
 template <class Index>
 Index* fill_finest(const FinestBrick& brick,
-                   const FinestIds<Index>& ids,
+                   const SlotIds<Index>& ids,
                    Index* tets,
-                   QualityMeter& meter,
+                   const Index* end,
+                   StuffedTets& stuffed,
                    BackgroundCounts& counts) noexcept;
 
 }  // namespace tet

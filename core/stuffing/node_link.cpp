@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace tet {
 namespace {
@@ -127,7 +128,94 @@ int components(DirectionSet plus, const InnerZeros& inner) noexcept {
   return count;
 }
 
+/// One bit for each set of directions.
+class DirectionSets {
+ public:
+  template <class Holds>
+  explicit constexpr DirectionSets(const Holds& holds) {
+    for (unsigned set = 0; set < kSets; ++set) {
+      if (holds(set)) word_[set / 64] |= std::uint64_t{1} << set % 64;
+    }
+  }
+  constexpr bool has(DirectionSet set) const noexcept {
+    return (word_[set / 64U] >> set % 64U & 1) != 0;
+  }
+
+ private:
+  static constexpr unsigned kSets = 1U << kDirections;
+  std::array<std::uint64_t, kSets / 64> word_{};
+};
+
+/// Sets whose ends are one connected part of the sphere around a node, or none.
+constexpr DirectionSets kConnected([](unsigned set) {
+  unsigned front = set & (~set + 1), reached = front;
+  while (front != 0) {
+    unsigned next = 0;
+    for (; front != 0; front &= front - 1) {
+      next |= kLinkNeighbours[static_cast<std::size_t>(std::countr_zero(front))];
+    }
+    front = next & set & ~reached;
+    reached |= front;
+  }
+  return reached == set;
+});
+
+/// Sets with three ends that are neighbours: with the node, a tet.
+constexpr DirectionSets kWithTriangle([](unsigned set) {
+  for (unsigned rest = set; rest != 0; rest &= rest - 1) {
+    const internal::Ring& ring = kRing[static_cast<std::size_t>(std::countr_zero(rest))];
+    for (std::size_t i = 0; i < ring.size; ++i) {
+      const unsigned pair =
+          1U << ring.direction[i] | 1U << ring.direction[i + 1 == ring.size ? 0 : i + 1];
+      if ((set & pair) == pair) return true;
+    }
+  }
+  return false;
+});
+
+DirectionSet minus_of(const NodeLink& link) noexcept {
+  return static_cast<DirectionSet>(kAllDirections & ~(unsigned{link.plus} | link.zero));
+}
+
+/// The ends of a node's edges that are in `nodes`, row by row: those with the same x and y are
+/// two bits of one.
+DirectionSet ends_in(const std::array<HaloSet, kNodeKinds>& nodes,
+                     NodeKind kind,
+                     int node) noexcept {
+  const int row = node >> 4, z = node & 15;
+  const auto bits = [](const HaloSet& set, int at, int shift) {
+    std::uint16_t word = 0;
+    std::memcpy(&word, reinterpret_cast<const char*>(set.word.data()) + 2 * at, sizeof(word));
+    return static_cast<unsigned>(word) >> shift;
+  };
+  const HaloSet& same = nodes[kind];
+  const unsigned around = bits(same, row, z - 1);
+  unsigned ends = (bits(same, row + 16, z) & 1) | (bits(same, row + 1, z) & 1) << 1 |
+                  (around & 4) | (bits(same, row - 16, z) & 1) << 7 |
+                  (bits(same, row - 1, z) & 1) << 8 | (around & 1) << 9;
+  // A centre's corners are at its own place and one further on, a corner's centres one before.
+  const HaloSet& other = nodes[end_kind(kind, kOwnedDirections - 1)];
+  const int low = kind == kCentre ? row : row - 17, low_z = kind == kCentre ? z : z - 1;
+  const auto pair = [&](int at) { return bits(other, at, low_z) & 3; };
+  const auto reversed = [](unsigned two) { return two >> 1 | (two & 1) << 1; };
+  ends |= pair(low + 16) << 3 | pair(low + 17) << 5 | reversed(pair(low + 1)) << 10 |
+          reversed(pair(low)) << 12;
+  return static_cast<DirectionSet>(ends);
+}
+
 }  // namespace
+
+NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
+                 const std::array<HaloSet, kNodeKinds>& zero,
+                 NodeKind kind,
+                 int node) noexcept {
+  return {ends_in(plus, kind, node), ends_in(zero, kind, node)};
+}
+
+bool is_plainly_manifold(const NodeLink& link) noexcept {
+  return kConnected.has(link.plus) && kConnected.has(minus_of(link)) &&
+         !kWithTriangle.has(link.zero);
+}
 
 SurfaceAtNode surface_at(const NodeLink& link) noexcept {
   SurfaceAtNode surface;

@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/brick_mask.h"
 #include "core/lattice/bcc.h"
 
 namespace tet {
 
 /// One bit for each direction of a node.
 using DirectionSet = std::uint16_t;
+inline constexpr DirectionSet kAllDirections = (1U << kDirections) - 1;
 
 /// Signs of the neighbours of a node that is zero.
 struct NodeLink {
@@ -28,6 +30,20 @@ struct SurfaceAtNode {
 };
 
 SurfaceAtNode surface_at(const NodeLink& link) noexcept;
+
+/// Signs around the node of `kind` at a halo index; `plus` and `zero` are valid beside it.
+NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
+                 const std::array<HaloSet, kNodeKinds>& zero,
+                 NodeKind kind,
+                 int node) noexcept;
+
+/// True only where the surface is a manifold at the node, if it is there at all: quick, and
+/// true for nearly every node of a resolved surface.
+///
+/// With the `+` neighbours connected, the `-` neighbours connected, and no tet of four zeros,
+/// more than one cycle of triangles would leave two parts of one sign on the sphere of
+/// neighbours, each with a node of it.
+bool is_plainly_manifold(const NodeLink& link) noexcept;
 
 namespace internal {
 

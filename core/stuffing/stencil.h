@@ -65,6 +65,7 @@ struct SortedNodes {
   std::array<std::uint8_t, 4> plus{}, zero{}, minus{};
   std::size_t plus_count = 0, zero_count = 0, minus_count = 0;
 
+  constexpr SortedNodes() = default;
   constexpr explicit SortedNodes(std::size_t number) {
     for (std::uint8_t node = 0; node < 4; ++node, number /= 3) {
       if (number % 3 == 2) plus[plus_count++] = node;
@@ -73,6 +74,15 @@ struct SortedNodes {
     }
   }
 };
+
+/// By `stencil_number`.
+inline constexpr auto kSortedNodes = [] {
+  std::array<SortedNodes, kStencilCases> nodes;
+  for (std::size_t number = 0; number < kStencilCases; ++number) {
+    nodes[number] = SortedNodes(number);
+  }
+  return nodes;
+}();
 
 /// A reference place for each stencil vertex, scaled to stay whole: nodes of a regular corner,
 /// cut points in the middle of edges. Enough to tell a tet's orientation.

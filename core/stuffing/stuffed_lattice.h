@@ -23,21 +23,36 @@ struct StuffedLattice {
 /// Where a node of an unmoved lattice lies.
 WorldPoint lattice_place(NodeKind kind, int index) noexcept;
 
-// In the header because they are called for every corner of every tet at the surface.
+/// The point at a fraction of the edge that node `low` owns in `direction`.
+WorldPoint place_on_edge(LatticeCoord low, int direction, float fraction) noexcept;
+/// Where a node lies that moved in `direction` (0..13) onto a cut point: `fraction` is that
+/// point's, from its edge's lower node.
+WorldPoint place_of_moved(LatticeCoord node, int direction, float fraction) noexcept;
+
+// In the header because they are called for every vertex at the surface.
 
 inline WorldPoint lattice_place(NodeKind kind, int index) noexcept {
   const LatticeCoord at = node_coord(kind, index);
   return {0.5 * at.x, 0.5 * at.y, 0.5 * at.z};
 }
 
+inline WorldPoint place_on_edge(LatticeCoord low, int direction, float fraction) noexcept {
+  const LatticeCoord along = kDirection[static_cast<std::size_t>(direction)];
+  const double t = 0.5 * static_cast<double>(fraction);
+  return {0.5 * low.x + t * along.x, 0.5 * low.y + t * along.y, 0.5 * low.z + t * along.z};
+}
+
+inline WorldPoint place_of_moved(LatticeCoord node, int direction, float fraction) noexcept {
+  // The edge's lower node owns the cut point: seen from either end it is the same place.
+  if (direction < kOwnedDirections) return place_on_edge(node, direction, fraction);
+  const LatticeCoord low = node + kDirection[static_cast<std::size_t>(direction)];
+  return place_on_edge(low, opposite(direction), fraction);
+}
+
 inline WorldPoint StuffedLattice::place_of_cut(int family, int index) const noexcept {
-  const LatticeCoord along = kDirection[static_cast<std::size_t>(family_direction(family))];
-  const double t =
-      0.5 *
-      static_cast<double>(
-          cuts.fraction[static_cast<std::size_t>(family)][static_cast<std::size_t>(index)]);
-  const WorldPoint from = lattice_place(family_kind(family), index);
-  return {from.x + t * along.x, from.y + t * along.y, from.z + t * along.z};
+  return place_on_edge(
+      node_coord(family_kind(family), index), family_direction(family),
+      cuts.fraction[static_cast<std::size_t>(family)][static_cast<std::size_t>(index)]);
 }
 
 inline WorldPoint StuffedLattice::place_of_node(NodeKind kind, int index) const noexcept {

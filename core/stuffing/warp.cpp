@@ -1,51 +1,160 @@
 #include "core/stuffing/warp.h"
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <emmintrin.h>
+#include <limits>
 #include <numbers>
+
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
 
 constexpr HaloSet kNodes = halo_cube(kNodeMin, kNodeMax);
+/// Words of a set that hold those nodes.
+constexpr std::size_t kFirstWord = halo_index(kNodeMin, -2, -2) / 64;
+constexpr std::size_t kEndWord = halo_index(kNodeMax + 1, -2, -2) / 64;
 
 /// Lengths of long and short edges in units of the spacing.
 constexpr float kLongLength = 1;
 constexpr float kShortLength = static_cast<float>(std::numbers::sqrt3 / 2);
 
-/// Notes a violating cut point of a node, if it is the nearest yet.
-void violate(
-    WarpedLattice& lattice, NodeKind kind, int node, int direction, float distance) noexcept {
-  const auto i = static_cast<std::size_t>(node);
-  float& nearest = lattice.distance[kind][i];
-  std::uint8_t& chosen = lattice.direction[kind][i];
-  if (lattice.warped[kind].test(node) &&
-      (distance > nearest || (distance == nearest && direction > chosen))) {
-    return;
+/// A violating cut point as a number that sorts like (distance, direction): the bits of a float
+/// that is not negative sort like the float.
+using Violation = std::uint64_t;
+constexpr std::uint32_t kNoDirection = 0xff;
+constexpr float kNever = std::numeric_limits<float>::infinity();
+constexpr Violation violation(float distance, std::uint32_t direction) noexcept {
+  return Violation{std::bit_cast<std::uint32_t>(distance)} << 8 | direction;
+}
+constexpr Violation kNoViolation = violation(kNever, kNoDirection);
+
+template <class Value>
+using ByNode = std::array<std::array<Value, kHaloNodes>, kNodeKinds>;
+/// Where a node is in such columns, one kind after the other.
+constexpr int node_slot(NodeKind kind, int index) noexcept { return kind * kHaloNodes + index; }
+
+/// Which of its ends each edge of a batch violates, if any.
+struct Violations {
+  template <class Value>
+  using Lanes = std::array<Value, kEdgeLanes>;
+  alignas(64) Lanes<std::int32_t> node;
+  alignas(64) Lanes<float> distance;
+  alignas(64) Lanes<std::uint32_t> direction;
+};
+
+/// An edge family's ends, and what violates them.
+struct FamilyLimits {
+  int direction;
+  std::int32_t to_low, to_high;  ///< from a lower node's halo index to the ends' slots
+  float alpha, length;
+
+  FamilyLimits(int family, const WarpLimits& limits) noexcept
+      : direction(family_direction(family)),
+        to_low(node_slot(family_kind(family), 0)),
+        to_high(node_slot(end_kind(family_kind(family), direction),
+                          end_offset(family_kind(family), direction))),
+        alpha(is_long(direction) ? limits.alpha_long : limits.alpha_short),
+        length(is_long(direction) ? kLongLength : kShortLength) {}
+};
+
+inline void find_violations(const FamilyLimits& family,
+                            const std::uint16_t* low,
+                            const float* fraction,
+                            Violations& out) noexcept {
+  const auto to_upper = static_cast<std::uint32_t>(family.direction);
+  const auto to_lower = static_cast<std::uint32_t>(opposite(family.direction));
+  for (std::size_t i = 0; i < kEdgeLanes; ++i) {
+    const float t = fraction[i], rest = 1 - t;
+    const bool from_low = t < rest;  // only the nearer end: no limit is above a half
+    const float share = from_low ? t : rest;
+    const std::uint32_t direction = from_low ? to_upper : to_lower;
+    out.node[i] = low[i] + (from_low ? family.to_low : family.to_high);
+    out.distance[i] = share < family.alpha ? share * family.length : kNever;
+    out.direction[i] = share < family.alpha ? direction : kNoDirection;
   }
-  lattice.warped[kind].set(node);
-  nearest = distance;
-  chosen = static_cast<std::uint8_t>(direction);
 }
 
-void find_violations(const CutPoints& cuts,
-                     int family,
-                     const WarpLimits& limits,
-                     WarpedLattice& lattice) noexcept {
-  const NodeKind kind = family_kind(family);
-  const int direction = family_direction(family);
-  const int offset = end_offset(kind, direction);
-  const float alpha = is_long(direction) ? limits.alpha_long : limits.alpha_short;
-  const float length = is_long(direction) ? kLongLength : kShortLength;
-  const auto& fraction = cuts.fraction[static_cast<std::size_t>(family)];
-  for_each_bit(cuts.cut[static_cast<std::size_t>(family)], [&](int low) {
-    const float t = fraction[static_cast<std::size_t>(low)];
-    if (t < alpha) {
-      violate(lattice, kind, low, direction, t * length);
-    } else if (1 - t < alpha) {
-      violate(lattice, end_kind(kind, direction), low + offset, opposite(direction),
-              (1 - t) * length);
+/// Forgets the violations of the nodes and of their neighbours, which share edges with them.
+TET_VECTOR_CLONES
+void clear_violations(ByNode<Violation>& nearest) noexcept {
+  constexpr int kRows = kNodeMax - kNodeMin + 3;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    for (int x = kNodeMin - 1; x <= kNodeMax + 1; ++x) {
+      std::fill_n(nearest[kind].begin() + halo_index(x, kNodeMin - 1, -2), kRows * 16,
+                  kNoViolation);
     }
-  });
+  }
+}
+
+/// Finds each node's nearest violating cut point.
+TET_VECTOR_CLONES
+void find_nearest(const CutEdges& edges,
+                  const WarpLimits& limits,
+                  ByNode<Violation>& nearest_of,
+                  ByNode<std::uint8_t>& directions) noexcept {
+  Violation* const nearest = nearest_of.front().data();
+  std::uint8_t* const direction = directions.front().data();
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
+    const FamilyLimits family(static_cast<int>(f), limits);
+    const auto [begin, count] = edges.run[f];
+    for (std::size_t first = 0; first < count; first += kEdgeLanes) {
+      Violations violations;
+      find_violations(family, &edges.low[begin + first], &edges.fraction[begin + first],
+                      violations);
+      const std::size_t lanes = std::min(kEdgeLanes, count - first);
+      for (std::size_t i = 0; i < lanes; ++i) {
+        const auto node = static_cast<std::size_t>(violations.node[i]);
+        const Violation found = violation(violations.distance[i], violations.direction[i]);
+        nearest[node] = std::min(nearest[node], found);
+        direction[node] = static_cast<std::uint8_t>(nearest[node]);
+      }
+    }
+  }
+}
+
+/// The nodes of one kind that have a direction.
+void find_warped(const std::uint8_t* direction, HaloSet& warped) noexcept {
+  for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+    std::uint64_t none = 0;
+    for (std::size_t row = 0; row < 4; ++row) {
+      const __m128i bytes =
+          _mm_load_si128(reinterpret_cast<const __m128i*>(direction + (w * 4 + row) * 16));
+      const auto bits = static_cast<unsigned>(_mm_movemask_epi8(bytes));
+      none |= std::uint64_t{bits} << (row * 16);
+    }
+    warped.word[w] = kNodes.word[w] & ~none;
+  }
+}
+
+/// Signs after the warp, and the cut points that it leaves: those whose ends both keep their
+/// sign.
+TET_VECTOR_CLONES
+void settle_signs(const CutPoints& cuts, WarpedLattice& lattice) noexcept {
+  std::array<HaloSet, kNodeKinds> unmoved;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    const auto& inside = cuts.signs.inside[kind].word;
+    const auto& outside = cuts.signs.outside[kind].word;
+    for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+      const std::uint64_t still =
+          (inside[w] | outside[w]) & kNodes.word[w] & ~lattice.warped[kind].word[w];
+      unmoved[kind].word[w] = still;
+      lattice.zero[kind].word[w] = kNodes.word[w] & ~still;
+      lattice.plus[kind].word[w] = inside[w] & still;
+    }
+  }
+  for (int family = 0; family < kEdgeFamilies; ++family) {
+    const auto f = static_cast<std::size_t>(family);
+    const HaloSet& low = unmoved[family_kind(family)];
+    const HaloSet& end = unmoved[end_kind(family_kind(family), family_direction(family))];
+    const int offset = end_offset(family_kind(family), family_direction(family));
+    for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+      lattice.cut[f].word[w] =
+          cuts.cut[f].word[w] & low.word[w] & word_seen_from(end, w, offset);
+    }
+  }
 }
 
 }  // namespace
@@ -53,28 +162,14 @@ void find_violations(const CutPoints& cuts,
 void warp_lattice(const CutPoints& cuts,
                   const WarpLimits& limits,
                   WarpedLattice& lattice) noexcept {
-  for (HaloSet& warped : lattice.warped) warped = {};
-  for (int family = 0; family < kEdgeFamilies; ++family) {
-    find_violations(cuts, family, limits, lattice);
-  }
-  std::array<HaloSet, kNodeKinds>
-      unmoved;  // nodes that keep their sign, and so their cut points
+  alignas(64) ByNode<Violation> nearest;
+  clear_violations(nearest);
+  for (auto& direction : lattice.direction) direction.fill(kNoDirection);
+  find_nearest(cuts.edges, limits, nearest, lattice.direction);
   for (const NodeKind kind : {kCorner, kCentre}) {
-    lattice.warped[kind] &= kNodes;
-    unmoved[kind] =
-        ((cuts.signs.inside[kind] | cuts.signs.outside[kind]) & kNodes) - lattice.warped[kind];
-    lattice.zero[kind] = kNodes - unmoved[kind];
-    lattice.plus[kind] = cuts.signs.inside[kind] & unmoved[kind];
+    find_warped(lattice.direction[kind].data(), lattice.warped[kind]);
   }
-  for (int family = 0; family < kEdgeFamilies; ++family) {
-    const auto f = static_cast<std::size_t>(family);
-    const NodeKind kind = family_kind(family);
-    const NodeKind end = end_kind(kind, family_direction(family));
-    const int offset = end_offset(kind, family_direction(family));
-    lattice.cut[f] = seen_from(unmoved[end], offset);
-    lattice.cut[f] &= unmoved[kind];
-    lattice.cut[f] &= cuts.cut[f];
-  }
+  settle_signs(cuts, lattice);
 }
 
 bool has_both_sides(const WarpedLattice& lattice) noexcept {

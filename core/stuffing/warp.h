@@ -25,9 +25,7 @@ struct WarpedLattice {
   std::array<HaloSet, kNodeKinds> zero;
   std::array<HaloSet, kNodeKinds> warped;  ///< zero nodes that moved
   /// Where `warped`: the edge direction, 0..13, whose cut point the node moved onto.
-  std::array<std::array<std::uint8_t, kHaloNodes>, kNodeKinds> direction;
-  /// Where `warped`: how far, in units of the spacing.
-  std::array<std::array<float, kHaloNodes>, kNodeKinds> distance;
+  alignas(64) std::array<std::array<std::uint8_t, kHaloNodes>, kNodeKinds> direction;
   /// Cut points that remain: both ends known and neither of them zero.
   std::array<HaloSet, kEdgeFamilies> cut;
 };

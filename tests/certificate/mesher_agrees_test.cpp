@@ -136,6 +136,30 @@ bool is_case(const std::vector<Problem>& problems,
   });
 }
 
+/// Where the mesher puts a corner of a stencil.
+WorldPoint place_of(StencilVertex vertex,
+                    const StuffedLattice& lattice,
+                    const TetShape& shape,
+                    int cell) {
+  if (vertex < 4) {
+    return lattice.place_of_node(shape.kind[vertex], cell + shape.offset[vertex]);
+  }
+  const auto place_of_cut = [&](std::size_t edge) {
+    return lattice.place_of_cut(shape.edge_family[edge],
+                                cell + shape.offset[kTetEdge[edge][0]]);
+  };
+  if (vertex != kQuadCentre) return place_of_cut(static_cast<std::size_t>(vertex - 4));
+  WorldPoint sum;
+  for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+    if (!lattice.warped.cut[shape.edge_family[e]].test(cell + shape.offset[kTetEdge[e][0]])) {
+      continue;
+    }
+    const WorldPoint cut = place_of_cut(e);
+    sum = {sum.x + cut.x, sum.y + cut.y, sum.z + cut.z};
+  }
+  return {0.25 * sum.x, 0.25 * sum.y, 0.25 * sum.z};
+}
+
 /// Tets of one region of a brick, and how many of them no case has.
 struct Comparison {
   std::size_t tets = 0, unknown = 0;
@@ -152,13 +176,14 @@ void compare(const StuffedLattice& lattice,
       for_each_bit(signs.cut | signs.whole, [&](int cell) {
         const RealTet real(lattice, shape, cell);
         const auto problems = problems_of(real.signs(), rules);
-        const CutTet cut_tet(shape, signs, cell, lattice, rules);
+        const EdgeFractions fraction = edge_fractions(lattice, shape, cell);
+        const CutTet cut_tet(shape, stencil_number(signs, cell), fraction, signs.region, rules);
         const std::array<std::array<StencilVertex, 4>, 1> whole{{{0, 1, 2, 3}}};
         for (auto vertices : signs.cut.test(cell) ? cut_tet.tets() : std::span(whole)) {
           if (shape.negative) std::swap(vertices[2], vertices[3]);
           MesherTet written;
           for (std::size_t i = 0; i < 4; ++i) {
-            written[i] = real.moved(cut_tet.place(vertices[i]));
+            written[i] = real.moved(place_of(vertices[i], lattice, shape, cell));
           }
           ++out.tets;
           out.unknown += is_case(problems, real, written) ? 0 : 1;

@@ -147,6 +147,16 @@ class OnAServer(CommandTest):
                     "mesh", self.inputs / "random-signs.vdb", "-o", path, *options, *server))
             self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
 
+    def test_makes_the_same_bytes_of_compact_chunks(self):
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        for path, options in ((here, ()), (there, ("--server", self.address, "--compact"))):
+            self.assert_done(self.tetstream(
+                "mesh", self.inputs / "torus.vdb", "-o", path, *options))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+        self.assert_fails(self.mesh("torus.vdb", ".vtu", "--compact"), REFUSED, "--server")
+        self.assert_fails(self.mesh("torus.vdb", ".vtu", "--compact", "--improve",
+                                    "--server", self.address), REFUSED, "--improve")
+
     def test_reports_the_same_mesh(self):
         box = "-2 -2 -2 2 2 2".split()
         for name, *options in (["torus.vdb"], ["random-signs.vdb", "--manifold"],

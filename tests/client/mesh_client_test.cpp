@@ -146,6 +146,31 @@ TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
   EXPECT_GE(streamed->quality.min_dihedral_deg, 11.3);
 }
 
+TEST_F(MeshClientTest, MakesTheSameMeshFromCompactChunks) {
+  for (const v1::MeshRequest& request :
+       {uniform_ball(16), both_sides_of_ball(16, 2), mesh_of(solid_file("gyroid", 0.08))}) {
+    const auto plain = client_->stream_mesh(request, {}, never_);
+    const auto compact = client_->stream_mesh(request, {}, never_, v1::ENCODING_COMPACT);
+    ASSERT_TRUE(plain.ok() && compact.ok()) << plain.status() << compact.status();
+    EXPECT_TRUE(same_mesh(compact->mesh, plain->mesh));
+    EXPECT_EQ(compact->mesh_id, plain->mesh_id);
+    EXPECT_EQ(compact->quality.volume, plain->quality.volume);
+    EXPECT_EQ(compact->quality.histogram, plain->quality.histogram);
+    EXPECT_TRUE(compact->boundary == plain->boundary);
+  }
+}
+
+TEST_F(MeshClientTest, MendsACompactStreamThatBreaksAgainAndAgain) {
+  const v1::MeshRequest ball = uniform_ball(40);
+  CuttingProxy proxy(server_->port(), kNoLimit, 200'000);
+  const auto client =
+      MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+  const auto streamed = client->stream_mesh(ball, {}, never_, v1::ENCODING_COMPACT);
+  ASSERT_TRUE(streamed.ok()) << streamed.status();
+  EXPECT_GT(proxy.cuts(), 0);
+  EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(40).mesh));
+}
+
 TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {
   const std::string big = folder_.write("big", std::string(12'000'000, 'x'));
   CuttingProxy proxy(server_->port(), 7'000'000, kNoLimit);

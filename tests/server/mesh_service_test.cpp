@@ -207,6 +207,10 @@ TEST_F(MeshServiceTest, RefusesWhatItCannotMesh) {
   EXPECT_EQ(refusal(stream_of(boxed)), grpc::StatusCode::INVALID_ARGUMENT);
   boxed = both_sides_of_ball(8, -1);
   EXPECT_EQ(refusal(stream_of(boxed)), grpc::StatusCode::INVALID_ARGUMENT);
+  v1::StreamMeshRequest improved = stream_of(ball);
+  improved.mutable_mesh()->set_improve(true);
+  improved.set_encoding(v1::ENCODING_COMPACT);
+  EXPECT_EQ(refusal(improved), grpc::StatusCode::INVALID_ARGUMENT);
   ball.set_grid_name("nothing");
   EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
   ball.set_name("grids/" + std::string(64, '0'));

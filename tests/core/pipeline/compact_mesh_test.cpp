@@ -45,7 +45,7 @@ Encoded encode(const Volume& volume, const MeshRequest& request, const MeshLimit
   return encoded;
 }
 
-absl::StatusOr<TetMesh> decode(const Encoded& encoded) {
+absl::StatusOr<FilledMesh> decode(const Encoded& encoded) {
   CompactBricks bricks(encoded.frame.rules.both_sides);
   for (const Bytes& chunk : encoded.chunks) {
     if (absl::Status status = bricks.add(chunk); !status.ok()) return status;
@@ -90,9 +90,13 @@ std::vector<Case> cases() {
 TEST(CompactMesh, IsByteForByteThePlainMesh) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
-    const absl::StatusOr<TetMesh> decoded = decode(encode(c.volume, c.request));
+    const absl::StatusOr<FilledMesh> decoded = decode(encode(c.volume, c.request));
     ASSERT_TRUE(decoded.ok()) << decoded.status();
-    EXPECT_TRUE(same_bytes(*decoded, test::mesh(c.volume, c.request).mesh));
+    const MeshResult plain = test::mesh(c.volume, c.request);
+    EXPECT_TRUE(same_bytes(decoded->mesh, plain.mesh));
+    EXPECT_EQ(decoded->quality.min_dihedral_deg, plain.quality.min_dihedral_deg);
+    EXPECT_EQ(decoded->quality.volume, plain.quality.volume);
+    EXPECT_TRUE(decoded->quality.histogram == plain.quality.histogram);
   }
 }
 

@@ -1,0 +1,28 @@
+#include "core/base/brick_neighbours.h"
+
+#include <algorithm>
+
+namespace tet {
+
+const PlacesAround& BrickNeighbours::around(BrickCoord brick) noexcept {
+  for (std::size_t row = 0; row < row_.size(); ++row) {
+    const auto r = static_cast<std::int32_t>(row);
+    BrickCoord at{brick.x + r / 3 - 1, brick.y + r % 3 - 1, brick.z - 1};
+    std::size_t& place = row_[row];
+    if (started_) {
+      while (place < bricks_.size() && bricks_[place] < at) ++place;
+    } else {
+      place = static_cast<std::size_t>(std::lower_bound(bricks_.begin(), bricks_.end(), at) -
+                                       bricks_.begin());
+    }
+    std::size_t next = place;
+    for (std::size_t z = 0; z < 3; ++z, ++at.z) {
+      const bool found = next < bricks_.size() && bricks_[next] == at;
+      places_[row * 3 + z] = found ? static_cast<std::uint32_t>(next++) : kNoBrick;
+    }
+  }
+  started_ = true;
+  return places_;
+}
+
+}  // namespace tet

@@ -1,0 +1,98 @@
+#include "core/mesh/load_batch.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <span>
+
+namespace tet {
+namespace {
+
+/// A `Number` that need not be aligned.
+template <class Number>
+Number read(const std::byte* from) noexcept {
+  Number number;
+  std::memcpy(&number, from, sizeof(number));
+  return number;
+}
+
+class FloatPositions {
+ public:
+  explicit FloatPositions(std::span<const std::byte> bytes) noexcept
+      : first_(bytes.data()), last_(bytes.data() + bytes.size() - kStride) {}
+
+  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept { return row(b) - row(a); }
+
+ private:
+  static constexpr std::size_t kStride = 3 * sizeof(float);
+
+  FloatRow row(std::uint64_t vertex) const noexcept {
+    const std::byte* at = first_ + vertex * kStride;
+    if (at != last_) return read<FloatRow>(at);  // with the next vertex's x, which nobody minds
+    return FloatRow{read<float>(at), read<float>(at + 4), read<float>(at + 8), 0};
+  }
+
+  const std::byte *first_, *last_;
+};
+
+class DoublePositions {
+ public:
+  explicit DoublePositions(std::span<const std::byte> bytes) noexcept : first_(bytes.data()) {}
+
+  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
+    const auto step = [&](std::uint64_t k) {
+      return static_cast<float>(coordinate(b, k) - coordinate(a, k));
+    };
+    return FloatRow{step(0), step(1), step(2), 0};
+  }
+
+ private:
+  double coordinate(std::uint64_t vertex, std::uint64_t k) const noexcept {
+    return read<double>(first_ + (3 * vertex + k) * sizeof(double));
+  }
+
+  const std::byte* first_;
+};
+
+template <class Index, class Positions>
+void load(const std::byte* tets,
+          const Positions& positions,
+          std::uint64_t first,
+          std::uint64_t last,
+          TetBatch& batch) noexcept {
+  using Corners = std::array<Index, 4>;
+  batch.load([&](std::size_t lane) {
+    const std::uint64_t tet = std::min(first + lane, last);
+    const auto [a, b, c, d] = read<Corners>(tets + tet * sizeof(Corners));
+    return std::array{positions.edge(a, b), positions.edge(a, c), positions.edge(a, d)};
+  });
+}
+
+template <class Positions>
+void load(const MeshView& view,
+          std::uint64_t first,
+          std::uint64_t last,
+          TetBatch& batch) noexcept {
+  const Positions positions(view.positions);
+  if (view.index_type == IndexType::kUint32) {
+    load<std::uint32_t>(view.tets.data(), positions, first, last, batch);
+  } else {
+    load<std::uint64_t>(view.tets.data(), positions, first, last, batch);
+  }
+}
+
+}  // namespace
+
+void load_batch(const MeshView& view,
+                std::uint64_t first,
+                std::size_t count,
+                TetBatch& batch) noexcept {
+  const std::uint64_t last = first + count - 1;
+  if (view.coordinate_type == CoordinateType::kFloat32) {
+    load<FloatPositions>(view, first, last, batch);
+  } else {
+    load<DoublePositions>(view, first, last, batch);
+  }
+}
+
+}  // namespace tet

@@ -1,0 +1,220 @@
+#include "core/stuffing/local_vertices.h"
+
+#include <bit>
+
+#include "core/lattice/node_numbers.h"
+#include "core/lattice/reach.h"
+#include "core/stuffing/brick_geometry.h"
+
+namespace tet {
+namespace {
+
+/// How many bits of a byte come before each of its bits.
+constexpr auto kRanks = [] {
+  std::array<std::array<std::uint8_t, 8>, 256> ranks{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      ranks[byte][bit] = static_cast<std::uint8_t>(std::popcount(byte & ((1U << bit) - 1)));
+    }
+  }
+  return ranks;
+}();
+
+/// Gives the set bits of the neighbour at `o` ids from `next` on and enters those within reach
+/// into `ids`, by node_slot; returns the next id. Whole rows are written, whatever bits they
+/// have: what has no bit is no vertex.
+template <class Index>
+Index number_nodes(const BrickMask& mask, std::size_t o, Index next, Index* ids) noexcept {
+  const auto [bx, by, bz] = UpperOffset(o);
+  const int slices = bx == 1 ? 1 : 8, rows = by == 1 ? 1 : 8;
+  for (int x = 0; x < slices; ++x) {
+    std::uint64_t slice = mask.slice[static_cast<std::size_t>(x)];
+    for (int y = 0; y < rows; ++y, slice >>= 8) {
+      const std::uint64_t row = slice & 0xff;
+      Index* const out = ids + node_slot(x + 8 * bx, y + 8 * by, 8 * bz);
+      if (bz == 1) {
+        *out = next;
+      } else {
+        const std::array<std::uint8_t, 8> ranks = kRanks[row];
+        for (std::size_t z = 0; z < 8; ++z) out[z] = next + ranks[z];
+      }
+      next += static_cast<Index>(std::popcount(row));
+    }
+    if (by == 1) next += static_cast<Index>(std::popcount(slice));
+  }
+  for (std::size_t x = static_cast<std::size_t>(slices); x < 8; ++x) {
+    next += static_cast<Index>(std::popcount(mask.slice[x]));
+  }
+  return next;
+}
+
+LocalPoint local_point(const WorldPoint& at) noexcept {
+  return {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
+}
+
+LatticeCoord node_at(NodeKind kind, int x, int y, int z) noexcept {
+  return {2 * x + kind, 2 * y + kind, 2 * z + kind};
+}
+
+WorldPoint lattice_place(LatticeCoord node) noexcept {
+  return {0.5 * node.x, 0.5 * node.y, 0.5 * node.z};
+}
+
+constexpr Slot slot_of_node(NodeKind kind, int x, int y, int z) noexcept {
+  return static_cast<Slot>(kind * kSlotsOfKind + node_slot(x, y, z));
+}
+
+}  // namespace
+
+std::uint64_t OwnedVertices::count() const noexcept {
+  if (node[kCorner] == nullptr) return 0;
+  std::uint64_t vertices = node[kCorner]->count() + node[kCentre]->count();
+  if (stuffed != nullptr) {
+    for (const BrickMask& mask : stuffed->cut) vertices += mask.count();
+  }
+  if (fans != nullptr) {
+    for (const BrickMask& mask : *fans) vertices += mask.count();
+  }
+  return vertices;
+}
+
+LocalVertices::LocalVertices() noexcept {
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    for (int i = 0; i < kSlotsOfKind; ++i) {
+      const LatticeCoord node = node_at(kind, i / 81, i / 9 % 9, i % 9);
+      point_[static_cast<std::size_t>(kind * kSlotsOfKind + i)] =
+          local_point(lattice_place(node));
+    }
+  }
+  cut_slot_.fill(kFirstCutSlot);
+  fraction_.fill(0);
+}
+
+void LocalVertices::forget() noexcept {
+  for (std::size_t i = 0; i < moved_count_; ++i) {
+    const int slot = moved_[i], kind = slot / kSlotsOfKind, node = slot % kSlotsOfKind;
+    point_[moved_[i]] = local_point(
+        lattice_place(node_at(static_cast<NodeKind>(kind), node / 81, node / 9 % 9, node % 9)));
+  }
+  moved_count_ = 0;
+  own_.count = 0;
+  next_slot_ = kFirstCutSlot;
+}
+
+void LocalVertices::enter_zeros(const OwnedVertices& from,
+                                const PackedGeometry& packed,
+                                std::size_t o) noexcept {
+  std::size_t first = 0;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    first += for_each_in_reach(
+        from.stuffed->zero[kind], o, [&](int x, int y, int z, std::size_t rank) {
+          const LatticeCoord node = node_at(kind, x, y, z);
+          const int direction = packed.direction(first + rank);
+          const bool moved = direction != kUnmoved;
+          const WorldPoint place =
+              moved ? place_of_moved(node, direction, packed.fraction(first + rank))
+                    : lattice_place(node);
+          if (o == 0) own_.add(place);
+          if (!moved) return;
+          const Slot slot = slot_of_node(kind, x, y, z);
+          moved_[moved_count_++] = slot;
+          point_[slot] = local_point(place);
+        });
+  }
+}
+
+template <class Index>
+void LocalVertices::enter_cuts(const OwnedVertices& from,
+                               const PackedGeometry& packed,
+                               std::size_t o,
+                               Index next,
+                               SlotIds<Index>& ids) noexcept {
+  std::size_t first = packed.zeros();
+  for (int family = 0; family < kEdgeFamilies; ++family) {
+    const NodeKind kind = family_kind(family);
+    Slot* const slots = cut_slot_.data() + family * kSlotsOfKind;
+    const std::size_t cuts = for_each_in_reach(
+        from.stuffed->cut[static_cast<std::size_t>(family)], o,
+        [&](int x, int y, int z, std::size_t rank) {
+          const float fraction = packed.fraction(first + rank);
+          const WorldPoint place =
+              place_on_edge(node_at(kind, x, y, z), family_direction(family), fraction);
+          if (o == 0) own_.add(place);
+          slots[node_slot(x, y, z)] = next_slot_;
+          fraction_[static_cast<std::size_t>(next_slot_ - kFirstCutSlot)] = fraction;
+          ids[next_slot_] = next + static_cast<Index>(rank);
+          point_[next_slot_++] = local_point(place);
+        });
+    first += cuts;
+    next += static_cast<Index>(cuts);
+  }
+}
+
+/// The mean of the cut points of a tet that has a quad.
+WorldPoint LocalVertices::middle_of_quad(
+    const VerticesAround& around, const TetShape& shape, int x, int y, int z) const noexcept {
+  WorldPoint sum;
+  for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+    const Cell low(halo_index(x, y, z) + shape.offset[kTetEdge[e][0]]);
+    const int family = shape.edge_family[e];
+    const auto brick =
+        static_cast<std::size_t>((low.x >> 3) * 4 + (low.y >> 3) * 2 + (low.z >> 3));
+    const StuffedBrick* const stuffed = around[brick].stuffed;
+    if (stuffed == nullptr ||
+        !stuffed->cut[static_cast<std::size_t>(family)].test(low.x & 7, low.y & 7, low.z & 7)) {
+      continue;
+    }
+    const Slot slot = cut_slot(edge_slot(family, node_slot(low.x, low.y, low.z)));
+    const WorldPoint cut = place_on_edge(node_at(family_kind(family), low.x, low.y, low.z),
+                                         family_direction(family), fraction(slot));
+    sum = {sum.x + cut.x, sum.y + cut.y, sum.z + cut.z};
+  }
+  return {0.25 * sum.x, 0.25 * sum.y, 0.25 * sum.z};
+}
+
+template <class Index>
+void LocalVertices::enter_fans(const VerticesAround& around, SlotIds<Index>& ids) noexcept {
+  const OwnedVertices& own = around[0];
+  if (own.fans == nullptr) return;
+  const Slot end_of_cuts = next_slot_;
+  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
+    first_fan_[shape] = next_slot_;
+    fan_[shape] = &(*own.fans)[shape];
+    for_each_bit((*own.fans)[shape], [&](int x, int y, int z) {
+      const WorldPoint place = middle_of_quad(around, kTetShape[shape], x, y, z);
+      own_.add(place);
+      point_[next_slot_++] = local_point(place);
+    });
+  }
+  const std::uint64_t first = own.first + own.count() - (next_slot_ - end_of_cuts);
+  for (Slot slot = end_of_cuts; slot < next_slot_; ++slot) {
+    ids[slot] = static_cast<Index>(first + (slot - end_of_cuts));
+  }
+}
+
+template <class Index>
+void LocalVertices::enter(const VerticesAround& around, SlotIds<Index>& ids) noexcept {
+  forget();
+  for (std::size_t o = 0; o < around.size(); ++o) {
+    const OwnedVertices& from = around[o];
+    if (from.node[kCorner] == nullptr) continue;
+    auto next = static_cast<Index>(from.first);
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      next = number_nodes(*from.node[kind], o, next, ids.data() + kind * kSlotsOfKind);
+    }
+    if (!from.at_surface) continue;
+    const PackedGeometry packed(from.geometry, *from.stuffed);
+    enter_zeros(from, packed, o);
+    enter_cuts(from, packed, o, next, ids);
+  }
+  enter_fans(around, ids);
+}
+
+Slot LocalVertices::fan_slot(std::size_t shape, int x, int bit) const noexcept {
+  return static_cast<Slot>(first_fan_[shape] + rank_of(*fan_[shape], x, bit >> 3, bit & 7));
+}
+
+template void LocalVertices::enter(const VerticesAround&, SlotIds<std::uint32_t>&) noexcept;
+template void LocalVertices::enter(const VerticesAround&, SlotIds<std::uint64_t>&) noexcept;
+
+}  // namespace tet
