@@ -182,7 +182,24 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
   v1::StreamMeshRequest message;
   *message.mutable_mesh() = request;
   message.set_encoding(encoding);
-  MeshReceiver receiver;
+  return receive_mesh(std::move(message), MeshReceiver(), progress, cancellation);
+}
+
+absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,
+                                                     const StreamedMesh& earlier,
+                                                     const ClientProgress& progress,
+                                                     const Cancellation& cancellation) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_base_mesh_id(earlier.mesh_id);
+  message.set_base_name(earlier.canonical_request.name());
+  return receive_mesh(std::move(message), MeshReceiver(&earlier.mesh), progress, cancellation);
+}
+
+absl::StatusOr<StreamedMesh> MeshClient::receive_mesh(v1::StreamMeshRequest message,
+                                                      MeshReceiver receiver,
+                                                      const ClientProgress& progress,
+                                                      const Cancellation& cancellation) {
   for (Retries retries(connection_->retry, cancellation);;) {
     const auto status =
         receive(connection_->channel, message, progress, cancellation, receiver);

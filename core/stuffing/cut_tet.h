@@ -38,8 +38,13 @@ class CutTet {
         region_(region),
         rules_(rules) {}
 
+  /// Some column's length matters: with one `+` node the stencil has no choice.
+  static bool has_columns(std::size_t number) noexcept {
+    return internal::kSortedNodes[number].plus_count > 1;
+  }
+
   /// The tets of its region that stand for it.
-  std::span<const std::array<StencilVertex, 4>> tets() const noexcept;
+  StencilTets tets() const noexcept;
 
   /// Two nodes on either side: the surface crosses it in a quad.
   bool has_quad() const noexcept { return nodes_.plus_count == 2 && nodes_.minus_count == 2; }
@@ -110,18 +115,14 @@ inline std::size_t CutTet::column_choice() const noexcept {
   return choice;
 }
 
-inline std::span<const std::array<StencilVertex, 4>> CutTet::tets() const noexcept {
+inline StencilTets CutTet::tets() const noexcept {
   std::size_t choice = column_choice();
   if (has_quad()) {
     const QuadSplit split = quad_split();
-    if (split == QuadSplit::kFan) {
-      const Fan& fan = kFans[number_][choice];
-      return std::span(fan.tet).first(fan.tet_count);
-    }
+    if (split == QuadSplit::kFan) return kFans[number_][choice].tets();
     choice |= split == QuadSplit::kSecondDiagonal ? 4 : 0;
   }
-  const Stencil& stencil = kStencils[number_][choice];
-  return std::span(stencil.tet).first(stencil.tet_count);
+  return kStencils[number_][choice].tets();
 }
 
 }  // namespace tet

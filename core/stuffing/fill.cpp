@@ -9,29 +9,28 @@
 namespace tet {
 namespace {
 
-/// Where a shape's nodes and edges are found in a brick's tables, from the slot of the cell
-/// that the tet belongs to.
-struct SlotShape {
-  std::array<Slot, 4> node{};
-  std::array<Slot, 4> whole{};  ///< the nodes in the order of a positive tet
-  std::array<int, kTetEdge.size()> edge{};
+/// Where the corners of a shape's stencils are found among a brick's vertices: keys, from the
+/// slot of the cell that the tet belongs to.
+struct ShapeKeys {
+  std::array<int, kStencilVertices> corner{};  ///< but for the middle of a quad
+  LocalTet whole{};                            ///< the nodes in the order of a positive tet
 };
 
-constexpr auto kSlotShapes = [] {
-  std::array<SlotShape, kTetShapes> shapes;
+constexpr auto kShapeKeys = [] {
+  std::array<ShapeKeys, kTetShapes> shapes;
   for (std::size_t number = 0; number < kTetShapes; ++number) {
     const TetShape& shape = kTetShape[number];
-    SlotShape& out = shapes[number];
-    std::array<int, 4> slot_of_kind{};
+    ShapeKeys& keys = shapes[number];
+    std::array<int, 4> node{};
     for (std::size_t i = 0; i < 4; ++i) {
       const auto o = static_cast<int>(node_around_cell(shape, i));
-      slot_of_kind[i] = node_slot(o >> 2, o >> 1 & 1, o & 1);
-      out.node[i] = static_cast<Slot>(shape.kind[i] * kSlotsOfKind + slot_of_kind[i]);
+      node[i] = node_slot(o >> 2, o >> 1 & 1, o & 1);
+      keys.corner[i] = shape.kind[i] * kSlotsOfKind + node[i];
+      keys.whole[i] = static_cast<Slot>(keys.corner[i]);
     }
-    out.whole = out.node;
-    if (shape.negative) std::swap(out.whole[2], out.whole[3]);
+    if (shape.negative) std::swap(keys.whole[2], keys.whole[3]);
     for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
-      out.edge[e] = edge_slot(shape.edge_family[e], slot_of_kind[kTetEdge[e][0]]);
+      keys.corner[cut_on_edge(e)] = edge_key(shape.edge_family[e], node[kTetEdge[e][0]]);
     }
   }
   return shapes;
@@ -57,7 +56,7 @@ void add_moved(const LocalTet& first, const BrickMask& moved, StuffedTets& out) 
 class CutShape {
  public:
   CutShape(const FinestBrick& brick, std::size_t number) noexcept
-      : brick_(brick), number_(number), shape_(kTetShape[number]), slots_(kSlotShapes[number]) {
+      : brick_(brick), number_(number), shape_(kTetShape[number]), keys_(kShapeKeys[number]) {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t o = node_around_cell(shape_, i);
       plus_[i] = &brick.nodes.plus[shape_.kind[i]][o];
@@ -68,21 +67,15 @@ class CutShape {
   /// Adds those of the tet in the cell at a bit of a slice.
   void add(int x, int bit, StuffedTets& out) const noexcept {
     const int cell = cell_slot(x, bit);
-    // All four nodes and all six edges, cut or not: what is not there is not asked for.
-    std::array<Slot, kStencilVertices> slot;
-    EdgeFractions fraction;
-    for (std::size_t i = 0; i < 4; ++i) slot[i] = static_cast<Slot>(slots_.node[i] + cell);
-    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
-      const Slot cut = brick_.vertices.cut_slot(slots_.edge[e] + cell);
-      slot[cut_on_edge(e)] = cut;
-      fraction[e] = brick_.vertices.fraction(cut);
-    }
-    const CutTet cut_tet(shape_, stencil_of(static_cast<std::size_t>(x), bit), fraction,
-                         brick_.nodes.region, brick_.rules);
-    if (cut_tet.has_fan()) slot[kQuadCentre] = brick_.vertices.fan_slot(number_, x, bit);
-    for (auto [a, b, c, d] : cut_tet.tets()) {
-      if (shape_.negative) std::swap(c, d);
-      out.add({slot[a], slot[b], slot[c], slot[d]});
+    const std::size_t stencil = stencil_of(static_cast<std::size_t>(x), bit);
+    if (CutTet::has_columns(stencil)) {
+      const EdgeFractions fraction = fractions(cell);
+      const CutTet cut_tet(shape_, stencil, fraction, brick_.nodes.region, brick_.rules);
+      const Slot middle =
+          cut_tet.has_fan() ? brick_.vertices.fan_slot(number_, x, bit) : Slot{0};
+      add_stencil(cut_tet.tets(), cell, middle, out);
+    } else {
+      add_stencil(kStencils[stencil][0].tets(), cell, 0, out);
     }
   }
 
@@ -96,10 +89,29 @@ class CutShape {
     return number;
   }
 
+  EdgeFractions fractions(int cell) const noexcept {
+    EdgeFractions fraction;
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      fraction[e] =
+          brick_.vertices.fraction(brick_.vertices.slot(keys_.corner[cut_on_edge(e)] + cell));
+    }
+    return fraction;
+  }
+
+  void add_stencil(StencilTets tets, int cell, Slot middle, StuffedTets& out) const noexcept {
+    const auto slot = [&](StencilVertex vertex) {
+      return vertex == kQuadCentre ? middle : brick_.vertices.slot(keys_.corner[vertex] + cell);
+    };
+    for (auto [a, b, c, d] : tets) {
+      if (shape_.negative) std::swap(c, d);
+      out.add({slot(a), slot(b), slot(c), slot(d)});
+    }
+  }
+
   const FinestBrick& brick_;
   std::size_t number_;
   const TetShape& shape_;
-  const SlotShape& slots_;
+  const ShapeKeys& keys_;
   std::array<const BrickMask*, 4> plus_, zero_;
 };
 
@@ -154,9 +166,9 @@ Index* fill_finest(const FinestBrick& brick,
                    BackgroundCounts& counts) noexcept {
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
     const ShapeTets found = tets_of_shape(brick.nodes, shape);
-    tets = write_rows(found.whole, kSlotShapes[shape].whole, ids.data(), tets, end);
+    tets = write_rows(found.whole, kShapeKeys[shape].whole, ids.data(), tets, end);
     counts.bcc += found.regular.count();
-    add_moved(kSlotShapes[shape].whole, found.whole & ~found.regular, stuffed);
+    add_moved(kShapeKeys[shape].whole, found.whole & ~found.regular, stuffed);
     const std::size_t first_cut = stuffed.count();
     add_cut(brick, shape, found.cut, stuffed);
     tets = write_local(stuffed.from(first_cut), ids, tets);

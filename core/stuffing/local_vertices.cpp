@@ -1,6 +1,9 @@
 #include "core/stuffing/local_vertices.h"
 
+#include <algorithm>
 #include <bit>
+#include <numeric>
+#include <span>
 
 #include "core/lattice/node_numbers.h"
 #include "core/lattice/reach.h"
@@ -48,21 +51,38 @@ Index number_nodes(const BrickMask& mask, std::size_t o, Index next, Index* ids)
   return next;
 }
 
-LocalPoint local_point(const WorldPoint& at) noexcept {
-  return {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
-}
+/// Lattice nodes by slot.
+constexpr auto kLatticePoints = [] {
+  std::array<LocalPoint, kFirstCutSlot> points{};
+  for (int slot = 0; slot < kFirstCutSlot; ++slot) {
+    const int node = slot % kSlotsOfKind;
+    const float half = slot < kSlotsOfKind ? 0 : 0.5F;
+    points[static_cast<std::size_t>(slot)] = {static_cast<float>(node / 81) + half,
+                                              static_cast<float>(node / 9 % 9) + half,
+                                              static_cast<float>(node % 9) + half};
+  }
+  return points;
+}();
 
-LatticeCoord node_at(NodeKind kind, int x, int y, int z) noexcept {
-  return {2 * x + kind, 2 * y + kind, 2 * z + kind};
-}
-
-WorldPoint lattice_place(LatticeCoord node) noexcept {
-  return {0.5 * node.x, 0.5 * node.y, 0.5 * node.z};
-}
-
-constexpr Slot slot_of_node(NodeKind kind, int x, int y, int z) noexcept {
-  return static_cast<Slot>(kind * kSlotsOfKind + node_slot(x, y, z));
-}
+/// From a node to the point at fraction t of the edge in a direction: start + t * along. As
+/// fractions run from the lower node, opposite directions start at their end.
+struct Slide {
+  LocalPoint start{}, along{};
+};
+constexpr auto kSlides = [] {
+  std::array<Slide, kDirections> slides{};
+  for (std::size_t d = 0; d < kDirections; ++d) {
+    const auto half = [](int v) { return 0.5F * static_cast<float>(v); };
+    const LatticeCoord to = kDirection[d];
+    const LocalPoint there{half(to.x), half(to.y), half(to.z)};
+    slides[d].along = there;
+    if (d < kOwnedDirections) continue;
+    slides[d] = {
+        there, {-there.x, -there.y, -there.z}
+    };
+  }
+  return slides;
+}();
 
 }  // namespace
 
@@ -78,27 +98,38 @@ std::uint64_t OwnedVertices::count() const noexcept {
   return vertices;
 }
 
+void OwnPlaces::add(const LocalPoint& from, const LocalPoint& step) noexcept {
+  x[count] = double{from.x} + double{step.x};
+  y[count] = double{from.y} + double{step.y};
+  z[count++] = double{from.z} + double{step.z};
+}
+
 LocalVertices::LocalVertices() noexcept {
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for (int i = 0; i < kSlotsOfKind; ++i) {
-      const LatticeCoord node = node_at(kind, i / 81, i / 9 % 9, i % 9);
-      point_[static_cast<std::size_t>(kind * kSlotsOfKind + i)] =
-          local_point(lattice_place(node));
-    }
-  }
-  cut_slot_.fill(kFirstCutSlot);
+  std::copy(kLatticePoints.begin(), kLatticePoints.end(), point_.begin());
+  std::iota(slot_.begin(), slot_.begin() + kFirstCutSlot, Slot{0});
+  std::fill(slot_.begin() + kFirstCutSlot, slot_.end(), Slot{kFirstCutSlot});
   fraction_.fill(0);
 }
 
 void LocalVertices::forget() noexcept {
-  for (std::size_t i = 0; i < moved_count_; ++i) {
-    const int slot = moved_[i], kind = slot / kSlotsOfKind, node = slot % kSlotsOfKind;
-    point_[moved_[i]] = local_point(
-        lattice_place(node_at(static_cast<NodeKind>(kind), node / 81, node / 9 % 9, node % 9)));
+  for (const Slot slot : std::span(moved_).first(moved_count_)) {
+    point_[slot] = kLatticePoints[slot];
   }
   moved_count_ = 0;
   own_.count = 0;
   next_slot_ = kFirstCutSlot;
+}
+
+/// Enters where a vertex lies: at a fraction of the edge from `node` in a direction.
+inline void LocalVertices::place(
+    Slot slot, int node, int direction, float fraction, bool own) noexcept {
+  const LocalPoint& at = kLatticePoints[static_cast<std::size_t>(node)];
+  const auto& [start, along] = kSlides[static_cast<std::size_t>(direction)];
+  // Lattice places and steps are exact in float, their sums in double.
+  const LocalPoint from{at.x + start.x, at.y + start.y, at.z + start.z};
+  const LocalPoint step{fraction * along.x, fraction * along.y, fraction * along.z};
+  point_[slot] = {from.x + step.x, from.y + step.y, from.z + step.z};
+  if (own) own_.add(from, step);
 }
 
 void LocalVertices::enter_zeros(const OwnedVertices& from,
@@ -106,20 +137,16 @@ void LocalVertices::enter_zeros(const OwnedVertices& from,
                                 std::size_t o) noexcept {
   std::size_t first = 0;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    first += for_each_in_reach(
-        from.stuffed->zero[kind], o, [&](int x, int y, int z, std::size_t rank) {
-          const LatticeCoord node = node_at(kind, x, y, z);
-          const int direction = packed.direction(first + rank);
-          const bool moved = direction != kUnmoved;
-          const WorldPoint place =
-              moved ? place_of_moved(node, direction, packed.fraction(first + rank))
-                    : lattice_place(node);
-          if (o == 0) own_.add(place);
-          if (!moved) return;
-          const Slot slot = slot_of_node(kind, x, y, z);
-          moved_[moved_count_++] = slot;
-          point_[slot] = local_point(place);
-        });
+    first += for_each_in_reach(from.stuffed->zero[kind], o,
+                               [&](int x, int y, int z, std::size_t rank) {
+                                 const int node = kind * kSlotsOfKind + node_slot(x, y, z);
+                                 const std::uint8_t direction = packed.direction(first + rank);
+                                 const bool moved = direction != kUnmoved;
+                                 const auto slot = static_cast<Slot>(node);
+                                 place(slot, node, moved ? direction : 0,
+                                       moved ? packed.fraction(first + rank) : 0, o == 0);
+                                 moved_[moved_count_++] = slot;
+                               });
   }
 }
 
@@ -131,19 +158,16 @@ void LocalVertices::enter_cuts(const OwnedVertices& from,
                                SlotIds<Index>& ids) noexcept {
   std::size_t first = packed.zeros();
   for (int family = 0; family < kEdgeFamilies; ++family) {
-    const NodeKind kind = family_kind(family);
-    Slot* const slots = cut_slot_.data() + family * kSlotsOfKind;
+    const int nodes = family_kind(family) * kSlotsOfKind;
     const std::size_t cuts = for_each_in_reach(
         from.stuffed->cut[static_cast<std::size_t>(family)], o,
         [&](int x, int y, int z, std::size_t rank) {
+          const int low = node_slot(x, y, z);
           const float fraction = packed.fraction(first + rank);
-          const WorldPoint place =
-              place_on_edge(node_at(kind, x, y, z), family_direction(family), fraction);
-          if (o == 0) own_.add(place);
-          slots[node_slot(x, y, z)] = next_slot_;
+          slot_[static_cast<std::size_t>(edge_key(family, low))] = next_slot_;
           fraction_[static_cast<std::size_t>(next_slot_ - kFirstCutSlot)] = fraction;
           ids[next_slot_] = next + static_cast<Index>(rank);
-          point_[next_slot_++] = local_point(place);
+          place(next_slot_++, nodes + low, family_direction(family), fraction, o == 0);
         });
     first += cuts;
     next += static_cast<Index>(cuts);
@@ -164,9 +188,10 @@ WorldPoint LocalVertices::middle_of_quad(
         !stuffed->cut[static_cast<std::size_t>(family)].test(low.x & 7, low.y & 7, low.z & 7)) {
       continue;
     }
-    const Slot slot = cut_slot(edge_slot(family, node_slot(low.x, low.y, low.z)));
-    const WorldPoint cut = place_on_edge(node_at(family_kind(family), low.x, low.y, low.z),
-                                         family_direction(family), fraction(slot));
+    const NodeKind kind = family_kind(family);
+    const WorldPoint cut = place_on_edge(
+        {2 * low.x + kind, 2 * low.y + kind, 2 * low.z + kind}, family_direction(family),
+        fraction(slot(edge_key(family, node_slot(low.x, low.y, low.z)))));
     sum = {sum.x + cut.x, sum.y + cut.y, sum.z + cut.z};
   }
   return {0.25 * sum.x, 0.25 * sum.y, 0.25 * sum.z};
@@ -183,7 +208,8 @@ void LocalVertices::enter_fans(const VerticesAround& around, SlotIds<Index>& ids
     for_each_bit((*own.fans)[shape], [&](int x, int y, int z) {
       const WorldPoint place = middle_of_quad(around, kTetShape[shape], x, y, z);
       own_.add(place);
-      point_[next_slot_++] = local_point(place);
+      point_[next_slot_++] = {static_cast<float>(place.x), static_cast<float>(place.y),
+                              static_cast<float>(place.z)};
     });
   }
   const std::uint64_t first = own.first + own.count() - (next_slot_ - end_of_cuts);

@@ -46,9 +46,12 @@ constexpr int node_slot(int x, int y, int z) noexcept { return (x * 9 + y) * 9 +
 /// The same of the lowest corner, or the centre, of the cell at a bit of a mask's slice.
 constexpr int cell_slot(int x, int bit) noexcept { return x * 81 + bit + (bit >> 3); }
 
-/// An edge's place in a table of all that a brick's tets may have, by its family and the
-/// node_slot of its lower node.
-constexpr int edge_slot(int family, int low) noexcept { return family * kSlotsOfKind + low; }
+/// What a corner of a stencil is: a node is its own slot, a cut point is looked up by its edge.
+/// Both are a constant away from those of the next cell.
+constexpr int edge_key(int family, int low) noexcept {
+  return kFirstCutSlot + family * kSlotsOfKind + low;
+}
+inline constexpr int kKeys = kFirstCutSlot + kMaxCutSlots;
 
 /// Global ids by slot; anything where there is no vertex.
 template <class Index>
@@ -68,6 +71,8 @@ struct OwnPlaces {
     y[count] = place.y;
     z[count++] = place.z;
   }
+  /// The same, of `from` + `step`.
+  void add(const LocalPoint& from, const LocalPoint& step) noexcept;
 };
 
 /// The vertices of a brick.
@@ -85,8 +90,8 @@ class LocalVertices {
 
   const OwnPlaces& own_places() const noexcept { return own_; }
 
-  /// The cut point on an edge, by its edge_slot; any slot where there is none.
-  Slot cut_slot(int edge) const noexcept { return cut_slot_[static_cast<std::size_t>(edge)]; }
+  /// The vertex at a node (its slot) or on an edge (its edge_key).
+  Slot slot(int key) const noexcept { return slot_[static_cast<std::size_t>(key)]; }
   /// How far along its edge a cut point lies.
   float fraction(Slot cut) const noexcept {
     return fraction_[static_cast<std::size_t>(cut - kFirstCutSlot)];
@@ -96,6 +101,7 @@ class LocalVertices {
 
  private:
   void forget() noexcept;
+  void place(Slot slot, int node, int direction, float fraction, bool own) noexcept;
   void enter_zeros(const OwnedVertices& from,
                    const PackedGeometry& packed,
                    std::size_t o) noexcept;
@@ -112,7 +118,7 @@ class LocalVertices {
 
   std::array<LocalPoint, kSlots> point_;
   std::array<float, kMaxCutSlots> fraction_;
-  std::array<Slot, kMaxCutSlots> cut_slot_;
+  std::array<Slot, kKeys> slot_;
   std::array<Slot, kFirstCutSlot> moved_;  // nodes, to be put back
   OwnPlaces own_;
   std::size_t moved_count_ = 0;

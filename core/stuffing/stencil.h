@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/lattice/bcc.h"
 
@@ -25,10 +26,13 @@ inline constexpr StencilVertex kQuadCentre = 10;
 inline constexpr std::size_t kStencilVertices = 11;
 
 /// Some tets, positive when the nodes 0..3 of the lattice tet are.
+using StencilTets = std::span<const std::array<StencilVertex, 4>>;
 template <std::size_t kMaxTets>
 struct TetList {
   std::uint8_t tet_count = 0;
   std::array<std::array<StencilVertex, 4>, kMaxTets> tet{};
+
+  constexpr StencilTets tets() const noexcept { return std::span(tet).first(tet_count); }
 };
 
 /// The tets that stand for the inside part of a lattice tet.

@@ -55,21 +55,22 @@ Index* write_rows(const BrickMask& cells,
                   const Index* ids,
                   Index* out,
                   const Index* limit) noexcept {
+  const Index *const a = ids + corner[0], *const b = ids + corner[1],
+                     *const c = ids + corner[2], *const d = ids + corner[3];
   for (int x = 0; x < 8; ++x) {
     std::uint64_t slice = cells.slice[static_cast<std::size_t>(x)];
     for (int y = 0; slice != 0; ++y, slice >>= 8) {
       // Most rows are one run of cells.
       for (std::uint64_t row = slice & 0xff; row != 0; row &= row + (row & -row)) {
-        const int first = std::countr_zero(row), count = std::countr_one(row >> first);
-        const Index* const at = ids + node_slot(x, y, first);
-        const Index *a = at + corner[0], *b = at + corner[1], *c = at + corner[2],
-                    *d = at + corner[3];
+        const int z = std::countr_zero(row), count = std::countr_one(row >> z);
+        const int i = node_slot(x, y, z);
         if (limit - out < 4 * kBrickEdge) {
-          for (int z = 0; z < count; ++z) out = write_tet(out, a[z], b[z], c[z], d[z]);
+          for (int k = i; k < i + count; ++k) out = write_tet(out, a[k], b[k], c[k], d[k]);
           continue;
         }
-        internal::write_transposed(a, b, c, d, out);
-        if (count > 4) internal::write_transposed(a + 4, b + 4, c + 4, d + 4, out + 16);
+        internal::write_transposed(a + i, b + i, c + i, d + i, out);
+        if (count > 4)
+          internal::write_transposed(a + i + 4, b + i + 4, c + i + 4, d + i + 4, out + 16);
         out += 4 * count;
       }
     }

@@ -109,7 +109,9 @@ TEST(ChunkMessage, PutsColumnsWhereTheyBelongHoweverTheyWereSliced) {
     ASSERT_TRUE(receiver.take(header()).ok());
     ASSERT_TRUE(receiver.take(message).ok()) << slice_bytes;
     ASSERT_TRUE(receiver.take(trailer()).ok());
-    const StreamedMesh received = std::move(receiver).finish();
+    const auto finished = std::move(receiver).finish(Cancellation());
+    ASSERT_TRUE(finished.ok()) << finished.status();
+    const StreamedMesh& received = *finished;
     EXPECT_EQ(text(received.mesh.positions), chunk().chunk().positions());
     EXPECT_EQ(text(received.mesh.tets), chunk().chunk().tets());
     EXPECT_EQ(text(received.mesh.regions), chunk().chunk().regions());
