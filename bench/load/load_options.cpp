@@ -191,6 +191,7 @@ void describe_load(CLI::App& app, LoadArguments& arguments) {
   app.add_option("--connections", arguments.stream.connections, "Connections that take turns")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
+  app.add_flag("--compact", arguments.stream.compact, "Ask for the compact encoding");
   app.add_flag("--check", arguments.stream.check_columns, "Verify the checksum of every chunk");
   app.add_option("--json", arguments.json, "File for all figures; docs/load.md has the keys");
   app.add_flag("--quiet", arguments.quiet, "Only the report, no view of what goes on");

@@ -17,6 +17,7 @@ struct LoadSetting {
   std::string started;  ///< UTC, ISO 8601
   std::vector<MixEntry> mix;
   std::vector<LatencyGoal> goals;
+  bool compact = false;  ///< the encoding of the streams
 };
 
 /// "Poisson arrivals at 20/s", "3 workers back to back", ...

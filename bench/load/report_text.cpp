@@ -16,7 +16,8 @@ namespace {
 std::string show_rate(double per_second) { return show_number(per_second) + "/s"; }
 
 std::string heading(const LoadSetting& setting, const LoadPlan& plan) {
-  std::string text = absl::StrFormat("%s: %s\n", setting.server, describe_plan(plan));
+  std::string text = absl::StrFormat("%s: %s%s\n", setting.server, describe_plan(plan),
+                                     setting.compact ? ", compact encoding" : "");
   for (const MixEntry& entry : setting.mix) {
     const std::string often =
         setting.mix.size() > 1 ? absl::StrFormat(" (weight %g)", entry.weight) : "";

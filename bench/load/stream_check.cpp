@@ -1,10 +1,10 @@
 #include "bench/load/stream_check.h"
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "client/chunk_message.h"
 #include "proto/wire/checksum.h"
+#include "proto/wire/serialized.h"
 
 namespace tet::load {
 namespace {
@@ -28,6 +28,16 @@ std::uint64_t column_bytes_of(const ChunkMessage& chunk) {
   return bytes;
 }
 
+std::uint64_t column_bytes_of(const v1::MeshChunk& chunk) {
+  return chunk.positions().size() + chunk.tets().size() + chunk.regions().size() +
+         chunk.compact().size();
+}
+
+std::uint32_t checksum_of(const v1::MeshChunk& chunk) {
+  if (!chunk.compact().empty()) return chunk_checksum(chunk.compact(), {}, {});
+  return chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions());
+}
+
 }  // namespace
 
 absl::Status StreamCheck::take(grpc::ByteBuffer& event) {
@@ -37,9 +47,8 @@ absl::Status StreamCheck::take(grpc::ByteBuffer& event) {
     return check_columns(chunk->numbers, columns_checksum(event, *chunk));
   }
   v1::MeshEvent message;
-  if (!grpc::SerializationTraits<v1::MeshEvent>::Deserialize(&event, &message).ok()) {
+  if (!deserialize(event, message))
     return absl::DataLossError("a message that is no MeshEvent");
-  }
   return take(message);
 }
 
@@ -52,12 +61,9 @@ absl::Status StreamCheck::take(const v1::MeshEvent& event) {
       return absl::OkStatus();
     case v1::MeshEvent::kChunk: {
       const v1::MeshChunk& chunk = event.chunk();
-      const absl::Status status =
-          take_chunk(numbers_of(chunk),
-                     chunk.positions().size() + chunk.tets().size() + chunk.regions().size());
+      const absl::Status status = take_chunk(numbers_of(chunk), column_bytes_of(chunk));
       if (!status.ok() || !check_columns_) return status;
-      return check_columns(numbers_of(chunk),
-                           chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+      return check_columns(numbers_of(chunk), checksum_of(chunk));
     }
     case v1::MeshEvent::kTrailer:
       has_trailer_ = true;

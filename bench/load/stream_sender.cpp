@@ -51,8 +51,7 @@ class StreamCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
 
 class StreamSender final : public RequestSender {
  public:
-  explicit StreamSender(const StreamSettings& settings)
-      : check_columns_(settings.check_columns) {
+  explicit StreamSender(const StreamSettings& settings) : settings_(settings) {
     for (int i = 0; i < settings.connections; ++i) {
       channels_.push_back(open_channel(settings.address));
       stubs_.push_back(std::make_unique<grpc::GenericStub>(channels_.back()));
@@ -65,13 +64,13 @@ class StreamSender final : public RequestSender {
     all_ended_.wait(lock, [this] { return running_ == 0; });
   }
 
-  absl::Status connect(const StreamSettings& settings) {
-    const auto end = std::chrono::system_clock::now() + settings.patience;
+  absl::Status connect() {
+    const auto end = std::chrono::system_clock::now() + settings_.patience;
     // All at once, not one after the other.
     for (const auto& channel : channels_) channel->GetState(true);
     for (const auto& channel : channels_) {
       if (!channel->WaitForConnected(end)) {
-        return absl::UnavailableError(absl::StrCat("no connection to ", settings.address));
+        return absl::UnavailableError(absl::StrCat("no connection to ", settings_.address));
       }
     }
     return absl::OkStatus();
@@ -113,10 +112,10 @@ class StreamSender final : public RequestSender {
     if (--running_ == 0) all_ended_.notify_all();
   }
 
-  bool check_columns() const { return check_columns_; }
+  const StreamSettings& settings() const { return settings_; }
 
  private:
-  const bool check_columns_;
+  const StreamSettings settings_;
   std::vector<std::shared_ptr<grpc::Channel>> channels_;
   std::vector<std::unique_ptr<grpc::GenericStub>> stubs_;
   std::atomic<std::uint64_t> tets_{0}, bytes_{0};
@@ -129,9 +128,10 @@ class StreamSender final : public RequestSender {
 StreamCall::StreamCall(StreamSender& sender,
                        const LoadRequest& request,
                        RequestSender::Done done)
-    : sender_(sender), done_(std::move(done)), check_(sender.check_columns()) {
+    : sender_(sender), done_(std::move(done)), check_(sender.settings().check_columns) {
   v1::StreamMeshRequest message;
   *message.mutable_mesh() = request.message;
+  message.set_encoding(sender.settings().compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   message_ = serialized(message);
   if (request.give_up) {
     const auto left = *request.give_up - Clock::now();
@@ -186,7 +186,7 @@ void StreamCall::OnDone(const grpc::Status& status) {
 absl::StatusOr<std::unique_ptr<RequestSender>> open_stream_sender(
     const StreamSettings& settings) {
   auto sender = std::make_unique<StreamSender>(settings);
-  if (absl::Status status = sender->connect(settings); !status.ok()) return status;
+  if (absl::Status status = sender->connect(); !status.ok()) return status;
   return sender;
 }
 

@@ -13,6 +13,7 @@ namespace tet::load {
 struct StreamSettings {
   std::string address;
   int connections = 8;                            ///< requests go to them in turn
+  bool compact = false;                           ///< ask for the compact encoding
   bool check_columns = false;                     ///< verify the checksum of every chunk
   Nanoseconds patience{std::chrono::seconds(5)};  ///< until all connections are open
 };

@@ -129,6 +129,16 @@ class Live(OnAServer):
         self.assertGreater(report["requests"]["done"], 2)
         self.assertIn("spacing", report["mix"][0]["request"])
 
+    def test_asks_for_the_compact_encoding(self):
+        bytes_of_a_tet = []
+        for encoding in ((), ("--compact",)):
+            self.assert_done(self.load_ball("--rate", "20", "--duration", "300ms", "--warm-up",
+                                            "0", "--check", *encoding))
+            report = self.report()
+            self.assertEqual(report["requests"]["failed"], 0)
+            bytes_of_a_tet.append(report["rates"]["bytes_s"] / report["rates"]["tets_s"])
+        self.assertLess(bytes_of_a_tet[1], bytes_of_a_tet[0] / 4)
+
     def test_takes_a_mix_of_files_and_digests(self):
         self.assert_done(self.load_ball("--rate", "10", "--duration", "200ms", "--warm-up", "0"))
         name = self.report()["mix"][0]["request"]["name"]

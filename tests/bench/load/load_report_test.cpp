@@ -121,6 +121,7 @@ TEST(ReportJson, HasTheDocumentedKeys) {
   const json report = json::parse(report_json(sample_setting(), sample_result()));
   EXPECT_EQ(report["schema"], 1);
   EXPECT_EQ(report["server"], "127.0.0.1:7447");
+  EXPECT_EQ(report["encoding"], "plain");
   EXPECT_EQ(report["mix"][0]["label"], "bunny.vdb --levels 0");
   EXPECT_EQ(report["mix"][0]["tets"], 1234567);
   EXPECT_EQ(report["plan"]["mode"], "open");
