@@ -107,13 +107,13 @@ void stream_side_by_side(benchmark::State& state, double radius, int streams) {
   delivered.report(state);
 }
 
-/// From the request to the first chunk in the client's array: real time, planned each time.
-void first_chunk(benchmark::State& state, double radius) {
+/// From the request to the first chunk in the client's array: real time.
+void first_chunk(benchmark::State& state, double radius, Planning planning) {
   using Clock = std::chrono::steady_clock;
   Loopback loopback;
   v1::MeshRequest request = loopback.request_ball(1 / radius);
   for (auto _ : state) {
-    rename_mesh(request);
+    if (planning == Planning::kEachTime) rename_mesh(request);
     Cancellation enough;
     Clock::time_point arrived{};
     ClientProgress progress;
@@ -197,10 +197,12 @@ void add_meshes(const std::string& size, double radius) {
       [=](benchmark::State& state) { make_here(state, radius, kOnce); });
   add("stream" + ball + "/planned_once",
       [=](benchmark::State& state) { stream(state, radius, kOnce); });
-  benchmark::RegisterBenchmark(("first_chunk" + ball).c_str(),
-                               [=](benchmark::State& state) { first_chunk(state, radius); })
-      ->Unit(benchmark::kMillisecond)
-      ->UseManualTime();
+  add("first_chunk" + ball + "/planned_each_time", [=](benchmark::State& state) {
+    first_chunk(state, radius, kEachTime);
+  })->UseManualTime();
+  add("first_chunk" + ball + "/planned_once", [=](benchmark::State& state) {
+    first_chunk(state, radius, kOnce);
+  })->UseManualTime();
 }
 
 void add_side_by_side(const std::string& size, double radius) {

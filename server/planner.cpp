@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/grid/load.h"
+#include "proto/wire/transport.h"
 
 namespace tet {
 
@@ -55,6 +56,7 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
     auto planned =
         plan_mesh(volume, order.request, limits_, watch.cancellation, &watch.progress);
     running_.fetch_sub(1);
+    give_back_free_memory();
     if (!planned.ok()) return planned.status();
     plan = *std::move(planned);
     remember(name, plan);

@@ -16,7 +16,7 @@
 namespace tet {
 
 /// Goes up whenever the bytes of some mesh may change: part of what names a mesh.
-inline constexpr char kAlgorithmVersion[] = "2";
+inline constexpr char kAlgorithmVersion[] = "3";
 
 /// Warp limits with known angle bounds; see docs/algorithm.md.
 enum class Preset : std::uint8_t { kDefault, kMinAngle, kBothSides };

@@ -36,4 +36,7 @@ inline constexpr TransportSetting kTransportSettings[] = {
 /// its pages in again would cost as much as all else that the wire does.
 void keep_read_blocks() noexcept;
 
+/// Gives memory that work of another kind left free back to the system, if there is much of it.
+void give_back_free_memory() noexcept;
+
 }  // namespace tet
