@@ -33,8 +33,10 @@ struct Prepared {
   FoundBricks found;
   Survey survey;
 
-  Prepared(Solid solid, const BenchSize& size) : volume(make_solid(solid, size)) {
+  Prepared(Solid solid, const BenchSize& size, double spacing_voxels)
+      : volume(make_solid(solid, size)) {
     field.volume = volume.get();
+    field.spacing_voxels = spacing_voxels;
     found = find_bricks(field).value();
     survey = survey_bricks(field, found.near_surface, {}, {}, nullptr).value();
   }
@@ -54,11 +56,15 @@ void count_items(benchmark::State& state, const char* unit, double items) {
 using Body = std::function<void(benchmark::State& state, const Prepared& prepared)>;
 
 /// Registers `stage/solid/size`; all that it does happens on one thread.
-void add(const std::string& stage, Solid solid, const BenchSize& size, const Body& body) {
+void add(const std::string& stage,
+         Solid solid,
+         const BenchSize& size,
+         const Body& body,
+         double spacing_voxels = 1) {
   const std::string name = stage + "/" + name_of(solid) + "/" + size.label;
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     TaskPool pool(1);
-    pool.run([&] { body(state, Prepared(solid, size)); });
+    pool.run([&] { body(state, Prepared(solid, size, spacing_voxels)); });
   });
 }
 
@@ -132,6 +138,10 @@ void cut(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
 
 void warp(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
   warp_lattice(work.lattice.cuts, {}, work.lattice.warped);
+}
+
+void stuff(PhiSampler& sampler, BrickCoord brick, StuffingWorkspace& work) {
+  benchmark::DoNotOptimize(stuff_brick(sampler, brick, {}, nullptr, work));
 }
 
 void keep(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
@@ -266,7 +276,16 @@ void add_brick_stages() {
   add_here("brick_sample", Solid::kGyroid, std::bind(each_brick, _1, _2, sample));
   add_here("brick_cut_points", Solid::kGyroid, std::bind(each_brick, _1, _2, cut));
   add_here("brick_warp", Solid::kGyroid, std::bind(each_brick, _1, _2, warp));
+  add_here("brick_stuff", Solid::kGyroid, std::bind(each_brick, _1, _2, stuff));
   add_here("brick_keep", Solid::kGyroid, std::bind(each_brick, _1, _2, keep));
+  const auto add_off_voxels = [](const char* stage, const BrickStage& brick_stage) {
+    constexpr double kSpacingVoxels = 1.5;
+    add(stage, Solid::kGyroid, kWithInside, std::bind(each_brick, _1, _2, brick_stage),
+        kSpacingVoxels);
+  };
+  add_off_voxels("brick_sample_1.5_voxels", sample);
+  add_off_voxels("brick_cut_points_1.5_voxels", cut);
+  add_off_voxels("brick_stuff_1.5_voxels", stuff);
   add_here("fill_surface", Solid::kGyroid, std::bind(fill, _1, _2, 0, is_surface_brick));
   add_here("fill_inside", Solid::kBall, std::bind(fill, _1, _2, 0, is_inside_brick));
   add_here("fill_coarse", Solid::kBall, std::bind(fill, _1, _2, kMaxLevels, is_coarse_brick));

@@ -1,138 +1,224 @@
-// The service over loopback: a real server and the C++ client in one process. Meshes arrive in
-// the client's own arrays, every checksum checked.
+// The service over loopback: a real server and the C++ client in one process, so that the CPU
+// time is that of both ends. Meshes arrive in the client's own arrays, every checksum checked.
+// Beside them, in the same run, what bounds them: the same mesh made in this process, and gRPC
+// alone.
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <random>
 #include <string>
-#include <unistd.h>
-#include <utility>
+#include <thread>
 #include <vector>
 
-#include <absl/status/statusor.h>
 #include <benchmark/benchmark.h>
 
-#include "client/mesh_client.h"
+#include "bench/checked.h"
+#include "bench/loopback.h"
+#include "bench/raw_grpc.h"
+#include "core/grid/load.h"
+#include "core/pipeline/mesher.h"
+#include "proto/wire/sha256.h"
+#include "proto/wire/transport.h"
 #include "server/logging.h"
-#include "server/server.h"
-#include "tests/support/vdb_fixtures.h"
 
 namespace tet::bench {
 namespace {
 
-template <class T>
-T checked(absl::StatusOr<T> value) {
-  if (value.ok()) return *std::move(value);
-  std::fprintf(stderr, "%s\n", value.status().ToString().c_str());
-  std::abort();
-}
-
-/// A server with an empty store, and a client; gone with all their files when this is.
-class Loopback {
+/// Adds up what runs delivered, and what CPU time they took.
+class Delivered {
  public:
-  Loopback() : folder_(std::filesystem::temp_directory_path() / unique_name()) {
-    std::filesystem::create_directories(folder_);
-    Config config;
-    config.listen = "127.0.0.1:0";
-    config.store = file("store");
-    config.store_bytes = std::uint64_t{1} << 30;  // what benchmarks upload pushes older out
-    server_ = checked(Server::start(config));
-    client_ = MeshClient::connect(server_->address());
+  void add(const TetMesh& mesh) {
+    tets_ += static_cast<double>(mesh.header.tet_count);
+    bytes_ += static_cast<double>(mesh.positions.size() + mesh.tets.size());
   }
-  ~Loopback() {
-    client_.reset();
-    server_.reset();
-    std::filesystem::remove_all(folder_);
+  void report(benchmark::State& state) const {
+    state.counters["tets"] = tets_ / static_cast<double>(state.iterations());
+    state.counters["tets/s"] = benchmark::Counter(tets_, benchmark::Counter::kIsRate);
+    state.counters["tets/cpu_s"] = tets_ / (process_cpu_seconds() - cpu_before_);
+    state.SetBytesProcessed(static_cast<std::int64_t>(bytes_));
   }
-  Loopback(const Loopback&) = delete;
-  Loopback& operator=(const Loopback&) = delete;
-
-  MeshClient& client() { return *client_; }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  const Cancellation& never() const { return never_; }
 
  private:
-  static std::string unique_name() { return "tet-bench-" + std::to_string(::getpid()); }
-
-  std::filesystem::path folder_;
-  Cancellation never_;
-  std::unique_ptr<Server> server_;
-  std::unique_ptr<MeshClient> client_;
+  const double cpu_before_ = process_cpu_seconds();
+  double tets_ = 0, bytes_ = 0;
 };
 
-enum class Planning { kEachTime, kOnce };
-
-/// Uploads a ball and asks for its uniform mesh.
-v1::MeshRequest request_ball(Loopback& loopback, double voxel_size) {
-  const std::string path = loopback.file("ball.vdb");
-  test::write_fixture("sphere", voxel_size, path);
-  v1::MeshRequest request;
-  request.set_name(checked(loopback.client().upload_file(path, {}, loopback.never())));
-  request.set_levels(0);
-  request.set_spacing(voxel_size);
-  return request;
+/// Bytes a second, and a CPU second.
+void report_bytes(benchmark::State& state, double bytes, double cpu_before) {
+  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+  state.counters["bytes/cpu_s"] = bytes / (process_cpu_seconds() - cpu_before);
 }
+
+enum class Planning { kEachTime, kOnce };
 
 /// Meshes a ball `radius` voxels large: about 50 radius^3 tets.
 void stream(benchmark::State& state, double radius, Planning planning) {
   Loopback loopback;
-  v1::MeshRequest request = request_ball(loopback, 1 / radius);
-  checked(
-      loopback.client().stream_mesh(request, {}, loopback.never()));  // loads the grid, plans
-  double tets = 0, bytes = 0;
+  v1::MeshRequest request = loopback.request_ball(1 / radius);
+  Delivered delivered;
   for (auto _ : state) {
-    // Another spacing is another mesh, which nobody remembers; one so near is the same lattice.
-    if (planning == Planning::kEachTime) request.set_spacing(request.spacing() * (1 + 1e-12));
-    const StreamedMesh streamed =
-        checked(loopback.client().stream_mesh(request, {}, loopback.never()));
-    tets += static_cast<double>(streamed.mesh.header.tet_count);
-    bytes += static_cast<double>(streamed.mesh.positions.size() + streamed.mesh.tets.size());
+    if (planning == Planning::kEachTime) rename_mesh(request);
+    delivered.add(receive(loopback.client(), request).mesh);
   }
-  state.counters["tets"] = tets / static_cast<double>(state.iterations());
-  state.counters["tets/s"] = benchmark::Counter(tets, benchmark::Counter::kIsRate);
-  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+  delivered.report(state);
 }
 
-/// Uploads bytes that the server never saw, digests on both sides included.
+/// The same without a wire: into fresh memory too, the grid being there.
+void make_here(benchmark::State& state, double radius, Planning planning) {
+  const std::string path = std::filesystem::temp_directory_path() / "tet-bench-ball.vdb";
+  write_ball(1 / radius, path);
+  const auto volume = std::make_shared<const Volume>(checked(load_volume(path, "")));
+  std::filesystem::remove(path);
+  TaskPool pool;
+  MeshRequest request;
+  request.levels = 0;
+  std::shared_ptr<const MeshPlan> plan;
+  Delivered delivered;
+  for (auto _ : state) {
+    pool.run([&] {
+      if (plan == nullptr || planning == Planning::kEachTime) {
+        plan = checked(plan_mesh(volume, request, {}, {}, nullptr));
+      }
+      delivered.add(checked(fill_mesh(*plan, {}, nullptr)).mesh);
+    });
+  }
+  delivered.report(state);
+}
+
+/// Several clients, each with a connection and an array of its own, at once.
+void stream_side_by_side(benchmark::State& state, double radius, int streams) {
+  Loopback loopback;
+  const v1::MeshRequest request = loopback.request_ball(1 / radius);
+  std::vector<std::unique_ptr<MeshClient>> clients;
+  for (int i = 0; i < streams; ++i) clients.push_back(loopback.connect());
+  Delivered delivered;
+  for (auto _ : state) {
+    std::vector<StreamedMesh> meshes(clients.size());
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t i = 0; i < clients.size(); ++i) {
+        threads.emplace_back([&, i] { meshes[i] = receive(*clients[i], request); });
+      }
+    }
+    for (const StreamedMesh& mesh : meshes) delivered.add(mesh.mesh);
+  }
+  delivered.report(state);
+}
+
+/// From the request to the first chunk in the client's array: real time, planned each time.
+void first_chunk(benchmark::State& state, double radius) {
+  using Clock = std::chrono::steady_clock;
+  Loopback loopback;
+  v1::MeshRequest request = loopback.request_ball(1 / radius);
+  for (auto _ : state) {
+    rename_mesh(request);
+    Cancellation enough;
+    Clock::time_point arrived{};
+    ClientProgress progress;
+    progress.tets = [&](std::uint64_t done, std::uint64_t) {
+      if (done == 0 || arrived != Clock::time_point{}) return;
+      arrived = Clock::now();
+      enough.cancel();
+    };
+    const Clock::time_point asked = Clock::now();
+    benchmark::DoNotOptimize(loopback.client().stream_mesh(request, progress, enough));
+    state.SetIterationTime(std::chrono::duration<double>(arrived - asked).count());
+  }
+}
+
+/// Uploads bytes that the server never saw, digests on both sides and the disk included.
 void upload(benchmark::State& state, std::size_t size) {
   Loopback loopback;
   const std::string path = loopback.file("bytes");
   std::mt19937_64 random(1);  // any seed: only that blocks differ matters
   std::vector<std::uint64_t> words(size / sizeof(std::uint64_t));
   for (std::uint64_t& word : words) word = random();
+  double cpu_seconds = 0;
   for (auto _ : state) {
     state.PauseTiming();
     words.front() = random();
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(size));
+    const double before = process_cpu_seconds();
     state.ResumeTiming();
-    checked(loopback.client().upload_file(path, {}, loopback.never()));
+    checked(loopback.client().upload_file(path, {}, {}));
+    cpu_seconds += process_cpu_seconds() - before;
   }
-  state.SetBytesProcessed(static_cast<std::int64_t>(size) * state.iterations());
+  const double bytes = static_cast<double>(size) * static_cast<double>(state.iterations());
+  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+  state.counters["bytes/cpu_s"] = bytes / cpu_seconds;
 }
 
-void add_stream(const std::string& size, double radius) {
-  const auto add = [&](const std::string& name, Planning planning) {
-    benchmark::RegisterBenchmark(
-        name.c_str(), [=](benchmark::State& state) { stream(state, radius, planning); })
-        ->Unit(benchmark::kMillisecond)
-        ->MeasureProcessCPUTime()
-        ->UseRealTime();
-  };
-  add("stream/ball/" + size + "/planned_each_time", Planning::kEachTime);
-  add("stream/ball/" + size + "/planned_once", Planning::kOnce);
+/// SHA-256 alone, which an upload takes at both ends.
+void digest(benchmark::State& state, std::size_t size) {
+  const std::string bytes(size, 'x');
+  const double cpu_before = process_cpu_seconds();
+  for (auto _ : state) {
+    Sha256 sha256;
+    sha256.add(bytes);
+    benchmark::DoNotOptimize(sha256.finish_hex());
+  }
+  report_bytes(state, static_cast<double>(size) * static_cast<double>(state.iterations()),
+               cpu_before);
 }
 
-void add_upload(const std::string& size, std::size_t bytes) {
-  benchmark::RegisterBenchmark(("upload/" + size).c_str(),
-                               [=](benchmark::State& state) { upload(state, bytes); })
+using Transfer = void (RawGrpc::*)(std::size_t messages, std::size_t message_bytes);
+
+/// gRPC alone: nothing is made, checked or kept.
+void raw(benchmark::State& state, Transfer transfer, std::size_t message_bytes) {
+  constexpr std::size_t kTotal = std::size_t{1} << 28;
+  RawGrpc grpc;
+  const std::size_t messages = kTotal / message_bytes;
+  (grpc.*transfer)(messages / 8, message_bytes);  // connects, and fills the allocator's lists
+  const double cpu_before = process_cpu_seconds();
+  for (auto _ : state) (grpc.*transfer)(messages, message_bytes);
+  report_bytes(state, static_cast<double>(kTotal) * static_cast<double>(state.iterations()),
+               cpu_before);
+}
+
+template <class Body>
+benchmark::internal::Benchmark* add(const std::string& name, const Body& body) {
+  return benchmark::RegisterBenchmark(name.c_str(), body)
       ->Unit(benchmark::kMillisecond)
       ->MeasureProcessCPUTime()
       ->UseRealTime();
+}
+
+void add_meshes(const std::string& size, double radius) {
+  using enum Planning;
+  const std::string ball = "/ball/" + size;
+  add("here" + ball + "/planned_each_time",
+      [=](benchmark::State& state) { make_here(state, radius, kEachTime); });
+  add("stream" + ball + "/planned_each_time",
+      [=](benchmark::State& state) { stream(state, radius, kEachTime); });
+  add("here" + ball + "/planned_once",
+      [=](benchmark::State& state) { make_here(state, radius, kOnce); });
+  add("stream" + ball + "/planned_once",
+      [=](benchmark::State& state) { stream(state, radius, kOnce); });
+  benchmark::RegisterBenchmark(("first_chunk" + ball).c_str(),
+                               [=](benchmark::State& state) { first_chunk(state, radius); })
+      ->Unit(benchmark::kMillisecond)
+      ->UseManualTime();
+}
+
+void add_side_by_side(const std::string& size, double radius) {
+  for (const int streams : {1, 2, 4, 16}) {
+    add("stream/ball/" + size + "/streams:" + std::to_string(streams),
+        [=](benchmark::State& state) { stream_side_by_side(state, radius, streams); });
+  }
+}
+
+void add_upload(const std::string& size, std::size_t bytes) {
+  add("upload/" + size, [=](benchmark::State& state) { upload(state, bytes); });
+}
+
+void add_raw(const std::string& size, std::size_t bytes) {
+  add("raw/stream/" + size,
+      [=](benchmark::State& state) { raw(state, &RawGrpc::stream, bytes); });
+  add("raw/upload/" + size,
+      [=](benchmark::State& state) { raw(state, &RawGrpc::upload, bytes); });
 }
 
 }  // namespace
@@ -140,12 +226,20 @@ void add_upload(const std::string& size, std::size_t bytes) {
 
 int main(int argc, char** argv) {
   using namespace tet::bench;
+  tet::keep_read_blocks();
   tet::start_logging("error");
-  add_stream("1e5", 12.6);
-  add_stream("1e6", 27.1);
-  add_stream("1e7", 58.4);
+  add_meshes("1e5", 12.6);
+  add_meshes("1e6", 27.1);
+  add_meshes("1e7", 58.4);
+  add_side_by_side("1e6", 27.1);
   add_upload("1MiB", std::size_t{1} << 20);
   add_upload("64MiB", std::size_t{1} << 26);
+  add("digest/64MiB", [](benchmark::State& state) { digest(state, std::size_t{1} << 26); });
+  add_raw("64KiB", std::size_t{1} << 16);
+  add_raw("256KiB", std::size_t{1} << 18);
+  add_raw("512KiB", std::size_t{1} << 19);
+  add_raw("1MiB", std::size_t{1} << 20);
+  add_raw("4MiB", std::size_t{1} << 22);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

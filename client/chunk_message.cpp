@@ -7,6 +7,7 @@
 #include <grpcpp/support/proto_buffer_reader.h>
 
 #include "proto/wire/checksum.h"
+#include "proto/wire/field_writer.h"
 
 namespace tet {
 
@@ -17,11 +18,11 @@ using google::protobuf::io::CodedInputStream;
 // What is copied is read twice, the second time from the nearest cache.
 constexpr std::size_t kPieceBytes = std::size_t{16} << 10;
 
-constexpr std::uint32_t varint_tag(ChunkField field) {
+constexpr std::uint32_t varint_tag(std::uint32_t field) {
   return tag_of(field, FieldCoding::kVarint);
 }
 
-constexpr std::uint32_t bytes_tag(ChunkField field) {
+constexpr std::uint32_t bytes_tag(std::uint32_t field) {
   return tag_of(field, FieldCoding::kBytes);
 }
 
@@ -44,23 +45,23 @@ class ChunkReader {
   bool read_field(std::uint32_t tag) {
     ChunkNumbers& numbers = chunk_.numbers;
     switch (tag) {
-      case varint_tag(ChunkField::kIndex):
+      case varint_tag(chunk_field::kIndex):
         return read_number(numbers.index);
-      case varint_tag(ChunkField::kFirstVertex):
+      case varint_tag(chunk_field::kFirstVertex):
         return read_number(numbers.first_vertex);
-      case varint_tag(ChunkField::kVertexCount):
+      case varint_tag(chunk_field::kVertexCount):
         return read_number(numbers.vertex_count);
-      case varint_tag(ChunkField::kFirstTet):
+      case varint_tag(chunk_field::kFirstTet):
         return read_number(numbers.first_tet);
-      case varint_tag(ChunkField::kTetCount):
+      case varint_tag(chunk_field::kTetCount):
         return read_number(numbers.tet_count);
-      case tag_of(ChunkField::kChecksum, FieldCoding::kFixed32):
+      case tag_of(chunk_field::kChecksum, FieldCoding::kFixed32):
         return input_.ReadLittleEndian32(&numbers.checksum);
-      case bytes_tag(ChunkField::kPositions):
+      case bytes_tag(chunk_field::kPositions):
         return read_column(chunk_.columns[0]);
-      case bytes_tag(ChunkField::kTets):
+      case bytes_tag(chunk_field::kTets):
         return read_column(chunk_.columns[1]);
-      case bytes_tag(ChunkField::kRegions):
+      case bytes_tag(chunk_field::kRegions):
         return read_column(chunk_.columns[2]);
       default:
         return false;
@@ -116,6 +117,21 @@ class MessageBytes {
   std::size_t position_ = 0;
 };
 
+/// Calls `use(i, piece)` for the bytes of each column i, one piece after another.
+template <class Use>
+void read_columns(grpc::ByteBuffer& message, const ChunkMessage& chunk, const Use& use) {
+  MessageBytes bytes(message);
+  for (std::size_t i = 0; i < chunk.columns.size(); ++i) {
+    bytes.go_to(chunk.columns[i].begin);
+    for (std::size_t left = chunk.columns[i].size; left > 0;) {
+      const auto piece = bytes.next(std::min(left, kPieceBytes));
+      if (piece.empty()) break;
+      use(i, piece);
+      left -= piece.size();
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
@@ -123,7 +139,7 @@ std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
   grpc::ProtoBufferReader bytes(&message);
   CodedInputStream input(&bytes);
   int size = 0;
-  if (input.ReadTag() != bytes_tag(ChunkField::kEvent)) return std::nullopt;
+  if (input.ReadTag() != bytes_tag(chunk_field::kEvent)) return std::nullopt;
   if (!input.ReadVarintSizeAsInt(&size)) return std::nullopt;
   const auto begin = static_cast<std::size_t>(input.CurrentPosition());
   if (begin + static_cast<std::size_t>(size) != message.Length()) return std::nullopt;
@@ -135,18 +151,21 @@ std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
 std::uint32_t copy_columns(grpc::ByteBuffer& message,
                            const ChunkMessage& chunk,
                            const std::array<std::span<std::byte>, 3>& to) {
-  MessageBytes bytes(message);
   std::uint32_t checksum = 0;
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    bytes.go_to(chunk.columns[i].begin);
-    for (std::span<std::byte> left = to[i]; !left.empty();) {
-      const auto piece = bytes.next(std::min(left.size(), kPieceBytes));
-      if (piece.empty()) break;
-      checksum = add_to_checksum(checksum, piece);
-      std::memcpy(left.data(), piece.data(), piece.size());
-      left = left.subspan(piece.size());
-    }
-  }
+  std::array<std::span<std::byte>, 3> left = to;
+  read_columns(message, chunk, [&](std::size_t i, std::span<const std::byte> piece) {
+    checksum = add_to_checksum(checksum, piece);
+    std::memcpy(left[i].data(), piece.data(), piece.size());
+    left[i] = left[i].subspan(piece.size());
+  });
+  return checksum;
+}
+
+std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ChunkMessage& chunk) {
+  std::uint32_t checksum = 0;
+  read_columns(message, chunk, [&](std::size_t, std::span<const std::byte> piece) {
+    checksum = add_to_checksum(checksum, piece);
+  });
   return checksum;
 }
 

@@ -33,4 +33,7 @@ std::uint32_t copy_columns(grpc::ByteBuffer& message,
                            const ChunkMessage& chunk,
                            const std::array<std::span<std::byte>, 3>& to);
 
+/// The checksum of the columns where they are.
+std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ChunkMessage& chunk);
+
 }  // namespace tet

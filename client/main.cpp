@@ -8,6 +8,7 @@
 #include "client/command.h"
 #include "client/exit_code.h"
 #include "client/interruption.h"
+#include "proto/wire/transport.h"
 
 namespace tet {
 namespace {
@@ -88,4 +89,7 @@ int run_command_line(int argc, char** argv) {
 }  // namespace
 }  // namespace tet
 
-int main(int argc, char** argv) { return tet::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  tet::keep_read_blocks();
+  return tet::run_command_line(argc, argv);
+}

@@ -1,16 +1,17 @@
 #include "client/mesh_client.h"
 
-#include <fstream>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
 #include "client/channel.h"
 #include "client/client_call.h"
-#include "client/event_stream.h"
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
+#include "client/raw_call.h"
+#include "client/upload.h"
 #include "grpc/health/v1/health.grpc.pb.h"
+#include "proto/wire/serialized.h"
 #include "proto/wire/transport.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
@@ -66,54 +67,6 @@ MeshClient::MeshClient(std::unique_ptr<Connection> connection)
 
 MeshClient::~MeshClient() = default;
 
-namespace {
-
-using UploadWriter = grpc::ClientWriter<v1::UploadGridRequest>;
-
-/// Writes what the server lacks; false when it stopped listening.
-bool write_pieces(UploadWriter& writer,
-                  const LocalFile& file,
-                  std::uint64_t offset,
-                  const ClientProgress& progress) {
-  v1::UploadGridRequest message;
-  message.mutable_start()->set_name(file.name);
-  message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(file.size_bytes));
-  if (!writer.Write(message)) return false;
-  std::ifstream input(file.path, std::ios::binary);
-  input.seekg(static_cast<std::streamoff>(offset));
-  std::string& piece = *message.mutable_data()->mutable_data();
-  while (offset < file.size_bytes) {
-    piece.resize(static_cast<std::size_t>(kUploadPieceBytes));
-    input.read(piece.data(), kUploadPieceBytes);
-    piece.resize(static_cast<std::size_t>(input.gcount()));
-    if (piece.empty()) break;  // the file shrank: the server will miss the rest
-    message.mutable_data()->set_offset(static_cast<std::int64_t>(offset));
-    if (!writer.Write(message)) return false;
-    offset += piece.size();
-    tell(progress.upload, offset, file.size_bytes);
-  }
-  return true;
-}
-
-/// One upload call from `offset` on. kAborted when it ended well but short.
-absl::Status upload_from(v1::GridService::Stub& grids,
-                         const LocalFile& file,
-                         std::uint64_t offset,
-                         const ClientProgress& progress,
-                         const Cancellation& cancellation) {
-  ClientCall call(cancellation);
-  v1::UploadGridResponse response;
-  const auto writer = grids.UploadGrid(&call.context(), &response);
-  if (write_pieces(*writer, file, offset, progress)) writer->WritesDone();
-  const absl::Status status = call.result(writer->Finish());
-  if (!status.ok() || response.complete()) return status;
-  return absl::AbortedError(absl::StrCat("the server holds ", response.committed_size(), " of ",
-                                         file.size_bytes, " bytes; did ", file.path,
-                                         " change?"));
-}
-
-}  // namespace
-
 absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
                                                     const ClientProgress& progress,
                                                     const Cancellation& cancellation) {
@@ -135,7 +88,8 @@ absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
     if (!state.ok()) return state.status();
     if (state->complete()) return file->name;
     const auto offset = static_cast<std::uint64_t>(state->committed_size());
-    const auto status = upload_from(grids, *file, offset, progress, cancellation);
+    const auto status =
+        upload_from(connection_->channel, *file, offset, progress, cancellation);
     if (status.ok()) return file->name;
     if (!retries.again(status, offset)) return status;
   }
@@ -200,7 +154,8 @@ absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
   ClientCall call(cancellation);
-  EventStream stream(channel, call.context(), message);
+  RawCall stream(channel, call.context(), v1::MeshService::service_full_name(), "StreamMesh");
+  stream.write_last(serialized(message));
   absl::Status taken;
   for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {
     taken = receiver.take(event);
@@ -227,7 +182,24 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
   v1::StreamMeshRequest message;
   *message.mutable_mesh() = request;
   message.set_encoding(encoding);
-  MeshReceiver receiver;
+  return receive_mesh(std::move(message), MeshReceiver(), progress, cancellation);
+}
+
+absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,
+                                                     const StreamedMesh& earlier,
+                                                     const ClientProgress& progress,
+                                                     const Cancellation& cancellation) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_base_mesh_id(earlier.mesh_id);
+  message.set_base_name(earlier.canonical_request.name());
+  return receive_mesh(std::move(message), MeshReceiver(&earlier.mesh), progress, cancellation);
+}
+
+absl::StatusOr<StreamedMesh> MeshClient::receive_mesh(v1::StreamMeshRequest message,
+                                                      MeshReceiver receiver,
+                                                      const ClientProgress& progress,
+                                                      const Cancellation& cancellation) {
   for (Retries retries(connection_->retry, cancellation);;) {
     const auto status =
         receive(connection_->channel, message, progress, cancellation, receiver);

@@ -23,6 +23,8 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
+class MeshReceiver;
+
 /// How often a broken call is taken up again.
 struct RetryPolicy {
   int attempts = 6;            ///< in a row without any progress between them
@@ -89,7 +91,19 @@ class MeshClient {
                                            const Cancellation& cancellation,
                                            v1::Encoding encoding = v1::ENCODING_PLAIN);
 
+  /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of another
+  /// grid: what did not change is taken from it, and only the rest is sent, if the server still
+  /// has the earlier grid. Where parts were kept, `quality` is that of the rest alone.
+  absl::StatusOr<StreamedMesh> update_mesh(const v1::MeshRequest& request,
+                                           const StreamedMesh& earlier,
+                                           const ClientProgress& progress,
+                                           const Cancellation& cancellation);
+
  private:
+  absl::StatusOr<StreamedMesh> receive_mesh(v1::StreamMeshRequest message,
+                                            MeshReceiver receiver,
+                                            const ClientProgress& progress,
+                                            const Cancellation& cancellation);
   struct Connection;
   explicit MeshClient(std::unique_ptr<Connection> connection);
   std::unique_ptr<Connection> connection_;

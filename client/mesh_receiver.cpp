@@ -8,10 +8,11 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "client/chunk_message.h"
+#include "core/base/parallel.h"
 #include "proto/wire/checksum.h"
+#include "proto/wire/serialized.h"
 
 namespace tet {
 
@@ -105,19 +106,49 @@ ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
           unsigned_count(chunk.tet_count()),    chunk.checksum()};
 }
 
+template <class Id>
+std::uint64_t largest_id(std::span<const std::byte> ids) {
+  Id largest = 0;
+  for (std::size_t i = 0; i < ids.size(); i += sizeof(Id)) {
+    Id id = 0;
+    std::memcpy(&id, ids.data() + i, sizeof id);
+    largest = std::max(largest, id);
+  }
+  return largest;
+}
+
+bool are_within(std::span<const std::byte> ids, const MeshHeader& header) {
+  const std::uint64_t largest = header.index_type == IndexType::kUint64
+                                    ? largest_id<std::uint64_t>(ids)
+                                    : largest_id<std::uint32_t>(ids);
+  return ids.empty() || largest < header.vertex_count;
+}
+
 void copy(const std::string& from, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }
 
-absl::Status allocate(const MeshHeader& header, TetMesh& mesh) {
-  try {
-    mesh = TetMesh(header);
-    return absl::OkStatus();
-  } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError(absl::StrCat("no memory for ", header.vertex_count,
-                                                     " vertices and ", header.tet_count,
-                                                     " tets"));
+std::vector<KeptRun> to_core(const google::protobuf::RepeatedPtrField<v1::KeptRun>& messages) {
+  std::vector<KeptRun> runs;
+  for (const v1::KeptRun& run : messages) {
+    runs.push_back({unsigned_count(run.from()), unsigned_count(run.to()),
+                    unsigned_count(run.count())});
   }
+  return runs;
+}
+
+/// True when all from `begin` to `end` is kept.
+bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_t end) {
+  while (begin < end) {
+    const auto after = std::upper_bound(
+        runs.begin(), runs.end(), begin,
+        [](std::uint64_t value, const KeptRun& run) { return value < run.to; });
+    if (after == runs.begin()) return false;
+    const KeptRun& run = *(after - 1);
+    if (begin - run.to >= run.count) return false;
+    begin = run.to + run.count;
+  }
+  return true;
 }
 
 }  // namespace
@@ -134,7 +165,7 @@ absl::Status MeshReceiver::take(grpc::ByteBuffer& event) {
         copy_columns(event, *chunk, {columns->positions, columns->tets, columns->regions}));
   }
   v1::MeshEvent message;
-  if (!grpc::SerializationTraits<v1::MeshEvent>::Deserialize(&event, &message).ok()) {
+  if (!deserialize(event, message)) {
     return bad_stream("a message that is no MeshEvent");
   }
   return take(message);
@@ -160,20 +191,50 @@ absl::Status MeshReceiver::take(const v1::MeshEvent& event) {
 absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
   if (!is_valid(header)) return bad_stream("a header with impossible values");
   if (has_header_) {
-    return header.mesh_id() == received_.mesh_id ? absl::OkStatus()
-                                                 : bad_stream("another mesh after resuming");
+    const bool same =
+        header.mesh_id() == received_.mesh_id && header.has_kept() == keeps_parts_;
+    return same ? absl::OkStatus() : bad_stream("another mesh after resuming");
   }
   if (header.has_lattice()) {
     absl::StatusOr<CompactReceiver> compact = CompactReceiver::begin(header);
     if (!compact.ok()) return compact.status();
     compact_ = *std::move(compact);
     received_.mesh.header = to_core(header);  // its columns come last
-  } else if (absl::Status status = allocate(to_core(header), received_.mesh); !status.ok()) {
-    return status;
+  } else {
+    const absl::Status status =
+        header.has_kept() ? take_kept(header) : allocate(to_core(header));
+    if (!status.ok()) return status;
   }
+  chunks_ = unsigned_count(header.has_kept() ? header.kept().patch_count()
+                                             : header.chunk_count());
+  keeps_parts_ = header.has_kept();
   received_.mesh_id = header.mesh_id();
   received_.canonical_request = header.canonical_request();
   has_header_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status MeshReceiver::allocate(const MeshHeader& header) {
+  try {
+    received_.mesh = TetMesh(header);
+    return absl::OkStatus();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat("no memory for ", header.vertex_count,
+                                                     " vertices and ", header.tet_count,
+                                                     " tets"));
+  }
+}
+
+absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header) {
+  if (base_ == nullptr) return bad_stream("parts of a mesh that nobody named");
+  if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
+  kept_ = {to_core(header.kept().vertices()), to_core(header.kept().tets())};
+  absl::StatusOr<TetMesh> mesh = absl::InternalError("not made");
+  TaskPool pool;
+  pool.run([&] { mesh = splice_mesh(*base_, to_core(header), kept_); });
+  if (absl::IsInvalidArgument(mesh.status())) return bad_stream(mesh.status().ToString());
+  if (!mesh.ok()) return mesh.status();
+  received_.mesh = *std::move(mesh);
   return absl::OkStatus();
 }
 
@@ -205,7 +266,8 @@ absl::StatusOr<ChunkColumns> MeshReceiver::place_of(
     const ChunkNumbers& chunk, const std::array<std::size_t, 3>& column_bytes) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
   const ChunkColumns columns =
-      received_.mesh.columns_of({next_vertex_, chunk.vertex_count, next_tet_, chunk.tet_count});
+      received_.mesh.columns_of({chunk.first_vertex, chunk.vertex_count, chunk.first_tet,
+                                 chunk.tet_count});
   if (column_bytes[0] != columns.positions.size() || column_bytes[1] != columns.tets.size() ||
       column_bytes[2] != columns.regions.size()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
@@ -220,9 +282,14 @@ absl::Status MeshReceiver::check_place(const ChunkNumbers& chunk) const {
     return bad_stream("a chunk with impossible counts");
   }
   const MeshHeader& header = received_.mesh.header;
-  if (chunk.index != next_chunk_ || chunk.first_vertex != next_vertex_ ||
-      chunk.first_tet != next_tet_ || chunk.vertex_count > header.vertex_count - next_vertex_ ||
-      chunk.tet_count > header.tet_count - next_tet_) {
+  const bool follows = chunk.index == next_chunk_ && chunk.first_vertex >= next_vertex_ &&
+                       chunk.first_tet >= next_tet_ &&
+                       is_kept(kept_.vertices, next_vertex_, chunk.first_vertex) &&
+                       is_kept(kept_.tets, next_tet_, chunk.first_tet);
+  if (!follows || chunk.first_vertex > header.vertex_count ||
+      chunk.first_tet > header.tet_count ||
+      chunk.vertex_count > header.vertex_count - chunk.first_vertex ||
+      chunk.tet_count > header.tet_count - chunk.first_tet) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
   }
   return absl::OkStatus();
@@ -234,16 +301,25 @@ absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t chec
   if (checksum != chunk.checksum) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
   }
-  next_vertex_ += chunk.vertex_count;
-  next_tet_ += chunk.tet_count;
+  if (!compact_) {
+    const ChunkColumns columns = received_.mesh.columns_of(
+        {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count});
+    if (!are_within(columns.tets, received_.mesh.header)) {
+      return bad_stream(
+          absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
+    }
+  }
+  next_vertex_ = chunk.first_vertex + chunk.vertex_count;
+  next_tet_ = chunk.first_tet + chunk.tet_count;
   ++next_chunk_;
   return absl::OkStatus();
 }
 
 absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
   const MeshHeader& header = received_.mesh.header;
-  if (!has_header_ || next_chunk_ != header.chunk_count ||
-      next_vertex_ != header.vertex_count || next_tet_ != header.tet_count) {
+  if (!has_header_ || next_chunk_ != chunks_ ||
+      !is_kept(kept_.vertices, next_vertex_, header.vertex_count) ||
+      !is_kept(kept_.tets, next_tet_, header.tet_count)) {
     return bad_stream("it ended before the mesh was whole");
   }
   if (trailer.has_boundary()) {
@@ -260,7 +336,7 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
 void MeshReceiver::take_quality(const v1::MeshTrailer& trailer) {
   const v1::QualityStats& quality = trailer.quality();
   has_quality_ = trailer.first_chunk() == 0 &&
-                 unsigned_count(trailer.end_chunk()) == received_.mesh.header.chunk_count &&
+                 unsigned_count(trailer.end_chunk()) == chunks_ &&
                  quality.dihedral_histogram_size() == QualityStats::kBins;
   if (!has_quality_) return;
   received_.quality.min_dihedral_deg = quality.min_dihedral_deg();

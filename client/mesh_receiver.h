@@ -12,14 +12,19 @@
 
 #include "client/compact_receiver.h"
 #include "client/mesh_client.h"
+#include "core/mesh/splice.h"
 #include "proto/wire/chunk_frame.h"
 
 namespace tet {
 
 /// Collects one mesh from as many streams as it takes. Trusts nothing that the server says:
-/// every count is checked before it is used. Not thread-safe.
+/// every count and every vertex id is checked before it is used. Not thread-safe.
 class MeshReceiver {
  public:
+  /// `base`, which may be null, is the mesh that the request names as its base; it must outlive
+  /// this.
+  explicit MeshReceiver(const TetMesh* base = nullptr) : base_(base) {}
+
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
   absl::Status take(const v1::MeshEvent& event);
   /// The same for an event as it came: a chunk goes into the mesh without another copy.
@@ -47,15 +52,20 @@ class MeshReceiver {
   absl::Status check_place(const ChunkNumbers& chunk) const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk,
                                         const std::array<std::size_t, 3>& column_bytes);
+  absl::Status take_kept(const v1::MeshHeader& header);
+  absl::Status allocate(const MeshHeader& header);
   absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   void take_quality(const v1::MeshTrailer& trailer);
 
+  const TetMesh* base_;
   StreamedMesh received_;
+  KeptParts kept_;            ///< of the base
+  std::uint64_t chunks_ = 0;  ///< that come, once there is a header
   std::optional<CompactReceiver> compact_;  ///< where chunks are compact
   std::optional<v1::MeshProgress> planning_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0;
-  bool has_header_ = false, has_quality_ = false, complete_ = false;
+  bool has_header_ = false, keeps_parts_ = false, has_quality_ = false, complete_ = false;
 };
 
 }  // namespace tet

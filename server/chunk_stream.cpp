@@ -7,10 +7,10 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "proto/wire/checksum.h"
 #include "proto/wire/chunk_frame.h"
+#include "proto/wire/serialized.h"
 #include "server/status.h"
 
 namespace tet {
@@ -19,22 +19,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
-absl::StatusOr<StreamOrder> parse(const grpc::ByteBuffer& request) {
-  grpc::ByteBuffer consumed = request;
+absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
   v1::StreamMeshRequest message;
-  if (!grpc::SerializationTraits<v1::StreamMeshRequest>::Deserialize(&consumed, &message)
-           .ok()) {
+  if (!deserialize(request, message)) {
     return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
                        "MALFORMED");
   }
   return parse_stream_request(message);
-}
-
-grpc::ByteBuffer serialized(const v1::MeshEvent& event) {
-  grpc::ByteBuffer message;
-  bool own = false;
-  grpc::SerializationTraits<v1::MeshEvent>::Serialize(event, &message, &own);
-  return message;
 }
 
 std::uint32_t checksum_of(const ChunkColumns& columns) {
@@ -79,7 +70,7 @@ void ChunkStream::begin(const grpc::ByteBuffer& request) {
   watch_progress();
   engine_.planner.plan(order_.mesh, watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
-                         self->begin_chunks(std::move(planned));
+                         self->plan_base(std::move(planned));
                        });
 }
 
@@ -103,12 +94,32 @@ void ChunkStream::report_progress() {
   watch_progress();
 }
 
-void ChunkStream::begin_chunks(absl::StatusOr<PlannedMesh> planned) {
+/// Only this task touches the plan until there are chunks: nobody needs the lock.
+void ChunkStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
+  if (!planned.ok()) return begin_chunks(planned.status());
+  planned_ = *std::move(planned);
+  if (order_.base_digest.empty()) return begin_chunks(absl::OkStatus());
+  MeshOrder base = order_.mesh;
+  base.digest = order_.base_digest;
+  engine_.planner.plan(std::move(base), watch_,
+                       [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned_base) {
+                         self->find_patches(planned_base);
+                       });
+}
+
+/// A base that is not what the client has, or not here any more, is no reason to fail.
+void ChunkStream::find_patches(const absl::StatusOr<PlannedMesh>& base) {
+  if (base.ok() && base->mesh_id == order_.base_mesh_id) {
+    patch_ = MeshPatch::between(*base->plan, planned_.plan);
+  }
+  begin_chunks(absl::OkStatus());
+}
+
+void ChunkStream::begin_chunks(const absl::Status& planned) {
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
-    if (planned.ok()) planned_ = *std::move(planned);
-    const absl::Status status = planned.ok() ? check_range() : planned.status();
+    const absl::Status status = planned.ok() ? check_range() : planned;
     if (!status.ok()) {
       end(status);
     } else {
@@ -129,13 +140,17 @@ absl::Status ChunkStream::check_range() {
                                                    " is not this mesh's, ", planned_.mesh_id)),
         "OTHER_MESH");
   }
-  const std::uint64_t count = planned_.plan->header().chunk_count;
+  const std::uint64_t count = chunk_count();
   end_ = order_.end_chunk == 0 ? count : order_.end_chunk;
   next_ = posted_ = order_.start_chunk;
   if (next_ <= end_ && end_ <= count) return absl::OkStatus();
   return with_reason(absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
                                                         " are not within the mesh's ", count)),
                      "CHUNK_RANGE");
+}
+
+std::uint64_t ChunkStream::chunk_count() const {
+  return patch_ ? patch_->patch_count() : planned_.plan->header().chunk_count;
 }
 
 /// Chunks made ahead: enough of all streams together to keep every thread busy, but two a
@@ -173,7 +188,7 @@ void ChunkStream::make_chunk(std::uint64_t index) {
 
 void ChunkStream::fill(std::uint64_t index, Slot& slot) {
   const MeshPlan& plan = *planned_.plan;
-  const ChunkExtent extent = plan.chunk(index);
+  const ChunkExtent extent = patch_ ? patch_->extent(index) : plan.chunk(index);
   const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
   const ChunkFrame frame({size.positions, size.tets, size.regions});
   const grpc::Slice slice = engine_.blocks.take(frame.block_bytes());
@@ -181,7 +196,8 @@ void ChunkStream::fill(std::uint64_t index, Slot& slot) {
   const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block)};
 
   MeshWorkspace workspace = engine_.workspaces.take();
-  slot.quality = plan.fill_chunk(index, workspace, columns);
+  slot.quality = patch_ ? patch_->fill(index, workspace, columns)
+                        : plan.fill_chunk(index, workspace, columns);
   engine_.workspaces.give_back(std::move(workspace));
   const auto parts =
       frame.write(block, {index, extent.first_vertex, extent.vertex_count, extent.first_tet,
@@ -284,6 +300,10 @@ v1::MeshEvent ChunkStream::header_event() const {
   to_proto(planned_.plan->header(), header);
   header.set_mesh_id(planned_.mesh_id);
   *header.mutable_canonical_request() = planned_.canonical;
+  if (patch_) {
+    to_proto(patch_->kept(), *header.mutable_kept());
+    header.mutable_kept()->set_patch_count(static_cast<std::int64_t>(patch_->patch_count()));
+  }
   if (order_.compact) {
     to_proto(planned_.plan->compact_frame().to_world, *header.mutable_lattice());
   }
@@ -324,7 +344,7 @@ void ChunkStream::after_write() {
   if (written_ == Phase::kChunks) after_chunk();
   if (next_ < end_) {
     phase_ = Phase::kChunks;
-  } else if (end_ == planned_.plan->header().chunk_count) {
+  } else if (end_ == chunk_count()) {
     phase_ = Phase::kTrailer;
   } else {
     end(absl::OkStatus());

@@ -12,6 +12,7 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
+#include "core/pipeline/mesh_patch.h"
 #include "server/mesh_engine.h"
 #include "server/request.h"
 
@@ -57,7 +58,10 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void begin(const grpc::ByteBuffer& request);
   void watch_progress();
   void report_progress();
-  void begin_chunks(absl::StatusOr<PlannedMesh> planned);
+  void plan_base(absl::StatusOr<PlannedMesh> planned);
+  void find_patches(const absl::StatusOr<PlannedMesh>& base);
+  void begin_chunks(const absl::Status& planned);
+  std::uint64_t chunk_count() const;
   absl::Status check_range();
   std::uint64_t window() const;
   void post_chunks();
@@ -87,6 +91,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   MeshTicket ticket_;
   StreamOrder order_;
   PlannedMesh planned_;
+  std::shared_ptr<const MeshPatch> patch_;  ///< where parts of the client's mesh are kept
   Phase phase_ = Phase::kPlanning;
   Phase written_ = Phase::kPlanning;  ///< phase of the message being written
   bool writing_ = false;

@@ -67,6 +67,11 @@ absl::StatusOr<std::size_t> File::read_at(std::uint64_t offset, std::span<char> 
   return static_cast<std::size_t>(count);
 }
 
+void File::begin_flush(std::uint64_t offset, std::uint64_t size) noexcept {
+  ::sync_file_range(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(size),
+                    SYNC_FILE_RANGE_WRITE);
+}
+
 absl::Status File::sync() {
   if (::fdatasync(descriptor_) == 0) return absl::OkStatus();
   return disk_error("cannot flush", path_);

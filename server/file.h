@@ -31,6 +31,9 @@ class File {
   absl::Status write_at(std::uint64_t offset, std::string_view bytes);
   /// Fills as much of `bytes` as the file has from `offset` on, and says how much.
   absl::StatusOr<std::size_t> read_at(std::uint64_t offset, std::span<char> bytes) const;
+  /// Has the system begin to write these bytes to the disk, so that `sync` takes less time.
+  /// Whether it does is `sync`'s matter.
+  void begin_flush(std::uint64_t offset, std::uint64_t size) noexcept;
   /// Returns once the bytes would survive a power cut.
   absl::Status sync();
 

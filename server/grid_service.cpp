@@ -98,8 +98,8 @@ grpc::ServerUnaryReactor* GridService::FindMissingGrids(
   });
 }
 
-grpc::ServerReadReactor<v1::UploadGridRequest>* GridService::UploadGrid(
-    grpc::CallbackServerContext* context, v1::UploadGridResponse* response) {
+grpc::ServerReadReactor<grpc::ByteBuffer>* GridService::UploadGrid(
+    grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
   return new UploadStream(store_, calls_, disk_, *context, *response);
 }
 

@@ -10,9 +10,16 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
+/// The generated service, but UploadGrid in bytes: UploadStream reads its messages itself.
+using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
+    v1::GridService::WithRawCallbackMethod_UploadGrid<
+        v1::GridService::WithCallbackMethod_GetUploadStatus<
+            v1::GridService::WithCallbackMethod_ListGrids<
+                v1::GridService::WithCallbackMethod_GetGridInfo<v1::GridService::Service>>>>>;
+
 /// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, a pool of its own, so that
 /// uploads do not wait for meshes; the store and both others outlive the service.
-class GridService final : public v1::GridService::CallbackService {
+class GridService final : public RawUploadService {
  public:
   GridService(GridStore& store, CallRegistry& calls, TaskPool& disk)
       : store_(store), calls_(calls), disk_(disk) {}
@@ -20,8 +27,8 @@ class GridService final : public v1::GridService::CallbackService {
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
                                              const v1::FindMissingGridsRequest* request,
                                              v1::FindMissingGridsResponse* response) override;
-  grpc::ServerReadReactor<v1::UploadGridRequest>* UploadGrid(
-      grpc::CallbackServerContext* context, v1::UploadGridResponse* response) override;
+  grpc::ServerReadReactor<grpc::ByteBuffer>* UploadGrid(grpc::CallbackServerContext* context,
+                                                        grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* GetUploadStatus(grpc::CallbackServerContext* context,
                                             const v1::GetUploadStatusRequest* request,
                                             v1::UploadStatus* response) override;

@@ -10,6 +10,11 @@
 
 namespace tet {
 
+namespace {
+// The disk begins with so much at a time while the rest is still coming.
+constexpr std::uint64_t kFlushBytes = std::uint64_t{16} << 20;
+}  // namespace
+
 absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(
     GridStore& store,
     std::string digest,
@@ -45,26 +50,49 @@ GridUpload::~GridUpload() {
 }
 
 absl::Status GridUpload::append(std::uint64_t offset, std::string_view bytes) {
+  absl::Status status = check(offset, bytes.size());
+  if (status.ok()) status = write({&bytes, 1});
+  if (!status.ok()) return status;
+  digest({&bytes, 1});
+  advance(bytes.size());
+  return absl::OkStatus();
+}
+
+absl::Status GridUpload::check(std::uint64_t offset, std::uint64_t size) const {
   if (offset != committed_size_) {
     return with_reason(absl::OutOfRangeError(absl::StrCat(
                            "offset ", offset, " is not the committed size ", committed_size_)),
                        "WRONG_OFFSET");
   }
-  if (bytes.size() > size_bytes_ - committed_size_) {
-    return with_reason(absl::InvalidArgumentError(
-                           absl::StrCat("data ends at ", offset + bytes.size(),
-                                        ", beyond the announced ", size_bytes_, " bytes")),
-                       "TOO_MUCH_DATA");
+  if (size > size_bytes_ - committed_size_) {
+    return with_reason(
+        absl::InvalidArgumentError(absl::StrCat(
+            "data ends at ", offset + size, ", beyond the announced ", size_bytes_, " bytes")),
+        "TOO_MUCH_DATA");
   }
-  const absl::Status written = file_.write_at(offset, bytes);
+  return absl::OkStatus();
+}
+
+absl::Status GridUpload::write(std::span<const std::string_view> bytes) {
+  std::uint64_t offset = committed_size_;
+  absl::Status written;
+  for (auto part = bytes.begin(); part != bytes.end() && written.ok(); ++part) {
+    written = file_.write_at(offset, *part);
+    offset += part->size();
+  }
   if (!written.ok()) {
     // Only whole pieces count as committed: cut off what the disk took of this one.
     const absl::Status cut = file_.truncate(committed_size_);
     return cut.ok() ? with_reason(written, "DISK") : cut;
   }
-  sha256_.add(bytes);
-  committed_size_ += bytes.size();
+  if (offset / kFlushBytes > committed_size_ / kFlushBytes) {
+    file_.begin_flush(offset / kFlushBytes * kFlushBytes - kFlushBytes, kFlushBytes);
+  }
   return absl::OkStatus();
+}
+
+void GridUpload::digest(std::span<const std::string_view> bytes) noexcept {
+  for (const std::string_view part : bytes) sha256_.add(part);
 }
 
 absl::Status GridUpload::commit() {

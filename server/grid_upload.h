@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -32,11 +33,20 @@ class GridUpload {
   GridUpload& operator=(const GridUpload&) = delete;
 
   std::uint64_t committed_size() const noexcept { return committed_size_; }
+  std::uint64_t size_bytes() const noexcept { return size_bytes_; }
   bool has_all() const noexcept { return committed_size_ == size_bytes_; }
 
   /// Errors: kOutOfRange (offset is not the committed size), kInvalidArgument (more than was
   /// announced), kResourceExhausted (disk full). What was committed before stays.
   absl::Status append(std::uint64_t offset, std::string_view bytes);
+
+  /// The parts of `append`, for a caller that writes and digests at the same time: first
+  /// whether `size` bytes may come at `offset`, last that they did. After an error nothing more
+  /// may come.
+  absl::Status check(std::uint64_t offset, std::uint64_t size) const;
+  absl::Status write(std::span<const std::string_view> bytes);
+  void digest(std::span<const std::string_view> bytes) noexcept;
+  void advance(std::uint64_t size) noexcept { committed_size_ += size; }
 
   /// Stores the file, once `has_all`.
   /// Errors: kInvalidArgument (other bytes than the digest says: they are thrown away).

@@ -3,7 +3,6 @@
 #include <csignal>
 #include <fstream>
 #include <iostream>
-#include <malloc.h>
 #include <map>
 #include <pthread.h>
 #include <string>
@@ -12,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 
+#include "proto/wire/transport.h"
 #include "server/config.h"
 #include "server/file.h"
 #include "server/logging.h"
@@ -75,13 +75,6 @@ sigset_t hold_signals() {
   return signals;
 }
 
-// Chunks are made in blocks of a megabyte: giving each back to the system and faulting it in
-// again costs more than the meshing.
-void keep_large_blocks() {
-  mallopt(M_MMAP_THRESHOLD, 256 << 20);
-  mallopt(M_TRIM_THRESHOLD, 512 << 20);
-}
-
 /// Tells whoever started the server with port 0 where it listens; appears whole or not at all.
 absl::Status write_port(const std::string& path, int port) {
   if (path.empty()) return absl::OkStatus();
@@ -99,7 +92,7 @@ int cannot_start(const absl::Status& status) {
 }
 
 int serve(const tet::Config& config) {
-  keep_large_blocks();
+  tet::keep_read_blocks();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
   auto server = tet::Server::start(config);

@@ -11,7 +11,7 @@
 
 #include "core/base/parallel.h"
 #include "core/pipeline/mesh_plan.h"
-#include "server/block_pool.h"
+#include "proto/wire/block_pool.h"
 #include "server/calls.h"
 #include "server/config.h"
 #include "server/planner.h"

@@ -165,9 +165,25 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
         "encoding ENCODING_COMPACT cannot carry an improved mesh: leave improve unset, or ask "
         "for ENCODING_PLAIN");
   }
-  return StreamOrder{*std::move(mesh), static_cast<std::uint64_t>(request.start_chunk()),
-                     static_cast<std::uint64_t>(request.end_chunk()),
-                     request.expected_mesh_id(), compact};
+  StreamOrder order{*std::move(mesh),
+                    static_cast<std::uint64_t>(request.start_chunk()),
+                    static_cast<std::uint64_t>(request.end_chunk()),
+                    request.expected_mesh_id(),
+                    compact,
+                    {},
+                    {}};
+  if (request.base_mesh_id().empty() != request.base_name().empty()) {
+    return invalid_field("base_mesh_id and base_name go together: set both or neither");
+  }
+  if (request.base_name().empty()) return order;
+  if (compact) {
+    return invalid_field("base_name is for ENCODING_PLAIN: compact chunks carry whole meshes");
+  }
+  absl::StatusOr<std::string> base = parse_grid_name(request.base_name());
+  if (!base.ok()) return base.status();
+  order.base_mesh_id = request.base_mesh_id();
+  order.base_digest = *std::move(base);
+  return order;
 }
 
 v1::MeshRequest canonical_request(const MeshOrder& order,
@@ -252,6 +268,19 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
+}
+
+void to_proto(const KeptParts& kept, v1::KeptParts& message) {
+  const auto add_all = [](const std::vector<KeptRun>& runs, auto& list) {
+    for (const KeptRun& run : runs) {
+      v1::KeptRun& added = *list.Add();
+      added.set_from(signed_count(run.from));
+      added.set_to(signed_count(run.to));
+      added.set_count(signed_count(run.count));
+    }
+  };
+  add_all(kept.vertices, *message.mutable_vertices());
+  add_all(kept.tets, *message.mutable_tets());
 }
 
 void to_proto(const LatticeToWorld& to_world, v1::Lattice& message) {

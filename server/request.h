@@ -11,6 +11,7 @@
 #include "core/mesh/improve.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/quality.h"
+#include "core/mesh/splice.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
@@ -34,6 +35,8 @@ struct StreamOrder {
   std::uint64_t end_chunk = 0;  ///< 0: all
   std::string expected_mesh_id;
   bool compact = false;
+  std::string base_mesh_id;  ///< empty: no earlier mesh
+  std::string base_digest;   ///< of its grid file
 };
 
 /// Errors: kInvalidArgument, naming the field, its value and what it may be.
@@ -56,6 +59,7 @@ v1::IndexType to_proto(IndexType type);
 v1::Preset to_proto(Preset preset);
 void to_proto(const GridInfo& info, v1::GridInfo& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
+void to_proto(const KeptParts& kept, v1::KeptParts& message);
 void to_proto(const LatticeToWorld& to_world, v1::Lattice& message);
 void to_proto(const Improvement& improvement, v1::Improvement& message);
 void to_proto(const QualityStats& stats, v1::QualityStats& message);

@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "proto/wire/serialized.h"
 #include "server/request.h"
 #include "server/status.h"
 
@@ -21,10 +22,14 @@ UploadStream::UploadStream(GridStore& store,
                            CallRegistry& calls,
                            TaskPool& disk,
                            const grpc::CallbackServerContext& context,
-                           v1::UploadGridResponse& response)
-    : store_(store), disk_(disk), call_(calls, context, "UploadGrid"), response_(response) {
+                           grpc::ByteBuffer& response)
+    : store_(store),
+      disk_(disk),
+      call_(calls, context, "UploadGrid"),
+      serialized_response_(response) {
   const absl::Status admitted = calls.admission();
   if (admitted.ok()) {
+    wait_for(1);
     StartRead(&message_);
   } else {
     finish(admitted);
@@ -32,18 +37,52 @@ UploadStream::UploadStream(GridStore& store,
 }
 
 void UploadStream::OnReadDone(bool ok) {
-  if (ok) return disk_.post([this] { take_message(); });
-  // The stream ended, by the client's will or not: what has come is kept either way.
-  finish(response_.name().empty() ? out_of_order("the stream ended before `start`")
-                                  : absl::OkStatus());
+  more_ = ok;
+  happened();
 }
 
-void UploadStream::take_message() {
-  absl::Status status = out_of_order("a message with neither `start` nor `data`");
-  if (message_.has_start()) status = take_start(message_.start());
-  if (message_.has_data()) status = take_data(message_.data());
+/// `go_on` runs next, on the pool, when as many events have happened.
+void UploadStream::wait_for(int events) { awaited_.store(events); }
+
+void UploadStream::happened() {
+  if (awaited_.fetch_sub(1) == 1) disk_.post([this] { go_on(); });
+}
+
+void UploadStream::go_on() {
+  absl::Status status = end_piece();
+  if (status.ok() && !response_.complete()) {
+    // The stream ended, by the client's will or not: what has come is kept either way.
+    if (!more_) {
+      return finish(response_.name().empty() ? out_of_order("the stream ended before `start`")
+                                             : absl::OkStatus());
+    }
+    status = take_message();
+  }
   if (!status.ok() || response_.complete()) return finish(status);
-  StartRead(&message_);
+  begin_work();
+}
+
+/// The piece in work, if there is one, is written and digested, or was not.
+absl::Status UploadStream::end_piece() {
+  if (piece_.size == 0 || !written_.ok()) return written_;
+  upload_->advance(piece_.size);
+  piece_ = {};
+  response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
+  return upload_->has_all() ? commit() : absl::OkStatus();
+}
+
+/// Takes the message that was read: a piece is in work from now on.
+absl::Status UploadStream::take_message() {
+  if (auto piece = read_piece(message_)) return take_piece(*std::move(piece));
+  v1::UploadGridRequest message;
+  if (!deserialize(message_, message)) return out_of_order("bytes that are no message");
+  if (message.has_data()) {
+    text_ = std::move(*message.mutable_data()->mutable_data());
+    return take_piece(
+        {static_cast<std::uint64_t>(message.data().offset()), text_.size(), {text_}, {}});
+  }
+  if (!message.has_start()) return out_of_order("a message with neither `start` nor `data`");
+  return take_start(message.start());
 }
 
 absl::Status UploadStream::take_start(const v1::UploadStart& start) {
@@ -65,18 +104,34 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
   upload_ = *std::move(upload);
   response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
   // All bytes may have come before a restart, without the commit.
-  return upload_->has_all() ? take_data({}) : absl::OkStatus();
+  return upload_->has_all() ? commit() : absl::OkStatus();
 }
 
-absl::Status UploadStream::take_data(const v1::UploadData& data) {
+absl::Status UploadStream::take_piece(UploadPiece piece) {
   if (upload_ == nullptr) return out_of_order("`data` before `start`");
-  if (!upload_->has_all() || !data.data().empty()) {
-    const auto offset = static_cast<std::uint64_t>(data.offset());
-    const absl::Status appended = upload_->append(offset, data.data());
-    if (!appended.ok()) return appended;
-  }
-  response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
-  if (!upload_->has_all()) return absl::OkStatus();
+  if (auto status = upload_->check(piece.offset, piece.size); !status.ok()) return status;
+  piece_ = std::move(piece);
+  return absl::OkStatus();
+}
+
+// Nothing of this call may be touched after its last event was awaited: `go_on` may run
+// already.
+void UploadStream::begin_work() {
+  const bool has_piece = piece_.size > 0;
+  const bool last =
+      has_piece && upload_->committed_size() + piece_.size == upload_->size_bytes();
+  wait_for((last ? 0 : 1) + (has_piece ? 2 : 0));
+  if (!last) StartRead(&message_);
+  if (!has_piece) return;
+  disk_.post([this] {
+    upload_->digest(piece_.bytes);
+    happened();
+  });
+  written_ = upload_->write(piece_.bytes);
+  happened();
+}
+
+absl::Status UploadStream::commit() {
   const absl::Status committed = upload_->commit();
   response_.set_complete(committed.ok());
   return committed;
@@ -85,6 +140,7 @@ absl::Status UploadStream::take_data(const v1::UploadData& data) {
 void UploadStream::finish(const absl::Status& status) {
   upload_.reset();  // whoever sees the answer may go on with the upload at once
   call_.note("bytes", response_.committed_size());
+  serialized_response_ = serialized(response_);
   Finish(call_.finish(status));
 }
 

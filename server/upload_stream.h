@@ -1,48 +1,67 @@
 // One UploadGrid call.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "core/base/parallel.h"
 #include "server/calls.h"
 #include "server/grid_store.h"
 #include "server/grid_upload.h"
+#include "server/upload_piece.h"
 #include "tetstream/v1/grids.pb.h"
 
 namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
-/// The reactor of one upload: each message is written to disk as a task, and the next one is
-/// read when that is done. So nothing here runs twice at once, and no lock is needed.
+/// The reactor of one upload. A piece is written to disk and digested as two tasks, while the
+/// next message is read; that one waits until both are done. So there is at most one piece in
+/// work and one on its way, and what decides runs once at a time.
 ///
 /// Owned by the call: deletes itself when gRPC is done with it.
-class UploadStream final : public grpc::ServerReadReactor<v1::UploadGridRequest> {
+class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
+  /// `response` becomes an UploadGridResponse.
   UploadStream(GridStore& store,
                CallRegistry& calls,
                TaskPool& disk,
                const grpc::CallbackServerContext& context,
-               v1::UploadGridResponse& response);
+               grpc::ByteBuffer& response);
 
  private:
   void OnReadDone(bool ok) override;
   void OnDone() override { delete this; }
 
-  void take_message();
+  void wait_for(int events);
+  void happened();
+
+  void go_on();
+  absl::Status end_piece();
+  absl::Status take_message();
   absl::Status take_start(const v1::UploadStart& start);
-  absl::Status take_data(const v1::UploadData& data);
+  absl::Status take_piece(UploadPiece piece);
+  void begin_work();
+  absl::Status commit();
   void finish(const absl::Status& status);
 
   GridStore& store_;
   TaskPool& disk_;
   Call call_;
-  v1::UploadGridResponse& response_;
-  v1::UploadGridRequest message_;
+  grpc::ByteBuffer& serialized_response_;
+  v1::UploadGridResponse response_;
   std::unique_ptr<GridUpload> upload_;
+
+  std::atomic<int> awaited_{0};  ///< of: message read, piece written, piece digested
+  grpc::ByteBuffer message_;     ///< read last
+  bool more_ = false;            ///< the last read brought a message
+  UploadPiece piece_;            ///< in work
+  std::string text_;             ///< holds its bytes if protobuf had to parse them
+  absl::Status written_;         ///< what became of it
 };
 
 }  // namespace tet

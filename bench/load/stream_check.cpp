@@ -1,22 +1,64 @@
 #include "bench/load/stream_check.h"
 
 #include <absl/strings/str_cat.h>
+#include <grpcpp/impl/codegen/proto_utils.h>
 
+#include "client/chunk_message.h"
 #include "proto/wire/checksum.h"
 
 namespace tet::load {
+namespace {
 
 namespace v1 = ::tetstream::v1;
+
+std::uint64_t count_of(std::int64_t count) { return static_cast<std::uint64_t>(count); }
+
+ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
+  return {.index = count_of(chunk.index()),
+          .first_vertex = count_of(chunk.first_vertex()),
+          .vertex_count = count_of(chunk.vertex_count()),
+          .first_tet = count_of(chunk.first_tet()),
+          .tet_count = count_of(chunk.tet_count()),
+          .checksum = chunk.checksum()};
+}
+
+std::uint64_t column_bytes_of(const ChunkMessage& chunk) {
+  std::uint64_t bytes = 0;
+  for (const ChunkMessage::Column& column : chunk.columns) bytes += column.size;
+  return bytes;
+}
+
+}  // namespace
+
+absl::Status StreamCheck::take(grpc::ByteBuffer& event) {
+  if (const auto chunk = read_chunk(event)) {
+    const absl::Status status = take_chunk(chunk->numbers, column_bytes_of(*chunk));
+    if (!status.ok() || !check_columns_) return status;
+    return check_columns(chunk->numbers, columns_checksum(event, *chunk));
+  }
+  v1::MeshEvent message;
+  if (!grpc::SerializationTraits<v1::MeshEvent>::Deserialize(&event, &message).ok()) {
+    return absl::DataLossError("a message that is no MeshEvent");
+  }
+  return take(message);
+}
 
 absl::Status StreamCheck::take(const v1::MeshEvent& event) {
   switch (event.event_case()) {
     case v1::MeshEvent::kHeader:
       has_header_ = true;
-      chunk_count_ = event.header().chunk_count();
-      tet_count_ = event.header().tet_count();
+      chunk_count_ = count_of(event.header().chunk_count());
+      tet_count_ = count_of(event.header().tet_count());
       return absl::OkStatus();
-    case v1::MeshEvent::kChunk:
-      return take_chunk(event.chunk());
+    case v1::MeshEvent::kChunk: {
+      const v1::MeshChunk& chunk = event.chunk();
+      const absl::Status status =
+          take_chunk(numbers_of(chunk),
+                     chunk.positions().size() + chunk.tets().size() + chunk.regions().size());
+      if (!status.ok() || !check_columns_) return status;
+      return check_columns(numbers_of(chunk),
+                           chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+    }
     case v1::MeshEvent::kTrailer:
       has_trailer_ = true;
       return ended();
@@ -25,18 +67,21 @@ absl::Status StreamCheck::take(const v1::MeshEvent& event) {
   }
 }
 
-absl::Status StreamCheck::take_chunk(const v1::MeshChunk& chunk) {
+absl::Status StreamCheck::take_chunk(const ChunkNumbers& chunk, std::uint64_t column_bytes) {
   if (!has_header_) return absl::DataLossError("a chunk came before the header");
-  if (chunk.index() != next_chunk_ || chunk.first_tet() != next_tet_) {
-    return absl::DataLossError(absl::StrCat("chunk ", chunk.index(), " is out of place"));
+  if (chunk.index != next_chunk_ || chunk.first_tet != next_tet_) {
+    return absl::DataLossError(absl::StrCat("chunk ", chunk.index, " is out of place"));
   }
   ++next_chunk_;
-  next_tet_ += chunk.tet_count();
-  if (check_columns_ &&
-      chunk.checksum() != chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions())) {
-    return absl::DataLossError(absl::StrCat("chunk ", chunk.index(), " has a wrong checksum"));
-  }
+  next_tet_ += chunk.tet_count;
+  column_bytes_ += column_bytes;
   return absl::OkStatus();
+}
+
+absl::Status StreamCheck::check_columns(const ChunkNumbers& chunk,
+                                        std::uint32_t checksum) const {
+  if (chunk.checksum == checksum) return absl::OkStatus();
+  return absl::DataLossError(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
 }
 
 absl::Status StreamCheck::ended() const {

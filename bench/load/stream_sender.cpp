@@ -10,10 +10,13 @@
 
 #include <absl/strings/str_cat.h>
 #include <grpcpp/client_context.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
 
 #include "bench/load/stream_check.h"
 #include "client/channel.h"
+#include "proto/wire/serialized.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet::load {
@@ -23,12 +26,13 @@ namespace v1 = ::tetstream::v1;
 
 class StreamSender;
 
-/// One call; deletes itself when it is over.
-class StreamCall final : public grpc::ClientReadReactor<v1::MeshEvent> {
+/// One call; deletes itself when it is over. Messages stay the bytes they came in: parsing them
+/// would copy every column.
+class StreamCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   StreamCall(StreamSender& sender, const LoadRequest& request, RequestSender::Done done);
 
-  void start(v1::MeshService::Stub& stub);
+  void start(grpc::GenericStub& stub);
   void cancel() { context_.TryCancel(); }
 
   std::list<StreamCall*>::iterator place;  ///< among its sender's calls
@@ -40,8 +44,7 @@ class StreamCall final : public grpc::ClientReadReactor<v1::MeshEvent> {
   StreamSender& sender_;
   RequestSender::Done done_;
   grpc::ClientContext context_;
-  v1::StreamMeshRequest message_;
-  v1::MeshEvent event_;
+  grpc::ByteBuffer message_, event_;
   StreamCheck check_;
   Outcome outcome_;
 };
@@ -52,7 +55,7 @@ class StreamSender final : public RequestSender {
       : check_columns_(settings.check_columns) {
     for (int i = 0; i < settings.connections; ++i) {
       channels_.push_back(open_channel(settings.address));
-      stubs_.push_back(v1::MeshService::NewStub(channels_.back()));
+      stubs_.push_back(std::make_unique<grpc::GenericStub>(channels_.back()));
     }
   }
 
@@ -76,7 +79,7 @@ class StreamSender final : public RequestSender {
 
   void send(const LoadRequest& request, Done done) override {
     auto* call = new StreamCall(*this, request, std::move(done));
-    v1::MeshService::Stub* stub = nullptr;
+    grpc::GenericStub* stub = nullptr;
     {
       const std::lock_guard lock(mutex_);
       call->place = calls_.insert(calls_.end(), call);
@@ -115,7 +118,7 @@ class StreamSender final : public RequestSender {
  private:
   const bool check_columns_;
   std::vector<std::shared_ptr<grpc::Channel>> channels_;
-  std::vector<std::unique_ptr<v1::MeshService::Stub>> stubs_;
+  std::vector<std::unique_ptr<grpc::GenericStub>> stubs_;
   std::atomic<std::uint64_t> tets_{0}, bytes_{0};
   std::mutex mutex_;
   std::condition_variable all_ended_;
@@ -127,7 +130,9 @@ StreamCall::StreamCall(StreamSender& sender,
                        const LoadRequest& request,
                        RequestSender::Done done)
     : sender_(sender), done_(std::move(done)), check_(sender.check_columns()) {
-  *message_.mutable_mesh() = request.message;
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request.message;
+  message_ = serialized(message);
   if (request.give_up) {
     const auto left = *request.give_up - Clock::now();
     context_.set_deadline(std::chrono::system_clock::now() +
@@ -135,9 +140,13 @@ StreamCall::StreamCall(StreamSender& sender,
   }
 }
 
-void StreamCall::start(v1::MeshService::Stub& stub) {
+void StreamCall::start(grpc::GenericStub& stub) {
   outcome_.sent = Clock::now();
-  stub.async()->StreamMesh(&context_, &message_, this);
+  context_.set_initial_metadata_corked(true);  // sent with the request
+  const std::string method =
+      absl::StrCat("/", v1::MeshService::service_full_name(), "/StreamMesh");
+  stub.PrepareBidiStreamingCall(&context_, method, {}, this);
+  StartWriteLast(&message_, grpc::WriteOptions());
   StartRead(&event_);
   StartCall();
 }
@@ -145,25 +154,19 @@ void StreamCall::start(v1::MeshService::Stub& stub) {
 void StreamCall::OnReadDone(bool ok) {
   if (!ok) return;  // OnDone tells why
   const TimePoint now = Clock::now();
-  if (event_.has_header() && !outcome_.header) outcome_.header = now;
-  if (event_.has_chunk()) {
-    const v1::MeshChunk& chunk = event_.chunk();
-    const std::uint64_t tets =
-        static_cast<std::uint64_t>(std::max<std::int64_t>(chunk.tet_count(), 0));
-    const std::uint64_t bytes =
-        chunk.positions().size() + chunk.tets().size() + chunk.regions().size();
-    if (!outcome_.first_chunk) outcome_.first_chunk = now;
-    outcome_.tets += tets;
-    outcome_.bytes += bytes;
-    sender_.count(tets, bytes);
-  }
+  const std::uint64_t tets = check_.tets(), bytes = check_.column_bytes();
   outcome_.status = check_.take(event_);
+  if (check_.has_header() && !outcome_.header) outcome_.header = now;
+  if (check_.chunks() > 0 && !outcome_.first_chunk) outcome_.first_chunk = now;
+  sender_.count(check_.tets() - tets, check_.column_bytes() - bytes);
   if (!outcome_.status.ok()) return cancel();
   StartRead(&event_);
 }
 
 void StreamCall::OnDone(const grpc::Status& status) {
   outcome_.ended = Clock::now();
+  outcome_.tets = check_.tets();
+  outcome_.bytes = check_.column_bytes();
   if (outcome_.status.ok() && !status.ok()) {
     outcome_.status = absl::Status(static_cast<absl::StatusCode>(status.error_code()),
                                    status.error_message());

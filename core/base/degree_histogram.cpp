@@ -1,30 +1,12 @@
 #include "core/base/degree_histogram.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "core/base/lane_angles.h"
 #include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
-
-/// Degrees of asin(sqrt(t)) for t in [0, 1/2]: sqrt(t) times a polynomial that is off by 1.4e-4
-/// degrees at most (found by Remez exchange).
-[[gnu::always_inline]] inline float degrees_of_half(float t) noexcept {
-  const float low = 57.2978251F + 9.47438572F * t, middle = 5.05318527F - 0.425775705F * t;
-  const float square = t * t;
-  return std::sqrt(t) * (low + square * (middle + square * 6.30918103F));
-}
-
-/// Whole degrees of a dihedral angle from its signed squared cosine.
-[[gnu::always_inline]] inline std::int32_t whole_degrees(float cosine) noexcept {
-  constexpr float kRounding = 2e-4F;
-  const float square = std::abs(cosine);
-  const float rest = std::abs(1 - square);
-  const float part = degrees_of_half(square < rest ? square : rest);
-  const float from_right = square < 0.5F ? part : 90 - part;
-  return static_cast<std::int32_t>(90 + kRounding - std::copysign(from_right, cosine));
-}
 
 using Column = TetBatch::Column<float>;
 using Degrees = TetBatch::Column<std::int32_t>;

@@ -12,17 +12,15 @@ namespace tet {
 
 /// How many angles lie in [d, d+1) degrees, for d from 0 to 179; 180 counts as 179.
 ///
-/// Angles are computed in float. An angle is counted at most 3e-4 degrees too high or 1e-4 too
-/// low (twenty times that within a degree of 0 and of 180), and never too low where its cosine
-/// is exact: 60 and 90 degrees stay whole.
+/// Angles are computed in float. One less than 4e-4 degrees below a whole degree may be counted
+/// as that degree; so angles of 45, 60, 90 and 120 degrees are counted as those. Within 5
+/// degrees of 0 and of 180 rounding weighs more, up to 0.02 degrees.
 class DegreeHistogram {
  public:
   static constexpr int kBins = 180;
 
   /// Adds the first `count` tets of a batch by the signed squared cosines of their angles.
   void add(const std::array<TetBatch::Column<float>, 6>& cosines, std::size_t count) noexcept;
-
-  void add_one(std::size_t degrees) noexcept { ++count_[0][degrees]; }
 
   std::array<std::uint64_t, kBins> counts() const noexcept;
 

@@ -35,15 +35,12 @@ struct QualityStats {
 /// Gathers the statistics of tets.
 class QualityMeter {
  public:
-  /// Corners in the order of the tet; relative to any common origin, in world units. An
-  /// inverted tet has a negative volume. An angle at a face without area counts as 180 degrees.
-  void add_tet(const WorldPoint& a,
-               const WorldPoint& b,
-               const WorldPoint& c,
-               const WorldPoint& d) noexcept;
-
-  /// Adds tets whose corners are `points`, several at once: float arithmetic, and
-  /// ExtremeAngles.
+  /// Adds tets whose corners are `points`, several at once. The volume is in units of the
+  /// points; it and the histogram are computed in float, a tet's volume to about 1e-7 of the
+  /// cube of its edges. An inverted tet has a negative volume and the same angles; an angle at
+  /// a face without area counts as 180 degrees.
+  ///
+  /// A meter takes 2^29 tets. What it says depends on the calls and their order alone.
   void add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept;
 
   /// Adds the first `count` tets of a measured batch; `places_of(lane)` is their four corners.

@@ -5,11 +5,12 @@
 #include <cstring>
 
 #include "core/base/vector_clones.h"
+#include "core/grid/interpolate_lattice.h"
 
 namespace tet {
 namespace {
 
-constexpr int kMinNode = -2, kMaxCorner = 10, kMaxCentre = 9;
+constexpr int kMinNode = -2, kMaxCorner = 10;
 constexpr std::size_t kRow = 16, kSlice = 16 * kRow;          // of a halo
 constexpr std::size_t kUsedRows = kMaxCorner - kMinNode + 1;  // of a slice; as many slices
 
@@ -89,15 +90,17 @@ float clamped_phi(float phi) noexcept {
   return std::clamp(phi, -PhiField::kMaxPhi, PhiField::kMaxPhi) + 0.0F;
 }
 
-/// Makes phi = sign * value + shift of the values of all corners.
+/// Makes phi of values, in as many slices as rows.
 TET_VECTOR_CLONES
-void shift_corners(float sign, float shift, BrickSamples& samples) noexcept {
-  for (std::size_t x = 0; x < kUsedRows; ++x) {
-    float* const slice = &samples.corner[x * kSlice];
-    for (std::size_t i = 0; i < kUsedRows * kRow; ++i) {
+void shift_slices(std::size_t rows,
+                  const PhiField& field,
+                  std::array<float, kHaloNodes>& column) noexcept {
+  const float sign = field.negated() ? -1.0F : 1.0F, shift = -sign * field.iso;
+  for (std::size_t x = 0; x < rows; ++x) {
+    float* const slice = &column[x * kSlice];
+    for (std::size_t i = 0; i < rows * kRow; ++i) {
       slice[i] = clamped_phi(sign * slice[i] + shift);
     }
-    slice[kUsedRows * kRow] = 0;  // the last row's sums along z read it
   }
 }
 
@@ -107,7 +110,8 @@ void average_centres(BrickSamples& samples) noexcept {
   constexpr std::size_t kUsed = (kUsedRows - 1) * kRow;
   alignas(64) std::array<float, kUsed> sums{};  // of the slice before
   for (std::size_t x = 0; x < kUsedRows; ++x) {
-    const float* const corner = &samples.corner[x * kSlice];
+    float* const corner = &samples.corner[x * kSlice];
+    corner[kUsedRows * kRow] = 0;  // the last row's sums along z read it
     // What the first slice leaves behind itself is no centre, and is written again.
     float* const before = &samples.centre[(x == 0 ? 0 : x - 1) * kSlice];
     for (std::size_t i = 0; i < kUsed; ++i) {
@@ -143,25 +147,20 @@ void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
 
 void PhiSampler::gather_values(BrickCoord brick, BrickSamples& samples) noexcept {
   Surroundings(reader_, brick).copy_rows(samples.corner);
-  const float sign = field_.negated() ? -1.0F : 1.0F;
-  shift_corners(sign, -sign * field_.iso, samples);
+  shift_slices(kUsedRows, field_, samples.corner);
   average_centres(samples);
 }
 
 void PhiSampler::interpolate(BrickCoord brick, BrickSamples& samples) noexcept {
-  const auto fill = [&](const HaloSet& nodes, double shift, auto& column) {
-    column.fill(0);
-    for_each_bit(nodes, [&](int index) {
-      column[static_cast<std::size_t>(index)] =
-          at(8.0 * brick.x + (index >> 8) - 2 + shift,
-             8.0 * brick.y + (index >> 4 & 15) - 2 + shift,
-             8.0 * brick.z + (index & 15) - 2 + shift);
-    });
+  const auto fill = [&](double first, std::size_t count, auto& column) {
+    const auto points = [&](std::int32_t at) {
+      return AxisPoints(8.0 * at + first, count, field_.spacing_voxels);
+    };
+    interpolate_lattice(reader_, points(brick.x), points(brick.y), points(brick.z), column);
+    shift_slices(count, field_, column);
   };
-  constexpr HaloSet kCorners = halo_cube(kMinNode, kMaxCorner);
-  constexpr HaloSet kCentres = halo_cube(kMinNode, kMaxCentre);
-  fill(kCorners, 0, samples.corner);
-  fill(kCentres, 0.5, samples.centre);
+  fill(kMinNode, kUsedRows, samples.corner);
+  fill(kMinNode + 0.5, kUsedRows - 1, samples.centre);
 }
 
 bool PhiSampler::inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {

@@ -52,16 +52,37 @@ float VolumeReader::value(VoxelCoord voxel) noexcept {
   return found.values[((voxel.x & 7) * 8 + (voxel.y & 7)) * 8 + (voxel.z & 7)];
 }
 
+VolumeReader::Cell VolumeReader::cell(VoxelCoord min) noexcept {
+  Cell cell;
+  if ((min.x & 7) < 7 && (min.y & 7) < 7 && (min.z & 7) < 7) {
+    const Brick found =
+        brick({min.x >> kBrickShift, min.y >> kBrickShift, min.z >> kBrickShift});
+    if (found.values == nullptr) {
+      cell.fill(found.range.min);
+      return cell;
+    }
+    const float* first = found.values + ((min.x & 7) * 8 + (min.y & 7)) * 8 + (min.z & 7);
+    for (std::size_t i = 0; i < 8; ++i) {
+      cell[i] = first[(i >> 2) * 64 + (i >> 1 & 1) * 8 + (i & 1)];
+    }
+    return cell;
+  }
+  for (int i = 0; i < 8; ++i) {
+    cell[static_cast<std::size_t>(i)] =
+        value({min.x + (i >> 2), min.y + (i >> 1 & 1), min.z + (i & 1)});
+  }
+  return cell;
+}
+
 double VolumeReader::trilinear(const VoxelPoint& p) noexcept {
   const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
-  const VoxelCoord v{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
-                     static_cast<std::int32_t>(z)};
-  const auto along_z = [&](std::int32_t i, std::int32_t j) {
-    const double low = value({v.x + i, v.y + j, v.z});
-    const double high = value({v.x + i, v.y + j, v.z + 1});
+  const Cell values = cell({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
+                            static_cast<std::int32_t>(z)});
+  const auto along_z = [&](std::size_t i, std::size_t j) {
+    const double low = values[4 * i + 2 * j], high = values[4 * i + 2 * j + 1];
     return low + (p.z - z) * (high - low);
   };
-  const auto along_y = [&](std::int32_t i) {
+  const auto along_y = [&](std::size_t i) {
     const double low = along_z(i, 0);
     return low + (p.y - y) * (along_z(i, 1) - low);
   };

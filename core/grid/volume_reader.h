@@ -1,6 +1,7 @@
 // Reading a volume at any voxel: region, then brick, then value.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -23,6 +24,10 @@ class VolumeReader {
   Brick brick(BrickCoord coord) noexcept;
 
   float value(VoxelCoord voxel) noexcept;
+
+  /// The values at the eight voxels of the cell at `min`, at 4*x + 2*y + z.
+  using Cell = std::array<float, 8>;
+  Cell cell(VoxelCoord min) noexcept;
 
   /// Trilinear interpolation between the eight voxel centres around `p`.
   double trilinear(const VoxelPoint& p) noexcept;

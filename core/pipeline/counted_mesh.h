@@ -59,6 +59,10 @@ class CountedMesh {
 
   std::size_t brick_count() const noexcept { return first_vertex_.size() - 1; }
   BrickPlace place(std::size_t brick) const noexcept;
+  /// The number of a level's first brick.
+  std::size_t first_brick(int level) const noexcept {
+    return first_brick_[static_cast<std::size_t>(level)];
+  }
   std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
   std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
 

@@ -17,21 +17,22 @@ struct BackgroundShapes {
   QualityStats halved, in_three;  ///< the two, and the three, tets of a half pyramid
 };
 
-using TetPoints = std::array<WorldPoint, 4>;
+using TetPoints = std::array<LocalPoint, 4>;
 
 QualityStats stats_of(std::initializer_list<TetPoints> tets) {
+  constexpr LocalTet kInOrder{0, 1, 2, 3};
   QualityMeter meter;
-  for (const auto& [a, b, c, d] : tets) meter.add_tet(a, b, c, d);
+  for (const TetPoints& points : tets) meter.add_tets(points.data(), {&kInOrder, 1});
   return meter.stats();
 }
 
 const BackgroundShapes& background_shapes() {
   // Cell [0, 1]^3 with its upper face across x, seen from the centre.
-  constexpr WorldPoint kLow{0.5, 0.5, 0.5}, kHigh{1.5, 0.5, 0.5};
-  constexpr WorldPoint kFace{1, 0.5, 0.5}, kMiddle{1, 0.5, 0};
-  constexpr WorldPoint kCorner0{1, 0, 0}, kCorner1{1, 1, 0}, kCorner2{1, 1, 1};
-  constexpr WorldPoint kNext{1, 1, 0.5};  // between corners 1 and 2
-  const auto tet = [&](WorldPoint a, WorldPoint b, WorldPoint c) {
+  constexpr LocalPoint kLow{0.5F, 0.5F, 0.5F}, kHigh{1.5F, 0.5F, 0.5F};
+  constexpr LocalPoint kFace{1, 0.5F, 0.5F}, kMiddle{1, 0.5F, 0};
+  constexpr LocalPoint kCorner0{1, 0, 0}, kCorner1{1, 1, 0}, kCorner2{1, 1, 1};
+  constexpr LocalPoint kNext{1, 1, 0.5F};  // between corners 1 and 2
+  const auto tet = [&](LocalPoint a, LocalPoint b, LocalPoint c) {
     return TetPoints{kLow, a, b, c};
   };
   static const BackgroundShapes shapes{

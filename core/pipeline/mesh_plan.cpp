@@ -203,7 +203,13 @@ const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
 }
 
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
-  const std::size_t begin = impl_->first_brick[index], end = impl_->first_brick[index + 1];
+  return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
+}
+
+ComparedMesh MeshPlan::counted() const noexcept { return {impl_->mesh, impl_->field}; }
+
+ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
+  const auto [begin, end] = range;
   const CountedMesh& mesh = impl_->mesh;
   return {mesh.first_vertex(begin), mesh.first_vertex(end) - mesh.first_vertex(begin),
           mesh.first_tet(begin), mesh.first_tet(end) - mesh.first_tet(begin)};
@@ -212,7 +218,8 @@ ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
-  const QualityStats stats = fill_unimproved(index, workspace, columns);
+  const QualityStats stats =
+      fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace, columns);
   if (!improvement_) return stats;
   const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
   std::memcpy(columns.positions.data(), positions_.bytes().data() + first,
@@ -221,13 +228,12 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
       {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
 }
 
-QualityStats MeshPlan::fill_unimproved(std::uint64_t index,
-                                       MeshWorkspace& workspace,
-                                       ChunkColumns columns) const noexcept {
+QualityStats MeshPlan::fill_bricks(const BrickRange& range,
+                                   MeshWorkspace& workspace,
+                                   ChunkColumns columns) const noexcept {
   const CountedMesh& mesh = impl_->mesh;
   BrickFiller filler(mesh, impl_->field, header(), impl_->to_world, workspace.impl());
-  const std::size_t end = impl_->first_brick[index + 1];
-  for (std::size_t brick = impl_->first_brick[index]; brick < end; ++brick) {
+  for (std::size_t brick = range.begin; brick < range.end; ++brick) {
     const ChunkSizes size(header(), mesh.first_vertex(brick + 1) - mesh.first_vertex(brick),
                           mesh.first_tet(brick + 1) - mesh.first_tet(brick));
     filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),

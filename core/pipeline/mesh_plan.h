@@ -51,6 +51,20 @@ struct CompactFrame {
   StuffingRules rules;
 };
 
+class CountedMesh;
+struct PhiField;
+
+/// A counted mesh and the field that it was counted from.
+struct ComparedMesh {
+  const CountedMesh& mesh;
+  const PhiField& field;
+};
+
+/// Bricks of a mesh in the order of ids, the last one excluded.
+struct BrickRange {
+  std::size_t begin = 0, end = 0;
+};
+
 /// The counted mesh of one (volume, request). Immutable: any thread may call any member.
 class MeshPlan {
  public:
@@ -82,6 +96,13 @@ class MeshPlan {
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept;
 
+  /// The same by bricks: of which there are any number in a chunk.
+  ComparedMesh counted() const noexcept;
+  ChunkExtent bricks(const BrickRange& range) const noexcept;
+  QualityStats fill_bricks(const BrickRange& range,
+                           MeshWorkspace& workspace,
+                           ChunkColumns columns) const noexcept;
+
   /// Appends one chunk as its compact encoding, which depends on (volume, request, index) alone
   /// too. Not for an improved mesh, whose positions no rule implies.
   void encode_chunk(std::uint64_t index,
@@ -91,10 +112,6 @@ class MeshPlan {
   CompactFrame compact_frame() const noexcept;
 
  private:
-  QualityStats fill_unimproved(std::uint64_t index,
-                               MeshWorkspace& workspace,
-                               ChunkColumns columns) const noexcept;
-
   std::shared_ptr<const Impl> impl_;
   ByteBuffer positions_;  // of all vertices, where they were improved
   std::optional<Improvement> improvement_;

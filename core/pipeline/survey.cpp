@@ -10,7 +10,6 @@
 
 #include <absl/status/status.h>
 
-#include "core/base/brick_neighbours.h"
 #include "core/base/parallel.h"
 #include "core/pipeline/manifold.h"
 #include "core/stuffing/cut_tet.h"
@@ -172,34 +171,6 @@ class GeometryKeeper {
   std::vector<std::pair<SurveyedBrick*, std::size_t>> kept_;
 };
 
-/// Where zeros may lie within the inside, the surface is walked over in that brick and those
-/// around it, whose sheets may hang together by nothing but such zeros.
-void find_parts_around_inner_zeros(const PhiField& field,
-                                   const std::vector<BrickCoord>& candidates,
-                                   const MeshedSpace& space,
-                                   const RestoredNodes* restored,
-                                   std::vector<std::optional<SurveyedBrick>>& found) {
-  std::vector<std::uint32_t> again;
-  BrickNeighbours neighbours(candidates);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!found[i] || !found[i]->surface.has_inner_zeros) continue;
-    for (const std::uint32_t at : neighbours.around(candidates[i])) {
-      if (at == kNoBrick || !found[at] || !found[at]->surface.sheet.one) continue;
-      found[at]->surface.sheet.one = false;
-      again.push_back(at);
-    }
-  }
-  for_each_range(again.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
-    PhiSampler sampler(field);
-    const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
-    for (std::size_t i = begin; i < end; ++i) {
-      stuff_brick(sampler, candidates[again[i]], space.rules, restored, workspace->stuffing);
-      found[again[i]]->parts = std::make_unique<SurfaceParts>(
-          find_surface_parts(workspace->stuffing.lattice.warped, workspace->surface));
-    }
-  });
-}
-
 /// Gathers what was found, in the order of the bricks.
 Survey gather(const std::vector<BrickCoord>& candidates,
               std::vector<std::optional<SurveyedBrick>>& found,
@@ -289,7 +260,6 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
-  find_parts_around_inner_zeros(field, candidates, space, restored.get(), found);
   Survey survey = gather(candidates, found, space.rules.both_sides);
   survey.restored = std::move(restored);
   std::erase(blocks, nullptr);

@@ -62,7 +62,7 @@ struct Survey {
   SurfaceCounts surface;
   /// Of each brick; like the next, they may be dropped once they are counted.
   std::vector<SurfaceSheet> sheets;
-  /// Where it is not known to be one sheet, or not sure what that means; sorted by brick.
+  /// Where it is not known to be one sheet; sorted by brick.
   std::vector<PartsOfBrick> parts;
   bool box_cuts_surface = false;  ///< the surface is open, and not counted
 

@@ -55,7 +55,8 @@ void find_sign_changes(const NodeSigns& signs, EdgeSets& cut, HaloSet& any) noex
     for (std::size_t w = kWordsInReach[f].begin; w < kWordsInReach[f].end; ++w) {
       const std::uint64_t end_inside = word_seen_from(signs.inside[end], w, offset);
       const std::uint64_t end_outside = word_seen_from(signs.outside[end], w, offset);
-      out[w] = ((inside[w] & end_outside) | (outside[w] & end_inside)) & kEdgesInReach[f].word[w];
+      out[w] =
+          ((inside[w] & end_outside) | (outside[w] & end_inside)) & kEdgesInReach[f].word[w];
       any.word[w] |= out[w];
     }
   }

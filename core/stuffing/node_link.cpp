@@ -217,16 +217,6 @@ bool is_plainly_manifold(const NodeLink& link) noexcept {
          !kWithTriangle.has(link.zero);
 }
 
-bool has_inner_zeros(const NodeLink& link) noexcept {
-  const unsigned minus = minus_of(link);
-  if (link.plus != 0 && minus == 0) return true;
-  for (unsigned zeros = link.zero; zeros != 0; zeros &= zeros - 1) {
-    const unsigned around = kLinkNeighbours[static_cast<std::size_t>(std::countr_zero(zeros))];
-    if ((around & link.plus) != 0 && (around & minus) == 0) return true;
-  }
-  return false;
-}
-
 SurfaceAtNode surface_at(const NodeLink& link) noexcept {
   SurfaceAtNode surface;
   for_each_direction(link.zero, [&](std::size_t d) {

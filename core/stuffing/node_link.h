@@ -45,10 +45,6 @@ NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
 /// neighbours, each with a node of it.
 bool is_plainly_manifold(const NodeLink& link) noexcept;
 
-/// True when the node, or an edge from it to a zero neighbour, may lie within the inside: some
-/// neighbour around it is `+`, and none is `-`.
-bool has_inner_zeros(const NodeLink& link) noexcept;
-
 namespace internal {
 
 /// The neighbours of a node and of the one at the end of `direction` both, in cyclic order: any

@@ -45,6 +45,16 @@ Plane corners_beside(const Plane& centres) noexcept {
   return out;
 }
 
+/// A plane's own nodes on long edges from these.
+Plane beside_in_plane(const Plane& nodes) noexcept {
+  const auto& [a, b, c] = nodes.word;
+  return {
+      {a << 1 | a >> 1 | a << 16 | a >> 16 | b << 48,
+       b << 1 | b >> 1 | b << 16 | b >> 16 | a >> 48 | c << 48,
+       c << 1 | c >> 1 | c << 16 | c >> 16 | b >> 48}
+  };
+}
+
 /// Planes of the box in the order of x: corners, then centres half a spacing further.
 constexpr std::size_t kPlanes = 2 * (kMax - kMin + 1);
 using Planes = std::array<Plane, kPlanes>;
@@ -57,18 +67,18 @@ Planes planes_of(const NodeSets& nodes) noexcept {
   return planes;
 }
 
-/// Fills a set of nodes from its first one.
+/// Fills a set of nodes from its first one. No edge between two of the set's zeros is followed.
 class Flood {
  public:
-  explicit Flood(const Planes& nodes) : nodes_(nodes) {}
+  Flood(const Planes& nodes, const Planes& zero) : nodes_(nodes), zero_(zero) {}
 
   bool reaches_all() noexcept {
     if (!seed()) return true;
     for (bool grown = true; grown;) {
       grown = false;
-      for (std::size_t i = 1; i < kPlanes; ++i) grown |= flow(i - 1, i);
+      for (std::size_t i = 0; i < kPlanes; ++i) grown |= flow(i, i - 1, i - 2);
       if (reached_ == nodes_) return true;
-      for (std::size_t i = kPlanes - 1; i > 0; --i) grown |= flow(i, i - 1);
+      for (std::size_t i = kPlanes; i-- > 0;) grown |= flow(i, i + 1, i + 2);
       if (reached_ == nodes_) return true;
     }
     return false;
@@ -81,26 +91,45 @@ class Flood {
         const std::uint64_t word = nodes_[i].word[w];
         if (word == 0) continue;
         reached_[i].word[w] = word & (~word + 1);
+        nonzero_[i].word[w] = reached_[i].word[w] & ~zero_[i].word[w];
         return true;
       }
     }
     return false;
   }
 
-  bool flow(std::size_t from, std::size_t to) noexcept {
-    const Plane beside =
-        to % 2 == kCentre ? centres_beside(reached_[from]) : corners_beside(reached_[from]);
+  /// To a plane from itself and the two beside it: long edges, and the short ones between
+  /// kinds. Planes beyond the box have no nodes.
+  bool flow(std::size_t to, std::size_t next, std::size_t over_next) noexcept {
+    const auto from = [&](const Planes& planes) {
+      Plane found = beside_in_plane(planes[to]);
+      if (next < kPlanes) add(found, beside(planes[next], next));
+      if (over_next < kPlanes) add(found, planes[over_next]);
+      return found;
+    };
+    const Plane from_all = from(reached_), from_nonzero = from(nonzero_);
     std::uint64_t more = 0;
     for (std::size_t w = 0; w < 3; ++w) {
-      const std::uint64_t found = beside.word[w] & nodes_[to].word[w] & ~reached_[to].word[w];
-      reached_[to].word[w] |= found;
-      more |= found;
+      const std::uint64_t zero = zero_[to].word[w];
+      const std::uint64_t found = (from_all.word[w] & ~zero) | (from_nonzero.word[w] & zero);
+      const std::uint64_t grown = found & nodes_[to].word[w] & ~reached_[to].word[w];
+      reached_[to].word[w] |= grown;
+      nonzero_[to].word[w] |= grown & ~zero;
+      more |= grown;
     }
     return more != 0;
   }
 
+  static Plane beside(const Plane& plane, std::size_t number) noexcept {
+    return number % 2 == kCorner ? centres_beside(plane) : corners_beside(plane);
+  }
+  static void add(Plane& plane, const Plane& more) noexcept {
+    for (std::size_t w = 0; w < 3; ++w) plane.word[w] |= more.word[w];
+  }
+
   const Planes& nodes_;
-  Planes reached_{};
+  const Planes& zero_;
+  Planes reached_{}, nonzero_{};
 };
 
 /// The brick's own nodes and all that share an edge with one.
@@ -178,13 +207,15 @@ bool meet(const NodeSets& a, const NodeSets& b) noexcept {
 
 }  // namespace
 
-SurfaceSheet surface_sheet(const NodeSets& plus) noexcept {
+SurfaceSheet surface_sheet(const NodeSets& plus, const NodeSets& zero) noexcept {
   const NodeSets other{kBox - plus[kCorner], kBox - plus[kCentre]};
   SurfaceSheet sheet;
   sheet.any = meet(plus, kAroundOwn) && meet(other, kAroundOwn);
   if (!sheet.any) return sheet;
   const Planes plus_planes = planes_of(plus), other_planes = planes_of(other);
-  sheet.one = Flood(plus_planes).reaches_all() && Flood(other_planes).reaches_all();
+  const Planes zero_planes = planes_of(zero);
+  sheet.one = Flood(plus_planes, zero_planes).reaches_all() &&
+              Flood(other_planes, zero_planes).reaches_all();
   if (sheet.one) sheet.later = later_bricks(plus_planes, other_planes);
   return sheet;
 }

@@ -9,22 +9,24 @@
 
 namespace tet {
 
-/// The surface among the nodes [-1, 8]^3 of a brick, as far as `+` and other nodes tell: each
-/// edge between the two is crossed once.
+/// The surface among the nodes [-1, 8]^3 of a brick. An edge between a `+` node and another is
+/// crossed at its cut point, or at its zero end.
 struct SurfaceSheet {
-  bool any = false;  ///< it crosses an edge of one of the brick's own nodes
-  bool one = false;  ///< all edges that it crosses hang together
+  bool any = false;  ///< an edge of one of the brick's own nodes is crossed
+  bool one = false;  ///< all crossings hang together: they are on one component of the boundary
   /// Later bricks, at the places 14 .. 26 around this one (see PlacesAround), that see some of
-  /// the same edges crossed.
+  /// the same crossings.
   std::uint16_t later = 0;
 };
 
-/// `plus` has nodes in [-1, 8]^3 only.
+/// `plus` and `zero` have nodes in [-1, 8]^3 only.
 ///
-/// A closed surface cuts a ball into one region more than it has pieces, so there is one piece
-/// exactly where both the `+` nodes and the others are connected: and filling a set of nodes is
-/// cheaper than following a surface. Connections along short edges alone are looked at, so it
-/// may fail to be seen that there is but one.
-SurfaceSheet surface_sheet(const std::array<HaloSet, kNodeKinds>& plus) noexcept;
+/// A surface that cuts a ball in pieces has as many as there are regions on both of its sides,
+/// less one; so there is one where the `+` nodes are connected, and the others are. Filling a
+/// set of nodes is cheaper than following a surface. Edges between zeros do not count as
+/// connections: they may lie within the inside, with no boundary along them. So it may fail to
+/// be seen that there is one, but never the reverse.
+SurfaceSheet surface_sheet(const std::array<HaloSet, kNodeKinds>& plus,
+                           const std::array<HaloSet, kNodeKinds>& zero) noexcept;
 
 }  // namespace tet

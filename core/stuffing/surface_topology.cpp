@@ -33,16 +33,14 @@ std::uint64_t count_cut_points(const StuffedBrick& kept) noexcept {
   return count;
 }
 
-/// Counts what the surface has at the brick's zero nodes. True where some may be inner ones.
-bool count_zeros(const WarpedLattice& lattice,
+/// Counts what the surface has at the brick's zero nodes.
+void count_zeros(const WarpedLattice& lattice,
                  const StuffedBrick& kept,
                  SurfaceCounts& counts) noexcept {
-  bool inner = false;
   for (const NodeKind kind : {kCorner, kCentre}) {
     for_each_bit(kept.zero[kind], [&](int x, int y, int z) {
       const NodeLink link = link_of(lattice.plus, lattice.zero, kind, halo_index(x, y, z));
       if (link.plus == 0) return;
-      inner = inner || has_inner_zeros(link);
       const bool beside_minus = (link.plus | link.zero) != kAllDirections;
       if (beside_minus && is_plainly_manifold(link)) {
         ++counts.vertices;
@@ -55,7 +53,6 @@ bool count_zeros(const WarpedLattice& lattice,
       counts.non_manifold_vertices += surface.manifold ? 0 : 1;
     });
   }
-  return inner;
 }
 
 }  // namespace
@@ -86,8 +83,8 @@ SurveyedSurface survey_surface(const WarpedLattice& lattice,
       count_cut_triangles(signs_around_cells(lattice.plus, lattice.zero), three_zeros);
   found.counts.triangles += count_zero_triangles(lattice, three_zeros);
   found.counts.vertices = count_cut_points(kept);
-  found.has_inner_zeros = count_zeros(lattice, kept, found.counts);
-  found.sheet = surface_sheet(lattice.plus);
+  count_zeros(lattice, kept, found.counts);
+  found.sheet = surface_sheet(lattice.plus, lattice.zero);
   return found;
 }
 

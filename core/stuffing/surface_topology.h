@@ -29,9 +29,6 @@ struct SurfaceCounts {
 struct SurveyedSurface {
   SurfaceCounts counts;
   SurfaceSheet sheet;
-  /// Some zero node of the brick, or an edge between zero nodes, may lie within the inside:
-  /// what signs say of the sheets around it need not hold.
-  bool has_inner_zeros = false;
 };
 
 /// Counts a brick's own vertices, edges and triangles, and looks whether they hang together.

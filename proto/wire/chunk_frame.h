@@ -9,28 +9,19 @@
 
 namespace tet {
 
-/// Numbers of MeshEvent's and MeshChunk's fields, for reading and writing them without
-/// protobuf.
-enum class ChunkField : std::uint32_t {
-  kEvent = 3,  ///< MeshEvent.chunk
-  kIndex = 1,
-  kFirstVertex,
-  kVertexCount,
-  kFirstTet,
-  kTetCount,
-  kChecksum,
-  kPositions,
-  kTets,
-  kRegions
-};
-
-/// How protobuf writes a field; the numbers are its own.
-enum class FieldCoding : std::uint32_t { kVarint = 0, kBytes = 2, kFixed32 = 5 };
-
-/// What stands before a field.
-constexpr std::uint32_t tag_of(ChunkField field, FieldCoding coding) noexcept {
-  return static_cast<std::uint32_t>(field) << 3 | static_cast<std::uint32_t>(coding);
-}
+/// Numbers of MeshEvent's and MeshChunk's fields.
+namespace chunk_field {
+inline constexpr std::uint32_t kEvent = 3;  ///< MeshEvent.chunk
+inline constexpr std::uint32_t kIndex = 1;
+inline constexpr std::uint32_t kFirstVertex = 2;
+inline constexpr std::uint32_t kVertexCount = 3;
+inline constexpr std::uint32_t kFirstTet = 4;
+inline constexpr std::uint32_t kTetCount = 5;
+inline constexpr std::uint32_t kChecksum = 6;
+inline constexpr std::uint32_t kPositions = 7;
+inline constexpr std::uint32_t kTets = 8;
+inline constexpr std::uint32_t kRegions = 9;
+}  // namespace chunk_field
 
 /// A MeshChunk but for its columns.
 struct ChunkNumbers {

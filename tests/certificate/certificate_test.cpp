@@ -75,7 +75,11 @@ TEST(Dihedral, AgreesWithTheQualityOfMeshes) {
     greatest = std::max(greatest, about_degrees(at.cotangent.lower()));
   }
   QualityMeter meter;
-  meter.add_tet({0, 0, 0}, {8, 0, 0}, {1, 7, 0}, {3, 2, 6});
+  constexpr std::array<LocalPoint, 4> kPoints{
+      {{0, 0, 0}, {8, 0, 0}, {1, 7, 0}, {3, 2, 6}}
+  };
+  constexpr LocalTet kTet{0, 1, 2, 3};
+  meter.add_tets(kPoints.data(), {&kTet, 1});
   EXPECT_NEAR(least, meter.stats().min_dihedral_deg, 1e-9);
   EXPECT_NEAR(greatest, meter.stats().max_dihedral_deg, 1e-9);
 }

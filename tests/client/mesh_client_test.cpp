@@ -160,6 +160,35 @@ TEST_F(MeshClientTest, MakesTheSameMeshFromCompactChunks) {
   }
 }
 
+TEST_F(MeshClientTest, UpdatesAMeshToTheBytesOfAWholeOne) {
+  const v1::MeshRequest sphere = mesh_of(solid_file("sphere", 0.04));
+  const v1::MeshRequest cavity = mesh_of(solid_file("cavity", 0.04));
+  const auto earlier = client_->stream_mesh(sphere, {}, never_);
+  const auto whole = client_->stream_mesh(cavity, {}, never_);
+  ASSERT_TRUE(earlier.ok() && whole.ok()) << earlier.status() << whole.status();
+  const auto updated = client_->update_mesh(cavity, *earlier, {}, never_);
+  ASSERT_TRUE(updated.ok()) << updated.status();
+  EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
+  EXPECT_EQ(updated->mesh_id, whole->mesh_id);
+  std::uint64_t measured = 0;
+  for (const std::uint64_t angles : updated->quality.histogram) measured += angles;
+  EXPECT_GT(measured, 0U);
+  EXPECT_LT(measured, 6 * whole->mesh.header.tet_count) << "everything was sent";
+}
+
+TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
+  const v1::MeshRequest sphere = mesh_of(solid_file("sphere", 0.08));
+  const auto whole = client_->stream_mesh(sphere, {}, never_);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  StreamedMesh lost;
+  lost.mesh_id = "lost";
+  lost.canonical_request = whole->canonical_request;
+  lost.canonical_request.set_name("grids/" + std::string(64, '0'));
+  const auto updated = client_->update_mesh(sphere, lost, {}, never_);
+  ASSERT_TRUE(updated.ok()) << updated.status();
+  EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
+}
+
 TEST_F(MeshClientTest, MendsACompactStreamThatBreaksAgainAndAgain) {
   const v1::MeshRequest ball = uniform_ball(40);
   CuttingProxy proxy(server_->port(), kNoLimit, 200'000);
@@ -200,7 +229,7 @@ TEST_F(MeshClientTest, SendsAStoredFileOnce) {
 }
 
 TEST_F(MeshClientTest, StopsSoonAfterACancellation) {
-  const v1::MeshRequest ball = uniform_ball(28);
+  const v1::MeshRequest ball = uniform_ball(60);  // 150 MB: more than can be on its way
   Cancellation cancellation;
   ClientProgress progress;
   progress.tets = [&](std::uint64_t done, std::uint64_t) {

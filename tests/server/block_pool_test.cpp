@@ -1,4 +1,4 @@
-#include "server/block_pool.h"
+#include "proto/wire/block_pool.h"
 
 #include <memory>
 #include <optional>

@@ -94,10 +94,12 @@ TEST(RunLoad, KeepsItsWorkersBusyAndNoMoreThanThose) {
                         }};
   const LoadResult result = run_load(back_to_back(3, 0.3), mix, service, never, watch);
   expect_all_accounted_for(result.total);
-  EXPECT_NEAR(static_cast<double>(result.total.done), 60, 8);  // 0.3 s at 5 ms each
+  EXPECT_LE(result.total.done, 63u);  // 0.3 s at 5 ms each, and those under way
+  EXPECT_GE(result.total.done, 30u);
   for (const std::size_t count : outstanding) EXPECT_LE(count, 3u);
   // Each waits for the two before it.
-  EXPECT_NEAR(to_ms(whole(result, 0.5)), 15, 2);
+  EXPECT_GE(whole(result, 0.5), 10ms);
+  EXPECT_LT(whole(result, 0.5), 20ms);
 }
 
 TEST(RunLoad, LetsWorkersRestAfterAFailure) {

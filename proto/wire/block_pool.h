@@ -1,4 +1,4 @@
-// Large blocks of memory that chunks are made in and sent from, used again and again.
+// Large blocks of memory that messages are made in and sent from, used again and again.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,64 @@
+#include "bench/loopback.h"
+
+#include <cstdint>
+#include <unistd.h>
+
+#include "bench/checked.h"
+#include "tests/support/vdb_fixtures.h"
+
+namespace tet::bench {
+
+namespace {
+
+std::string unique_name() { return "tet-bench-" + std::to_string(::getpid()); }
+
+Config config_in(const std::string& store) {
+  Config config;
+  config.listen = "127.0.0.1:0";
+  config.store = store;
+  config.store_bytes = std::uint64_t{1} << 30;  // what benchmarks upload pushes older out
+  return config;
+}
+
+}  // namespace
+
+Loopback::Loopback() : folder_(std::filesystem::temp_directory_path() / unique_name()) {
+  std::filesystem::create_directories(folder_);
+  server_ = checked(Server::start(config_in(file("store"))));
+  client_ = connect();
+}
+
+Loopback::~Loopback() {
+  client_.reset();
+  server_.reset();
+  std::filesystem::remove_all(folder_);
+}
+
+std::unique_ptr<MeshClient> Loopback::connect() const {
+  return MeshClient::connect(server_->address());
+}
+
+v1::MeshRequest Loopback::request_ball(double voxel_size) {
+  write_ball(voxel_size, file("ball.vdb"));
+  v1::MeshRequest request;
+  request.set_name(checked(client_->upload_file(file("ball.vdb"), {}, {})));
+  request.set_levels(0);
+  request.set_spacing(voxel_size);
+  receive(*client_, request);
+  return request;
+}
+
+// Another spacing is another mesh; one so near is the same lattice.
+void rename_mesh(v1::MeshRequest& request) {
+  request.set_spacing(request.spacing() * (1 + 1e-12));
+}
+
+StreamedMesh receive(MeshClient& client, const v1::MeshRequest& request) {
+  return checked(client.stream_mesh(request, {}, {}));
+}
+
+void write_ball(double voxel_size, const std::string& path) {
+  test::write_fixture("sphere", voxel_size, path);
+}
+
+}  // namespace tet::bench

@@ -1,0 +1,47 @@
+// A real server and its clients in one process, as the service's benchmarks use them.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "client/mesh_client.h"
+#include "core/base/cancel.h"
+#include "server/server.h"
+
+namespace tet::bench {
+
+/// A server with an empty store, and a client; gone with all their files when this is.
+class Loopback {
+ public:
+  Loopback();
+  ~Loopback();
+  Loopback(const Loopback&) = delete;
+  Loopback& operator=(const Loopback&) = delete;
+
+  MeshClient& client() { return *client_; }
+  /// Another, with a connection of its own.
+  std::unique_ptr<MeshClient> connect() const;
+
+  /// Uploads the ball and asks for its uniform mesh. The grid is in memory when this returns,
+  /// the plan remembered.
+  v1::MeshRequest request_ball(double voxel_size);
+
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+ private:
+  std::filesystem::path folder_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<MeshClient> client_;
+};
+
+/// A request for the same mesh under another name, so that nobody remembers its plan.
+void rename_mesh(v1::MeshRequest& request);
+
+/// A whole mesh, received.
+StreamedMesh receive(MeshClient& client, const v1::MeshRequest& request);
+
+/// Writes the ball whose voxels are so large, with a radius of 1, as a file.
+void write_ball(double voxel_size, const std::string& path);
+
+}  // namespace tet::bench

@@ -1,0 +1,24 @@
+// A file on its way to the server.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <absl/status/status.h>
+#include <grpcpp/channel.h>
+
+#include "client/local_file.h"
+#include "client/mesh_client.h"
+#include "core/base/cancel.h"
+
+namespace tet {
+
+/// One UploadGrid call that sends `file` from `offset` on. kAborted when it ended well but
+/// short.
+absl::Status upload_from(const std::shared_ptr<grpc::Channel>& channel,
+                         const LocalFile& file,
+                         std::uint64_t offset,
+                         const ClientProgress& progress,
+                         const Cancellation& cancellation);
+
+}  // namespace tet

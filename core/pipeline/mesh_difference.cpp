@@ -1,0 +1,212 @@
+#include "core/pipeline/mesh_difference.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <memory>
+#include <span>
+
+#include "core/base/parallel.h"
+#include "core/pipeline/survey.h"
+#include "core/stuffing/brick_geometry.h"
+
+namespace tet {
+namespace {
+
+constexpr std::size_t kBricksPerRange = 64;
+
+/// Packed geometry of one brick after another, found again where it was not kept.
+class Geometry {
+ public:
+  explicit Geometry(const ComparedMesh& of)
+      : of_(of), sampler_(of.field), workspace_(nullptr) {}
+
+  std::span<const std::byte> of_brick(std::size_t brick) {
+    const Survey& survey = of_.mesh.survey();
+    const std::uint32_t at = of_.mesh.stuffed(brick);
+    const StuffedBrick& stuffed = survey.stuffed[at];
+    const std::size_t size = GeometrySizes(stuffed).bytes();
+    if (const std::byte* kept = survey.geometry.of_brick[at]) return {kept, size};
+    if (workspace_ == nullptr) {
+      workspace_ = std::make_unique_for_overwrite<StuffingWorkspace>();
+      packed_.resize(kMaxGeometryBytes);
+    }
+    stuff_brick(sampler_, of_.mesh.tree().levels[0].bricks[brick], of_.mesh.rules(),
+                of_.mesh.restored(), *workspace_);
+    pack_geometry(workspace_->lattice, stuffed, packed_.data());
+    return {packed_.data(), size};
+  }
+
+ private:
+  const ComparedMesh& of_;
+  PhiSampler sampler_;
+  std::unique_ptr<StuffingWorkspace> workspace_;
+  std::vector<std::byte> packed_;
+};
+
+bool same_signs(const StuffedBrick& a, const StuffedBrick& b) {
+  return a.plus == b.plus && a.zero == b.zero && a.cut == b.cut;
+}
+
+/// Finds bricks of one level that are as they were.
+class LevelComparison {
+ public:
+  LevelComparison(const ComparedMesh& earlier, const ComparedMesh& now, int level)
+      : level_(level), earlier_(earlier), now_(now), geometry_before_(earlier), geometry_(now) {}
+
+  bool same(std::size_t before, std::size_t brick) {
+    const OctreeLevel& a = tree_level(earlier_);
+    const OctreeLevel& b = tree_level(now_);
+    const LevelNodes& nodes_before = earlier_.mesh.nodes(level_);
+    const LevelNodes& nodes = now_.mesh.nodes(level_);
+    if (!(a.leaf[before] == b.leaf[brick] &&
+          nodes_before.corner[before] == nodes.corner[brick] &&
+          nodes_before.centre[before] == nodes.centre[brick])) {
+      return false;
+    }
+    if (level_ == 0) return same_surface(before, brick);
+    const bool same_inside =
+        a.inside.empty() == b.inside.empty() &&
+        (a.inside.empty() || a.inside[before] == b.inside[brick]);
+    return same_inside && a.refined[before] == b.refined[brick];
+  }
+
+ private:
+  const OctreeLevel& tree_level(const ComparedMesh& of) const {
+    return of.mesh.tree().levels[static_cast<std::size_t>(level_)];
+  }
+
+  bool same_surface(std::size_t before, std::size_t brick) {
+    const std::uint32_t a = earlier_.mesh.stuffed(before), b = now_.mesh.stuffed(brick);
+    if (a >= kAllInside || b >= kAllInside) return a == b;
+    const Survey& survey_before = earlier_.mesh.survey();
+    const Survey& survey = now_.mesh.survey();
+    if (!same_signs(survey_before.stuffed[a], survey.stuffed[b])) return false;
+    if (!survey.fans.empty() && survey_before.fans[a] != survey.fans[b]) return false;
+    return std::ranges::equal(geometry_before_.of_brick(before), geometry_.of_brick(brick));
+  }
+
+  int level_;
+  const ComparedMesh& earlier_;
+  const ComparedMesh& now_;
+  Geometry geometry_before_, geometry_;
+};
+
+constexpr std::uint32_t kNew = ~std::uint32_t{0};
+
+/// Of each brick of a level: its number in the earlier level where it is as it was, else kNew.
+/// `changed` gets the bricks that only one level has, and those that differ.
+std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
+                                     const ComparedMesh& now,
+                                     int level,
+                                     std::vector<BrickCoord>& changed) {
+  const auto l = static_cast<std::size_t>(level);
+  static const std::vector<BrickCoord> kNone;
+  const auto& levels_before = earlier.mesh.tree().levels;
+  const std::vector<BrickCoord>& before = l < levels_before.size() ? levels_before[l].bricks : kNone;
+  const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
+  std::vector<std::uint32_t> same(bricks.size(), kNew);
+  std::ranges::set_symmetric_difference(before, bricks, std::back_inserter(changed));
+  for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    LevelComparison comparison(earlier, now, level);
+    auto at = std::ranges::lower_bound(before, bricks[begin]);
+    for (std::size_t i = begin; i < end; ++i) {
+      while (at != before.end() && *at < bricks[i]) ++at;
+      if (at == before.end() || *at != bricks[i]) continue;
+      const auto number = static_cast<std::size_t>(at - before.begin());
+      if (comparison.same(number, i)) same[i] = static_cast<std::uint32_t>(number);
+    }
+  });
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    if (same[i] == kNew && std::ranges::binary_search(before, bricks[i])) {
+      changed.push_back(bricks[i]);
+    }
+  }
+  return same;
+}
+
+void sort_unique(std::vector<BrickCoord>& bricks) {
+  std::ranges::sort(bricks);
+  const auto rest = std::ranges::unique(bricks);
+  bricks.erase(rest.begin(), rest.end());
+}
+
+/// The bricks and the 26 around each: whose tets may read one of them.
+std::vector<BrickCoord> with_neighbours(std::span<const BrickCoord> bricks) {
+  std::vector<BrickCoord> around;
+  around.reserve(27 * bricks.size());
+  for (const BrickCoord b : bricks) {
+    for (int o = 0; o < 27; ++o) {
+      around.push_back({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1});
+    }
+  }
+  sort_unique(around);
+  return around;
+}
+
+void add_run(std::vector<KeptRun>& runs, const KeptRun& run) {
+  if (run.count == 0) return;
+  if (!runs.empty()) {
+    KeptRun& last = runs.back();
+    if (last.from + last.count == run.from && last.to + last.count == run.to) {
+      last.count += run.count;
+      return;
+    }
+  }
+  runs.push_back(run);
+}
+
+/// Adds a level's bricks to what is kept or changed, in the order of ids.
+void add_level(const ComparedMesh& earlier,
+               const ComparedMesh& now,
+               int level,
+               std::span<const std::uint32_t> same,
+               std::span<const BrickCoord> touched,
+               MeshDifference& difference) {
+  const auto l = static_cast<std::size_t>(level);
+  const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
+  const std::size_t first = now.mesh.first_brick(level);
+  auto at = touched.begin();
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    while (at != touched.end() && *at < bricks[i]) ++at;
+    const bool is_touched = at != touched.end() && *at == bricks[i];
+    const std::size_t brick = first + i;
+    if (same[i] != kNew) {
+      const std::size_t before = earlier.mesh.first_brick(level) + same[i];
+      add_run(difference.kept.vertices,
+              {earlier.mesh.first_vertex(before), now.mesh.first_vertex(brick),
+               now.mesh.first_vertex(brick + 1) - now.mesh.first_vertex(brick)});
+      if (!is_touched) {
+        add_run(difference.kept.tets,
+                {earlier.mesh.first_tet(before), now.mesh.first_tet(brick),
+                 now.mesh.first_tet(brick + 1) - now.mesh.first_tet(brick)});
+        continue;
+      }
+    }
+    auto& changed = difference.changed;
+    if (!changed.empty() && changed.back().end == brick) {
+      ++changed.back().end;
+    } else {
+      changed.push_back({brick, brick + 1});
+    }
+  }
+}
+
+}  // namespace
+
+MeshDifference compare_meshes(const ComparedMesh& earlier, const ComparedMesh& now) {
+  MeshDifference difference;
+  std::vector<BrickCoord> touched;  // bricks of the level below whose tets may have changed
+  for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
+    std::vector<BrickCoord> changed;
+    const std::vector<std::uint32_t> same = find_same(earlier, now, level, changed);
+    // Tets of a level have nodes of finer ones.
+    for (const BrickCoord b : touched) changed.push_back({b.x >> 1, b.y >> 1, b.z >> 1});
+    sort_unique(changed);
+    touched = with_neighbours(changed);
+    add_level(earlier, now, level, same, touched, difference);
+  }
+  return difference;
+}
+
+}  // namespace tet

@@ -1,0 +1,126 @@
+#include "core/grid/phi_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/grid/interpolate_lattice.h"
+#include "tests/support/solids.h"
+
+namespace tet {
+namespace {
+
+std::unique_ptr<BrickSamples> samples_of(const Volume& volume,
+                                         double spacing_voxels,
+                                         BrickCoord brick,
+                                         float iso = 0) {
+  PhiField field;
+  field.volume = &volume;
+  field.iso = iso;
+  field.spacing_voxels = spacing_voxels;
+  auto samples = std::make_unique<BrickSamples>();
+  PhiSampler(field).sample(brick, *samples);
+  return samples;
+}
+
+/// Calls `visit(x, y, z)` for all of [min, max]^3.
+template <class Visit>
+void for_each_in_cube(int min, int max, const Visit& visit) {
+  for (int x = min; x <= max; ++x) {
+    for (int y = min; y <= max; ++y) {
+      for (int z = min; z <= max; ++z) visit(x, y, z);
+    }
+  }
+}
+
+TEST(PhiSampler, FindsTheTrilinearValuesAtEverySpacing) {
+  const Volume random = test::random_signs(40, 31, 5);
+  for (const double spacing : {0.4, 1.0, 1.5, 2.0, 3.7, 9.1}) {
+    PhiField field;
+    field.volume = &random;
+    field.spacing_voxels = spacing;
+    PhiSampler sampler(field);
+    const auto samples = samples_of(random, spacing, {0, 0, 0});
+    float worst = 0;
+    const auto compare = [&](float sample, double x, double y, double z) {
+      worst = std::max(worst, std::abs(sample - sampler.at(x, y, z)));
+    };
+    for_each_in_cube(-2, 9, [&](int x, int y, int z) {
+      const auto i = static_cast<std::size_t>(halo_index(x, y, z));
+      compare(samples->corner[i], x, y, z);
+      compare(samples->centre[i], x + 0.5, y + 0.5, z + 0.5);
+    });
+    EXPECT_LT(worst, 1e-6) << "of values up to 1, at spacing " << spacing;
+  }
+}
+
+TEST(PhiSampler, FindsTheSameBitsInEveryBrickThatSeesANode) {
+  const Volume random = test::random_signs(64, 32, 7);
+  for (const double spacing : {0.7, 1.0, 1.5, 2.3}) {
+    const BrickCoord home{1, 1, 0};
+    const auto here = samples_of(random, spacing, home);
+    for_each_in_cube(-1, 1, [&](int bx, int by, int bz) {
+      const auto there = samples_of(random, spacing, {home.x + bx, home.y + by, home.z + bz});
+      bool same = true;
+      const auto compare = [&](const auto& ours, const auto& theirs, int max) {
+        for_each_in_cube(-2, max, [&](int x, int y, int z) {
+          const std::array<int, 3> at{x - 8 * bx, y - 8 * by, z - 8 * bz};
+          if (std::ranges::any_of(at, [&](int v) { return v < -2 || v > max; })) return;
+          same = same && ours[static_cast<std::size_t>(halo_index(x, y, z))] ==
+                             theirs[static_cast<std::size_t>(halo_index(at[0], at[1], at[2]))];
+        });
+      };
+      compare(here->corner, there->corner, 10);
+      compare(here->centre, there->centre, 9);
+      EXPECT_TRUE(same) << "from " << bx << " " << by << " " << bz << " at " << spacing;
+    });
+  }
+}
+
+TEST(PhiSampler, NeverLeavesTheRangeOfTheVoxelsAroundANode) {
+  const Volume random = test::random_signs(32, 33);
+  VolumeReader reader(random);
+  const double spacing = 1.3;
+  const auto samples = samples_of(random, spacing, {1, 0, 0});
+  for_each_in_cube(-2, 10, [&](int x, int y, int z) {
+    const auto below = [&](int at) { return static_cast<int>(std::floor(spacing * at)); };
+    const auto cell = reader.cell({below(8 + x), below(y), below(z)});
+    const float phi = samples->corner[static_cast<std::size_t>(halo_index(x, y, z))];
+    const auto [least, most] = std::ranges::minmax(cell);
+    EXPECT_TRUE(phi >= least - 1e-6F && phi <= most + 1e-6F);
+    EXPECT_TRUE(least <= 0 || phi > 0);
+    EXPECT_TRUE(most >= 0 || phi < 0);
+  });
+}
+
+TEST(PhiSampler, TurnsDensitiesRound) {
+  const Volume fog = test::fog_ball(9);
+  for (const double spacing : {1.0, 1.5}) {
+    const auto samples = samples_of(fog, spacing, {0, 0, 0}, 0.5F);
+    EXPECT_LT(samples->corner[static_cast<std::size_t>(halo_index(0, 0, 0))], 0);
+    EXPECT_GT(samples->corner[static_cast<std::size_t>(halo_index(10, 10, 10))], 0);
+  }
+}
+
+TEST(AxisPoints, NameEveryVoxelOnce) {
+  for (const double spacing : {0.3, 0.5, 1.0, 1.7, 2.0, 5.5}) {
+    const double first = -11.5;
+    const AxisPoints points(first, 13, spacing);
+    for (std::size_t i = 1; i < points.voxels(); ++i) {
+      EXPECT_LT(points.voxel(i - 1), points.voxel(i));
+    }
+    for (std::size_t i = 0; i < points.count(); ++i) {
+      const std::size_t before = points.before(i);
+      EXPECT_EQ(points.voxel(before) + 1, points.voxel(before + 1));
+      EXPECT_NEAR(points.voxel(before) + static_cast<double>(points.weight(i)),
+                  spacing * (first + static_cast<double>(i)), 1e-6);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tet

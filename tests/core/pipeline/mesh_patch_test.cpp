@@ -1,0 +1,160 @@
+#include "core/pipeline/mesh_patch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/core/pipeline/meshing.h"
+#include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
+
+namespace tet {
+namespace {
+
+using test::same_bytes;
+using Plan = std::shared_ptr<const MeshPlan>;
+
+Plan plan_of(const Volume& volume, const MeshRequest& request, const MeshLimits& limits = {}) {
+  const auto plan = plan_mesh(std::make_shared<const Volume>(volume), request, limits,
+                              Cancellation(), nullptr);
+  EXPECT_TRUE(plan.ok()) << plan.status();
+  return plan.ok() ? *plan : nullptr;
+}
+
+TetMesh mesh_of(const MeshPlan& plan) {
+  return std::move(fill_mesh(plan, Cancellation(), nullptr)->mesh);
+}
+
+/// The mesh of `now` from that of `earlier` and the patches.
+TetMesh spliced(const TetMesh& earlier, const MeshPlan& now, const MeshPatch& patch) {
+  absl::StatusOr<TetMesh> mesh = splice_mesh(earlier, now.header(), patch.kept());
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  if (!mesh.ok()) return {};
+  MeshWorkspace workspace;
+  for (std::uint64_t i = 0; i < patch.patch_count(); ++i) {
+    patch.fill(i, workspace, mesh->columns_of(patch.extent(i)));
+  }
+  return *std::move(mesh);
+}
+
+std::uint64_t kept_tets(const MeshPatch& patch) {
+  std::uint64_t count = 0;
+  for (const KeptRun& run : patch.kept().tets) count += run.count;
+  return count;
+}
+
+/// A ball of 30 voxels with a dent or a bump of a few voxels at one place.
+Volume dented_ball(float depth, VoxelCoord at = {0, 0, 30}) {
+  return test::narrow_band_volume({{-40, -40, -40}, {40, 40, 40}}, 3, [=](VoxelCoord v) {
+    const auto from = [&](VoxelCoord c) {
+      return std::sqrt(static_cast<float>((v.x - c.x) * (v.x - c.x) + (v.y - c.y) * (v.y - c.y) +
+                                          (v.z - c.z) * (v.z - c.z)));
+    };
+    const float ball = from({0, 0, 0}) - 30;
+    return depth == 0 ? ball : std::max(ball, depth - from(at));
+  });
+}
+
+struct Case {
+  std::string name;
+  Volume earlier, now;
+  MeshRequest request;
+};
+
+std::vector<Case> cases() {
+  MeshRequest graded, uniform, manifold, both_sides, steps;
+  uniform.levels = 0;
+  manifold.manifold = true;
+  both_sides.preset = Preset::kBothSides;
+  steps.spacing = 1.3;
+  const Volume ball = dented_ball(0), dented = dented_ball(5), inner = dented_ball(6, {0, 9, 9});
+  return {
+      {"a dent", ball, dented, graded},
+      {"a dent, uniform", ball, dented, uniform},
+      {"a dent, manifold", ball, dented, manifold},
+      {"a dent, both sides", ball, dented, both_sides},
+      {"a dent, other steps", ball, dented, steps},
+      {"a dent mended", dented, ball, graded},
+      {"a hole within", ball, inner, graded},
+      {"nothing", ball, ball, graded},
+      {"signs", test::random_signs(24, 8), test::random_signs(24, 9), graded},
+  };
+}
+
+TEST(MeshPatch, MakesTheSameBytesAsTheWholeMesh) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const Plan earlier = plan_of(c.earlier, c.request), now = plan_of(c.now, c.request);
+    ASSERT_TRUE(earlier && now);
+    const auto patch = MeshPatch::between(*earlier, now);
+    if (patch == nullptr) {
+      EXPECT_FALSE(can_splice(earlier->header(), now->header()));
+      continue;
+    }
+    EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
+  }
+}
+
+TEST(MeshPatch, KeepsAllButWhatIsNearTheChange) {
+  const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
+  const auto patch = MeshPatch::between(*earlier, now);
+  ASSERT_TRUE(patch);
+  EXPECT_GT(kept_tets(*patch), now->header().tet_count / 2);
+  EXPECT_LT(kept_tets(*patch), now->header().tet_count);
+}
+
+TEST(MeshPatch, KeepsEverythingWhereNothingChanged) {
+  const Plan plan = plan_of(test::ball(20), {});
+  const auto patch = MeshPatch::between(*plan, plan);
+  ASSERT_TRUE(patch);
+  EXPECT_EQ(patch->patch_count(), 0U);
+  EXPECT_EQ(kept_tets(*patch), plan->header().tet_count);
+}
+
+TEST(MeshPatch, IsTheSameWhateverThePlansKept) {
+  MeshLimits nothing_kept;
+  nothing_kept.kept_geometry_bytes = 0;
+  const Volume ball = dented_ball(0), dented = dented_ball(5);
+  const auto one = MeshPatch::between(*plan_of(ball, {}), plan_of(dented, {}));
+  const auto other =
+      MeshPatch::between(*plan_of(ball, {}, nothing_kept), plan_of(dented, {}, nothing_kept));
+  ASSERT_TRUE(one && other);
+  EXPECT_EQ(one->kept().vertices, other->kept().vertices);
+  EXPECT_EQ(one->kept().tets, other->kept().tets);
+  EXPECT_EQ(one->patch_count(), other->patch_count());
+}
+
+TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {
+  MeshRequest other;
+  other.preset = Preset::kMinAngle;
+  const Volume ball = test::ball(12);
+  EXPECT_EQ(MeshPatch::between(*plan_of(ball, {}), plan_of(ball, other)), nullptr);
+}
+
+TEST(Splice, RefusesRunsThatDoNotFit) {
+  const TetMesh mesh = mesh_of(*plan_of(test::ball(8), {}));
+  const std::uint64_t vertices = mesh.header.vertex_count, tets = mesh.header.tet_count;
+  const KeptParts all{{{0, 0, vertices}}, {{0, 0, tets}}};
+  EXPECT_TRUE(splice_mesh(mesh, mesh.header, all).ok());
+  for (const KeptParts& wrong : {
+           KeptParts{{{0, 0, vertices + 1}}, {}},
+           KeptParts{{{1, 0, vertices}}, {}},
+           KeptParts{{{0, 1, vertices}}, {}},
+           KeptParts{{{0, ~std::uint64_t{0}, 2}}, {}},
+           KeptParts{{{0, 0, 10}, {5, 20, 10}}, {}},
+           KeptParts{{{0, 0, vertices}}, {{0, 0, tets}, {0, 0, 1}}},
+           KeptParts{{{0, 0, vertices / 2}}, {{0, 0, tets}}},
+       }) {
+    EXPECT_EQ(splice_mesh(mesh, mesh.header, wrong).status().code(),
+              absl::StatusCode::kInvalidArgument);
+  }
+}
+
+}  // namespace
+}  // namespace tet
