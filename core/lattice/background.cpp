@@ -1,9 +1,11 @@
 #include "core/lattice/background.h"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 
 #include "core/lattice/background_tets.h"
+#include "core/lattice/reach.h"
 
 namespace tet {
 namespace {
@@ -12,9 +14,21 @@ namespace {
 template <class Index>
 class BrickIds {
  public:
-  BrickIds(const NodeNumbers& numbers, int level, BrickCoord brick)
+  BrickIds(NodeNumbers& numbers, int level, BrickCoord brick)
       : numbers_(numbers), level_(level), brick_(brick) {
     ids_.fill(kUnknown);
+    for (std::size_t o = 0; o < centre_.size(); ++o) {
+      const UpperOffset at(o);
+      if (at.x + at.y + at.z > 1) continue;  // tets reach across faces only
+      const auto centres =
+          numbers.centres(level, {brick.x + at.x, brick.y + at.y, brick.z + at.z});
+      centre_[o].mask = centres.mask;
+      std::uint64_t next = centres.first;
+      for (std::size_t x = 0; x < 8; ++x) {
+        centre_[o].first_of_slice[x] = static_cast<Index>(next);
+        next += static_cast<std::uint64_t>(std::popcount(centres.mask->slice[x]));
+      }
+    }
   }
 
   /// Corner at twice the cell coordinates, so that midpoints have whole ones.
@@ -26,14 +40,24 @@ class BrickIds {
     return id;
   }
   Index centre(int x, int y, int z) noexcept {
-    return static_cast<Index>(numbers_.centre(level_, brick_, x, y, z));
+    const auto o = static_cast<std::size_t>((x >> 3) * 4 + (y >> 3) * 2 + (z >> 3));
+    const auto slice = static_cast<std::size_t>(x & 7);
+    const std::uint64_t bit = std::uint64_t{1} << ((y & 7) * 8 + (z & 7));
+    return centre_[o].first_of_slice[slice] +
+           static_cast<Index>(std::popcount(centre_[o].mask->slice[slice] & (bit - 1)));
   }
 
  private:
+  struct Centres {
+    const BrickMask* mask;
+    std::array<Index, 8> first_of_slice;
+  };
+
   static constexpr Index kUnknown = ~Index{0};
-  const NodeNumbers& numbers_;
+  NodeNumbers& numbers_;
   int level_;
   BrickCoord brick_;
+  std::array<Centres, 8> centre_;
   std::array<Index, std::size_t{17} * 17 * 17> ids_;
 };
 
@@ -97,17 +121,26 @@ BackgroundCounts count_background(const BackgroundCells& cells) noexcept {
 
 template <class Index>
 Index* fill_background(const BackgroundCells& cells,
-                       const NodeNumbers& numbers,
+                       NodeNumbers& numbers,
                        int level,
                        BrickCoord brick,
-                       Index* tets) noexcept {
+                       Index* tets,
+                       BackgroundCounts& counts) noexcept {
   BrickIds<Index> ids(numbers, level, brick);
-  return write_background(cells, ids, tets);
+  return write_background(cells, ids, tets, counts);
 }
 
-template std::uint32_t* fill_background(
-    const BackgroundCells&, const NodeNumbers&, int, BrickCoord, std::uint32_t*) noexcept;
-template std::uint64_t* fill_background(
-    const BackgroundCells&, const NodeNumbers&, int, BrickCoord, std::uint64_t*) noexcept;
+template std::uint32_t* fill_background(const BackgroundCells&,
+                                        NodeNumbers&,
+                                        int,
+                                        BrickCoord,
+                                        std::uint32_t*,
+                                        BackgroundCounts&) noexcept;
+template std::uint64_t* fill_background(const BackgroundCells&,
+                                        NodeNumbers&,
+                                        int,
+                                        BrickCoord,
+                                        std::uint64_t*,
+                                        BackgroundCounts&) noexcept;
 
 }  // namespace tet

@@ -50,13 +50,14 @@ BackgroundCells gather_background(const OctreeLevel& level,
 /// Tets of a brick's leaves at a level above 0.
 BackgroundCounts count_background(const BackgroundCells& cells) noexcept;
 
-/// Writes them, four ids each; returns the end.
+/// Writes them, four ids each, and adds to `counts`; returns the end.
 template <class Index>
 Index* fill_background(const BackgroundCells& cells,
-                       const NodeNumbers& numbers,
+                       NodeNumbers& numbers,
                        int level,
                        BrickCoord brick,
-                       Index* tets) noexcept;
+                       Index* tets,
+                       BackgroundCounts& counts) noexcept;
 
 /// Own leaves whose face across `direction` (0..5: +x, +y, +z, -x, -y, -z) touches a larger
 /// leaf, or is a face of the domain: neither leaf nor refined at this level.

@@ -69,7 +69,11 @@ inline HalfPyramids half_pyramids(const BackgroundCells& cells, int direction) n
 }
 
 template <class Index, class Ids>
-Index* write_pairs(const BackgroundCells& cells, int axis, Ids& ids, Index* out) noexcept {
+Index* write_pairs(const BackgroundCells& cells,
+                   int axis,
+                   Ids& ids,
+                   Index* out,
+                   BackgroundCounts& counts) noexcept {
   const std::array<HaloSet, 4> middle{midpoints(cells, axis, 0), midpoints(cells, axis, 1),
                                       midpoints(cells, axis, 2), midpoints(cells, axis, 3)};
   for_each_bit(pairs_across(cells, axis), [&](int index) {
@@ -82,12 +86,14 @@ Index* write_pairs(const BackgroundCells& cells, int axis, Ids& ids, Index* out)
       const Index to = ids.finer_corner(2 * (c.x + b.x), 2 * (c.y + b.y), 2 * (c.z + b.z));
       if (!middle[static_cast<std::size_t>(turn)].test(index)) {
         out = write_tet(out, low, high, from, to);
+        ++counts.bcc;
         continue;
       }
       const Index mid =
           ids.finer_corner(2 * c.x + a.x + b.x, 2 * c.y + a.y + b.y, 2 * c.z + a.z + b.z);
       out = write_tet(out, low, high, from, mid);
       out = write_tet(out, low, high, mid, to);
+      counts.bisected += 2;
     }
   });
   return out;
@@ -97,8 +103,10 @@ template <class Index, class Ids>
 Index* write_quadrisected(const BackgroundCells& cells,
                           int direction,
                           Ids& ids,
-                          Index* out) noexcept {
+                          Index* out,
+                          BackgroundCounts& counts) noexcept {
   for_each_bit(faces_to_refined(cells, direction), [&](int index) {
+    counts.quadrisected += 8;
     const Cell c(index);
     const Index centre = ids.centre(c.x, c.y, c.z);
     const LatticeCoord p = face_turn(direction, 0), q = face_turn(direction, 2);
@@ -126,7 +134,8 @@ Index* write_half_pyramid(const HalfPyramids& found,
                           int cell,
                           int turn,
                           Ids& ids,
-                          Index* out) noexcept {
+                          Index* out,
+                          BackgroundCounts& counts) noexcept {
   const Cell c(cell);
   const auto at = [&](int first, int second) {  // the corner, or the middle of two
     const LatticeCoord p = face_turn(direction, first & 3),
@@ -137,6 +146,9 @@ Index* write_half_pyramid(const HalfPyramids& found,
   const Index a = at(turn, turn), b = at(turn + 1, turn + 1), d = at(turn + 2, turn + 2);
   const bool first = found.has_middle(cell, turn) != 0;
   const bool second = found.has_middle(cell, turn + 1) != 0;
+  counts.half_pyramid += !first && !second;
+  counts.halved += first != second;
+  counts.in_three += first && second;
   if (!first && !second) return write_tet(out, centre, a, b, d);
   if (!second) {
     const Index m = at(turn, turn + 1);
@@ -156,20 +168,27 @@ Index* write_half_pyramid(const HalfPyramids& found,
 
 }  // namespace internal
 
-/// Writes the tets of a brick's leaves, four values of `ids` each; returns the end.
+/// Writes the tets of a brick's leaves, four values of `ids` each, and counts them; returns the
+/// end.
 ///
 /// ids.finer_corner(x, y, z) stands for a corner of the level below, at twice the cell
 /// coordinates; ids.centre(x, y, z) for a cell's centre.
 template <class Index, class Ids>
-Index* write_background(const BackgroundCells& cells, Ids& ids, Index* tets) noexcept {
-  for (int axis = 0; axis < 3; ++axis) tets = internal::write_pairs(cells, axis, ids, tets);
+Index* write_background(const BackgroundCells& cells,
+                        Ids& ids,
+                        Index* tets,
+                        BackgroundCounts& counts) noexcept {
+  for (int axis = 0; axis < 3; ++axis) {
+    tets = internal::write_pairs(cells, axis, ids, tets, counts);
+  }
   for (int direction = 0; direction < kFaceDirections; ++direction) {
-    tets = internal::write_quadrisected(cells, direction, ids, tets);
+    tets = internal::write_quadrisected(cells, direction, ids, tets, counts);
     const internal::HalfPyramids found = internal::half_pyramids(cells, direction);
     for_each_bit(found.cells, [&](int index) {
       const int start = diagonal_turn(direction, Cell(index));
-      tets = internal::write_half_pyramid(found, direction, index, start, ids, tets);
-      tets = internal::write_half_pyramid(found, direction, index, start + 2, ids, tets);
+      for (const int turn : {start, start + 2}) {
+        tets = internal::write_half_pyramid(found, direction, index, turn, ids, tets, counts);
+      }
     });
   }
   return tets;

@@ -122,14 +122,26 @@ LevelNodes background_nodes(const OctreeLevel& level,
   return nodes;
 }
 
-bool NodeNumbers::used(int level, BrickCoord brick, int x, int y, int z) const noexcept {
+std::uint32_t NearbyBricks::find(BrickCoord brick) noexcept {
+  Found& found =
+      found_[static_cast<std::size_t>((brick.x & 3) * 16 + (brick.y & 3) * 4 + (brick.z & 3))];
+  if (!found.known || found.brick != brick) found = {brick, true, index_->find(brick)};
+  return found.at;
+}
+
+NodeNumbers::NodeNumbers(const Octree& tree, const std::vector<LevelNodes>& nodes)
+    : nodes_(&nodes) {
+  bricks_.reserve(tree.levels.size());
+  for (const OctreeLevel& level : tree.levels) bricks_.emplace_back(level.index);
+}
+
+bool NodeNumbers::used(int level, BrickCoord brick, int x, int y, int z) noexcept {
   const auto l = static_cast<std::size_t>(level);
-  const std::uint32_t at = tree_->levels[l].index.find(brick);
+  const std::uint32_t at = bricks_[l].find(brick);
   return at != kNoBrick && (*nodes_)[l].used[at].test(x, y, z);
 }
 
-std::uint64_t NodeNumbers::corner(
-    int level, BrickCoord brick, int x, int y, int z) const noexcept {
+std::uint64_t NodeNumbers::corner(int level, BrickCoord brick, int x, int y, int z) noexcept {
   brick = settle(brick, x, y, z);
   // Around a corner leaves differ by at most two levels, and by one from each to the next.
   for (; level > 0; --level) {
@@ -142,13 +154,13 @@ std::uint64_t NodeNumbers::corner(
     z = fz;
   }
   const auto l = static_cast<std::size_t>(level);
-  const std::uint32_t at = tree_->levels[l].index.find(brick);
+  const std::uint32_t at = bricks_[l].find(brick);
   TET_CHECK(at != kNoBrick && (*nodes_)[l].corner[at].test(x, y, z));
   return (*nodes_)[l].first_vertex[at] + rank_of((*nodes_)[l].corner[at], x, y, z);
 }
 
 std::uint64_t NodeNumbers::finer_corner(
-    int level, BrickCoord brick, int x, int y, int z) const noexcept {
+    int level, BrickCoord brick, int x, int y, int z) noexcept {
   int fx = x, fy = y, fz = z;
   const BrickCoord finer = settle({2 * brick.x, 2 * brick.y, 2 * brick.z}, fx, fy, fz);
   if (used(level - 1, finer, fx, fy, fz)) return corner(level - 1, finer, fx, fy, fz);
@@ -156,14 +168,13 @@ std::uint64_t NodeNumbers::finer_corner(
   return corner(level, brick, x / 2, y / 2, z / 2);
 }
 
-std::uint64_t NodeNumbers::centre(
-    int level, BrickCoord brick, int x, int y, int z) const noexcept {
-  brick = settle(brick, x, y, z);
+NodeNumbers::Centres NodeNumbers::centres(int level, BrickCoord brick) noexcept {
+  static constexpr BrickMask kNone;
   const auto l = static_cast<std::size_t>(level);
-  const std::uint32_t at = tree_->levels[l].index.find(brick);
-  TET_CHECK(at != kNoBrick && (*nodes_)[l].centre[at].test(x, y, z));
-  return (*nodes_)[l].first_vertex[at] + (*nodes_)[l].corner[at].count() +
-         rank_of((*nodes_)[l].centre[at], x, y, z);
+  const std::uint32_t at = bricks_[l].find(brick);
+  if (at == kNoBrick) return {&kNone, 0};
+  const LevelNodes& nodes = (*nodes_)[l];
+  return {&nodes.centre[at], nodes.first_vertex[at] + nodes.corner[at].count()};
 }
 
 std::uint32_t rank_of(const BrickMask& mask, int x, int y, int z) noexcept {

@@ -1,9 +1,11 @@
 // Which lattice nodes are vertices of the mesh, which brick owns each, and its id.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
 #include "core/base/brick_neighbours.h"
 #include "core/lattice/bcc.h"
@@ -39,26 +41,48 @@ LevelNodes background_nodes(const OctreeLevel& level,
                             const OctreeLevel& finer_level,
                             const LevelNodes& finer);
 
-/// Ids of node vertices at every level. The tree and the columns must outlive it.
-class NodeNumbers {
+/// The bricks of one level by coordinate; asks the index once for each of those around.
+class NearbyBricks {
  public:
-  NodeNumbers(const Octree& tree, const std::vector<LevelNodes>& nodes)
-      : tree_(&tree), nodes_(&nodes) {}
+  explicit NearbyBricks(const BrickIndex& index) noexcept : index_(&index) {}
 
-  /// Id of a leaf's corner, which a finer level may own.
-  std::uint64_t corner(int level, BrickCoord brick, int x, int y, int z) const noexcept;
-
-  /// Id of corner q of the level below, within this brick: each coordinate in [0, 16].
-  std::uint64_t finer_corner(int level, BrickCoord brick, int x, int y, int z) const noexcept;
-
-  /// Id of a leaf's centre.
-  std::uint64_t centre(int level, BrickCoord brick, int x, int y, int z) const noexcept;
+  /// As BrickIndex::find.
+  std::uint32_t find(BrickCoord brick) noexcept;
 
  private:
-  bool used(int level, BrickCoord brick, int x, int y, int z) const noexcept;
+  struct Found {
+    BrickCoord brick;
+    bool known = false;
+    std::uint32_t at = kNoBrick;
+  };
+  const BrickIndex* index_;
+  std::array<Found, 64> found_;  // by the low two bits of each coordinate
+};
 
-  const Octree* tree_;
+/// Ids of node vertices at every level. The tree and the columns must outlive it. Not
+/// thread-safe: one per task.
+class NodeNumbers {
+ public:
+  NodeNumbers(const Octree& tree, const std::vector<LevelNodes>& nodes);
+
+  /// Id of a leaf's corner, which a finer level may own.
+  std::uint64_t corner(int level, BrickCoord brick, int x, int y, int z) noexcept;
+
+  /// Id of corner q of the level below, within this brick: each coordinate in [0, 16].
+  std::uint64_t finer_corner(int level, BrickCoord brick, int x, int y, int z) noexcept;
+
+  /// The centres of a brick's leaves, and the id of the first.
+  struct Centres {
+    const BrickMask* mask;
+    std::uint64_t first;
+  };
+  Centres centres(int level, BrickCoord brick) noexcept;
+
+ private:
+  bool used(int level, BrickCoord brick, int x, int y, int z) noexcept;
+
   const std::vector<LevelNodes>* nodes_;
+  std::vector<NearbyBricks> bricks_;  // of each level
 };
 
 /// Set bits of the mask before (x, y, z), in the order of ids.

@@ -165,8 +165,10 @@ Index* BrickFiller::fill_background_tets(BrickPlace place,
   const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
   const BrickCoord brick = level.bricks[place.brick];
   const BackgroundCells cells = gather_background(level, brick, region);
-  count_background_quality(count_background(cells), place.level);
-  return fill_background(cells, mesh_.numbers(), place.level, brick, out);
+  BackgroundCounts counts;
+  out = fill_background(cells, numbers_, place.level, brick, out, counts);
+  count_background_quality(counts, place.level);
+  return out;
 }
 
 void BrickFiller::count_background_quality(const BackgroundCounts& counts, int level) noexcept {

@@ -41,7 +41,8 @@ class BrickFiller {
         header_(header),
         to_world_(to_world),
         workspace_(workspace),
-        sampler_(field) {}
+        sampler_(field),
+        numbers_(mesh.numbers()) {}
 
   /// Columns have exactly the brick's size.
   void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
@@ -68,6 +69,7 @@ class BrickFiller {
   const LatticeToWorld& to_world_;
   MeshWorkspace::Impl& workspace_;
   PhiSampler sampler_;
+  NodeNumbers numbers_;
   VerticesAround around_;  // of the brick being filled, where it is finest
   CellNodes nodes_;
   QualityMeter meter_;

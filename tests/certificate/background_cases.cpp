@@ -60,7 +60,8 @@ std::vector<Problem> background_cases() {
   const BackgroundCells cells = mixed_cells();
   std::vector<PackedPlace> corners(4 * count_background(cells).total());
   PlacesAsIds places;
-  write_background(cells, places, corners.data());
+  BackgroundCounts written;
+  write_background(cells, places, corners.data(), written);
   std::vector<Problem> problems;
   for (std::size_t i = 0; i < corners.size(); i += 4) {
     Problem problem;
