@@ -1,6 +1,5 @@
 #include "core/grid/phi_field.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
