@@ -197,12 +197,17 @@ void add_meshes(const std::string& size, double radius) {
       [=](benchmark::State& state) { make_here(state, radius, kOnce); });
   add("stream" + ball + "/planned_once",
       [=](benchmark::State& state) { stream(state, radius, kOnce); });
-  add("first_chunk" + ball + "/planned_each_time", [=](benchmark::State& state) {
-    first_chunk(state, radius, kEachTime);
-  })->UseManualTime();
-  add("first_chunk" + ball + "/planned_once", [=](benchmark::State& state) {
-    first_chunk(state, radius, kOnce);
-  })->UseManualTime();
+}
+
+void add_first_chunk(const std::string& size, double radius) {
+  const auto add_one = [&](const std::string& name, Planning planning) {
+    benchmark::RegisterBenchmark(
+        name.c_str(), [=](benchmark::State& state) { first_chunk(state, radius, planning); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseManualTime();
+  };
+  add_one("first_chunk/ball/" + size + "/planned_each_time", Planning::kEachTime);
+  add_one("first_chunk/ball/" + size + "/planned_once", Planning::kOnce);
 }
 
 void add_side_by_side(const std::string& size, double radius) {
@@ -233,6 +238,8 @@ int main(int argc, char** argv) {
   add_meshes("1e5", 12.6);
   add_meshes("1e6", 27.1);
   add_meshes("1e7", 58.4);
+  add_first_chunk("1e5", 12.6);
+  add_first_chunk("1e7", 58.4);
   add_side_by_side("1e6", 27.1);
   add_upload("1MiB", std::size_t{1} << 20);
   add_upload("64MiB", std::size_t{1} << 26);
