@@ -82,8 +82,8 @@ std::shared_ptr<const Volume> volume_of(const PipelineCase& run) {
   return kept;
 }
 
-/// Meshes into fresh memory each time, and gives it back: what a caller pays for one mesh. Or into
-/// the memory of the mesh before: what a caller pays who makes many.
+/// Meshes into fresh memory each time, and gives it back: what a caller pays for one mesh. Or
+/// into the memory of the mesh before: what a caller pays who makes many.
 void mesh(benchmark::State& state, const PipelineCase& run) {
   const std::shared_ptr<const Volume> volume = volume_of(run);
   if (volume == nullptr) return state.SkipWithError("glmark2-data is not installed");

@@ -1,5 +1,5 @@
-// A mesh of a grid of which one leaf in a hundred changed, from the mesh before: counting, finding
-// what is kept, making the rest and splicing it in, beside making the whole mesh.
+// A mesh of a grid of which one leaf in a hundred changed, from the mesh before: counting,
+// finding what is kept, making the rest and splicing it in, beside making the whole mesh.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

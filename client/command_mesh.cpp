@@ -61,8 +61,9 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
-  app.add_flag("--compact", options.compact,
-               "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
+  app.add_flag(
+      "--compact", options.compact,
+      "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
 }

@@ -36,9 +36,11 @@ LatticeToWorld to_core(const v1::Lattice& lattice) {
     const auto row = static_cast<std::size_t>(i / 3), column = static_cast<std::size_t>(i % 3);
     transform.linear[row][column] = lattice.linear(i);
   }
-  return {transform.linear,
-          {lattice.origin_x(), lattice.origin_y(), lattice.origin_z()},
-          transform.mirrors()};
+  return {
+      transform.linear,
+      {lattice.origin_x(), lattice.origin_y(), lattice.origin_z()},
+      transform.mirrors()
+  };
 }
 
 }  // namespace
@@ -47,7 +49,8 @@ absl::StatusOr<CompactReceiver> CompactReceiver::begin(const v1::MeshHeader& hea
   const auto preset = to_core(header.canonical_request().preset());
   const bool fits = preset && is_valid(header.lattice()) &&
                     header.has_regions() == stuffing_rules(*preset).both_sides;
-  if (!fits) return absl::DataLossError("the server's stream is broken: a header without lattice");
+  if (!fits)
+    return absl::DataLossError("the server's stream is broken: a header without lattice");
   return CompactReceiver({to_core(header.lattice()), stuffing_rules(*preset)});
 }
 

@@ -84,16 +84,17 @@ class MeshClient {
   absl::Status check_health(const std::string& service, const Cancellation& cancellation);
 
   /// Makes a mesh on the server and receives all of it: the same mesh whatever the encoding. A
-  /// stream that breaks is resumed at the first chunk that is missing. Errors also: kDataLoss (a
-  /// checksum or a chunk's place is wrong).
+  /// stream that breaks is resumed at the first chunk that is missing. Errors also: kDataLoss
+  /// (a checksum or a chunk's place is wrong).
   absl::StatusOr<StreamedMesh> stream_mesh(const v1::MeshRequest& request,
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation,
                                            v1::Encoding encoding = v1::ENCODING_PLAIN);
 
-  /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of another
-  /// grid: what did not change is taken from it, and only the rest is sent, if the server still
-  /// has the earlier grid. Where parts were kept, `quality` is that of the rest alone.
+  /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of
+  /// another grid: what did not change is taken from it, and only the rest is sent, if the
+  /// server still has the earlier grid. Where parts were kept, `quality` is that of the rest
+  /// alone.
   absl::StatusOr<StreamedMesh> update_mesh(const v1::MeshRequest& request,
                                            const StreamedMesh& earlier,
                                            const ClientProgress& progress,

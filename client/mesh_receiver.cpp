@@ -131,8 +131,8 @@ void copy(const std::string& from, std::span<std::byte> to) {
 std::vector<KeptRun> to_core(const google::protobuf::RepeatedPtrField<v1::KeptRun>& messages) {
   std::vector<KeptRun> runs;
   for (const v1::KeptRun& run : messages) {
-    runs.push_back({unsigned_count(run.from()), unsigned_count(run.to()),
-                    unsigned_count(run.count())});
+    runs.push_back(
+        {unsigned_count(run.from()), unsigned_count(run.to()), unsigned_count(run.count())});
   }
   return runs;
 }
@@ -205,8 +205,8 @@ absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
         header.has_kept() ? take_kept(header) : allocate(to_core(header));
     if (!status.ok()) return status;
   }
-  chunks_ = unsigned_count(header.has_kept() ? header.kept().patch_count()
-                                             : header.chunk_count());
+  chunks_ =
+      unsigned_count(header.has_kept() ? header.kept().patch_count() : header.chunk_count());
   keeps_parts_ = header.has_kept();
   received_.mesh_id = header.mesh_id();
   received_.canonical_request = header.canonical_request();
@@ -219,9 +219,8 @@ absl::Status MeshReceiver::allocate(const MeshHeader& header) {
     received_.mesh = TetMesh(header);
     return absl::OkStatus();
   } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError(absl::StrCat("no memory for ", header.vertex_count,
-                                                     " vertices and ", header.tet_count,
-                                                     " tets"));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "no memory for ", header.vertex_count, " vertices and ", header.tet_count, " tets"));
   }
 }
 
@@ -265,9 +264,8 @@ absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
 absl::StatusOr<ChunkColumns> MeshReceiver::place_of(
     const ChunkNumbers& chunk, const std::array<std::size_t, 3>& column_bytes) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
-  const ChunkColumns columns =
-      received_.mesh.columns_of({chunk.first_vertex, chunk.vertex_count, chunk.first_tet,
-                                 chunk.tet_count});
+  const ChunkColumns columns = received_.mesh.columns_of(
+      {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count});
   if (column_bytes[0] != columns.positions.size() || column_bytes[1] != columns.tets.size() ||
       column_bytes[2] != columns.regions.size()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
@@ -335,8 +333,7 @@ absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {
 
 void MeshReceiver::take_quality(const v1::MeshTrailer& trailer) {
   const v1::QualityStats& quality = trailer.quality();
-  has_quality_ = trailer.first_chunk() == 0 &&
-                 unsigned_count(trailer.end_chunk()) == chunks_ &&
+  has_quality_ = trailer.first_chunk() == 0 && unsigned_count(trailer.end_chunk()) == chunks_ &&
                  quality.dihedral_histogram_size() == QualityStats::kBins;
   if (!has_quality_) return;
   received_.quality.min_dihedral_deg = quality.min_dihedral_deg();

@@ -60,8 +60,8 @@ class MeshReceiver {
 
   const TetMesh* base_;
   StreamedMesh received_;
-  KeptParts kept_;            ///< of the base
-  std::uint64_t chunks_ = 0;  ///< that come, once there is a header
+  KeptParts kept_;                          ///< of the base
+  std::uint64_t chunks_ = 0;                ///< that come, once there is a header
   std::optional<CompactReceiver> compact_;  ///< where chunks are compact
   std::optional<v1::MeshProgress> planning_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0;

@@ -131,13 +131,14 @@ bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept {
 absl::StatusOr<TetMesh> splice_mesh(const TetMesh& from,
                                     const MeshHeader& header,
                                     const KeptParts& kept) {
-  if (absl::Status status = check_splice(from.header, header, kept); !status.ok()) return status;
+  if (absl::Status status = check_splice(from.header, header, kept); !status.ok())
+    return status;
   TetMesh mesh;
   try {
     mesh = TetMesh(header);
   } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError(absl::StrFormat(
-        "no memory for %d vertices and %d tets", header.vertex_count, header.tet_count));
+    return absl::ResourceExhaustedError(absl::StrFormat("no memory for %d vertices and %d tets",
+                                                        header.vertex_count, header.tet_count));
   }
   for_each_index(kept.vertices.size(), [&](std::size_t i) {
     copy_rows(from.positions.bytes(), mesh.positions.bytes(),

@@ -10,8 +10,8 @@
 
 namespace tet {
 
-/// `count` vertices or tets that two meshes have in common: number `from` on in the earlier mesh,
-/// number `to` on in the new one.
+/// `count` vertices or tets that two meshes have in common: number `from` on in the earlier
+/// mesh, number `to` on in the new one.
 struct KeptRun {
   std::uint64_t from = 0, to = 0, count = 0;
   friend bool operator==(const KeptRun&, const KeptRun&) = default;
@@ -31,8 +31,9 @@ bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept;
 /// A mesh with the kept parts of `from` in their new places; its other vertices and tets are
 /// unspecified, to be written through `columns_of`. Parallel; run it on a TaskPool.
 ///
-/// Errors: kInvalidArgument (headers that cannot be spliced, runs that are out of order or do not
-/// fit the meshes, a kept tet with a vertex that is not kept), kResourceExhausted (no memory).
+/// Errors: kInvalidArgument (headers that cannot be spliced, runs that are out of order or do
+/// not fit the meshes, a kept tet with a vertex that is not kept), kResourceExhausted (no
+/// memory).
 absl::StatusOr<TetMesh> splice_mesh(const TetMesh& from,
                                     const MeshHeader& header,
                                     const KeptParts& kept);

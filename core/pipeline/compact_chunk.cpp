@@ -22,7 +22,11 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 enum Step : std::uint8_t { kNextAlongZ = 0, kJump = 1, kAnywhere = 2 };
 constexpr std::uint8_t kStepBits = 0b11;
 /// What a finest brick's nodes are, in its first byte.
-enum Side : std::uint8_t { kOutsideBrick = 0 << 2, kInsideBrick = 1 << 2, kSurfaceBrick = 2 << 2 };
+enum Side : std::uint8_t {
+  kOutsideBrick = 0 << 2,
+  kInsideBrick = 1 << 2,
+  kSurfaceBrick = 2 << 2
+};
 constexpr std::uint8_t kSideBits = 0b11 << 2;
 constexpr std::uint8_t kHasLeaves = 1 << 4;
 constexpr std::uint8_t kTagBits = kStepBits | kSideBits | kHasLeaves;

@@ -1,5 +1,5 @@
-// A chunk without what the rules imply: leaves, signs and cut fractions of its bricks instead of
-// positions and tets. docs/wire_format.md has it byte by byte.
+// A chunk without what the rules imply: leaves, signs and cut fractions of its bricks instead
+// of positions and tets. docs/wire_format.md has it byte by byte.
 #pragma once
 
 #include <cstddef>
@@ -29,8 +29,8 @@ class CompactBricks {
  public:
   explicit CompactBricks(bool both_sides) : both_sides_(both_sides) {}
 
-  /// Adds one chunk. Errors: kDataLoss (bytes that no encoder writes); nothing can be added after
-  /// one.
+  /// Adds one chunk. Errors: kDataLoss (bytes that no encoder writes); nothing can be added
+  /// after one.
   absl::Status add(std::span<const std::byte> chunk);
 
   /// The mesh that all chunks together make. Errors: kDataLoss (geometry that does not fit the

@@ -48,17 +48,18 @@ bool fans_are_right(const CountedMesh& mesh) {
   if (!mesh.rules().both_sides) return true;
   const OctreeLevel& finest = mesh.tree().levels[0];
   std::atomic<bool> right{true};
-  for_each_range(finest.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
-    const auto lattice = std::make_unique<StuffedLattice>();
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!mesh.touches_surface(i)) continue;
-      unpack_cut_points(mesh, i, *lattice);
-      const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
-      const FanMasks fans =
-          find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
-      if (fans != mesh.survey().fans[mesh.stuffed(i)]) right = false;
-    }
-  });
+  for_each_range(
+      finest.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+        const auto lattice = std::make_unique<StuffedLattice>();
+        for (std::size_t i = begin; i < end; ++i) {
+          if (!mesh.touches_surface(i)) continue;
+          unpack_cut_points(mesh, i, *lattice);
+          const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
+          const FanMasks fans =
+              find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
+          if (fans != mesh.survey().fans[mesh.stuffed(i)]) right = false;
+        }
+      });
   return right;
 }
 
@@ -90,8 +91,8 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
   try {
     filled.mesh = TetMesh(header);
   } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError(absl::StrFormat(
-        "no memory for %d vertices and %d tets", header.vertex_count, header.tet_count));
+    return absl::ResourceExhaustedError(absl::StrFormat("no memory for %d vertices and %d tets",
+                                                        header.vertex_count, header.tet_count));
   }
   const Volume no_samples;  // all that they decided has come with the chunks
   PhiField field;

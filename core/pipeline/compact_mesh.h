@@ -10,7 +10,8 @@
 
 namespace tet {
 
-/// Makes the mesh that all chunks of `bricks` together tell, with its statistics. Parallel; run it on a TaskPool.
+/// Makes the mesh that all chunks of `bricks` together tell, with its statistics. Parallel; run
+/// it on a TaskPool.
 ///
 /// Errors: kDataLoss (the chunks make another mesh than `header` says, or none),
 /// kResourceExhausted (no memory for it), kCancelled, kDeadlineExceeded.

@@ -52,7 +52,11 @@ bool same_signs(const StuffedBrick& a, const StuffedBrick& b) {
 class LevelComparison {
  public:
   LevelComparison(const ComparedMesh& earlier, const ComparedMesh& now, int level)
-      : level_(level), earlier_(earlier), now_(now), geometry_before_(earlier), geometry_(now) {}
+      : level_(level),
+        earlier_(earlier),
+        now_(now),
+        geometry_before_(earlier),
+        geometry_(now) {}
 
   bool same(std::size_t before, std::size_t brick) {
     const OctreeLevel& a = tree_level(earlier_);
@@ -65,9 +69,8 @@ class LevelComparison {
       return false;
     }
     if (level_ == 0) return same_surface(before, brick);
-    const bool same_inside =
-        a.inside.empty() == b.inside.empty() &&
-        (a.inside.empty() || a.inside[before] == b.inside[brick]);
+    const bool same_inside = a.inside.empty() == b.inside.empty() &&
+                             (a.inside.empty() || a.inside[before] == b.inside[brick]);
     return same_inside && a.refined[before] == b.refined[brick];
   }
 
@@ -103,7 +106,8 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
   const auto l = static_cast<std::size_t>(level);
   static const std::vector<BrickCoord> kNone;
   const auto& levels_before = earlier.mesh.tree().levels;
-  const std::vector<BrickCoord>& before = l < levels_before.size() ? levels_before[l].bricks : kNone;
+  const std::vector<BrickCoord>& before =
+      l < levels_before.size() ? levels_before[l].bricks : kNone;
   const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
   std::vector<std::uint32_t> same(bricks.size(), kNew);
   std::ranges::set_symmetric_difference(before, bricks, std::back_inserter(changed));

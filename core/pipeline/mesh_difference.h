@@ -14,9 +14,9 @@ struct MeshDifference {
   std::vector<BrickRange> changed;  ///< bricks whose tets are not kept; in order
 };
 
-/// A brick's vertices are kept where its leaves, signs, cut points and warps are what they were;
-/// its tets where that holds for all bricks that they read. Depends on the two fields and the
-/// request alone. Both meshes have the same rules, spacing and origin. Parallel.
+/// A brick's vertices are kept where its leaves, signs, cut points and warps are what they
+/// were; its tets where that holds for all bricks that they read. Depends on the two fields and
+/// the request alone. Both meshes have the same rules, spacing and origin. Parallel.
 MeshDifference compare_meshes(const ComparedMesh& earlier, const ComparedMesh& now);
 
 }  // namespace tet

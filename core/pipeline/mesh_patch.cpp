@@ -10,7 +10,8 @@ bool same_rules(const StuffingRules& a, const StuffingRules& b) noexcept {
          a.limits.alpha_short == b.limits.alpha_short;
 }
 
-/// Cuts ranges of bricks so that each stays within a chunk's bytes, if it is more than one brick.
+/// Cuts ranges of bricks so that each stays within a chunk's bytes, if it is more than one
+/// brick.
 std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
                                           const MeshPlan& plan) {
   std::vector<BrickRange> cut;
@@ -19,7 +20,8 @@ std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
     for (std::size_t brick = range.begin; brick < range.end; ++brick) {
       const ChunkExtent extent = plan.bricks({cut.back().begin, brick + 1});
       const ChunkSizes sizes(plan.header(), extent.vertex_count, extent.tet_count);
-      if (sizes.total() > kChunkBytes && brick > cut.back().begin) cut.push_back({brick, brick});
+      if (sizes.total() > kChunkBytes && brick > cut.back().begin)
+        cut.push_back({brick, brick});
       cut.back().end = brick + 1;
     }
   }
@@ -43,7 +45,8 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
   }
   MeshDifference difference = compare_meshes(before, now);
   difference.changed = within_chunk_size(difference.changed, *mesh);
-  return std::shared_ptr<const MeshPatch>(new MeshPatch(std::move(mesh), std::move(difference)));
+  return std::shared_ptr<const MeshPatch>(
+      new MeshPatch(std::move(mesh), std::move(difference)));
 }
 
 MeshPatch::MeshPatch(std::shared_ptr<const MeshPlan> mesh, MeshDifference difference)

@@ -15,8 +15,8 @@ namespace tet {
 /// the kept parts are the whole mesh, byte for byte. Immutable: any thread may call any member.
 class MeshPatch {
  public:
-  /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Nothing where no part can
-  /// be kept: other rules, types, spacing or origin, or improved positions.
+  /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Nothing where no part
+  /// can be kept: other rules, types, spacing or origin, or improved positions.
   static std::shared_ptr<const MeshPatch> between(const MeshPlan& earlier,
                                                   std::shared_ptr<const MeshPlan> mesh);
 

@@ -218,8 +218,8 @@ ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
-  const QualityStats stats =
-      fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace, columns);
+  const QualityStats stats = fill_bricks(
+      {impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace, columns);
   if (!improvement_) return stats;
   const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
   std::memcpy(columns.positions.data(), positions_.bytes().data() + first,

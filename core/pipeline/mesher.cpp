@@ -63,8 +63,8 @@ absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
                                        TetMesh used) {
   absl::StatusOr<MeshResult> result = absl::UnknownError("not started");
   pool.run([&] {
-    result = make_mesh(std::move(volume), request, limits, cancellation, progress,
-                       std::move(used));
+    result =
+        make_mesh(std::move(volume), request, limits, cancellation, progress, std::move(used));
   });
   return result;
 }

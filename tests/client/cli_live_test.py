@@ -153,6 +153,8 @@ class OnAServer(CommandTest):
             self.assert_done(self.tetstream(
                 "mesh", self.inputs / "torus.vdb", "-o", path, *options))
         self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
+    def test_refuses_compact_chunks_where_there_are_none(self):
         self.assert_fails(self.mesh("torus.vdb", ".vtu", "--compact"), REFUSED, "--server")
         self.assert_fails(self.mesh("torus.vdb", ".vtu", "--compact", "--improve",
                                     "--server", self.address), REFUSED, "--improve")

@@ -32,7 +32,9 @@ struct Encoded {
   }
 };
 
-Encoded encode(const Volume& volume, const MeshRequest& request, const MeshLimits& limits = {}) {
+Encoded encode(const Volume& volume,
+               const MeshRequest& request,
+               const MeshLimits& limits = {}) {
   const auto plan = plan_mesh(std::make_shared<const Volume>(volume), request, limits,
                               Cancellation(), nullptr);
   EXPECT_TRUE(plan.ok()) << plan.status();
@@ -66,24 +68,26 @@ std::vector<Case> cases() {
   manifold.manifold = true;
   both_sides.preset = Preset::kBothSides;
   half.preset = Preset::kBothSides;
-  half.box = {
-      {-40, -40, -40},
-      { 40,  40,   8}
+  half.box = WorldBox{
+      WorldPoint{-40, -40, -40},
+      WorldPoint{ 40,  40,   8}
   };
   coarse.spacing = 1.4;
   wide.coordinates = CoordinateType::kFloat64;
   wide.indices = IndexType::kUint64;
-  std::vector<Case> cases{
-      {"ball, graded",      test::ball(30),             graded    },
-      {"ball, uniform",     test::ball(20),             uniform   },
-      {"ball, wide",        test::ball(20),             wide      },
-      {"ball, other steps", test::ball(20),             coarse    },
-      {"ball, both sides",  test::ball(20),             both_sides},
-      {"ball, cut",         test::ball(20),             half      },
-      {"signs",             test::random_signs(20, 3),  graded    },
-      {"signs, manifold",   test::random_signs(20, 4),  manifold  },
-      {"signs, both sides", test::random_signs(16, 11), both_sides},
+  std::vector<Case> cases;
+  const auto add = [&](const char* name, Volume volume, const MeshRequest& request) {
+    cases.push_back({name, std::move(volume), request});
   };
+  add("ball, graded", test::ball(30), graded);
+  add("ball, uniform", test::ball(20), uniform);
+  add("ball, wide", test::ball(20), wide);
+  add("ball, other steps", test::ball(20), coarse);
+  add("ball, both sides", test::ball(20), both_sides);
+  add("ball, cut", test::ball(20), half);
+  add("signs", test::random_signs(20, 3), graded);
+  add("signs, manifold", test::random_signs(20, 4), manifold);
+  add("signs, both sides", test::random_signs(16, 11), both_sides);
   return cases;
 }
 

@@ -51,14 +51,20 @@ std::uint64_t kept_tets(const MeshPatch& patch) {
 
 /// A ball of 30 voxels with a dent or a bump of a few voxels at one place.
 Volume dented_ball(float depth, VoxelCoord at = {0, 0, 30}) {
-  return test::narrow_band_volume({{-40, -40, -40}, {40, 40, 40}}, 3, [=](VoxelCoord v) {
-    const auto from = [&](VoxelCoord c) {
-      return std::sqrt(static_cast<float>((v.x - c.x) * (v.x - c.x) + (v.y - c.y) * (v.y - c.y) +
-                                          (v.z - c.z) * (v.z - c.z)));
-    };
-    const float ball = from({0, 0, 0}) - 30;
-    return depth == 0 ? ball : std::max(ball, depth - from(at));
-  });
+  return test::narrow_band_volume(
+      VoxelBox{
+          VoxelCoord{-40, -40, -40},
+          VoxelCoord{ 40,  40,  40}
+  },
+      3, [=](VoxelCoord v) {
+        const auto from = [&](VoxelCoord c) {
+          return std::sqrt(static_cast<float>((v.x - c.x) * (v.x - c.x) +
+                                              (v.y - c.y) * (v.y - c.y) +
+                                              (v.z - c.z) * (v.z - c.z)));
+        };
+        const float ball = from({0, 0, 0}) - 30;
+        return depth == 0 ? ball : std::max(ball, depth - from(at));
+      });
 }
 
 struct Case {
@@ -73,18 +79,23 @@ std::vector<Case> cases() {
   manifold.manifold = true;
   both_sides.preset = Preset::kBothSides;
   steps.spacing = 1.3;
-  const Volume ball = dented_ball(0), dented = dented_ball(5), inner = dented_ball(6, {0, 9, 9});
-  return {
-      {"a dent", ball, dented, graded},
-      {"a dent, uniform", ball, dented, uniform},
-      {"a dent, manifold", ball, dented, manifold},
-      {"a dent, both sides", ball, dented, both_sides},
-      {"a dent, other steps", ball, dented, steps},
-      {"a dent mended", dented, ball, graded},
-      {"a hole within", ball, inner, graded},
-      {"nothing", ball, ball, graded},
-      {"signs", test::random_signs(24, 8), test::random_signs(24, 9), graded},
+  const Volume ball = dented_ball(0), dented = dented_ball(5),
+               inner = dented_ball(6, {0, 9, 9});
+  std::vector<Case> cases;
+  const auto add = [&](const char* name, const Volume& earlier, const Volume& now,
+                       const MeshRequest& request) {
+    cases.push_back({name, earlier, now, request});
   };
+  add("a dent", ball, dented, graded);
+  add("a dent, uniform", ball, dented, uniform);
+  add("a dent, manifold", ball, dented, manifold);
+  add("a dent, both sides", ball, dented, both_sides);
+  add("a dent, other steps", ball, dented, steps);
+  add("a dent mended", dented, ball, graded);
+  add("a hole within", ball, inner, graded);
+  add("nothing", ball, ball, graded);
+  add("signs", test::random_signs(24, 8), test::random_signs(24, 9), graded);
+  return cases;
 }
 
 TEST(MeshPatch, MakesTheSameBytesAsTheWholeMesh) {
@@ -140,20 +151,24 @@ TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {
 TEST(Splice, RefusesRunsThatDoNotFit) {
   const TetMesh mesh = mesh_of(*plan_of(test::ball(8), {}));
   const std::uint64_t vertices = mesh.header.vertex_count, tets = mesh.header.tet_count;
-  const KeptParts all{{{0, 0, vertices}}, {{0, 0, tets}}};
-  EXPECT_TRUE(splice_mesh(mesh, mesh.header, all).ok());
-  for (const KeptParts& wrong : {
-           KeptParts{{{0, 0, vertices + 1}}, {}},
-           KeptParts{{{1, 0, vertices}}, {}},
-           KeptParts{{{0, 1, vertices}}, {}},
-           KeptParts{{{0, ~std::uint64_t{0}, 2}}, {}},
-           KeptParts{{{0, 0, 10}, {5, 20, 10}}, {}},
-           KeptParts{{{0, 0, vertices}}, {{0, 0, tets}, {0, 0, 1}}},
-           KeptParts{{{0, 0, vertices / 2}}, {{0, 0, tets}}},
-       }) {
-    EXPECT_EQ(splice_mesh(mesh, mesh.header, wrong).status().code(),
-              absl::StatusCode::kInvalidArgument);
-  }
+  const KeptRun all_vertices{0, 0, vertices}, all_tets{0, 0, tets};
+  const auto outcome = [&](std::vector<KeptRun> kept_vertices, std::vector<KeptRun> kept_tets) {
+    return splice_mesh(mesh, mesh.header, {std::move(kept_vertices), std::move(kept_tets)})
+        .status()
+        .code();
+  };
+  constexpr auto kRefused = absl::StatusCode::kInvalidArgument;
+  const auto run = [](std::uint64_t from, std::uint64_t to, std::uint64_t count) {
+    return KeptRun{from, to, count};
+  };
+  EXPECT_EQ(outcome({all_vertices}, {all_tets}), absl::StatusCode::kOk);
+  EXPECT_EQ(outcome({run(0, 0, vertices + 1)}, {}), kRefused);
+  EXPECT_EQ(outcome({run(1, 0, vertices)}, {}), kRefused);
+  EXPECT_EQ(outcome({run(0, 1, vertices)}, {}), kRefused);
+  EXPECT_EQ(outcome({run(0, ~std::uint64_t{0}, 2)}, {}), kRefused);
+  EXPECT_EQ(outcome({run(0, 0, 10), run(5, 20, 10)}, {}), kRefused);
+  EXPECT_EQ(outcome({all_vertices}, {all_tets, run(0, 0, 1)}), kRefused);
+  EXPECT_EQ(outcome({run(0, 0, vertices / 2)}, {all_tets}), kRefused);
 }
 
 }  // namespace
