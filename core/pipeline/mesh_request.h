@@ -56,7 +56,7 @@ struct MeshLimits {
   /// and, while it is improved for a plan, for the mesh.
   std::uint64_t max_plan_bytes = std::uint64_t{4} << 30;
   /// Cut points and warps that are kept from counting a mesh until it is made, bytes: about a
-  /// tenth of the mesh. What does not fit is found twice, at a fifth of the speed or so.
+  /// tenth of the mesh. What does not fit is found again when it is filled.
   std::uint64_t kept_geometry_bytes = std::uint64_t{1} << 30;
   /// Not kChunkBytes in tests only: where a mesh is cut into chunks must not change it.
   std::size_t chunk_bytes = kChunkBytes;
