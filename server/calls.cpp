@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/logging.h"
@@ -24,6 +25,14 @@ std::string request_id(const grpc::CallbackServerContext& context) {
   }
   static thread_local std::mt19937_64 random{std::random_device{}()};
   return absl::StrCat(absl::Hex(random(), absl::kZeroPad16));
+}
+
+/// "ipv4:10.0.0.7:51234" is of "10.0.0.7"; a peer of another form is its own name.
+std::string host_of(const std::string& peer) {
+  const std::size_t scheme = peer.find(':');
+  const std::size_t port = peer.rfind(':');
+  if (!absl::StartsWith(peer, "ipv") || port == scheme) return peer;
+  return peer.substr(scheme + 1, port - scheme - 1);
 }
 
 spdlog::level::level_enum level_of(const absl::Status& status) {
@@ -74,7 +83,7 @@ void CallRegistry::add(int calls) {
 Call::Call(CallRegistry& registry,
            const grpc::CallbackServerContext& context,
            std::string method)
-    : registry_(registry) {
+    : registry_(registry), client_(host_of(context.peer())) {
   registry_.add(1);
   fields_["request_id"] = request_id(context);
   fields_["method"] = std::move(method);

@@ -52,6 +52,9 @@ class Call {
 
   CallRegistry& registry() const { return registry_; }
 
+  /// Who calls, as far as we can tell: the host of the peer, without its port.
+  const std::string& client() const { return client_; }
+
   /// Adds a field to the log line.
   void note(const std::string& key, nlohmann::ordered_json value);
 
@@ -60,6 +63,7 @@ class Call {
 
  private:
   CallRegistry& registry_;
+  const std::string client_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
   nlohmann::ordered_json fields_;
 };
