@@ -7,6 +7,7 @@
 
 #include "core/grid/load.h"
 #include "proto/wire/sha256.h"
+#include "server/explain.h"
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_stream.h"
@@ -81,7 +82,7 @@ absl::Status grid_info(GridStore& store, const std::string& name, v1::GridFile& 
   const auto lease = store.acquire(*digest);
   if (!lease.ok()) return lease.status();
   const auto grids = list_grids((*lease)->path.string());
-  if (!grids.ok()) return grids.status();
+  if (!grids.ok()) return about_file(grids.status(), *digest, (*lease)->path.string());
   describe({*digest, (*lease)->size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();
