@@ -60,7 +60,8 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
+  app.add_option("--server", options.server,
+                 "HOST:PORT of a tetstreamd to mesh on; or several with commas between");
   app.add_flag(
       "--compact", options.compact,
       "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");

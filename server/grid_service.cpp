@@ -11,6 +11,7 @@
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_stream.h"
+#include "server/verify.h"
 
 namespace tet {
 
@@ -82,7 +83,11 @@ absl::Status grid_info(GridStore& store, const std::string& name, v1::GridFile& 
   const auto lease = store.acquire(*digest);
   if (!lease.ok()) return lease.status();
   const auto grids = list_grids((*lease)->path.string());
-  if (!grids.ok()) return about_file(grids.status(), *digest, (*lease)->path.string());
+  if (!grids.ok()) {
+    const absl::Status intact = verify_stored((*lease)->path);
+    if (absl::IsDataLoss(intact)) store.set_aside(*lease);
+    return intact.ok() ? about_file(grids.status(), *digest, (*lease)->path.string()) : intact;
+  }
   describe({*digest, (*lease)->size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();

@@ -15,6 +15,8 @@
 #include <absl/status/statusor.h>
 #include <absl/time/time.h>
 
+#include "server/store_lock.h"
+
 namespace tet {
 
 class GridUpload;
@@ -55,8 +57,9 @@ struct StoreStats {
 /// time may use a directory. Thread safety: every member may be called from any thread.
 class GridStore {
  public:
-  /// Makes the directory when missing and takes stock of it.
-  /// Errors: kInternal (no directory can be made or read there).
+  /// Makes the directory when missing, locks it, and takes stock of it.
+  /// Errors: kFailedPrecondition (another process has it), kInternal (no directory can be made
+  /// or read there).
   static absl::StatusOr<std::unique_ptr<GridStore>> open(const std::filesystem::path& root,
                                                          std::uint64_t budget_bytes);
 
@@ -73,6 +76,10 @@ class GridStore {
   std::vector<ListedGrid> list(std::string_view after, std::size_t limit) const;
 
   StoreStats stats() const;
+
+  /// Moves a file that was found damaged to `corrupt/`, out of the way of the next upload of
+  /// it.
+  void set_aside(const GridLease& grid);
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
   /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
@@ -93,8 +100,8 @@ class GridStore {
     bool busy = false;
   };
 
-  GridStore(std::filesystem::path root, std::uint64_t budget_bytes)
-      : root_(std::move(root)), budget_bytes_(budget_bytes) {}
+  GridStore(std::filesystem::path root, StoreLock lock, std::uint64_t budget_bytes)
+      : root_(std::move(root)), lock_(std::move(lock)), budget_bytes_(budget_bytes) {}
 
   std::filesystem::path grid_path(std::string_view digest) const;
   std::filesystem::path part_path(std::string_view digest) const;
@@ -109,6 +116,7 @@ class GridStore {
   absl::Status keep(const std::string& digest, std::uint64_t size_bytes);
 
   const std::filesystem::path root_;
+  const StoreLock lock_;
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
   StoreStats gone_;  ///< only what is counted since the store was opened

@@ -5,6 +5,7 @@
 #include "core/grid/load.h"
 #include "proto/wire/transport.h"
 #include "server/explain.h"
+#include "server/verify.h"
 
 namespace tet {
 
@@ -24,8 +25,9 @@ Planner::Planner(TaskPool& pool,
       volumes_(
           pool,
           resident_bytes,
-          [limits = LoadLimits{resident_bytes}](const std::string& path,
-                                                const std::string& name) {
+          [limits = LoadLimits{resident_bytes}](
+              const std::string& path, const std::string& name) -> absl::StatusOr<Volume> {
+            if (absl::Status intact = verify_stored(path); !intact.ok()) return intact;
             return load_volume(path, name, limits);
           },
           [this] { forget(); }) {}
@@ -42,6 +44,7 @@ void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done d
                [this, order = std::move(order), watch = std::move(watch),
                 done = std::move(done), grid = *std::move(grid)](const auto& volume) {
                  if (volume.ok()) return done(plan_volume(order, *volume, grid, *watch));
+                 if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
                  done(about_file(volume.status(), grid->digest, grid->path.string()));
                });
 }
