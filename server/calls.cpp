@@ -120,4 +120,20 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
   return reactor;
 }
 
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin) {
+  auto call = std::make_shared<Call>(registry, context, std::move(method));
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  auto pending = std::make_shared<PendingAnswer>(call, context, *reactor);
+  disk.post([call, pending, begin = std::move(begin)] {
+    const absl::Status admitted = call->registry().admission();
+    admitted.ok() ? begin(pending) : pending->finish(admitted);
+  });
+  return reactor;
+}
+
 }  // namespace tet

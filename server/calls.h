@@ -4,8 +4,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
@@ -75,5 +77,32 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);
+
+/// A unary call whose end comes from elsewhere. `finish` once, by the last who holds it.
+class PendingAnswer {
+ public:
+  PendingAnswer(std::shared_ptr<Call> call,
+                grpc::CallbackServerContext& context,
+                grpc::ServerUnaryReactor& reactor)
+      : call_(std::move(call)), context_(context), reactor_(reactor) {}
+
+  /// Whether the client has gone. Not after `finish`.
+  bool cancelled() const { return context_.IsCancelled(); }
+  void finish(const absl::Status& status) { reactor_.Finish(call_->finish(status)); }
+
+ private:
+  std::shared_ptr<Call> call_;
+  grpc::CallbackServerContext& context_;
+  grpc::ServerUnaryReactor& reactor_;
+};
+
+/// As `answer`, for work that waits: `begin` runs on `disk` and sees to it that somebody
+/// finishes the call.
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin);
 
 }  // namespace tet

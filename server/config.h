@@ -16,6 +16,9 @@ struct Config {
   std::string store = "tetstream-store";
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
   std::uint64_t resident_bytes = std::uint64_t{4} << 30;
+  std::string decoder;
+  std::uint64_t decoders = 0;
+  std::uint64_t decode_seconds = 120;
   std::uint64_t threads = 0;
   std::uint64_t max_streams = 64;
   std::uint64_t max_tets = 4'000'000'000;

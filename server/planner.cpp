@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "core/grid/load.h"
+#include "core/decode/decode_file.h"
+#include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 
 namespace tet {
@@ -11,9 +12,27 @@ namespace {
 // Enough for the streams that are likely to come back; each may hold a volume in memory,
 // and the positions of an improved mesh.
 constexpr std::size_t kRecentPlans = 4;
+
+/// Has a stored grid read by a decoder, and what it hands back checked by the pool.
+VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
+  return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
+                                       VolumeCache::Cancelled abandoned,
+                                       VolumeCache::LoadDone done) {
+    const FileRequest request{DecodeTask::kVolume, path, name_of_grid(key.digest),
+                              key.grid_name, max_bytes};
+    decoders.decode(
+        request, std::move(abandoned),
+        [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+          auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
+          pool.post([request, done, block] { done(volume_of(*block, request)); });
+        });
+  };
+}
+
 }  // namespace
 
 Planner::Planner(TaskPool& pool,
+                 DecoderPool& decoders,
                  GridStore& store,
                  std::uint64_t resident_bytes,
                  MeshLimits limits)
@@ -21,13 +40,7 @@ Planner::Planner(TaskPool& pool,
       store_(store),
       limits_(limits),
       volumes_(
-          pool,
-          resident_bytes,
-          [limits = LoadLimits{resident_bytes}](const std::string& path,
-                                                const std::string& name) {
-            return load_volume(path, name, limits);
-          },
-          [this] { forget(); }) {}
+          pool, resident_bytes, loader(pool, decoders, resident_bytes), [this] { forget(); }) {}
 
 void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
   auto grid = store_.acquire(order.digest);
@@ -37,7 +50,8 @@ void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done d
   }
   const VolumeKey key{order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
-  volumes_.get(key, path,
+  const auto cancelled = [watch] { return watch->cancellation.requested(); };
+  volumes_.get(key, path, cancelled,
                [this, order = std::move(order), watch = std::move(watch),
                 done = std::move(done), grid = *std::move(grid)](const auto& volume) {
                  done(volume.ok() ? plan_volume(order, *volume, grid, *watch)

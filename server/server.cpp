@@ -40,7 +40,7 @@ struct Server::Parts {
   CallRegistry calls;
   TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk};
+  GridService grid_service{*store, calls, disk, engine.decoders};
   MeshService mesh_service{engine};
   std::unique_ptr<grpc::Server> server;
   int port = 0;

@@ -6,6 +6,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/failure_name.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
@@ -68,10 +69,12 @@ grpc::Status to_grpc(const absl::Status& status) {
   rpc.set_code(static_cast<int>(status.code()));
   rpc.set_message(std::string(status.message()));
   if (!status.GetPayload(kErrorInfoUrl)) {
-    const auto info = error_info(absl::StatusCodeToString(status.code()));
+    const std::string name = failure_name(status);
+    const auto info = error_info(name.empty() ? absl::StatusCodeToString(status.code()) : name);
     add_detail(rpc, kErrorInfoUrl, absl::Cord(info.SerializeAsString()));
   }
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& bytes) {
+    if (url == kFailureNameUrl) return;
     add_detail(rpc, std::string(url), bytes);
   });
   return {static_cast<grpc::StatusCode>(status.code()), rpc.message(), rpc.SerializeAsString()};

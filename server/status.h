@@ -26,7 +26,7 @@ absl::Status with_retry(absl::Status status, absl::Duration delay);
 absl::Status over_limit(std::string_view what, std::uint64_t value, std::uint64_t limit);
 
 /// The only place where our failures become gRPC's: the same code and message, and an ErrorInfo
-/// whose reason is the code's name unless with_reason gave a better one.
+/// whose reason is the code's name unless with_reason or named_failure gave a better one.
 grpc::Status to_grpc(const absl::Status& status);
 
 }  // namespace tet
