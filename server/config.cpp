@@ -72,6 +72,9 @@ const Setting kSettings[] = {
            "drain_seconds",
            "how long running calls may go on after SIGTERM"),
     text(&Config::log_level, "log_level", "trace, debug, info, warn, error or off"),
+    text(&Config::metrics_listen,
+         "metrics_listen",
+         "host:port for metrics and health over HTTP; empty: none"),
     text(&Config::port_file, "port_file", "write the chosen port to this file once serving"),
 };
 

@@ -25,6 +25,7 @@ struct Config {
   std::uint64_t max_request_bytes = std::uint64_t{4} << 20;
   std::uint64_t drain_seconds = 30;
   std::string log_level = "info";
+  std::string metrics_listen;
   std::string port_file;
 };
 

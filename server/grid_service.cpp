@@ -10,6 +10,7 @@
 
 #include "core/decode/decode_file.h"
 #include "proto/wire/sha256.h"
+#include "server/explain.h"
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_stream.h"
@@ -89,7 +90,9 @@ absl::StatusOr<GridLease> acquire(GridStore& store, const std::string& name) {
 absl::Status fill_info(const absl::StatusOr<std::vector<GridInfo>>& grids,
                        const StoredGrid& stored,
                        v1::GridFile& response) {
-  if (!grids.ok()) return grids.status();
+  if (!grids.ok()) {
+    return about_file(grids.status(), stored.digest, stored.path.string());
+  }
   describe({stored.digest, stored.size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();

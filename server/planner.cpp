@@ -5,6 +5,7 @@
 #include "core/decode/decode_file.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
+#include "server/explain.h"
 
 namespace tet {
 
@@ -54,8 +55,8 @@ void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done d
   volumes_.get(key, path, cancelled,
                [this, order = std::move(order), watch = std::move(watch),
                 done = std::move(done), grid = *std::move(grid)](const auto& volume) {
-                 done(volume.ok() ? plan_volume(order, *volume, grid, *watch)
-                                  : absl::StatusOr<PlannedMesh>(volume.status()));
+                 if (volume.ok()) return done(plan_volume(order, *volume, grid, *watch));
+                 done(about_file(volume.status(), grid->digest, grid->path.string()));
                });
 }
 
@@ -65,13 +66,14 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
                                                  PlanningWatch& watch) {
   const std::string name = mesh_id_of(canonical_request(order, *volume, nullptr));
   std::shared_ptr<const MeshPlan> plan = recall(name);
+  (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan == nullptr) {
     running_.fetch_add(1);
     auto planned =
         plan_mesh(volume, order.request, limits_, watch.cancellation, &watch.progress);
     running_.fetch_sub(1);
     give_back_free_memory();
-    if (!planned.ok()) return planned.status();
+    if (!planned.ok()) return about_mesh(planned.status());
     plan = *std::move(planned);
     remember(name, plan);
   }
@@ -80,6 +82,8 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
   return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id),
                      std::move(grid)};
 }
+
+PlannerStats Planner::stats() const { return {volumes_.stats(), hits_.load(), misses_.load()}; }
 
 std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
   const std::lock_guard lock(mutex_);

@@ -36,6 +36,12 @@ struct PlanningWatch {
   MeshProgress progress;
 };
 
+/// What a planner keeps, and how often a plan that was asked for was there.
+struct PlannerStats {
+  CacheStats volumes;
+  std::uint64_t hits = 0, misses = 0;
+};
+
 /// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
 /// once.
 ///
@@ -57,6 +63,7 @@ class Planner {
 
   /// Plans being made now.
   int running() const noexcept { return running_.load(); }
+  PlannerStats stats() const;
 
  private:
   using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
@@ -74,6 +81,7 @@ class Planner {
   const MeshLimits limits_;
   VolumeCache volumes_;
   std::atomic<int> running_{0};
+  std::atomic<std::uint64_t> hits_{0}, misses_{0};
   std::mutex mutex_;
   std::list<NamedPlan> recent_;  ///< most recently used first
 };

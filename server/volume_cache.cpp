@@ -87,6 +87,11 @@ VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key,
                     absl::Seconds(5));
 }
 
+CacheStats VolumeCache::stats() const {
+  const std::lock_guard lock(mutex_);
+  return {used_bytes(), budget_bytes_, entries_.size(), evicted_};
+}
+
 std::uint64_t VolumeCache::used_bytes() const {
   std::uint64_t used = 0;
   for (const auto& [key, entry] : entries_) {
@@ -103,6 +108,7 @@ bool VolumeCache::evict_oldest() {
   }
   if (oldest == entries_.end()) return false;
   entries_.erase(oldest);
+  ++evicted_;
   return true;
 }
 

@@ -24,6 +24,12 @@ struct VolumeKey {
   friend auto operator<=>(const VolumeKey&, const VolumeKey&) = default;
 };
 
+/// What a cache holds, and what went since it was made.
+struct CacheStats {
+  std::uint64_t bytes = 0, budget_bytes = 0;
+  std::uint64_t grids = 0, evicted = 0;
+};
+
 /// Loads volumes once and keeps the most recently used under a byte budget.
 ///
 /// Nobody waits: an answer comes as a task on the pool. Thread safety: any thread may call
@@ -48,6 +54,8 @@ class VolumeCache {
   /// when it does not fit beside the volumes in use. Requests that meet share one load, which
   /// ends early once all of them are `cancelled`.
   void get(const VolumeKey& key, const std::string& path, Cancelled cancelled, Answer answer);
+
+  CacheStats stats() const;
 
  private:
   using Loaded = absl::StatusOr<std::shared_ptr<const Volume>>;
@@ -74,8 +82,9 @@ class VolumeCache {
   const std::uint64_t budget_bytes_;
   const Loader loader_;
   const std::function<void()> release_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::uint64_t clock_ = 0;
+  std::uint64_t evicted_ = 0;
   std::map<VolumeKey, Entry> entries_;
 };
 
