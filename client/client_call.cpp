@@ -6,6 +6,7 @@
 #include <mutex>
 #include <stop_token>
 #include <string>
+#include <utility>
 
 namespace tet {
 
@@ -27,16 +28,20 @@ bool worth_retrying(const absl::Status& status) {
 
 }  // namespace
 
-ClientCall::ClientCall(const Cancellation& cancellation)
-    : cancellation_(cancellation), watcher_([this](const std::stop_token& stop) {
+ClientCall::ClientCall(ServerChannel channel, const Cancellation& cancellation)
+    : channel_(std::move(channel)),
+      cancellation_(cancellation),
+      watcher_([this](const std::stop_token& stop) {
         while (!stop.stop_requested() && !cancellation_.requested()) pause(stop, kPoll);
         if (cancellation_.requested()) context_.TryCancel();
-      }) {}
+      }) {
+  channel_.authorize(context_);
+}
 
 absl::Status ClientCall::result(const grpc::Status& status) const {
   if (status.ok()) return absl::OkStatus();
   if (const absl::Status cancelled = check(cancellation_); !cancelled.ok()) return cancelled;
-  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
+  return channel_.explain(status);
 }
 
 absl::Status check(const Cancellation& cancellation) {

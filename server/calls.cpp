@@ -4,7 +4,6 @@
 #include <random>
 #include <utility>
 
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/logging.h"
@@ -25,14 +24,6 @@ std::string request_id(const grpc::CallbackServerContext& context) {
   }
   static thread_local std::mt19937_64 random{std::random_device{}()};
   return absl::StrCat(absl::Hex(random(), absl::kZeroPad16));
-}
-
-/// "ipv4:10.0.0.7:51234" is of "10.0.0.7"; a peer of another form is its own name.
-std::string host_of(const std::string& peer) {
-  const std::size_t scheme = peer.find(':');
-  const std::size_t port = peer.rfind(':');
-  if (!absl::StartsWith(peer, "ipv") || port == scheme) return peer;
-  return peer.substr(scheme + 1, port - scheme - 1);
 }
 
 spdlog::level::level_enum level_of(const absl::Status& status) {
@@ -83,7 +74,9 @@ void CallRegistry::add(int calls) {
 Call::Call(CallRegistry& registry,
            const grpc::CallbackServerContext& context,
            std::string method)
-    : registry_(registry), client_(host_of(context.peer())) {
+    : registry_(registry),
+      caller_(registry.access().admit(context, method)),
+      client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
   registry_.add(1);
   fields_["request_id"] = request_id(context);
   fields_["method"] = std::move(method);
@@ -91,6 +84,10 @@ Call::Call(CallRegistry& registry,
 }
 
 Call::~Call() { registry_.add(-1); }
+
+absl::Status Call::admission() const {
+  return caller_.ok() ? registry_.admission() : caller_.status();
+}
 
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
   fields_[key] = std::move(value);
@@ -114,7 +111,7 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   disk.post([call, reactor, work = std::move(work)] {
-    const absl::Status admitted = call->registry().admission();
+    const absl::Status admitted = call->admission();
     reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
   });
   return reactor;

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/parallel.h"
+#include "server/access.h"
 
 namespace tet {
 
@@ -20,6 +21,11 @@ namespace tet {
 class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
+
+  /// `access` outlives the registry.
+  explicit CallRegistry(Access& access) : access_(access) {}
+
+  Access& access() const { return access_; }
 
   /// From now on every new call is refused with kUnavailable.
   void drain();
@@ -33,6 +39,7 @@ class CallRegistry {
   friend class Call;
   void add(int calls);
 
+  Access& access_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
@@ -52,8 +59,16 @@ class Call {
 
   CallRegistry& registry() const { return registry_; }
 
-  /// Who calls, as far as we can tell: the host of the peer, without its port.
+  /// Errors: those of Access::admit, and of the registry's admission. To be asked before
+  /// anything else.
+  absl::Status admission() const;
+
+  /// Who calls, as far as we can tell: the token's name, the subject of the client's
+  /// certificate, or the host of the peer, without its port.
   const std::string& client() const { return client_; }
+
+  /// The namespace that the caller's grids are in. Only of a call that was admitted.
+  const std::string& space() const { return caller_->space; }
 
   /// Adds a field to the log line.
   void note(const std::string& key, nlohmann::ordered_json value);
@@ -63,6 +78,7 @@ class Call {
 
  private:
   CallRegistry& registry_;
+  const absl::StatusOr<Caller> caller_;
   const std::string client_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
   nlohmann::ordered_json fields_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <absl/strings/str_cat.h>
+
 #include "core/grid/load.h"
 #include "proto/wire/transport.h"
 
@@ -30,12 +32,12 @@ Planner::Planner(TaskPool& pool,
           [this] { forget(); }) {}
 
 void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
-  auto grid = store_.acquire(order.digest);
+  auto grid = store_.acquire({order.space, order.digest});
   if (!grid.ok()) {
     pool_.post([done = std::move(done), status = grid.status()] { done(status); });
     return;
   }
-  const VolumeKey key{order.digest, order.grid_name};
+  const VolumeKey key{order.space, order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
   volumes_.get(key, path,
                [this, order = std::move(order), watch = std::move(watch),
@@ -49,7 +51,8 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
                                                  std::shared_ptr<const Volume> volume,
                                                  GridLease grid,
                                                  PlanningWatch& watch) {
-  const std::string name = mesh_id_of(canonical_request(order, *volume, nullptr));
+  const std::string name =
+      absl::StrCat(order.space, " ", mesh_id_of(canonical_request(order, *volume, nullptr)));
   std::shared_ptr<const MeshPlan> plan = recall(name);
   if (plan == nullptr) {
     running_.fetch_add(1);

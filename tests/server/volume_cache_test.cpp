@@ -37,7 +37,7 @@ class CacheTest : public testing::Test {
 
   static std::future<Loaded> ask(VolumeCache& cache, const std::string& name) {
     auto promise = std::make_shared<std::promise<Loaded>>();
-    cache.get({"digest", name}, "path",
+    cache.get({"default", "digest", name}, "path",
               [promise](const Loaded& loaded) { promise->set_value(loaded); });
     return promise->get_future();
   }
