@@ -24,15 +24,19 @@ struct GridInfo {
   std::string not_meshable;  ///< why the mesher refuses it; empty when it does not
 };
 
-/// What a grid may cost, checked before memory is taken for its values.
+/// What reading a file may take, checked before anything is built of it.
 struct LoadLimits {
-  std::uint64_t max_bytes = std::uint64_t{16} << 30;
+  std::uint64_t max_bytes = std::uint64_t{16} << 30;  ///< of memory, while it is read
+  /// The caller has walked this very file (core/grid/walk_vdb.h) and checked what it takes
+  /// (core/grid/memory_charge.h), in this process or in another: both are left out.
+  bool walked = false;
 };
 
 /// The grids of a `.vdb` file, in the file's order. Values are not read.
 /// Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
-/// truncated, corrupt).
-absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path);
+/// truncated, corrupt), kResourceExhausted (over `limits`).
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits = {});
 
 /// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
 /// file.
