@@ -139,6 +139,16 @@ std::vector<ListedGrid> GridStore::list(std::string_view after, std::size_t limi
   return listed;
 }
 
+StoreStats GridStore::stats() const {
+  const std::lock_guard lock(mutex_);
+  StoreStats stats = gone_;
+  stats.bytes = used_bytes();
+  stats.budget_bytes = budget_bytes_;
+  stats.files = grids_.size();
+  stats.uploads = parts_.size();
+  return stats;
+}
+
 absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(std::string_view digest,
                                                                     std::uint64_t size_bytes) {
   const absl::Status reserved = reserve(digest, size_bytes);
@@ -204,11 +214,13 @@ bool GridStore::evict_oldest(std::string_view except_part) {
        oldest_part->second.last_use < oldest_grid->second.last_use)) {
     fs::remove(part_path(oldest_part->first), ignored);
     parts_.erase(oldest_part);
+    ++gone_.evicted_uploads;
     return true;
   }
   if (oldest_grid == grids_.end()) return false;
   fs::remove(oldest_grid->second.grid->path, ignored);
   grids_.erase(oldest_grid);
+  ++gone_.evicted_files;
   return true;
 }
 

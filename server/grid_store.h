@@ -39,6 +39,14 @@ struct ListedGrid {
   absl::Time last_use;
 };
 
+/// What a store holds, and what went since it was opened.
+struct StoreStats {
+  std::uint64_t bytes = 0, budget_bytes = 0;
+  std::uint64_t files = 0, uploads = 0;
+  std::uint64_t evicted_files = 0, evicted_uploads = 0;
+  std::uint64_t corrupt_files = 0;  ///< found damaged and set aside
+};
+
 /// A content-addressed directory: `grids/ab/{sha256}` for whole files and
 /// `uploads/{sha256}.part` for those under way. Both survive a restart; a whole file appears by
 /// an atomic rename only.
@@ -63,6 +71,8 @@ class GridStore {
   /// Whole files in the order of their digests, at most `limit`, from the first after `after`
   /// on.
   std::vector<ListedGrid> list(std::string_view after, std::size_t limit) const;
+
+  StoreStats stats() const;
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
   /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
@@ -101,6 +111,7 @@ class GridStore {
   const std::filesystem::path root_;
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
+  StoreStats gone_;  ///< only what is counted since the store was opened
   std::map<std::string, Entry, std::less<>> grids_;
   std::map<std::string, Part, std::less<>> parts_;
 };

@@ -99,8 +99,9 @@ int serve(const tet::Config& config) {
   if (!server.ok()) return cannot_start(server.status());
   tet::log_event(spdlog::level::info, "serving",
                  {
-                     {"address", (*server)->address()},
-                     {"version",    TETSTREAM_VERSION}
+                     {"address",         (*server)->address()},
+                     {"metrics", (*server)->metrics_address()},
+                     {"version",            TETSTREAM_VERSION}
   });
   const absl::Status told = write_port(config.port_file, (*server)->port());
   if (!told.ok()) return cannot_start(told);

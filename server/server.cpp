@@ -11,6 +11,9 @@
 #include "server/grid_service.h"
 #include "server/logging.h"
 #include "server/mesh_service.h"
+#include "server/metrics_port.h"
+#include "server/process_metrics.h"
+#include "server/server_readings.h"
 
 namespace tet {
 
@@ -34,15 +37,18 @@ struct Server::Parts {
       : config(std::move(server_config)), store(std::move(grid_store)) {}
 
   bool listen();
+  absl::Status open_metrics();
+  std::string metrics_text() const;
 
   const Config config;
   std::unique_ptr<GridStore> store;
   CallRegistry calls;
   TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk};
+  GridService grid_service{*store, calls, disk, engine.decoders};
   MeshService mesh_service{engine};
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<MetricsPort> metrics;
   int port = 0;
   bool stopped = false;
 };
@@ -62,6 +68,23 @@ bool Server::Parts::listen() {
   return server != nullptr && port != 0;
 }
 
+absl::Status Server::Parts::open_metrics() {
+  if (config.metrics_listen.empty()) return absl::OkStatus();
+  auto opened = MetricsPort::open(
+      config.metrics_listen,
+      {[this] { return metrics_text(); }, [this] { return calls.admission().ok(); }});
+  if (opened.ok()) metrics = *std::move(opened);
+  return opened.status();
+}
+
+std::string Server::Parts::metrics_text() const {
+  return calls.metrics().text([this] {
+    std::vector<Reading> readings = read_server(engine, *store);
+    for (Reading& reading : read_process()) readings.push_back(std::move(reading));
+    return readings;
+  });
+}
+
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   static const bool registered = [] {
     grpc::EnableDefaultHealthCheckService(true);
@@ -75,6 +98,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (!parts->listen()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
   }
+  if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
   set_readiness(*parts->server, true);
   return std::unique_ptr<Server>(new Server(std::move(parts)));
@@ -90,6 +114,10 @@ std::string Server::address() const {
 }
 
 int Server::port() const { return parts_->port; }
+
+std::string Server::metrics_address() const {
+  return parts_->metrics == nullptr ? "" : parts_->metrics->address();
+}
 
 const MeshEngine& Server::engine() const { return parts_->engine; }
 

@@ -64,31 +64,37 @@ void charge_memory(TreeOutline& tree, const TreeType& type) {
   tree.volume_bytes = volume_bytes(tree);
 }
 
-std::uint64_t listing_bytes(const VdbOutline& outline) {
-  std::uint64_t bytes = 0;
+MemoryCharge listing_charge(const VdbOutline& outline) {
+  MemoryCharge charge;
   for (const GridOutline& grid : outline.grids) {
     if (grid.instance) continue;
-    bytes += outline.has_offsets ? grid.tree.topology_bytes : tree_bytes(grid.tree);
+    charge.reading += outline.has_offsets ? grid.tree.topology_bytes : tree_bytes(grid.tree);
   }
-  return bytes;
+  return charge;
 }
 
-std::uint64_t loading_bytes(const VdbOutline& outline, const std::string& grid_name) {
+MemoryCharge loading_charge(const VdbOutline& outline, const std::string& grid_name) {
   const bool lists = !outline.has_offsets || (grid_name.empty() && outline.grids.size() > 1);
-  std::uint64_t most = 0;
+  MemoryCharge charge;
   for (const GridOutline& grid : outline.grids) {
     if (!is_scalar(grid) || (!grid_name.empty() && grid.name != grid_name)) continue;
-    most = std::max(most, tree_bytes(grid.tree) + grid.tree.volume_bytes);
+    charge.volume = std::max(charge.volume, grid.tree.volume_bytes);
+    charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + grid.tree.volume_bytes);
   }
-  return most + (lists ? listing_bytes(outline) : 0);
+  if (lists) charge.reading += listing_charge(outline).reading;
+  return charge;
 }
 
-absl::Status check_memory(std::uint64_t bytes, std::uint64_t max_bytes) {
-  if (bytes <= max_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("reading it takes %d bytes of memory and the limit is %d: use larger "
-                      "voxels, a narrower band, or raise the limit",
-                      bytes, max_bytes));
+absl::Status check_memory(const MemoryCharge& charge,
+                          std::uint64_t max_volume_bytes,
+                          std::uint64_t max_reading_bytes) {
+  const bool volume = charge.volume > max_volume_bytes;
+  if (!volume && charge.reading <= max_reading_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "%s takes %d bytes of memory and the limit is %d: use larger voxels, a narrower band, or "
+      "raise the limit",
+      volume ? "it" : "reading it", volume ? charge.volume : charge.reading,
+      volume ? max_volume_bytes : max_reading_bytes));
 }
 
 }  // namespace tet

@@ -15,14 +15,22 @@ namespace tet {
 /// `Volume`.
 void charge_memory(TreeOutline& tree, const TreeType& type);
 
-/// The most memory that `load_volume` holds at once for `grid_name`, or without a name for the
-/// largest grid that could be meant. 0 when there is no such grid.
-std::uint64_t loading_bytes(const VdbOutline& outline, const std::string& grid_name);
+/// The most memory that is held at once, in bytes.
+struct MemoryCharge {
+  std::uint64_t volume = 0;   ///< by the volume that is made
+  std::uint64_t reading = 0;  ///< by all there is while it is made
+};
 
-/// The most memory that `list_grids` holds at once.
-std::uint64_t listing_bytes(const VdbOutline& outline);
+/// What `load_volume` takes for `grid_name`, or without a name for any grid that could be
+/// meant. 0 when there is no such grid.
+MemoryCharge loading_charge(const VdbOutline& outline, const std::string& grid_name);
 
-/// Errors: kResourceExhausted when reading a file takes more than the limit; with the numbers.
-absl::Status check_memory(std::uint64_t bytes, std::uint64_t max_bytes);
+/// What `list_grids` takes.
+MemoryCharge listing_charge(const VdbOutline& outline);
+
+/// Errors: kResourceExhausted when it is over a limit; with the numbers.
+absl::Status check_memory(const MemoryCharge& charge,
+                          std::uint64_t max_volume_bytes,
+                          std::uint64_t max_reading_bytes);
 
 }  // namespace tet

@@ -100,17 +100,29 @@ struct FacesByVertex {
   std::vector<FaceNumber> faces;
 };
 
-FacesByVertex gather_faces(const TetMesh& mesh) {
-  const FaceNumber face_count = 4 * mesh.header.tet_count;
-  std::vector<std::uint32_t> counts(mesh.header.vertex_count);
-  for (FaceNumber f = 0; f < face_count; ++f) ++counts[sorted_face(mesh, f).vertices[0]];
+/// The smallest vertex of each face of a tet, by the corner opposite it.
+std::array<std::uint64_t, 4> smallest_vertices(
+    const std::array<std::uint64_t, 4>& tet) noexcept {
+  const auto [a, b, c, d] = tet;
+  const std::uint64_t ab = std::min(a, b), cd = std::min(c, d);
+  return {std::min(b, cd), std::min(a, cd), std::min(ab, d), std::min(ab, c)};
+}
 
+FacesByVertex gather_faces(const TetMesh& mesh) {
+  const std::uint64_t tets = mesh.header.tet_count;
+  std::vector<std::uint32_t> counts(mesh.header.vertex_count);
+  for (std::uint64_t t = 0; t < tets; ++t) {
+    for (const std::uint64_t v : smallest_vertices(mesh.tet(t))) ++counts[v];
+  }
   FacesByVertex gathered;
   gathered.first = offsets_from_counts(counts.size(), [&](std::size_t v) { return counts[v]; });
-  gathered.faces.resize(face_count);
-  for (FaceNumber f = face_count; f-- > 0;) {
-    const std::uint64_t v = sorted_face(mesh, f).vertices[0];
-    gathered.faces[gathered.first[v] + --counts[v]] = f;
+  gathered.faces.resize(4 * tets);
+  for (std::uint64_t t = 0; t < tets; ++t) {
+    const auto smallest = smallest_vertices(mesh.tet(t));
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint64_t v = smallest[i];
+      gathered.faces[gathered.first[v] + --counts[v]] = 4 * t + i;
+    }
   }
   return gathered;
 }
