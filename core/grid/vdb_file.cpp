@@ -9,7 +9,8 @@ namespace {
 
 namespace vdb = openvdb;
 
-/// Older files do not tell node by node how it is compressed, and the walker does not know them.
+/// Older files do not tell node by node how it is compressed, and the walker does not know
+/// them.
 constexpr std::uint32_t kOldestFormat = vdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
 
 /// Bytes of the magic number, the versions and the flags that every file starts with.
