@@ -16,6 +16,7 @@
 #include "client/mesh_report.h"
 #include "client/read_grids.h"
 #include "client/request_options.h"
+#include "client/server_options.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
 
@@ -47,6 +48,7 @@ Examples:
 struct MeshArguments {
   MeshOptions options;
   RequestArguments request;
+  ServerArguments server;
 };
 
 void describe_options(CLI::App& app, MeshArguments& arguments) {
@@ -62,12 +64,12 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--trust", options.trust, kTrustHelp);
-  app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
   app.add_flag(
       "--compact", options.compact,
       "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
+  describe_server(app, arguments.server);
 }
 
 absl::Status check_input(const MeshOptions& options) {
@@ -128,6 +130,10 @@ absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
   if (!request.ok()) return request.status();
   options.request = *std::move(request);
   options.grid = arguments.request.grid;
+  options.server = arguments.server.address;
+  absl::StatusOr<ChannelOptions> channel = understand_server(arguments.server);
+  if (!channel.ok()) return channel.status();
+  options.channel = *std::move(channel);
   return options;
 }
 

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/parallel.h"
+#include "server/access.h"
 #include "server/call_identity.h"
 #include "server/metrics.h"
 
@@ -25,6 +26,11 @@ namespace tet {
 class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
+
+  /// `access` outlives the registry.
+  explicit CallRegistry(Access& access) : access_(access) {}
+
+  Access& access() const { return access_; }
 
   /// From now on every new call is refused with kUnavailable.
   void drain();
@@ -40,6 +46,7 @@ class CallRegistry {
   friend class Call;
   void add(int calls);
 
+  Access& access_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
@@ -60,8 +67,16 @@ class Call {
 
   CallRegistry& registry() const { return registry_; }
 
-  /// Who calls, as far as we can tell: the host of the peer, without its port.
+  /// Errors: those of Access::admit, and of the registry's admission. To be asked before
+  /// anything else.
+  absl::Status admission() const;
+
+  /// Who calls, as far as we can tell: the token's name, the subject of the client's
+  /// certificate, or the host of the peer, without its port.
   const std::string& client() const { return client_; }
+
+  /// The namespace that the caller's grids are in. Only of a call that was admitted.
+  const std::string& space() const { return caller_->space; }
 
   /// Adds a field to the log line; long text is cut.
   void note(const std::string& key, nlohmann::ordered_json value);
@@ -75,6 +90,7 @@ class Call {
  private:
   CallRegistry& registry_;
   const std::string method_;
+  const absl::StatusOr<Caller> caller_;
   const std::string client_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
   nlohmann::ordered_json fields_;
@@ -96,6 +112,7 @@ class PendingAnswer {
                 grpc::ServerUnaryReactor& reactor)
       : call_(std::move(call)), context_(context), reactor_(reactor) {}
 
+  const Call& call() const { return *call_; }
   /// Whether the client has gone. Not after `finish`.
   bool cancelled() const { return context_.IsCancelled(); }
   void finish(const absl::Status& status) { reactor_.Finish(call_->finish(status)); }

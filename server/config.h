@@ -13,6 +13,11 @@ namespace tet {
 
 struct Config {
   std::string listen = "127.0.0.1:7447";
+  std::string tls_cert;
+  std::string tls_key;
+  std::string tls_client_ca;
+  std::string tokens;
+  std::string reflection = "auto";
   std::string store = "tetstream-store";
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
   std::uint64_t resident_bytes = std::uint64_t{4} << 30;

@@ -37,6 +37,7 @@ void describe(const ListedGrid& listed, v1::GridFile& file) {
 }
 
 absl::Status find_missing(GridStore& store,
+                          const std::string& space,
                           const v1::FindMissingGridsRequest& request,
                           v1::FindMissingGridsResponse& response) {
   if (request.names_size() > kMaxNames) {
@@ -45,17 +46,18 @@ absl::Status find_missing(GridStore& store,
   for (const std::string& name : request.names()) {
     const auto digest = parse_grid_name(name);
     if (!digest.ok()) return digest.status();
-    if (!store.touch(*digest)) response.add_missing_names(name);
+    if (!store.touch({space, *digest})) response.add_missing_names(name);
   }
   return absl::OkStatus();
 }
 
 absl::Status upload_status(const GridStore& store,
+                           const std::string& space,
                            const std::string& name,
                            v1::UploadStatus& response) {
   const auto digest = parse_grid_name(name);
   if (!digest.ok()) return digest.status();
-  const UploadState state = store.upload_state(*digest);
+  const UploadState state = store.upload_state({space, *digest});
   response.set_name(name);
   response.set_committed_size(static_cast<std::int64_t>(state.committed_size));
   response.set_complete(state.complete);
@@ -64,6 +66,7 @@ absl::Status upload_status(const GridStore& store,
 
 // A page token is the digest of the last file of the page before.
 absl::Status list_page(const GridStore& store,
+                       const std::string& space,
                        const v1::ListGridsRequest& request,
                        v1::ListGridsResponse& response) {
   if (request.page_size() < 0) {
@@ -74,7 +77,7 @@ absl::Status list_page(const GridStore& store,
   }
   const int wanted = request.page_size() == 0 ? kDefaultPage : request.page_size();
   const auto size = static_cast<std::size_t>(std::min(wanted, kMaxPage));
-  const auto listed = store.list(request.page_token(), size + 1);
+  const auto listed = store.list(space, request.page_token(), size + 1);
   for (std::size_t i = 0; i < std::min(size, listed.size()); ++i) {
     describe(listed[i], *response.add_files());
   }
@@ -82,18 +85,20 @@ absl::Status list_page(const GridStore& store,
   return absl::OkStatus();
 }
 
-absl::StatusOr<GridLease> acquire(GridStore& store, const std::string& name) {
+absl::StatusOr<GridLease> acquire(GridStore& store,
+                                  const std::string& space,
+                                  const std::string& name) {
   const auto digest = parse_grid_name(name);
-  return digest.ok() ? store.acquire(*digest) : digest.status();
+  return digest.ok() ? store.acquire({space, *digest}) : digest.status();
 }
 
 absl::Status fill_info(const absl::StatusOr<std::vector<GridInfo>>& grids,
                        const StoredGrid& stored,
                        v1::GridFile& response) {
   if (!grids.ok()) {
-    return about_file(grids.status(), stored.digest, stored.path.string());
+    return about_file(grids.status(), stored.key.digest, stored.path.string());
   }
-  describe({stored.digest, stored.size_bytes, absl::Now()}, response);
+  describe({stored.key.digest, stored.size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();
 }
@@ -104,7 +109,7 @@ void grid_info(GridStore& store,
                const std::string& name,
                v1::GridFile& response,
                std::shared_ptr<PendingAnswer> pending) {
-  const auto lease = acquire(store, name);
+  const auto lease = acquire(store, pending->call().space(), name);
   if (!lease.ok()) return pending->finish(lease.status());
   const FileRequest request{DecodeTask::kGridList, (*lease)->path.string(), name, "",
                             kInfoBytes};
@@ -121,9 +126,10 @@ grpc::ServerUnaryReactor* GridService::FindMissingGrids(
     grpc::CallbackServerContext* context,
     const v1::FindMissingGridsRequest* request,
     v1::FindMissingGridsResponse* response) {
-  return answer(calls_, disk_, *context, "FindMissingGrids", [this, request, response](Call&) {
-    return find_missing(store_, *request, *response);
-  });
+  return answer(calls_, disk_, *context, "FindMissingGrids",
+                [this, request, response](const Call& call) {
+                  return find_missing(store_, call.space(), *request, *response);
+                });
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* GridService::UploadGrid(
@@ -135,17 +141,19 @@ grpc::ServerUnaryReactor* GridService::GetUploadStatus(
     grpc::CallbackServerContext* context,
     const v1::GetUploadStatusRequest* request,
     v1::UploadStatus* response) {
-  return answer(calls_, disk_, *context, "GetUploadStatus", [this, request, response](Call&) {
-    return upload_status(store_, request->name(), *response);
-  });
+  return answer(calls_, disk_, *context, "GetUploadStatus",
+                [this, request, response](const Call& call) {
+                  return upload_status(store_, call.space(), request->name(), *response);
+                });
 }
 
 grpc::ServerUnaryReactor* GridService::ListGrids(grpc::CallbackServerContext* context,
                                                  const v1::ListGridsRequest* request,
                                                  v1::ListGridsResponse* response) {
-  return answer(calls_, disk_, *context, "ListGrids", [this, request, response](Call&) {
-    return list_page(store_, *request, *response);
-  });
+  return answer(calls_, disk_, *context, "ListGrids",
+                [this, request, response](const Call& call) {
+                  return list_page(store_, call.space(), *request, *response);
+                });
 }
 
 grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* context,

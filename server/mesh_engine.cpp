@@ -59,8 +59,8 @@ MeshEngine::MeshEngine(const Config& server_config,
       pool(static_cast<int>(config.threads)),
       decoders(decoder_settings(config)) {}
 
-absl::StatusOr<MeshTicket> MeshEngine::admit() {
-  if (const absl::Status status = calls.admission(); !status.ok()) return status;
+absl::StatusOr<MeshTicket> MeshEngine::admit(const Call& call) {
+  if (const absl::Status status = call.admission(); !status.ok()) return status;
   const std::int64_t running = activity.meshes.fetch_add(1) + 1;
   MeshTicket ticket(
       &activity, [](void* counted) { static_cast<Activity*>(counted)->meshes.fetch_sub(1); });

@@ -43,8 +43,8 @@ using MeshTicket = std::shared_ptr<void>;
 struct MeshEngine {
   MeshEngine(const Config& server_config, CallRegistry& call_registry, GridStore& store);
 
-  /// Errors: kUnavailable (draining), kResourceExhausted (over `max_streams`).
-  absl::StatusOr<MeshTicket> admit();
+  /// Errors: those of Call::admission, kResourceExhausted (over `max_streams`).
+  absl::StatusOr<MeshTicket> admit(const Call& call);
 
   const Config config;
   CallRegistry& calls;

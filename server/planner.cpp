@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <absl/strings/str_cat.h>
+
 #include "core/decode/decode_file.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
@@ -44,19 +46,19 @@ Planner::Planner(TaskPool& pool,
           pool, resident_bytes, loader(pool, decoders, resident_bytes), [this] { forget(); }) {}
 
 void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
-  auto grid = store_.acquire(order.digest);
+  auto grid = store_.acquire({order.space, order.digest});
   if (!grid.ok()) {
     pool_.post([done = std::move(done), status = grid.status()] { done(status); });
     return;
   }
-  const VolumeKey key{order.digest, order.grid_name};
+  const VolumeKey key{order.space, order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
   const auto cancelled = [watch] { return watch->cancellation.requested(); };
   volumes_.get(key, path, cancelled,
                [this, order = std::move(order), watch = std::move(watch),
                 done = std::move(done), grid = *std::move(grid)](const auto& volume) {
                  if (volume.ok()) return done(plan_volume(order, *volume, grid, *watch));
-                 done(about_file(volume.status(), grid->digest, grid->path.string()));
+                 done(about_file(volume.status(), grid->key.digest, grid->path.string()));
                });
 }
 
@@ -64,7 +66,8 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
                                                  std::shared_ptr<const Volume> volume,
                                                  GridLease grid,
                                                  PlanningWatch& watch) {
-  const std::string name = mesh_id_of(canonical_request(order, *volume, nullptr));
+  const std::string name =
+      absl::StrCat(order.space, " ", mesh_id_of(canonical_request(order, *volume, nullptr)));
   std::shared_ptr<const MeshPlan> plan = recall(name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan == nullptr) {

@@ -26,6 +26,7 @@ struct MeshOrder {
   std::string digest;     ///< of the grid file
   std::string grid_name;  ///< within it; may be empty
   MeshRequest request;
+  std::string space = {};  ///< the caller's namespace, from whoever knows the call
 };
 
 /// A valid request for chunks of it.

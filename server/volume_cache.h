@@ -17,8 +17,10 @@
 
 namespace tet {
 
-/// Which grid of which file; an empty grid name means the file's only meshable one.
+/// Which grid of which file; an empty grid name means the file's only meshable one. What one
+/// namespace has in memory is not found faster by another.
 struct VolumeKey {
+  std::string space;
   std::string digest;
   std::string grid_name;
   friend auto operator<=>(const VolumeKey&, const VolumeKey&) = default;

@@ -50,7 +50,7 @@ class CacheTest : public testing::Test {
       const std::string& name,
       const VolumeCache::Cancelled& cancelled = [] { return false; }) {
     auto promise = std::make_shared<std::promise<Loaded>>();
-    cache.get({"digest", name}, "path", cancelled,
+    cache.get({"default", "digest", name}, "path", cancelled,
               [promise](const Loaded& loaded) { promise->set_value(loaded); });
     return promise->get_future();
   }
