@@ -8,6 +8,7 @@
 #include <random>
 #include <stop_token>
 #include <string>
+#include <utility>
 
 #include <absl/strings/str_format.h>
 
@@ -47,18 +48,21 @@ void add_identity(grpc::ClientContext& context) {
 
 }  // namespace
 
-ClientCall::ClientCall(const Cancellation& cancellation)
-    : cancellation_(cancellation), watcher_([this](const std::stop_token& stop) {
+ClientCall::ClientCall(ServerChannel channel, const Cancellation& cancellation)
+    : channel_(std::move(channel)),
+      cancellation_(cancellation),
+      watcher_([this](const std::stop_token& stop) {
         while (!stop.stop_requested() && !cancellation_.requested()) pause(stop, kPoll);
         if (cancellation_.requested()) context_.TryCancel();
       }) {
   add_identity(context_);
+  channel_.authorize(context_);
 }
 
 absl::Status ClientCall::result(const grpc::Status& status) const {
   if (status.ok()) return absl::OkStatus();
   if (const absl::Status cancelled = check(cancellation_); !cancelled.ok()) return cancelled;
-  return to_absl(status, context_);
+  return channel_.explain(to_absl(status, context_));
 }
 
 absl::Status check(const Cancellation& cancellation) {
@@ -71,8 +75,9 @@ bool Retries::again(const absl::Status& status, std::uint64_t progress, RetryHin
   if (!worth_retrying(status)) return false;
   if (progress > furthest_) failures_ = 0;
   furthest_ = std::max(furthest_, progress);
-  const int attempts =
-      hint.known ? std::max(policy_.attempts, policy_.attempts_once_known) : policy_.attempts;
+  const int attempts = hint.known && policy_.attempts > 1
+                           ? std::max(policy_.attempts, policy_.attempts_once_known)
+                           : policy_.attempts;
   if (++failures_ >= attempts) return false;
   const auto asked = hint.elsewhere ? std::nullopt : retry_delay(status);
   const auto wait = next_wait(asked.value_or(absl::ZeroDuration()));

@@ -10,6 +10,7 @@
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
 
+#include "client/channel.h"
 #include "client/mesh_client.h"
 #include "core/base/cancel.h"
 
@@ -18,7 +19,7 @@ namespace tet {
 /// One attempt at a call: its context, cancelled soon after `cancellation` is raised.
 class ClientCall {
  public:
-  explicit ClientCall(const Cancellation& cancellation);
+  ClientCall(ServerChannel channel, const Cancellation& cancellation);
 
   grpc::ClientContext& context() { return context_; }
 
@@ -27,6 +28,7 @@ class ClientCall {
   absl::Status result(const grpc::Status& status) const;
 
  private:
+  const ServerChannel channel_;
   const Cancellation& cancellation_;
   grpc::ClientContext context_;
   std::jthread watcher_;  // last: it uses the others

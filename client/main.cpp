@@ -99,5 +99,6 @@ int run_command_line(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   tet::keep_read_blocks();
+  tet::quieten_grpc();
   return tet::run_command_line(argc, argv);
 }

@@ -134,12 +134,13 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
 absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
                                              ProgressBar& bar,
                                              const Cancellation& interruption) {
-  const std::unique_ptr<MeshClient> client = MeshClient::connect(options.server);
-  absl::StatusOr<MadeMesh> made = upload_and_stream(*client, options, bar, interruption);
+  const auto client = MeshClient::connect(options.server, options.channel);
+  if (!client.ok()) return client.status();
+  absl::StatusOr<MadeMesh> made = upload_and_stream(**client, options, bar, interruption);
   // Evicted, found damaged, or not on the server that took over: it takes another upload.
   const std::string reason = reason_of_failure(made.status());
   if (reason != "GRID_NOT_FOUND" && reason != "STORED_GRID_CORRUPT") return made;
-  return upload_and_stream(*client, options, bar, interruption);
+  return upload_and_stream(**client, options, bar, interruption);
 }
 
 }  // namespace tet

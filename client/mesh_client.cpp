@@ -32,18 +32,19 @@ void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
 
 /// One of the servers that may answer.
 struct MeshClient::Server {
-  explicit Server(const std::string& address) : channel(open_channel(address)) {}
+  explicit Server(ServerChannel opened) : channel(std::move(opened)) {}
 
-  const std::shared_ptr<grpc::Channel> channel;
-  v1::GridService::Stub grids{channel};
-  v1::MeshService::Stub meshes{channel};
-  grpc::health::v1::Health::Stub health{channel};
+  const ServerChannel channel;
+  v1::GridService::Stub grids{channel.channel()};
+  v1::MeshService::Stub meshes{channel.channel()};
+  grpc::health::v1::Health::Stub health{channel.channel()};
 };
 
 struct MeshClient::Connection {
-  Connection(const std::string& addresses, RetryPolicy retry_policy) : retry(retry_policy) {
-    for (const auto address : absl::StrSplit(addresses, ',')) {
-      servers.push_back(std::make_unique<Server>(std::string(address)));
+  Connection(std::vector<ServerChannel> channels, RetryPolicy retry_policy)
+      : retry(retry_policy) {
+    for (ServerChannel& channel : channels) {
+      servers.push_back(std::make_unique<Server>(std::move(channel)));
     }
   }
 
@@ -76,7 +77,7 @@ struct MeshClient::Connection {
     for (Retries retries(retry, cancellation);;) {
       Response response;
       Server& asked = server();
-      ClientCall attempt(cancellation);
+      ClientCall attempt(asked.channel, cancellation);
       const auto status =
           attempt.result(((asked.*stub).*method)(&attempt.context(), request, &response));
       if (status.ok()) {
@@ -94,8 +95,20 @@ struct MeshClient::Connection {
 };
 
 std::unique_ptr<MeshClient> MeshClient::connect(const std::string& address, RetryPolicy retry) {
+  return *connect(address, {}, retry);  // which only files and tokens can make fail
+}
+
+absl::StatusOr<std::unique_ptr<MeshClient>> MeshClient::connect(const std::string& address,
+                                                                const ChannelOptions& options,
+                                                                RetryPolicy retry) {
+  std::vector<ServerChannel> channels;
+  for (const auto one : absl::StrSplit(address, ',')) {
+    auto channel = open_channel(std::string(one), options);
+    if (!channel.ok()) return channel.status();
+    channels.push_back(*std::move(channel));
+  }
   return std::unique_ptr<MeshClient>(
-      new MeshClient(std::make_unique<Connection>(address, retry)));
+      new MeshClient(std::make_unique<Connection>(std::move(channels), retry)));
 }
 
 MeshClient::MeshClient(std::unique_ptr<Connection> connection)
@@ -182,15 +195,16 @@ absl::Status MeshClient::check_health(const std::string& service,
 namespace {
 
 /// One stream, from the first chunk that is missing on.
-absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
+absl::Status receive(const ServerChannel& channel,
                      v1::StreamMeshRequest message,
                      const ClientProgress& progress,
                      const Cancellation& cancellation,
                      MeshReceiver& receiver) {
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
-  ClientCall call(cancellation);
-  RawCall stream(channel, call.context(), v1::MeshService::service_full_name(), "StreamMesh");
+  ClientCall call(channel, cancellation);
+  RawCall stream(channel.channel(), call.context(), v1::MeshService::service_full_name(),
+                 "StreamMesh");
   stream.write_last(serialized(message));
   absl::Status taken;
   for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {

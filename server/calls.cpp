@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/logging.h"
@@ -14,14 +13,6 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kMaxLoggedText = 300;
-
-/// "ipv4:10.0.0.7:51234" is of "10.0.0.7"; a peer of another form is its own name.
-std::string host_of(const std::string& peer) {
-  const std::size_t scheme = peer.find(':');
-  const std::size_t port = peer.rfind(':');
-  if (!absl::StartsWith(peer, "ipv") || port == scheme) return peer;
-  return peer.substr(scheme + 1, port - scheme - 1);
-}
 
 spdlog::level::level_enum level_of(const absl::Status& status) {
   switch (status.code()) {
@@ -95,7 +86,10 @@ void CallRegistry::remove(const Call& call) {
 }
 
 Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::string method)
-    : registry_(registry), method_(std::move(method)), client_(host_of(context.peer())) {
+    : registry_(registry),
+      method_(std::move(method)),
+      caller_(registry.access().admit(context, method_)),
+      client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
   registry_.add(1);
   const CallIdentity identity = identify(context);
   tell_identity(identity, context);
@@ -115,6 +109,10 @@ Call::~Call() { registry_.remove(*this); }
 void Call::on_cut(std::function<void()> cut) {
   const std::lock_guard lock(registry_.mutex_);
   registry_.on_cut_[this] = std::move(cut);
+}
+
+absl::Status Call::admission() const {
+  return caller_.ok() ? registry_.admission() : caller_.status();
 }
 
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
@@ -145,8 +143,24 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   disk.post([call, reactor, work = std::move(work)] {
-    const absl::Status admitted = call->registry().admission();
+    const absl::Status admitted = call->admission();
     reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin) {
+  auto call = std::make_shared<Call>(registry, context, std::move(method));
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  auto pending = std::make_shared<PendingAnswer>(call, context, *reactor);
+  disk.post([call, pending, begin = std::move(begin)] {
+    const absl::Status admitted = call->admission();
+    admitted.ok() ? begin(pending) : pending->finish(admitted);
   });
   return reactor;
 }

@@ -5,8 +5,10 @@
 #include <condition_variable>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
@@ -14,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/parallel.h"
+#include "server/access.h"
 #include "server/call_identity.h"
 #include "server/metrics.h"
 
@@ -29,6 +32,11 @@ absl::Status shutting_down();
 class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
+
+  /// `access` outlives the registry.
+  explicit CallRegistry(Access& access) : access_(access) {}
+
+  Access& access() const { return access_; }
 
   /// From now on every new call is refused with kUnavailable.
   void drain();
@@ -50,6 +58,7 @@ class CallRegistry {
   void add(int calls);
   void remove(const Call& call);
 
+  Access& access_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
@@ -71,8 +80,16 @@ class Call {
 
   CallRegistry& registry() const { return registry_; }
 
-  /// Who calls, as far as we can tell: the host of the peer, without its port.
+  /// Errors: those of Access::admit, and of the registry's admission. To be asked before
+  /// anything else.
+  absl::Status admission() const;
+
+  /// Who calls, as far as we can tell: the token's name, the subject of the client's
+  /// certificate, or the host of the peer, without its port.
   const std::string& client() const { return client_; }
+
+  /// The namespace that the caller's grids are in. Only of a call that was admitted.
+  const std::string& space() const { return caller_->space; }
 
   /// `cut` is called when the server does not wait for this call any longer. It may be called
   /// after the call's end, and must not keep the call alive.
@@ -90,6 +107,7 @@ class Call {
  private:
   CallRegistry& registry_;
   const std::string method_;
+  const absl::StatusOr<Caller> caller_;
   const std::string client_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
   nlohmann::ordered_json fields_;
@@ -102,5 +120,33 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);
+
+/// A unary call whose end comes from elsewhere. `finish` once, by the last who holds it.
+class PendingAnswer {
+ public:
+  PendingAnswer(std::shared_ptr<Call> call,
+                grpc::CallbackServerContext& context,
+                grpc::ServerUnaryReactor& reactor)
+      : call_(std::move(call)), context_(context), reactor_(reactor) {}
+
+  const Call& call() const { return *call_; }
+  /// Whether the client has gone. Not after `finish`.
+  bool cancelled() const { return context_.IsCancelled(); }
+  void finish(const absl::Status& status) { reactor_.Finish(call_->finish(status)); }
+
+ private:
+  std::shared_ptr<Call> call_;
+  grpc::CallbackServerContext& context_;
+  grpc::ServerUnaryReactor& reactor_;
+};
+
+/// As `answer`, for work that waits: `begin` runs on `disk` and sees to it that somebody
+/// finishes the call.
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin);
 
 }  // namespace tet

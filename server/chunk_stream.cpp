@@ -58,7 +58,7 @@ ChunkStream::ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& contex
       watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
 
 void ChunkStream::begin(const grpc::ByteBuffer& request) {
-  auto ticket = engine_.admit();
+  auto ticket = engine_.admit(call_);
   auto order = parse(request);
   const absl::Status status = ticket.ok() ? order.status() : ticket.status();
   if (!status.ok()) {
@@ -68,6 +68,7 @@ void ChunkStream::begin(const grpc::ByteBuffer& request) {
   call_.note("grid", order->mesh.digest);
   ticket_ = *std::move(ticket);
   order_ = *std::move(order);
+  order_.mesh.space = call_.space();
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->cut();
   });

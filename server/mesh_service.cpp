@@ -32,13 +32,14 @@ class Estimate final : public grpc::ServerUnaryReactor,
         response_(response) {}
 
   void begin(MeshEngine& engine, const v1::MeshRequest& request) {
-    auto ticket = engine.admit();
+    auto ticket = engine.admit(call_);
     auto order = parse_mesh_request(request);
     const absl::Status status =
         ticket.ok() ? within_field("mesh", order.status()) : ticket.status();
     if (!status.ok()) return Finish(call_.finish(status));
     ticket_ = *std::move(ticket);
     call_.note("grid", order->digest);
+    order->space = call_.space();
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order->request.improve, false);
     call_.on_cut([watch = watch_] { watch->cancellation.cancel(); });
@@ -106,9 +107,10 @@ grpc::ServerUnaryReactor* MeshService::GetCapabilities(
     const v1::GetCapabilitiesRequest* /*request*/,
     v1::Capabilities* response) {
   Call call(engine_.calls, *context, "GetCapabilities");
-  describe(engine_.config, *response);
+  const absl::Status admitted = call.admission();
+  if (admitted.ok()) describe(engine_.config, *response);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(call.finish(engine_.calls.admission()));
+  reactor->Finish(call.finish(admitted));
   return reactor;
 }
 

@@ -13,6 +13,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "core/pipeline/mesh_plan.h"
 #include "server/grid_store.h"
 #include "server/request.h"
@@ -44,15 +45,20 @@ struct PlannerStats {
 /// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
 /// once.
 ///
-/// Thread safety: any thread may call any member. The pool is not used before the first `plan`;
-/// its tasks must have ended before the planner is destroyed.
+/// Thread safety: any thread may call any member. The pools are not used before the first
+/// `plan`; their tasks must have ended before the planner is destroyed.
 class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
 
-  Planner(TaskPool& pool, GridStore& store, std::uint64_t resident_bytes, MeshLimits limits);
+  Planner(TaskPool& pool,
+          DecoderPool& decoders,
+          GridStore& store,
+          std::uint64_t resident_bytes,
+          MeshLimits limits);
 
-  /// Calls `done` on the pool. Errors: those of GridStore::acquire, load_volume and plan_mesh.
+  /// Calls `done` on the pool. Errors: those of GridStore::acquire, DecoderPool::decode,
+  /// volume_of and plan_mesh.
   void plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done);
 
   /// Plans being made now.

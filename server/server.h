@@ -15,7 +15,8 @@ namespace tet {
 /// Serves from `start` until `stop`. Thread-safe.
 class Server {
  public:
-  /// Errors: kInternal (store), kUnavailable (cannot listen there), kInvalidArgument (address).
+  /// Errors: kInternal (store), kUnavailable (cannot listen there), kInvalidArgument (a file of
+  /// TLS or tokens that cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const Config& config);
   /// Stops at once if `stop` was not called.
   ~Server();

@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/failure_name.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/call_identity.h"
@@ -62,7 +63,7 @@ absl::Status with_reason(absl::Status status, std::string_view reason) {
 }
 
 bool has_reason(const absl::Status& status) {
-  return status.GetPayload(kErrorInfoUrl).has_value();
+  return status.GetPayload(kErrorInfoUrl).has_value() || !failure_name(status).empty();
 }
 
 std::string reason_of(const absl::Status& status) {
@@ -70,6 +71,7 @@ std::string reason_of(const absl::Status& status) {
   google::rpc::ErrorInfo info;
   const auto payload = status.GetPayload(kErrorInfoUrl);
   if (payload && info.ParseFromString(std::string(*payload))) return info.reason();
+  if (std::string name = failure_name(status); !name.empty()) return name;
   return absl::StatusCodeToString(status.code());
 }
 
@@ -118,7 +120,8 @@ grpc::Status to_grpc(const absl::Status& status) {
   add_detail(rpc, kErrorInfoUrl,
              info ? std::string(*info) : error_info(reason_of(status)).SerializeAsString());
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& bytes) {
-    if (url != kErrorInfoUrl) add_detail(rpc, std::string(url), std::string(bytes));
+    if (url == kErrorInfoUrl || url == kFailureNameUrl) return;
+    add_detail(rpc, std::string(url), std::string(bytes));
   });
   fit(rpc);
   return {static_cast<grpc::StatusCode>(status.code()), rpc.message(), rpc.SerializeAsString()};

@@ -27,7 +27,7 @@ UploadStream::UploadStream(GridStore& store,
       disk_(disk),
       call_(calls, context, "UploadGrid"),
       serialized_response_(response) {
-  const absl::Status admitted = calls.admission();
+  const absl::Status admitted = call_.admission();
   if (admitted.ok()) {
     wait_for(1);
     StartRead(&message_);
@@ -95,13 +95,14 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
   if (start.size_bytes() < 1) {
     return invalid_field(absl::StrCat("size_bytes ", start.size_bytes(), " is not positive"));
   }
-  auto upload = store_.begin_upload(*digest, static_cast<std::uint64_t>(start.size_bytes()));
+  const GridKey key{call_.space(), *digest};
+  auto upload = store_.begin_upload(key, static_cast<std::uint64_t>(start.size_bytes()));
   if (!upload.ok() && !absl::IsAlreadyExists(upload.status())) return upload.status();
   response_.set_name(start.name());
   call_.note("grid", *digest);
   if (!upload.ok()) {
-    const UploadState state = store_.upload_state(*digest);
-    response_.set_complete(store_.touch(*digest));
+    const UploadState state = store_.upload_state(key);
+    response_.set_complete(store_.touch(key));
     response_.set_committed_size(static_cast<std::int64_t>(state.committed_size));
     return absl::OkStatus();
   }
