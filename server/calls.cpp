@@ -1,10 +1,8 @@
 #include "server/calls.h"
 
 #include <memory>
-#include <random>
 #include <utility>
 
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/logging.h"
@@ -14,26 +12,7 @@ namespace tet {
 
 namespace {
 
-constexpr char kRequestIdKey[] = "x-request-id";
-
-/// The caller's own id if it sent one of sensible size, else a random one.
-std::string request_id(const grpc::CallbackServerContext& context) {
-  const auto& metadata = context.client_metadata();
-  const auto found = metadata.find(kRequestIdKey);
-  if (found != metadata.end() && found->second.size() <= 128) {
-    return {found->second.data(), found->second.size()};
-  }
-  static thread_local std::mt19937_64 random{std::random_device{}()};
-  return absl::StrCat(absl::Hex(random(), absl::kZeroPad16));
-}
-
-/// "ipv4:10.0.0.7:51234" is of "10.0.0.7"; a peer of another form is its own name.
-std::string host_of(const std::string& peer) {
-  const std::size_t scheme = peer.find(':');
-  const std::size_t port = peer.rfind(':');
-  if (!absl::StartsWith(peer, "ipv") || port == scheme) return peer;
-  return peer.substr(scheme + 1, port - scheme - 1);
-}
+constexpr std::size_t kMaxLoggedText = 300;
 
 spdlog::level::level_enum level_of(const absl::Status& status) {
   switch (status.code()) {
@@ -50,6 +29,12 @@ spdlog::level::level_enum level_of(const absl::Status& status) {
 
 }  // namespace
 
+absl::Status shutting_down() {
+  return with_retry(
+      with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
+      absl::Seconds(1));
+}
+
 void CallRegistry::drain() {
   const std::lock_guard lock(mutex_);
   draining_ = true;
@@ -57,10 +42,22 @@ void CallRegistry::drain() {
 
 absl::Status CallRegistry::admission() const {
   const std::lock_guard lock(mutex_);
-  if (!draining_) return absl::OkStatus();
-  return with_retry(
-      with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
-      absl::Seconds(1));
+  return draining_ ? shutting_down() : absl::OkStatus();
+}
+
+void CallRegistry::cut() {
+  std::map<const Call*, std::function<void()>> running;
+  {
+    const std::lock_guard lock(mutex_);
+    cut_ = true;
+    running = on_cut_;
+  }
+  for (const auto& [call, cut_call] : running) cut_call();
+}
+
+absl::Status CallRegistry::cut_off() const {
+  const std::lock_guard lock(mutex_);
+  return cut_ ? shutting_down() : absl::OkStatus();
 }
 
 bool CallRegistry::wait_until_idle(Clock::time_point deadline) {
@@ -80,28 +77,60 @@ void CallRegistry::add(int calls) {
   changed_.notify_all();
 }
 
-Call::Call(CallRegistry& registry,
-           const grpc::CallbackServerContext& context,
-           std::string method)
-    : registry_(registry), client_(host_of(context.peer())) {
-  registry_.add(1);
-  fields_["request_id"] = request_id(context);
-  fields_["method"] = std::move(method);
-  fields_["peer"] = context.peer();
+void CallRegistry::remove(const Call& call) {
+  {
+    const std::lock_guard lock(mutex_);
+    on_cut_.erase(&call);
+  }
+  add(-1);
 }
 
-Call::~Call() { registry_.add(-1); }
+Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::string method)
+    : registry_(registry),
+      method_(std::move(method)),
+      caller_(registry.access().admit(context, method_)),
+      client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
+  registry_.add(1);
+  const CallIdentity identity = identify(context);
+  tell_identity(identity, context);
+  fields_["request_id"] = identity.request_id;
+  fields_["method"] = method_;
+  fields_["client"] = client_;
+  fields_["peer"] = context.peer();
+  fields_["user_agent"] = identity.user_agent;
+  if (identity.span.trace_id.empty()) return;
+  fields_["trace_id"] = identity.span.trace_id;
+  fields_["span_id"] = identity.span.span_id;
+  fields_["parent_id"] = identity.span.parent_id;
+}
+
+Call::~Call() { registry_.remove(*this); }
+
+void Call::on_cut(std::function<void()> cut) {
+  const std::lock_guard lock(registry_.mutex_);
+  registry_.on_cut_[this] = std::move(cut);
+}
+
+absl::Status Call::admission() const {
+  return caller_.ok() ? registry_.admission() : caller_.status();
+}
 
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
+  if (value.is_string()) value = printable(value.get_ref<std::string&>(), kMaxLoggedText);
   fields_[key] = std::move(value);
 }
 
+double Call::seconds() const {
+  return std::chrono::duration<double>(CallRegistry::Clock::now() - start_).count();
+}
+
 grpc::Status Call::finish(const absl::Status& status) {
-  const std::chrono::duration<double, std::milli> duration =
-      CallRegistry::Clock::now() - start_;
+  const std::string reason = reason_of(status);
+  registry_.metrics().call_ended(method_, status.code(), reason, seconds());
   fields_["status"] = absl::StatusCodeToString(status.code());
-  fields_["duration_ms"] = duration.count();
-  if (!status.ok()) fields_["message"] = std::string(status.message());
+  if (!status.ok()) note("reason", reason);
+  fields_["duration_ms"] = 1e3 * seconds();
+  if (!status.ok()) note("message", std::string(status.message()));
   log_event(level_of(status), "call", fields_);
   return to_grpc(status);
 }
@@ -114,8 +143,24 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   disk.post([call, reactor, work = std::move(work)] {
-    const absl::Status admitted = call->registry().admission();
+    const absl::Status admitted = call->admission();
     reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin) {
+  auto call = std::make_shared<Call>(registry, context, std::move(method));
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  auto pending = std::make_shared<PendingAnswer>(call, context, *reactor);
+  disk.post([call, pending, begin = std::move(begin)] {
+    const absl::Status admitted = call->admission();
+    admitted.ok() ? begin(pending) : pending->finish(admitted);
   });
   return reactor;
 }

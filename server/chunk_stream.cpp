@@ -36,37 +36,42 @@ std::uint32_t checksum_of(const ChunkColumns& columns) {
 }
 
 absl::Status client_gone(const Cancellation& cancellation) {
-  if (cancellation.deadline_passed()) return absl::DeadlineExceededError("the deadline passed");
-  return absl::CancelledError("the client went away");
+  if (cancellation.deadline_passed()) {
+    return with_reason(absl::DeadlineExceededError("the deadline passed"), "DEADLINE_EXCEEDED");
+  }
+  return with_reason(absl::CancelledError("the client went away"), "CANCELLED");
 }
 
 }  // namespace
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
-    MeshEngine& engine,
-    const grpc::CallbackServerContext& context,
-    const grpc::ByteBuffer& request) {
+    MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
   const std::shared_ptr<ChunkStream> stream(new ChunkStream(engine, context));
   stream->self_ = stream;
   stream->begin(request);
   return stream.get();
 }
 
-ChunkStream::ChunkStream(MeshEngine& engine, const grpc::CallbackServerContext& context)
+ChunkStream::ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context)
     : engine_(engine),
       call_(engine.calls, context, "StreamMesh"),
       watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
 
 void ChunkStream::begin(const grpc::ByteBuffer& request) {
-  auto ticket = engine_.admit();
+  auto ticket = engine_.admit(call_);
   auto order = parse(request);
   const absl::Status status = ticket.ok() ? order.status() : ticket.status();
   if (!status.ok()) {
     end(status);
     return advance();
   }
+  call_.note("grid", order->mesh.digest);
   ticket_ = *std::move(ticket);
   order_ = *std::move(order);
+  order_.mesh.space = call_.space();
+  call_.on_cut([weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->cut();
+  });
   watch_progress();
   engine_.planner.plan(order_.mesh, watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
@@ -119,6 +124,7 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
+    note_plan();
     const absl::Status status = planned.ok() ? check_range() : planned;
     if (!status.ok()) {
       end(status);
@@ -130,6 +136,13 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
     }
   }
   advance();
+}
+
+/// How long planning took, and what of.
+void ChunkStream::note_plan() {
+  engine_.calls.metrics().planned(call_.seconds());
+  call_.note("plan_ms", 1e3 * call_.seconds());
+  if (planned_.plan != nullptr) call_.note("mesh_id", planned_.mesh_id);
 }
 
 /// Settles which chunks to send.
@@ -254,7 +267,8 @@ ChunkStream::Step ChunkStream::next_step() {
     finished_ = true;
     progress_timer_.reset();
     call_.note("tets", tets_written_);
-    call_.note("bytes", bytes_written_);
+    call_.note("chunks", next_ - std::min(next_, order_.start_chunk));
+    call_.note("bytes_out", bytes_written_);
     return Step::kFinish;
   }
   if (!prepare_message()) return Step::kWait;
@@ -354,6 +368,11 @@ void ChunkStream::after_write() {
 /// Counts the chunk that was written and reuses its slot.
 void ChunkStream::after_chunk() {
   Slot& slot = slot_of(next_);
+  if (next_ == order_.start_chunk) {
+    engine_.calls.metrics().first_chunk(call_.seconds());
+    call_.note("first_chunk_ms", 1e3 * call_.seconds());
+  }
+  engine_.calls.metrics().chunk_sent(slot.tets, slot.bytes);
   quality_.add(slot.quality);
   tets_written_ += slot.tets;
   bytes_written_ += slot.bytes;
@@ -367,6 +386,16 @@ void ChunkStream::end(const absl::Status& status) {
   if (phase_ == Phase::kEnded) return;
   phase_ = Phase::kEnded;
   status_ = status;
+}
+
+/// The server stops: the client goes on elsewhere, with the chunks it has.
+void ChunkStream::cut() {
+  {
+    const std::lock_guard lock(mutex_);
+    end(shutting_down());
+  }
+  watch_->cancellation.cancel();
+  advance();
 }
 
 void ChunkStream::OnCancel() {

@@ -16,7 +16,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
                        public std::enable_shared_from_this<Estimate> {
  public:
   static grpc::ServerUnaryReactor* start(MeshEngine& engine,
-                                         const grpc::CallbackServerContext& context,
+                                         grpc::CallbackServerContext& context,
                                          const v1::MeshRequest& request,
                                          v1::MeshHeader& response) {
     const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
@@ -26,21 +26,23 @@ class Estimate final : public grpc::ServerUnaryReactor,
   }
 
  private:
-  Estimate(MeshEngine& engine,
-           const grpc::CallbackServerContext& context,
-           v1::MeshHeader& response)
+  Estimate(MeshEngine& engine, grpc::CallbackServerContext& context, v1::MeshHeader& response)
       : call_(engine.calls, context, "EstimateMesh"),
         watch_(std::make_shared<PlanningWatch>(context.deadline())),
         response_(response) {}
 
   void begin(MeshEngine& engine, const v1::MeshRequest& request) {
-    auto ticket = engine.admit();
+    auto ticket = engine.admit(call_);
     auto order = parse_mesh_request(request);
-    const absl::Status status = ticket.ok() ? order.status() : ticket.status();
+    const absl::Status status =
+        ticket.ok() ? within_field("mesh", order.status()) : ticket.status();
     if (!status.ok()) return Finish(call_.finish(status));
     ticket_ = *std::move(ticket);
+    call_.note("grid", order->digest);
+    order->space = call_.space();
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order->request.improve, false);
+    call_.on_cut([watch = watch_] { watch->cancellation.cancel(); });
     engine.planner.plan(
         *std::move(order), watch_,
         [self = shared_from_this()](const auto& planned) { self->finish(planned); });
@@ -53,9 +55,11 @@ class Estimate final : public grpc::ServerUnaryReactor,
       canonical = planned->canonical;
       canonical.set_improve(improve_);
       response_.set_mesh_id(mesh_id_of(canonical));
+      call_.note("mesh_id", response_.mesh_id());
       call_.note("tets", response_.tet_count());
     }
-    Finish(call_.finish(planned.status()));
+    const absl::Status cut = call_.registry().cut_off();
+    Finish(call_.finish(planned.ok() || cut.ok() ? planned.status() : cut));
   }
 
   void OnCancel() override { watch_->cancellation.cancel(); }
@@ -103,9 +107,10 @@ grpc::ServerUnaryReactor* MeshService::GetCapabilities(
     const v1::GetCapabilitiesRequest* /*request*/,
     v1::Capabilities* response) {
   Call call(engine_.calls, *context, "GetCapabilities");
-  describe(engine_.config, *response);
+  const absl::Status admitted = call.admission();
+  if (admitted.ok()) describe(engine_.config, *response);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(call.finish(engine_.calls.admission()));
+  reactor->Finish(call.finish(admitted));
   return reactor;
 }
 
