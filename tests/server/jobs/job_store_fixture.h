@@ -13,20 +13,12 @@
 #include <absl/time/time.h>
 #include <gmock/gmock.h>
 
-#include "google/rpc/error_details.pb.h"
 #include "server/jobs/job_store.h"
+#include "server/status.h"
 #include "tests/server/jobs/made_up_work.h"
 #include "tests/server/jobs/store_home.h"
 
 namespace tet::test {
-
-/// ErrorInfo's reason; empty without one.
-inline std::string reason_of(const absl::Status& status) {
-  const auto bytes = status.GetPayload("type.googleapis.com/google.rpc.ErrorInfo");
-  google::rpc::ErrorInfo info;
-  if (!bytes || !info.ParseFromString(std::string(*bytes))) return "";
-  return info.reason();
-}
 
 inline void sleep(absl::Duration time) { absl::SleepFor(time); }
 
