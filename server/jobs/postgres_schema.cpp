@@ -98,7 +98,7 @@ absl::Status check_version(std::int64_t version) {
   return with_reason(
       absl::FailedPreconditionError(absl::StrCat("the job store has schema ", version,
                                                  ", this version knows ", kVersion)),
-      "STORE_TOO_NEW");
+      "JOB_STORE_TOO_NEW");
 }
 
 absl::Status run_steps(PostgresConnection& connection, std::int64_t version) {

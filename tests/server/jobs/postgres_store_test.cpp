@@ -31,7 +31,7 @@ TEST(PostgresJobStore, SaysWhyThereIsNoConnection) {
   const absl::Status status =
       open_postgres_job_store({.connection = "host=/nowhere user=x"}).status();
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
-  EXPECT_EQ(reason_of(status), "STORE_UNAVAILABLE");
+  EXPECT_EQ(reason_of(status), "JOB_STORE_UNAVAILABLE");
   EXPECT_THAT(std::string(status.message()), testing::HasSubstr("/nowhere"));
 }
 
@@ -50,7 +50,7 @@ TEST(PostgresJobStore, RefusesTheSchemaOfALaterVersion) {
   query(home.connection(), "UPDATE schema_version SET version = 99");
   const absl::Status status =
       open_postgres_job_store({.connection = home.connection()}).status();
-  EXPECT_EQ(reason_of(status), "STORE_TOO_NEW") << status;
+  EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW") << status;
 }
 
 TEST(PostgresJobStore, ForgetsOldJobsByDroppingTheirPartitions) {
