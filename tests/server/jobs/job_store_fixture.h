@@ -22,6 +22,15 @@ namespace tet::test {
 
 inline void sleep(absl::Duration time) { absl::SleepFor(time); }
 
+/// Eight threads, as eight processes would, open a store that nobody opened before.
+inline void open_at_once(const StoreHome& home) {
+  std::vector<std::thread> processes;
+  for (int i = 0; i < 8; ++i) {
+    processes.emplace_back([&] { EXPECT_NE(home.open({}), nullptr); });
+  }
+  for (std::thread& process : processes) process.join();
+}
+
 class JobStoreTest : public testing::TestWithParam<MakeHome> {
  protected:
   JobStoreTest() : home_(GetParam()()), store_(home_->open(kRules)) {}

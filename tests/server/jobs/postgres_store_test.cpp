@@ -37,11 +37,7 @@ TEST(PostgresJobStore, SaysWhyThereIsNoConnection) {
 
 TEST(PostgresJobStore, ManyMayOpenANewStoreAtOnce) {
   const PostgresHome home;
-  std::vector<std::thread> servers;
-  for (int i = 0; i < 8; ++i) {
-    servers.emplace_back([&] { EXPECT_NE(home.open({}), nullptr); });
-  }
-  for (std::thread& server : servers) server.join();
+  open_at_once(home);
 }
 
 TEST(PostgresJobStore, RefusesTheSchemaOfALaterVersion) {

@@ -10,6 +10,11 @@ namespace {
 
 INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreTest, testing::Values(&make_sqlite_home));
 
+TEST(SqliteJobStore, ManyMayOpenANewStoreAtOnce) {
+  const SqliteHome home;
+  open_at_once(home);
+}
+
 TEST(SqliteJobStore, RefusesAFileOfALaterVersion) {
   const SqliteHome home;
   home.open({});
