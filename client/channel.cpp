@@ -106,17 +106,16 @@ void ServerChannel::authorize(grpc::ClientContext& context) const {
   if (!authorization_.empty()) context.AddMetadata("authorization", authorization_);
 }
 
-absl::Status ServerChannel::explain(const grpc::Status& status) const {
-  const std::string& message = status.error_message();
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE &&
-      absl::StrContains(message, "failed to connect")) {
+absl::Status ServerChannel::explain(const absl::Status& status) const {
+  const std::string message(status.message());
+  if (absl::IsUnavailable(status) && absl::StrContains(message, "failed to connect")) {
     return explain_connection(address_, tls_, message);
   }
-  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && authorization_.empty()) {
-    return absl::UnauthenticatedError(
-        absl::StrCat(address_, " wants a token (--token-file): ", message));
-  }
-  return {static_cast<absl::StatusCode>(status.error_code()), message};
+  if (!absl::IsUnauthenticated(status) || !authorization_.empty()) return status;
+  absl::Status told(status.code(),
+                    absl::StrCat(address_, " wants a token (--token-file): ", message));
+  status.ForEachPayload([&](auto url, const auto& bytes) { told.SetPayload(url, bytes); });
+  return told;
 }
 
 absl::StatusOr<ServerChannel> open_channel(const std::string& address,

@@ -14,6 +14,7 @@
 #include "client/mesh_file.h"
 #include "client/mesh_maker.h"
 #include "client/mesh_report.h"
+#include "client/read_grids.h"
 #include "client/request_options.h"
 #include "client/server_options.h"
 #include "client/stopwatch.h"
@@ -62,6 +63,7 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
+  app.add_flag("--trust", options.trust, kTrustHelp);
   app.add_flag(
       "--compact", options.compact,
       "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
@@ -105,10 +107,17 @@ absl::Status check_encoding(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status check_trust(const MeshOptions& options) {
+  if (!options.trust || options.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--trust is about a file that is read here: leave --trust or --server out");
+}
+
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
   absl::Status status = check_input(options);
   if (status.ok()) status = check_encoding(options);
+  if (status.ok()) status = check_trust(options);
   if (status.ok()) status = mesh_format_of(options.output).status();
   if (status.ok()) status = check_can_create(options.output);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);

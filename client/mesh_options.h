@@ -12,6 +12,7 @@ namespace tet {
 struct MeshOptions {
   std::string input, output;
   std::string grid;             ///< empty takes the only meshable grid
+  bool trust = false;           ///< read the .vdb file in this process
   std::optional<double> voxel;  ///< of a surface that is converted first, world units
   MeshRequest request;
   int threads = 0;         ///< 0 takes every core

@@ -1,7 +1,6 @@
 #include "server/calls.h"
 
 #include <memory>
-#include <random>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -13,18 +12,7 @@ namespace tet {
 
 namespace {
 
-constexpr char kRequestIdKey[] = "x-request-id";
-
-/// The caller's own id if it sent one of sensible size, else a random one.
-std::string request_id(const grpc::CallbackServerContext& context) {
-  const auto& metadata = context.client_metadata();
-  const auto found = metadata.find(kRequestIdKey);
-  if (found != metadata.end() && found->second.size() <= 128) {
-    return {found->second.data(), found->second.size()};
-  }
-  static thread_local std::mt19937_64 random{std::random_device{}()};
-  return absl::StrCat(absl::Hex(random(), absl::kZeroPad16));
-}
+constexpr std::size_t kMaxLoggedText = 300;
 
 spdlog::level::level_enum level_of(const absl::Status& status) {
   switch (status.code()) {
@@ -71,16 +59,23 @@ void CallRegistry::add(int calls) {
   changed_.notify_all();
 }
 
-Call::Call(CallRegistry& registry,
-           const grpc::CallbackServerContext& context,
-           std::string method)
+Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::string method)
     : registry_(registry),
-      caller_(registry.access().admit(context, method)),
+      method_(std::move(method)),
+      caller_(registry.access().admit(context, method_)),
       client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
   registry_.add(1);
-  fields_["request_id"] = request_id(context);
-  fields_["method"] = std::move(method);
+  const CallIdentity identity = identify(context);
+  tell_identity(identity, context);
+  fields_["request_id"] = identity.request_id;
+  fields_["method"] = method_;
+  note("client", client_);
   fields_["peer"] = context.peer();
+  fields_["user_agent"] = identity.user_agent;
+  if (identity.span.trace_id.empty()) return;
+  fields_["trace_id"] = identity.span.trace_id;
+  fields_["span_id"] = identity.span.span_id;
+  fields_["parent_id"] = identity.span.parent_id;
 }
 
 Call::~Call() { registry_.add(-1); }
@@ -90,15 +85,21 @@ absl::Status Call::admission() const {
 }
 
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
+  if (value.is_string()) value = printable(value.get_ref<std::string&>(), kMaxLoggedText);
   fields_[key] = std::move(value);
 }
 
+double Call::seconds() const {
+  return std::chrono::duration<double>(CallRegistry::Clock::now() - start_).count();
+}
+
 grpc::Status Call::finish(const absl::Status& status) {
-  const std::chrono::duration<double, std::milli> duration =
-      CallRegistry::Clock::now() - start_;
+  const std::string reason = reason_of(status);
+  registry_.metrics().call_ended(method_, status.code(), reason, seconds());
   fields_["status"] = absl::StatusCodeToString(status.code());
-  fields_["duration_ms"] = duration.count();
-  if (!status.ok()) fields_["message"] = std::string(status.message());
+  if (!status.ok()) note("reason", reason);
+  fields_["duration_ms"] = 1e3 * seconds();
+  if (!status.ok()) note("message", std::string(status.message()));
   log_event(level_of(status), "call", fields_);
   return to_grpc(status);
 }
@@ -113,6 +114,22 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
   disk.post([call, reactor, work = std::move(work)] {
     const absl::Status admitted = call->admission();
     reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin) {
+  auto call = std::make_shared<Call>(registry, context, std::move(method));
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  auto pending = std::make_shared<PendingAnswer>(call, context, *reactor);
+  disk.post([call, pending, begin = std::move(begin)] {
+    const absl::Status admitted = call->admission();
+    admitted.ok() ? begin(pending) : pending->finish(admitted);
   });
   return reactor;
 }

@@ -36,23 +36,23 @@ std::uint32_t checksum_of(const ChunkColumns& columns) {
 }
 
 absl::Status client_gone(const Cancellation& cancellation) {
-  if (cancellation.deadline_passed()) return absl::DeadlineExceededError("the deadline passed");
-  return absl::CancelledError("the client went away");
+  if (cancellation.deadline_passed()) {
+    return with_reason(absl::DeadlineExceededError("the deadline passed"), "DEADLINE_EXCEEDED");
+  }
+  return with_reason(absl::CancelledError("the client went away"), "CANCELLED");
 }
 
 }  // namespace
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
-    MeshEngine& engine,
-    const grpc::CallbackServerContext& context,
-    const grpc::ByteBuffer& request) {
+    MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
   const std::shared_ptr<ChunkStream> stream(new ChunkStream(engine, context));
   stream->self_ = stream;
   stream->begin(request);
   return stream.get();
 }
 
-ChunkStream::ChunkStream(MeshEngine& engine, const grpc::CallbackServerContext& context)
+ChunkStream::ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context)
     : engine_(engine),
       call_(engine.calls, context, "StreamMesh"),
       watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
@@ -65,6 +65,7 @@ void ChunkStream::begin(const grpc::ByteBuffer& request) {
     end(status);
     return advance();
   }
+  call_.note("grid", order->mesh.digest);
   ticket_ = *std::move(ticket);
   order_ = *std::move(order);
   order_.mesh.space = call_.space();
@@ -120,6 +121,7 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
+    note_plan();
     const absl::Status status = planned.ok() ? check_range() : planned;
     if (!status.ok()) {
       end(status);
@@ -131,6 +133,13 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
     }
   }
   advance();
+}
+
+/// How long planning took, and what of.
+void ChunkStream::note_plan() {
+  engine_.calls.metrics().planned(call_.seconds());
+  call_.note("plan_ms", 1e3 * call_.seconds());
+  if (planned_.plan != nullptr) call_.note("mesh_id", planned_.mesh_id);
 }
 
 /// Settles which chunks to send.
@@ -255,7 +264,8 @@ ChunkStream::Step ChunkStream::next_step() {
     finished_ = true;
     progress_timer_.reset();
     call_.note("tets", tets_written_);
-    call_.note("bytes", bytes_written_);
+    call_.note("chunks", next_ - std::min(next_, order_.start_chunk));
+    call_.note("bytes_out", bytes_written_);
     return Step::kFinish;
   }
   if (!prepare_message()) return Step::kWait;
@@ -355,6 +365,11 @@ void ChunkStream::after_write() {
 /// Counts the chunk that was written and reuses its slot.
 void ChunkStream::after_chunk() {
   Slot& slot = slot_of(next_);
+  if (next_ == order_.start_chunk) {
+    engine_.calls.metrics().first_chunk(call_.seconds());
+    call_.note("first_chunk_ms", 1e3 * call_.seconds());
+  }
+  engine_.calls.metrics().chunk_sent(slot.tets, slot.bytes);
   quality_.add(slot.quality);
   tets_written_ += slot.tets;
   bytes_written_ += slot.bytes;

@@ -31,10 +31,9 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                           public std::enable_shared_from_this<ChunkStream> {
  public:
   /// Begins the call; what it returns is for gRPC.
-  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(
-      MeshEngine& engine,
-      const grpc::CallbackServerContext& context,
-      const grpc::ByteBuffer& request);
+  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(MeshEngine& engine,
+                                                           grpc::CallbackServerContext& context,
+                                                           const grpc::ByteBuffer& request);
 
  private:
   /// What is written next.
@@ -49,7 +48,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
     bool ready = false;
   };
 
-  ChunkStream(MeshEngine& engine, const grpc::CallbackServerContext& context);
+  ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context);
 
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
@@ -62,6 +61,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void find_patches(const absl::StatusOr<PlannedMesh>& base);
   void begin_chunks(const absl::Status& planned);
   std::uint64_t chunk_count() const;
+  void note_plan();
   absl::Status check_range();
   std::uint64_t window() const;
   void post_chunks();

@@ -54,6 +54,13 @@ const Setting kSettings[] = {
            kMaxBytes,
            "resident_bytes",
            "memory for grids ready to mesh"),
+    text(&Config::decoder, "decoder", "program that reads grid files; empty finds it"),
+    number(&Config::decoders, 0, 1024, "decoders", "files decoded at once; 0: one a core"),
+    number(&Config::decode_seconds,
+           1,
+           86'400,
+           "decode_seconds",
+           "the longest that decoding one file may take"),
     number(&Config::threads, 0, 4096, "threads", "meshing threads; 0 takes every core"),
     number(&Config::max_streams,
            1,
@@ -72,6 +79,9 @@ const Setting kSettings[] = {
            "drain_seconds",
            "how long running calls may go on after SIGTERM"),
     text(&Config::log_level, "log_level", "trace, debug, info, warn, error or off"),
+    text(&Config::metrics_listen,
+         "metrics_listen",
+         "host:port for metrics and health over HTTP; empty: none"),
     text(&Config::port_file, "port_file", "write the chosen port to this file once serving"),
 };
 

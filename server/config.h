@@ -21,12 +21,16 @@ struct Config {
   std::string store = "tetstream-store";
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
   std::uint64_t resident_bytes = std::uint64_t{4} << 30;
+  std::string decoder;
+  std::uint64_t decoders = 0;
+  std::uint64_t decode_seconds = 120;
   std::uint64_t threads = 0;
   std::uint64_t max_streams = 64;
   std::uint64_t max_tets = 4'000'000'000;
   std::uint64_t max_request_bytes = std::uint64_t{4} << 20;
   std::uint64_t drain_seconds = 30;
   std::string log_level = "info";
+  std::string metrics_listen;
   std::string port_file;
 };
 

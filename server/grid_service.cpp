@@ -1,12 +1,16 @@
 #include "server/grid_service.h"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 
-#include "core/grid/load.h"
+#include "core/decode/decode_file.h"
 #include "proto/wire/sha256.h"
+#include "server/explain.h"
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_stream.h"
@@ -18,6 +22,9 @@ namespace {
 constexpr int kMaxNames = 1000;
 constexpr int kDefaultPage = 100;
 constexpr int kMaxPage = 1000;
+
+/// Of the trees of a file without their values, which tell what its grids are.
+constexpr std::uint64_t kInfoBytes = std::uint64_t{1} << 30;
 
 void describe(const ListedGrid& listed, v1::GridFile& file) {
   file.set_name(name_of_grid(listed.digest));
@@ -78,19 +85,39 @@ absl::Status list_page(const GridStore& store,
   return absl::OkStatus();
 }
 
-absl::Status grid_info(GridStore& store,
-                       const std::string& space,
-                       const std::string& name,
-                       v1::GridFile& response) {
+absl::StatusOr<GridLease> acquire(GridStore& store,
+                                  const std::string& space,
+                                  const std::string& name) {
   const auto digest = parse_grid_name(name);
-  if (!digest.ok()) return digest.status();
-  const auto lease = store.acquire({space, *digest});
-  if (!lease.ok()) return lease.status();
-  const auto grids = list_grids((*lease)->path.string());
-  if (!grids.ok()) return grids.status();
-  describe({*digest, (*lease)->size_bytes, absl::Now()}, response);
+  return digest.ok() ? store.acquire({space, *digest}) : digest.status();
+}
+
+absl::Status fill_info(const absl::StatusOr<std::vector<GridInfo>>& grids,
+                       const StoredGrid& stored,
+                       v1::GridFile& response) {
+  if (!grids.ok()) {
+    return about_file(grids.status(), stored.key.digest, stored.path.string());
+  }
+  describe({stored.key.digest, stored.size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();
+}
+
+/// Has a decoder look at the file; the lease keeps it from being evicted meanwhile.
+void grid_info(GridStore& store,
+               DecoderPool& decoders,
+               const std::string& name,
+               v1::GridFile& response,
+               std::shared_ptr<PendingAnswer> pending) {
+  const auto lease = acquire(store, pending->call().space(), name);
+  if (!lease.ok()) return pending->finish(lease.status());
+  const FileRequest request{DecodeTask::kGridList, (*lease)->path.string(), name, "",
+                            kInfoBytes};
+  decoders.decode(
+      request, [pending] { return pending->cancelled(); },
+      [request, pending, stored = *lease, &response](const absl::StatusOr<SealedBlock>& block) {
+        pending->finish(fill_info(grid_list_of(block, request), *stored, response));
+      });
 }
 
 }  // namespace
@@ -132,10 +159,11 @@ grpc::ServerUnaryReactor* GridService::ListGrids(grpc::CallbackServerContext* co
 grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* context,
                                                    const v1::GetGridInfoRequest* request,
                                                    v1::GridFile* response) {
-  return answer(calls_, disk_, *context, "GetGridInfo",
-                [this, request, response](const Call& call) {
-                  return grid_info(store_, call.space(), request->name(), *response);
-                });
+  return answer_later(calls_, disk_, *context, "GetGridInfo",
+                      [this, request, response](std::shared_ptr<PendingAnswer> pending) {
+                        grid_info(store_, decoders_, request->name(), *response,
+                                  std::move(pending));
+                      });
 }
 
 }  // namespace tet

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "server/calls.h"
 #include "server/grid_store.h"
 #include "tetstream/v1/grids.grpc.pb.h"
@@ -18,11 +19,12 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
                 v1::GridService::WithCallbackMethod_GetGridInfo<v1::GridService::Service>>>>>;
 
 /// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, a pool of its own, so that
-/// uploads do not wait for meshes; the store and both others outlive the service.
+/// uploads do not wait for meshes; files are read by `decoders`. The store and the others
+/// outlive the service and its calls.
 class GridService final : public RawUploadService {
  public:
-  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk)
-      : store_(store), calls_(calls), disk_(disk) {}
+  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk, DecoderPool& decoders)
+      : store_(store), calls_(calls), disk_(disk), decoders_(decoders) {}
 
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
                                              const v1::FindMissingGridsRequest* request,
@@ -43,6 +45,7 @@ class GridService final : public RawUploadService {
   GridStore& store_;
   CallRegistry& calls_;
   TaskPool& disk_;
+  DecoderPool& decoders_;
 };
 
 }  // namespace tet

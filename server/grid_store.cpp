@@ -158,6 +158,16 @@ std::vector<ListedGrid> GridStore::list(const std::string& space,
   return listed;
 }
 
+StoreStats GridStore::stats() const {
+  const std::lock_guard lock(mutex_);
+  StoreStats stats = gone_;
+  stats.bytes = used_bytes();
+  stats.budget_bytes = budget_bytes_;
+  stats.files = grids_.size();
+  stats.uploads = parts_.size();
+  return stats;
+}
+
 absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKey& key,
                                                                     std::uint64_t size_bytes) {
   const absl::Status reserved = reserve(key, size_bytes);
@@ -226,11 +236,13 @@ bool GridStore::evict_oldest(const GridKey& except_part) {
        oldest_part->second.last_use < oldest_grid->second.last_use)) {
     fs::remove(part_path(oldest_part->first), ignored);
     parts_.erase(oldest_part);
+    ++gone_.evicted_uploads;
     return true;
   }
   if (oldest_grid == grids_.end()) return false;
   fs::remove(oldest_grid->second.grid->path, ignored);
   grids_.erase(oldest_grid);
+  ++gone_.evicted_files;
   return true;
 }
 

@@ -50,6 +50,14 @@ struct ListedGrid {
   absl::Time last_use;
 };
 
+/// What a store holds, and what went since it was opened.
+struct StoreStats {
+  std::uint64_t bytes = 0, budget_bytes = 0;
+  std::uint64_t files = 0, uploads = 0;
+  std::uint64_t evicted_files = 0, evicted_uploads = 0;
+  std::uint64_t corrupt_files = 0;  ///< found damaged and set aside
+};
+
 /// A content-addressed directory: `grids/ab/{sha256}` for whole files and
 /// `uploads/{sha256}.part` for those under way; those of another namespace than the default one
 /// are below `namespaces/{name}`. All survive a restart; a whole file appears by an atomic
@@ -78,6 +86,8 @@ class GridStore {
   std::vector<ListedGrid> list(const std::string& space,
                                const std::string& after,
                                std::size_t limit) const;
+
+  StoreStats stats() const;
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
   /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
@@ -118,6 +128,7 @@ class GridStore {
   const std::filesystem::path root_;
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
+  StoreStats gone_;  ///< only what is counted since the store was opened
   std::map<GridKey, Entry> grids_;
   std::map<GridKey, Part> parts_;
 };

@@ -39,6 +39,14 @@ MeshLimits mesh_limits(const Config& config) {
   return limits;
 }
 
+DecoderSettings decoder_settings(const Config& config) {
+  DecoderSettings settings;
+  settings.program = config.decoder;
+  settings.processes = static_cast<int>(config.decoders);
+  settings.max_time = std::chrono::seconds(config.decode_seconds);
+  return settings;
+}
+
 }  // namespace
 
 MeshEngine::MeshEngine(const Config& server_config,
@@ -47,8 +55,9 @@ MeshEngine::MeshEngine(const Config& server_config,
     : config(server_config),
       calls(call_registry),
       blocks(kChunkBytes + ChunkFrame::kMaxOverhead, kIdleBlocks),
-      planner(pool, store, config.resident_bytes, mesh_limits(config)),
-      pool(static_cast<int>(config.threads)) {}
+      planner(pool, decoders, store, config.resident_bytes, mesh_limits(config)),
+      pool(static_cast<int>(config.threads)),
+      decoders(decoder_settings(config)) {}
 
 absl::StatusOr<MeshTicket> MeshEngine::admit(const Call& call) {
   if (const absl::Status status = call.admission(); !status.ok()) return status;

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
@@ -51,7 +52,8 @@ struct MeshEngine {
   WorkspacePool workspaces;
   BlockPool blocks;
   Planner planner;
-  TaskPool pool;  ///< last, so that its tasks end before what they use
+  TaskPool pool;         ///< its tasks end before what is above, which they use
+  DecoderPool decoders;  ///< last: what it decodes becomes tasks
 };
 
 }  // namespace tet

@@ -16,7 +16,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
                        public std::enable_shared_from_this<Estimate> {
  public:
   static grpc::ServerUnaryReactor* start(MeshEngine& engine,
-                                         const grpc::CallbackServerContext& context,
+                                         grpc::CallbackServerContext& context,
                                          const v1::MeshRequest& request,
                                          v1::MeshHeader& response) {
     const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
@@ -26,9 +26,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
   }
 
  private:
-  Estimate(MeshEngine& engine,
-           const grpc::CallbackServerContext& context,
-           v1::MeshHeader& response)
+  Estimate(MeshEngine& engine, grpc::CallbackServerContext& context, v1::MeshHeader& response)
       : call_(engine.calls, context, "EstimateMesh"),
         watch_(std::make_shared<PlanningWatch>(context.deadline())),
         response_(response) {}
@@ -36,10 +34,12 @@ class Estimate final : public grpc::ServerUnaryReactor,
   void begin(MeshEngine& engine, const v1::MeshRequest& request) {
     auto ticket = engine.admit(call_);
     auto order = parse_mesh_request(request);
-    const absl::Status status = ticket.ok() ? order.status() : ticket.status();
+    const absl::Status status =
+        ticket.ok() ? within_field("mesh", order.status()) : ticket.status();
     if (!status.ok()) return Finish(call_.finish(status));
     ticket_ = *std::move(ticket);
     order->space = call_.space();
+    call_.note("grid", order->digest);
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order->request.improve, false);
     engine.planner.plan(
@@ -54,6 +54,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
       canonical = planned->canonical;
       canonical.set_improve(improve_);
       response_.set_mesh_id(mesh_id_of(canonical));
+      call_.note("mesh_id", response_.mesh_id());
       call_.note("tets", response_.tet_count());
     }
     Finish(call_.finish(planned.status()));

@@ -4,8 +4,10 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/grid/load.h"
+#include "core/decode/decode_file.h"
+#include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
+#include "server/explain.h"
 
 namespace tet {
 
@@ -13,9 +15,27 @@ namespace {
 // Enough for the streams that are likely to come back; each may hold a volume in memory,
 // and the positions of an improved mesh.
 constexpr std::size_t kRecentPlans = 4;
+
+/// Has a stored grid read by a decoder, and what it hands back checked by the pool.
+VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
+  return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
+                                       VolumeCache::Cancelled abandoned,
+                                       VolumeCache::LoadDone done) {
+    const FileRequest request{DecodeTask::kVolume, path, name_of_grid(key.digest),
+                              key.grid_name, max_bytes};
+    decoders.decode(
+        request, std::move(abandoned),
+        [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+          auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
+          pool.post([request, done, block] { done(volume_of(*block, request)); });
+        });
+  };
+}
+
 }  // namespace
 
 Planner::Planner(TaskPool& pool,
+                 DecoderPool& decoders,
                  GridStore& store,
                  std::uint64_t resident_bytes,
                  MeshLimits limits)
@@ -23,13 +43,7 @@ Planner::Planner(TaskPool& pool,
       store_(store),
       limits_(limits),
       volumes_(
-          pool,
-          resident_bytes,
-          [limits = LoadLimits{resident_bytes}](const std::string& path,
-                                                const std::string& name) {
-            return load_volume(path, name, limits);
-          },
-          [this] { forget(); }) {}
+          pool, resident_bytes, loader(pool, decoders, resident_bytes), [this] { forget(); }) {}
 
 void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
   auto grid = store_.acquire({order.space, order.digest});
@@ -39,11 +53,12 @@ void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done d
   }
   const VolumeKey key{order.space, order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
-  volumes_.get(key, path,
+  const auto cancelled = [watch] { return watch->cancellation.requested(); };
+  volumes_.get(key, path, cancelled,
                [this, order = std::move(order), watch = std::move(watch),
                 done = std::move(done), grid = *std::move(grid)](const auto& volume) {
-                 done(volume.ok() ? plan_volume(order, *volume, grid, *watch)
-                                  : absl::StatusOr<PlannedMesh>(volume.status()));
+                 if (volume.ok()) return done(plan_volume(order, *volume, grid, *watch));
+                 done(about_file(volume.status(), grid->key.digest, grid->path.string()));
                });
 }
 
@@ -54,13 +69,14 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
   const std::string name =
       absl::StrCat(order.space, " ", mesh_id_of(canonical_request(order, *volume, nullptr)));
   std::shared_ptr<const MeshPlan> plan = recall(name);
+  (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan == nullptr) {
     running_.fetch_add(1);
     auto planned =
         plan_mesh(volume, order.request, limits_, watch.cancellation, &watch.progress);
     running_.fetch_sub(1);
     give_back_free_memory();
-    if (!planned.ok()) return planned.status();
+    if (!planned.ok()) return about_mesh(planned.status());
     plan = *std::move(planned);
     remember(name, plan);
   }
@@ -69,6 +85,8 @@ absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
   return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id),
                      std::move(grid)};
 }
+
+PlannerStats Planner::stats() const { return {volumes_.stats(), hits_.load(), misses_.load()}; }
 
 std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
   const std::lock_guard lock(mutex_);

@@ -13,6 +13,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "core/pipeline/mesh_plan.h"
 #include "server/grid_store.h"
 #include "server/request.h"
@@ -35,22 +36,34 @@ struct PlanningWatch {
   MeshProgress progress;
 };
 
+/// What a planner keeps, and how often a plan that was asked for was there.
+struct PlannerStats {
+  CacheStats volumes;
+  std::uint64_t hits = 0, misses = 0;
+};
+
 /// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
 /// once.
 ///
-/// Thread safety: any thread may call any member. The pool is not used before the first `plan`;
-/// its tasks must have ended before the planner is destroyed.
+/// Thread safety: any thread may call any member. The pools are not used before the first
+/// `plan`; their tasks must have ended before the planner is destroyed.
 class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
 
-  Planner(TaskPool& pool, GridStore& store, std::uint64_t resident_bytes, MeshLimits limits);
+  Planner(TaskPool& pool,
+          DecoderPool& decoders,
+          GridStore& store,
+          std::uint64_t resident_bytes,
+          MeshLimits limits);
 
-  /// Calls `done` on the pool. Errors: those of GridStore::acquire, load_volume and plan_mesh.
+  /// Calls `done` on the pool. Errors: those of GridStore::acquire, DecoderPool::decode,
+  /// volume_of and plan_mesh.
   void plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done);
 
   /// Plans being made now.
   int running() const noexcept { return running_.load(); }
+  PlannerStats stats() const;
 
  private:
   using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
@@ -68,6 +81,7 @@ class Planner {
   const MeshLimits limits_;
   VolumeCache volumes_;
   std::atomic<int> running_{0};
+  std::atomic<std::uint64_t> hits_{0}, misses_{0};
   std::mutex mutex_;
   std::list<NamedPlan> recent_;  ///< most recently used first
 };

@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/grid/load.h"
+#include "core/grid/grid_info.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/lattice_to_world.h"

@@ -14,6 +14,9 @@
 #include "server/grid_service.h"
 #include "server/logging.h"
 #include "server/mesh_service.h"
+#include "server/metrics_port.h"
+#include "server/process_metrics.h"
+#include "server/server_readings.h"
 #include "server/tls.h"
 
 namespace tet {
@@ -84,6 +87,8 @@ struct Server::Parts {
         store(std::move(grid_store)) {}
 
   bool listen();
+  absl::Status open_metrics();
+  std::string metrics_text() const;
 
   const Config config;
   std::unique_ptr<ServerTls> tls;  ///< null where the port is plain
@@ -92,9 +97,10 @@ struct Server::Parts {
   CallRegistry calls{*access};
   TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk};
+  GridService grid_service{*store, calls, disk, engine.decoders};
   MeshService mesh_service{engine};
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<MetricsPort> metrics;
   int port = 0;
   bool stopped = false;
 };
@@ -116,6 +122,23 @@ bool Server::Parts::listen() {
   return server != nullptr && port != 0;
 }
 
+absl::Status Server::Parts::open_metrics() {
+  if (config.metrics_listen.empty()) return absl::OkStatus();
+  auto opened = MetricsPort::open(
+      config.metrics_listen,
+      {[this] { return metrics_text(); }, [this] { return calls.admission().ok(); }});
+  if (opened.ok()) metrics = *std::move(opened);
+  return opened.status();
+}
+
+std::string Server::Parts::metrics_text() const {
+  return calls.metrics().text([this] {
+    std::vector<Reading> readings = read_server(engine, *store);
+    for (Reading& reading : read_process()) readings.push_back(std::move(reading));
+    return readings;
+  });
+}
+
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   static const bool registered = [] {
     grpc::EnableDefaultHealthCheckService(true);
@@ -134,6 +157,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (!parts->listen()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
   }
+  if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
   set_readiness(*parts->server, true);
   warn_if_exposed(config);
@@ -150,6 +174,10 @@ std::string Server::address() const {
 }
 
 int Server::port() const { return parts_->port; }
+
+std::string Server::metrics_address() const {
+  return parts_->metrics == nullptr ? "" : parts_->metrics->address();
+}
 
 const MeshEngine& Server::engine() const { return parts_->engine; }
 

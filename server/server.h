@@ -24,6 +24,8 @@ class Server {
   /// host:port, the port being the one that was really taken.
   std::string address() const;
   int port() const;
+  /// host:port of the metrics; empty if there are none.
+  std::string metrics_address() const;
 
   /// Readiness turns to NOT_SERVING, new calls are refused, running ones may go on for `drain`;
   /// then they are cancelled. Returns when nothing runs any more.

@@ -21,7 +21,7 @@ absl::Status out_of_order(const char* message) {
 UploadStream::UploadStream(GridStore& store,
                            CallRegistry& calls,
                            TaskPool& disk,
-                           const grpc::CallbackServerContext& context,
+                           grpc::CallbackServerContext& context,
                            grpc::ByteBuffer& response)
     : store_(store),
       disk_(disk),
@@ -66,6 +66,8 @@ void UploadStream::go_on() {
 absl::Status UploadStream::end_piece() {
   if (piece_.size == 0 || !written_.ok()) return written_;
   upload_->advance(piece_.size);
+  bytes_in_ += piece_.size;
+  call_.registry().metrics().upload_received(piece_.size);
   piece_ = {};
   response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
   return upload_->has_all() ? commit() : absl::OkStatus();
@@ -96,6 +98,7 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
   auto upload = store_.begin_upload(key, static_cast<std::uint64_t>(start.size_bytes()));
   if (!upload.ok() && !absl::IsAlreadyExists(upload.status())) return upload.status();
   response_.set_name(start.name());
+  call_.note("grid", *digest);
   if (!upload.ok()) {
     const UploadState state = store_.upload_state(key);
     response_.set_complete(store_.touch(key));
@@ -140,7 +143,8 @@ absl::Status UploadStream::commit() {
 
 void UploadStream::finish(const absl::Status& status) {
   upload_.reset();  // whoever sees the answer may go on with the upload at once
-  call_.note("bytes", response_.committed_size());
+  call_.note("bytes_in", bytes_in_);
+  call_.note("committed_bytes", response_.committed_size());
   serialized_response_ = serialized(response_);
   Finish(call_.finish(status));
 }

@@ -30,7 +30,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   UploadStream(GridStore& store,
                CallRegistry& calls,
                TaskPool& disk,
-               const grpc::CallbackServerContext& context,
+               grpc::CallbackServerContext& context,
                grpc::ByteBuffer& response);
 
  private:
@@ -62,6 +62,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   UploadPiece piece_;            ///< in work
   std::string text_;             ///< holds its bytes if protobuf had to parse them
   absl::Status written_;         ///< what became of it
+  std::uint64_t bytes_in_ = 0;   ///< of pieces written, by this call
 };
 
 }  // namespace tet

@@ -17,20 +17,18 @@ constexpr std::int64_t kSmallestFile = 20;
 
 }  // namespace
 
-VdbFile::VdbFile(const std::string& path) {
+VdbFile::VdbFile(int descriptor, std::int64_t size)
+    : buffer_(descriptor, size), stream_(&buffer_), size_(size) {
   vdb::initialize();
-  open(path);
+  open();
   read_entries();
 }
 
-void VdbFile::open(const std::string& path) {
+void VdbFile::open() {
   stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-  stream_.open(path, std::ios::binary | std::ios::ate);
-  size_ = stream_.tellg();
   if (size_ < kSmallestFile) {
     OPENVDB_THROW(vdb::IoError, absl::StrFormat("it has only %d bytes", size_));
   }
-  stream_.seekg(0);
   vdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
   readHeader(stream_);
   setFormatVersion(stream_);
