@@ -1,6 +1,7 @@
 // tetstreamd: reads its settings, serves until a signal, drains, exits.
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -125,6 +126,8 @@ int serve(const tet::Config& config) {
   tet::log_grpc_messages();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
+  // Of a server that was killed: whoever waits for ours must not read it.
+  if (!config.port_file.empty()) std::remove(config.port_file.c_str());
   auto server = tet::Server::start(config);
   if (!server.ok()) return cannot_start(server.status());
   tet::log_event(spdlog::level::info, "serving",

@@ -1,7 +1,9 @@
 #include "core/decode/decode_order.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <malloc.h>
 #include <new>
 #include <unistd.h>
 
@@ -9,6 +11,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/failure_name.h"
+#include "core/base/parallel.h"
 #include "core/decode/sealed_block.h"
 #include "core/grid/flat_grid_list.h"
 #include "core/grid/flat_volume.h"
@@ -50,6 +53,13 @@ absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& si
 }
 
 }  // namespace
+
+void prepare_to_carry_out() {
+  ::mallopt(M_PERTURB, 0xFF);  // what is allocated is filled with the opposite of this
+  stay_in_one_thread();
+  prepare_loading();
+  for_each_index(2, [](std::size_t) {});
+}
 
 absl::Status carry_out(const DecodeOrder& order, int file, int result) {
   try {

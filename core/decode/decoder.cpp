@@ -27,6 +27,9 @@ using Clock = std::chrono::steady_clock;
 /// How soon a cancellation is seen.
 constexpr std::chrono::milliseconds kPollInterval{20};
 
+/// Milliseconds in which a process that has closed its socket is gone.
+constexpr int kLastMoment = 200;
+
 absl::Status unavailable(const std::string& message) {
   return named_failure("DECODER_UNAVAILABLE", absl::UnavailableError(message));
 }
@@ -47,6 +50,12 @@ absl::Status timed_out(const DecodeOrder& order, Clock::duration limit) {
 // By number, since the header of glibc 2.36 for these is for C only.
 Descriptor watch_process(pid_t pid) {
   return Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
+}
+
+/// Whether the process ends of itself within a moment: its socket closes a little earlier.
+bool ends_by_itself(const Descriptor& process) {
+  pollfd end{process.number(), POLLIN, 0};
+  return ::poll(&end, 1, kLastMoment) > 0;
 }
 
 /// Ends the process if it has not ended, and tells how it did.
@@ -136,8 +145,13 @@ absl::StatusOr<SealedBlock> Decoder::decode(const DecodeOrder& order,
 }
 
 absl::Status Decoder::explain_death(const DecodeOrder& order) {
+  const bool ended = ends_by_itself(process_);
   const siginfo_t how = end_process(process_);
   process_.close();
+  if (!ended) {
+    return undecodable("DECODER_CRASHED", order.file_name,
+                       "the decoder did not answer as a decoder does");
+  }
   if (how.si_code == CLD_EXITED) {
     return undecodable(
         "DECODER_CRASHED", order.file_name,

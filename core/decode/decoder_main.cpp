@@ -5,26 +5,17 @@
 #include <cstring>
 #include <unistd.h>
 
-#include "core/base/parallel.h"
 #include "core/decode/decode_order.h"
 #include "core/decode/sandbox.h"
-#include "core/grid/load.h"
 
 namespace tet {
 namespace {
 
 enum ExitCode { kAnswered = 0, kUsage = 2, kNoParent = 3, kNoSandbox = 4 };
 
-/// What OpenVDB and the threading library do once, they do now: afterwards they may not.
-void prepare() {
-  stay_in_one_thread();
-  prepare_loading();
-  for_each_index(2, [](std::size_t) {});
-}
-
 int decode_once() {
   if (!enter_custody().ok()) return kNoSandbox;
-  prepare();
+  prepare_to_carry_out();
   if (!send_ready(kDecoderSocket)) return kNoParent;
   const std::optional<ReceivedOrder> received = receive_order(kDecoderSocket);
   if (!received) return kNoParent;

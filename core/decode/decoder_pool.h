@@ -23,7 +23,7 @@ namespace tet {
 struct DecoderSettings {
   std::string program;  ///< empty finds it: see find_decoder
   int processes = 0;    ///< at once; 0 takes one for every core
-  std::chrono::seconds max_time{120};
+  std::chrono::milliseconds max_time{120'000};
   std::vector<std::string> environment;  ///< of the processes; for tests
 };
 

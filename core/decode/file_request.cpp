@@ -14,7 +14,7 @@ namespace {
 
 /// What any file may take: one of a few bytes has a small tree, and a loaded machine its time.
 constexpr std::uint64_t kLeastBytes = std::uint64_t{64} << 20;
-constexpr std::chrono::seconds kLeastTime{2};
+constexpr std::chrono::milliseconds kLeastTime{2000};
 
 /// A tenth of what a slow machine decodes a second.
 constexpr std::uint64_t kFileBytesPerSecond = 10'000'000;
@@ -27,16 +27,17 @@ DecodeLimits limits_of(const FileRequest& request) {
   return limits;
 }
 
-std::chrono::seconds time_for(std::int64_t file_bytes, std::chrono::seconds max_seconds) {
+std::chrono::milliseconds time_for(std::int64_t file_bytes,
+                                   std::chrono::milliseconds max_time) {
   const auto reading =
       std::chrono::seconds(static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond);
-  return std::clamp(kLeastTime + reading, std::min(kLeastTime, max_seconds), max_seconds);
+  return std::clamp(kLeastTime + reading, std::min(kLeastTime, max_time), max_time);
 }
 
 }  // namespace
 
 absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
-                                          std::chrono::seconds max_seconds) {
+                                          std::chrono::milliseconds max_time) {
   if (absl::Status s = check_file(request.path); !s.ok()) {
     return absl::Status(s.code(), absl::StrFormat("'%s' cannot be read", request.file_name));
   }
@@ -52,7 +53,7 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
     return absl::PermissionDeniedError(
         absl::StrFormat("'%s' cannot be opened", request.file_name));
   }
-  checked.limit = time_for(facts.st_size, max_seconds);
+  checked.limit = time_for(facts.st_size, max_time);
   checked.order = {request.task, limits_of(request), facts.st_size, request.file_name,
                    request.grid_name};
   checked.order.limits.cpu_seconds = static_cast<std::uint64_t>(

@@ -27,9 +27,9 @@ struct CheckedFile {
   std::chrono::steady_clock::duration limit;
 };
 
-/// Opens the file and works out what reading it may take, at most `max_seconds`.
+/// Opens the file and works out what reading it may take, at most `max_time`.
 /// Errors: those of check_file; kNotFound (a grid name that no grid can have).
 absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
-                                          std::chrono::seconds max_seconds);
+                                          std::chrono::milliseconds max_time);
 
 }  // namespace tet

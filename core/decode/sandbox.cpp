@@ -1,5 +1,6 @@
 #include "core/decode/sandbox.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
@@ -23,8 +24,12 @@ absl::Status refused(const char* what, int error) {
       absl::StrCat("the sandbox cannot be entered: ", what, ": ", std::strerror(error)));
 }
 
+/// No more than `value`, and than whoever started us allowed.
 absl::Status limit(__rlimit_resource resource, std::uint64_t value, const char* what) {
-  const rlimit both{value, value};
+  rlimit now{};
+  if (::getrlimit(resource, &now) != 0) return refused(what, errno);
+  const rlim_t most = std::min<rlim_t>(value, now.rlim_max);
+  const rlimit both{most, most};
   return ::setrlimit(resource, &both) == 0 ? absl::OkStatus() : refused(what, errno);
 }
 

@@ -18,7 +18,9 @@
 #include "core/base/failure_name.h"
 #include "core/grid/check_file.h"
 #include "core/grid/copy_grid.h"
+#include "core/grid/memory_charge.h"
 #include "core/grid/vdb_file.h"
+#include "core/grid/walk_vdb.h"
 
 namespace tet {
 namespace {
@@ -31,6 +33,24 @@ absl::Status told_of(const std::string& what, const absl::Status& error) {
 absl::Status bad_file(const std::string& path, std::string_view why) {
   return absl::InvalidArgumentError(
       absl::StrFormat("'%s' is not a readable VDB file: %s", path, why));
+}
+
+/// Walks over the file and checks `charge(outline)`, the memory that it takes, unless the
+/// caller has.
+template <class Charge>
+absl::Status check_bytes(const OpenGridFile& file,
+                         const LoadLimits& limits,
+                         const Charge& charge) {
+  if (limits.walked) return absl::OkStatus();
+  const ByteSource source(file.descriptor, static_cast<std::uint64_t>(file.size_bytes));
+  const absl::StatusOr<VdbOutline> outline = walk_vdb(source);
+  if (absl::IsInvalidArgument(outline.status())) {
+    return bad_file(file.name, std::string(outline.status().message()));
+  }
+  const absl::Status s =
+      outline.ok() ? check_memory(charge(*outline), limits.max_bytes, limits.max_reading_bytes)
+                   : outline.status();
+  return s.ok() ? s : told_of(absl::StrFormat("'%s'", file.name), s);
 }
 
 /// Calls `read(file)`; what OpenVDB throws becomes a status.
@@ -146,34 +166,23 @@ absl::StatusOr<std::size_t> find_grid(VdbFile& file, const std::string& name) {
   return name.empty() ? find_meshable(file) : find_named(file, name);
 }
 
-/// Counts what the copied values and regions will take; the tree's own values take about as
-/// much.
-absl::Status check_budget(const openvdb::GridBase& grid, const LoadLimits& limits) {
-  const openvdb::TreeBase& tree = grid.baseTree();
-  const std::uint64_t bytes = std::uint64_t{tree.leafCount()} * kBrickCells * sizeof(float) +
-                              std::uint64_t{tree.nonLeafCount()} * sizeof(Region);
-  if (bytes <= limits.max_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("its %d leaves would take %d bytes and the limit is %d: use larger "
-                      "voxels, a narrower band, or raise the limit",
-                      tree.leafCount(), bytes, limits.max_bytes));
-}
-
-absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const LoadLimits& limits) {
+absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i) {
   if (absl::Status s = check_meshable(file.grid(i)); !s.ok()) return s;
   file.read_topology(i);
-  if (absl::Status s = check_budget(file.grid(i), limits); !s.ok()) return s;
   file.read_values(i);
   return copy_grid(file.grid(i));
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path) {
-  return with_path(path, [](const OpenGridFile& file) { return list_grids(file); });
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits) {
+  return with_path(path, [&](const OpenGridFile& file) { return list_grids(file, limits); });
 }
 
-absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& source) {
+absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& source,
+                                                 const LoadLimits& limits) {
+  if (absl::Status s = check_bytes(source, limits, listing_charge); !s.ok()) return s;
   return with_file(source, [](VdbFile& file) -> absl::StatusOr<std::vector<GridInfo>> {
     std::vector<GridInfo> grids;
     for (std::size_t i = 0; i < file.grid_count(); ++i) grids.push_back(describe(file, i));
@@ -191,10 +200,12 @@ absl::StatusOr<Volume> load_volume(const std::string& path,
 absl::StatusOr<Volume> load_volume(const OpenGridFile& source,
                                    const std::string& grid_name,
                                    const LoadLimits& limits) {
+  const auto charge = [&](const VdbOutline& o) { return loading_charge(o, grid_name); };
+  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
   return with_file(source, [&](VdbFile& file) -> absl::StatusOr<Volume> {
     const absl::StatusOr<std::size_t> i = find_grid(file, grid_name);
     if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
-    absl::StatusOr<Volume> volume = load_grid(file, *i, limits);
+    absl::StatusOr<Volume> volume = load_grid(file, *i);
     if (volume.ok()) {
       volume->name = file.grid_name(*i);
       return volume;

@@ -12,9 +12,13 @@
 
 namespace tet {
 
-/// What a grid may cost, checked before memory is taken for its values.
+/// What reading a file may take, checked before anything is built of it.
 struct LoadLimits {
-  std::uint64_t max_bytes = std::uint64_t{16} << 30;
+  std::uint64_t max_bytes = std::uint64_t{16} << 30;          ///< of the volume in memory
+  std::uint64_t max_reading_bytes = std::uint64_t{48} << 30;  ///< of the volume and all else
+  /// The caller has walked this very file (core/grid/walk_vdb.h) and checked what it takes
+  /// (core/grid/memory_charge.h), in this process or in another: both are left out.
+  bool walked = false;
 };
 
 /// A file that is open for reading, and what messages call it. Whoever opened it keeps it open.
@@ -26,9 +30,11 @@ struct OpenGridFile {
 
 /// The grids of a `.vdb` file, in the file's order. Values are not read.
 /// Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
-/// truncated, corrupt).
-absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path);
-absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& file);
+/// truncated, corrupt), kResourceExhausted (over `limits`).
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits = {});
+absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& file,
+                                                 const LoadLimits& limits = {});
 
 /// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
 /// file.

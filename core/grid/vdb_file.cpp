@@ -9,8 +9,9 @@ namespace {
 
 namespace vdb = openvdb;
 
-/// Older files keep a grid's parts in another order; no public release wrote them.
-constexpr std::uint32_t kOldestFormat = vdb::OPENVDB_FILE_VERSION_GRID_INSTANCING;
+/// Older files do not tell node by node how it is compressed, and the walker does not know
+/// them.
+constexpr std::uint32_t kOldestFormat = vdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
 
 /// Bytes of the magic number, the versions and the flags that every file starts with.
 constexpr std::int64_t kSmallestFile = 20;
