@@ -4,8 +4,11 @@
 """
 
 import os
+import socket
+import ssl
 import subprocess
 import unittest
+import warnings
 
 from command_case import (
     DONE, REFUSED, SERVER, CommandTest, binaries, unused_port, wait_until)
@@ -82,6 +85,27 @@ class Secure(CommandTest):
     def test_asks_for_health_without_a_token(self):
         result = self.health(self.with_tokens, "--tls-ca", "ours.pem")
         self.assertEqual(result.returncode, DONE, result.stderr)
+
+    def test_no_tls_older_than_1_2_is_spoken(self):
+        self.assertIsNone(self.tls_version(ssl.TLSVersion.TLSv1_1))
+        self.assertEqual(self.tls_version(ssl.TLSVersion.TLSv1_2), "TLSv1.2")
+        self.assertEqual(self.tls_version(ssl.TLSVersion.TLSv1_3), "TLSv1.3")
+
+    def tls_version(self, newest):
+        """What a client that may speak anything up to `newest` agrees on; None where nothing."""
+        context = ssl.create_default_context(cafile=self.inputs / "ours.pem")
+        context.set_alpn_protocols(["h2"])
+        context.set_ciphers("ALL:@SECLEVEL=0")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            context.minimum_version, context.maximum_version = ssl.TLSVersion.TLSv1, newest
+        host, port = self.with_tokens.rsplit(":", 1)
+        with socket.create_connection((host, int(port)), 10) as connection:
+            try:
+                with context.wrap_socket(connection, server_hostname=host) as secure:
+                    return secure.version()
+            except (ssl.SSLError, ConnectionError):
+                return None
 
     def test_says_what_to_do_where_there_is_no_common_language(self):
         for address, options, words in (
