@@ -71,12 +71,16 @@ absl::Status check(const Cancellation& cancellation) {
   return absl::CancelledError("cancelled");
 }
 
-bool Retries::again(const absl::Status& status, std::uint64_t progress) {
+bool Retries::again(const absl::Status& status, std::uint64_t progress, RetryHint hint) {
   if (!worth_retrying(status)) return false;
   if (progress > furthest_) failures_ = 0;
   furthest_ = std::max(furthest_, progress);
-  if (++failures_ >= policy_.attempts) return false;
-  const auto wait = next_wait(status);
+  const int attempts = hint.known && policy_.attempts > 1
+                           ? std::max(policy_.attempts, policy_.attempts_once_known)
+                           : policy_.attempts;
+  if (++failures_ >= attempts) return false;
+  const auto asked = hint.elsewhere ? std::nullopt : retry_delay(status);
+  const auto wait = next_wait(asked.value_or(absl::ZeroDuration()));
   const auto end = std::chrono::steady_clock::now() + wait;
   while (std::chrono::steady_clock::now() < end && !cancellation_.requested()) {
     std::this_thread::sleep_for(std::min(kPoll, wait));
@@ -84,12 +88,12 @@ bool Retries::again(const absl::Status& status, std::uint64_t progress) {
   return !cancellation_.requested();
 }
 
-std::chrono::milliseconds Retries::next_wait(const absl::Status& status) {
+std::chrono::milliseconds Retries::next_wait(absl::Duration asked) {
   const int doubled = policy_.first_backoff_ms << std::min(failures_ - 1, 16);
   const auto backoff = absl::Milliseconds(std::min(doubled, policy_.max_backoff_ms));
-  const auto asked = std::min(retry_delay(status).value_or(absl::ZeroDuration()), kLongestWait);
   std::uniform_real_distribution<double> chance(1, 1.25);
-  return absl::ToChronoMilliseconds(std::max(backoff, asked) * chance(random_));
+  return absl::ToChronoMilliseconds(std::max(backoff, std::min(asked, kLongestWait)) *
+                                    chance(random_));
 }
 
 }  // namespace tet

@@ -37,6 +37,12 @@ class ClientCall {
 /// kCancelled or kDeadlineExceeded when `cancellation` was raised, else kOk.
 absl::Status check(const Cancellation& cancellation);
 
+/// What the connection knows of the next attempt.
+struct RetryHint {
+  bool elsewhere = false;  ///< it is made at another server, which did not ask for time
+  bool known = false;      ///< some server has answered before
+};
+
 /// Decides how often, and after how long, a failed call is taken up again: when the connection
 /// broke, when the call met another, and when the server says that it is worth it.
 class Retries {
@@ -48,10 +54,10 @@ class Retries {
   /// worth another. Attempts count from the last one that got further than those before. The
   /// wait is what the server asked for at least, a little longer by chance, so that clients
   /// that failed together come back one by one.
-  bool again(const absl::Status& status, std::uint64_t progress);
+  bool again(const absl::Status& status, std::uint64_t progress, RetryHint hint);
 
  private:
-  std::chrono::milliseconds next_wait(const absl::Status& status);
+  std::chrono::milliseconds next_wait(absl::Duration asked);
 
   const RetryPolicy policy_;
   const Cancellation& cancellation_;

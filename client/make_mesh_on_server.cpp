@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <utility>
 
+#include "client/error_details.h"
 #include "client/mesh_client.h"
 #include "client/mesh_maker.h"
 #include "client/request_options.h"
@@ -106,20 +107,17 @@ class StreamWatch {
   std::optional<double> planning_seconds_;
 };
 
-}  // namespace
-
-absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
-                                             ProgressBar& bar,
-                                             const Cancellation& interruption) {
+absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
+                                           const MeshOptions& options,
+                                           ProgressBar& bar,
+                                           const Cancellation& interruption) {
   Stopwatch watch;
-  const auto client = MeshClient::connect(options.server, options.channel);
-  if (!client.ok()) return client.status();
-  const absl::StatusOr<std::string> name = upload_input(**client, options, bar, interruption);
+  const absl::StatusOr<std::string> name = upload_input(client, options, bar, interruption);
   if (!name.ok()) return name.status();
   const double uploading_seconds = watch.lap();
 
   StreamWatch stream(bar);
-  absl::StatusOr<StreamedMesh> streamed = (*client)->stream_mesh(
+  absl::StatusOr<StreamedMesh> streamed = client.stream_mesh(
       wire_request(options.request, *name, options.grid), stream.callbacks(), interruption,
       options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   if (!streamed.ok()) return streamed.status();
@@ -129,6 +127,20 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
                   .improvement = streamed->improvement,
                   .thin_walls = std::move(streamed->thin_walls),
                   .stages = stream.stages(uploading_seconds)};
+}
+
+}  // namespace
+
+absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
+                                             ProgressBar& bar,
+                                             const Cancellation& interruption) {
+  const auto client = MeshClient::connect(options.server, options.channel);
+  if (!client.ok()) return client.status();
+  absl::StatusOr<MadeMesh> made = upload_and_stream(**client, options, bar, interruption);
+  // Evicted, found damaged, or not on the server that took over: it takes another upload.
+  const std::string reason = reason_of_failure(made.status());
+  if (reason != "GRID_NOT_FOUND" && reason != "STORED_GRID_CORRUPT") return made;
+  return upload_and_stream(**client, options, bar, interruption);
 }
 
 }  // namespace tet

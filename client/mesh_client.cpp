@@ -1,8 +1,10 @@
 #include "client/mesh_client.h"
 
+#include <atomic>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
 
 #include "client/channel.h"
 #include "client/client_call.h"
@@ -28,13 +30,45 @@ void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
 
 }  // namespace
 
+/// One of the servers that may answer.
+struct MeshClient::Server {
+  explicit Server(ServerChannel opened) : channel(std::move(opened)) {}
+
+  const ServerChannel channel;
+  v1::GridService::Stub grids{channel.channel()};
+  v1::MeshService::Stub meshes{channel.channel()};
+  grpc::health::v1::Health::Stub health{channel.channel()};
+};
+
 struct MeshClient::Connection {
-  Connection(ServerChannel server, RetryPolicy retry_policy)
-      : retry(retry_policy), channel(std::move(server)) {}
+  Connection(std::vector<ServerChannel> channels, RetryPolicy retry_policy)
+      : retry(retry_policy) {
+    for (ServerChannel& channel : channels) {
+      servers.push_back(std::make_unique<Server>(std::move(channel)));
+    }
+  }
+
+  /// The server that answered last, until it cannot be reached.
+  Server& server() { return *servers[turn.load() % servers.size()]; }
+
+  /// Whether a call that failed at `failed` is worth another attempt; then, if that one cannot
+  /// be reached, at the next server.
+  bool again(Retries& retries,
+             const Server& failed,
+             const absl::Status& status,
+             std::uint64_t progress) {
+    const bool elsewhere = servers.size() > 1 && absl::IsUnavailable(status);
+    // Of several calls that failed at one server only the first turns to the next.
+    if (std::size_t now = turn.load();
+        elsewhere && servers[now % servers.size()].get() == &failed) {
+      turn.compare_exchange_strong(now, now + 1);
+    }
+    return retries.again(status, progress, {elsewhere, known.load()});
+  }
 
   /// One unary call, tried again while the server is not to be reached.
   template <class Stub, class Request, class Response>
-  absl::StatusOr<Response> call(Stub& stub,
+  absl::StatusOr<Response> call(Stub Server::*stub,
                                 grpc::Status (Stub::*method)(grpc::ClientContext*,
                                                              const Request&,
                                                              Response*),
@@ -42,33 +76,39 @@ struct MeshClient::Connection {
                                 const Cancellation& cancellation) {
     for (Retries retries(retry, cancellation);;) {
       Response response;
-      ClientCall attempt(channel, cancellation);
+      Server& asked = server();
+      ClientCall attempt(asked.channel, cancellation);
       const auto status =
-          attempt.result((stub.*method)(&attempt.context(), request, &response));
-      if (status.ok()) return response;
-      if (!retries.again(status, 0)) return status;
+          attempt.result(((asked.*stub).*method)(&attempt.context(), request, &response));
+      if (status.ok()) {
+        known.store(true);
+        return response;
+      }
+      if (!again(retries, asked, status, 0)) return status;
     }
   }
 
   const RetryPolicy retry;
-  const ServerChannel channel;
-  v1::GridService::Stub grids{channel.channel()};
-  v1::MeshService::Stub meshes{channel.channel()};
-  grpc::health::v1::Health::Stub health{channel.channel()};
+  std::vector<std::unique_ptr<Server>> servers;
+  std::atomic<std::size_t> turn{0};
+  std::atomic<bool> known{false};  ///< a call has succeeded
 };
 
 std::unique_ptr<MeshClient> MeshClient::connect(const std::string& address, RetryPolicy retry) {
-  return std::unique_ptr<MeshClient>(
-      new MeshClient(std::make_unique<Connection>(open_channel(address), retry)));
+  return *connect(address, {}, retry);  // which only files and tokens can make fail
 }
 
 absl::StatusOr<std::unique_ptr<MeshClient>> MeshClient::connect(const std::string& address,
                                                                 const ChannelOptions& options,
                                                                 RetryPolicy retry) {
-  auto channel = open_channel(address, options);
-  if (!channel.ok()) return channel.status();
+  std::vector<ServerChannel> channels;
+  for (const auto one : absl::StrSplit(address, ',')) {
+    auto channel = open_channel(std::string(one), options);
+    if (!channel.ok()) return channel.status();
+    channels.push_back(*std::move(channel));
+  }
   return std::unique_ptr<MeshClient>(
-      new MeshClient(std::make_unique<Connection>(*std::move(channel), retry)));
+      new MeshClient(std::make_unique<Connection>(std::move(channels), retry)));
 }
 
 MeshClient::MeshClient(std::unique_ptr<Connection> connection)
@@ -79,7 +119,7 @@ MeshClient::~MeshClient() = default;
 absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
                                                     const ClientProgress& progress,
                                                     const Cancellation& cancellation) {
-  auto& grids = connection_->grids;
+  const auto grids = &Server::grids;
   const auto file = name_file(path, cancellation);
   if (!file.ok()) return file.status();
   v1::FindMissingGridsRequest find;
@@ -97,10 +137,10 @@ absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
     if (!state.ok()) return state.status();
     if (state->complete()) return file->name;
     const auto offset = static_cast<std::uint64_t>(state->committed_size());
-    const auto status =
-        upload_from(connection_->channel, *file, offset, progress, cancellation);
+    const Server& server = connection_->server();
+    const auto status = upload_from(server.channel, *file, offset, progress, cancellation);
     if (status.ok()) return file->name;
-    if (!retries.again(status, offset)) return status;
+    if (!connection_->again(retries, server, status, offset)) return status;
   }
 }
 
@@ -109,8 +149,8 @@ absl::StatusOr<std::vector<v1::GridFile>> MeshClient::list_grids(
   std::vector<v1::GridFile> files;
   v1::ListGridsRequest request;
   do {
-    auto page = connection_->call(connection_->grids, &v1::GridService::Stub::ListGrids,
-                                  request, cancellation);
+    auto page = connection_->call(&Server::grids, &v1::GridService::Stub::ListGrids, request,
+                                  cancellation);
     if (!page.ok()) return page.status();
     for (v1::GridFile& file : *page->mutable_files()) files.push_back(std::move(file));
     request.set_page_token(page->next_page_token());
@@ -122,12 +162,12 @@ absl::StatusOr<v1::GridFile> MeshClient::grid_info(const std::string& name,
                                                    const Cancellation& cancellation) {
   v1::GetGridInfoRequest request;
   request.set_name(name);
-  return connection_->call(connection_->grids, &v1::GridService::Stub::GetGridInfo, request,
+  return connection_->call(&Server::grids, &v1::GridService::Stub::GetGridInfo, request,
                            cancellation);
 }
 
 absl::StatusOr<v1::Capabilities> MeshClient::capabilities(const Cancellation& cancellation) {
-  return connection_->call(connection_->meshes, &v1::MeshService::Stub::GetCapabilities,
+  return connection_->call(&Server::meshes, &v1::MeshService::Stub::GetCapabilities,
                            v1::GetCapabilitiesRequest(), cancellation);
 }
 
@@ -135,7 +175,7 @@ absl::StatusOr<v1::MeshHeader> MeshClient::estimate(const v1::MeshRequest& reque
                                                     const Cancellation& cancellation) {
   v1::EstimateMeshRequest message;
   *message.mutable_mesh() = request;
-  return connection_->call(connection_->meshes, &v1::MeshService::Stub::EstimateMesh, message,
+  return connection_->call(&Server::meshes, &v1::MeshService::Stub::EstimateMesh, message,
                            cancellation);
 }
 
@@ -144,8 +184,8 @@ absl::Status MeshClient::check_health(const std::string& service,
   using grpc::health::v1::HealthCheckResponse;
   grpc::health::v1::HealthCheckRequest request;
   request.set_service(service);
-  const auto health = connection_->call(
-      connection_->health, &grpc::health::v1::Health::Stub::Check, request, cancellation);
+  const auto health = connection_->call(&Server::health, &grpc::health::v1::Health::Stub::Check,
+                                        request, cancellation);
   if (!health.ok()) return health.status();
   if (health->status() == HealthCheckResponse::SERVING) return absl::OkStatus();
   return absl::UnavailableError(
@@ -211,10 +251,10 @@ absl::StatusOr<StreamedMesh> MeshClient::receive_mesh(v1::StreamMeshRequest mess
                                                       const ClientProgress& progress,
                                                       const Cancellation& cancellation) {
   for (Retries retries(connection_->retry, cancellation);;) {
-    const auto status =
-        receive(connection_->channel, message, progress, cancellation, receiver);
+    const Server& server = connection_->server();
+    const auto status = receive(server.channel, message, progress, cancellation, receiver);
     if (receiver.complete()) return std::move(receiver).finish(cancellation);
-    if (!retries.again(status, receiver.next_chunk())) return status;
+    if (!connection_->again(retries, server, status, receiver.next_chunk())) return status;
   }
 }
 

@@ -28,7 +28,9 @@ class MeshReceiver;
 
 /// How often a broken call is taken up again.
 struct RetryPolicy {
-  int attempts = 6;            ///< in a row without any progress between them
+  int attempts = 7;  ///< in a row without any progress between them
+  int attempts_once_known =
+      12;                      ///< the same where a server has answered before: it may restart
   int first_backoff_ms = 100;  ///< doubled each time, up to max_backoff_ms
   int max_backoff_ms = 3000;
 };
@@ -54,7 +56,9 @@ struct ClientProgress {
   std::function<void(std::uint64_t done, std::uint64_t total)> tets;
 };
 
-/// A connection to one server. Thread safety: any thread may call any member.
+/// A connection to a server, or to one of several with the same grids: when one cannot be
+/// reached or shuts down, the next goes on with what it began. Thread safety: any thread may
+/// call any member.
 ///
 /// Errors are the server's own codes and messages. kUnavailable (after all retries),
 /// kDeadlineExceeded, kCancelled, kDataLoss and kInternal are the network's or the server's
@@ -62,7 +66,8 @@ struct ClientProgress {
 /// cancellation.
 class MeshClient {
  public:
-  /// Does not wait for the server: the first call tells whether it is there.
+  /// `address` is host:port, or several with commas between. Does not wait for the server: the
+  /// first call tells whether it is there.
   static std::unique_ptr<MeshClient> connect(const std::string& address,
                                              RetryPolicy retry = {});
   /// The same over TLS, or with a token. Errors: those of open_channel.
@@ -110,6 +115,7 @@ class MeshClient {
                                             MeshReceiver receiver,
                                             const ClientProgress& progress,
                                             const Cancellation& cancellation);
+  struct Server;
   struct Connection;
   explicit MeshClient(std::unique_ptr<Connection> connection);
   std::unique_ptr<Connection> connection_;

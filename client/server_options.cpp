@@ -31,7 +31,9 @@ absl::StatusOr<std::string> read_token(const std::string& path) {
 CLI::Option* describe_server(CLI::App& app, ServerArguments& arguments) {
   ChannelOptions& channel = arguments.channel;
   auto* const server =
-      app.add_option("--server", arguments.address, "HOST:PORT of a tetstreamd")->group(kGroup);
+      app.add_option("--server", arguments.address,
+                     "HOST:PORT of a tetstreamd, or several with commas between")
+          ->group(kGroup);
   app.add_flag("--tls", channel.tls, "Speak TLS; the system's roots vouch for the server")
       ->group(kGroup);
   app.add_option("--tls-ca", channel.tls_ca,

@@ -29,6 +29,12 @@ spdlog::level::level_enum level_of(const absl::Status& status) {
 
 }  // namespace
 
+absl::Status shutting_down() {
+  return with_retry(
+      with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
+      absl::Seconds(1));
+}
+
 void CallRegistry::drain() {
   const std::lock_guard lock(mutex_);
   draining_ = true;
@@ -36,10 +42,22 @@ void CallRegistry::drain() {
 
 absl::Status CallRegistry::admission() const {
   const std::lock_guard lock(mutex_);
-  if (!draining_) return absl::OkStatus();
-  return with_retry(
-      with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
-      absl::Seconds(1));
+  return draining_ ? shutting_down() : absl::OkStatus();
+}
+
+void CallRegistry::cut() {
+  std::map<const Call*, std::function<void()>> running;
+  {
+    const std::lock_guard lock(mutex_);
+    cut_ = true;
+    running = on_cut_;
+  }
+  for (const auto& [call, cut_call] : running) cut_call();
+}
+
+absl::Status CallRegistry::cut_off() const {
+  const std::lock_guard lock(mutex_);
+  return cut_ ? shutting_down() : absl::OkStatus();
 }
 
 bool CallRegistry::wait_until_idle(Clock::time_point deadline) {
@@ -59,6 +77,14 @@ void CallRegistry::add(int calls) {
   changed_.notify_all();
 }
 
+void CallRegistry::remove(const Call& call) {
+  {
+    const std::lock_guard lock(mutex_);
+    on_cut_.erase(&call);
+  }
+  add(-1);
+}
+
 Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::string method)
     : registry_(registry),
       method_(std::move(method)),
@@ -69,7 +95,7 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
   tell_identity(identity, context);
   fields_["request_id"] = identity.request_id;
   fields_["method"] = method_;
-  fields_["client"] = client_;
+  note("client", client_);
   fields_["peer"] = context.peer();
   fields_["user_agent"] = identity.user_agent;
   if (identity.span.trace_id.empty()) return;
@@ -78,7 +104,12 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
   fields_["parent_id"] = identity.span.parent_id;
 }
 
-Call::~Call() { registry_.add(-1); }
+Call::~Call() { registry_.remove(*this); }
+
+void Call::on_cut(std::function<void()> cut) {
+  const std::lock_guard lock(registry_.mutex_);
+  registry_.on_cut_[this] = std::move(cut);
+}
 
 absl::Status Call::admission() const {
   return caller_.ok() ? registry_.admission() : caller_.status();

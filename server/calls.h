@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -21,6 +22,11 @@
 
 namespace tet {
 
+class Call;
+
+/// How a call ends that a server which stops no longer takes, or no longer goes on with.
+absl::Status shutting_down();
+
 /// Counts the calls that are running, and those that ended. Thread safety: any thread may call
 /// any member.
 class CallRegistry {
@@ -36,6 +42,11 @@ class CallRegistry {
   void drain();
   /// kUnavailable while draining.
   absl::Status admission() const;
+  /// Hands back what still runs: calls that asked to be told end with kUnavailable as soon as
+  /// their transport lets them, and the others find it in `cut_off`.
+  void cut();
+  /// kUnavailable once the calls that run have been cut.
+  absl::Status cut_off() const;
   /// True once no call is running; false at `deadline`.
   bool wait_until_idle(Clock::time_point deadline);
   int running() const;
@@ -45,12 +56,14 @@ class CallRegistry {
  private:
   friend class Call;
   void add(int calls);
+  void remove(const Call& call);
 
   Access& access_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
-  bool draining_ = false;
+  bool draining_ = false, cut_ = false;
+  std::map<const Call*, std::function<void()>> on_cut_;
   Metrics metrics_;
 };
 
@@ -77,6 +90,10 @@ class Call {
 
   /// The namespace that the caller's grids are in. Only of a call that was admitted.
   const std::string& space() const { return caller_->space; }
+
+  /// `cut` is called when the server does not wait for this call any longer. It may be called
+  /// after the call's end, and must not keep the call alive.
+  void on_cut(std::function<void()> cut);
 
   /// Adds a field to the log line; long text is cut.
   void note(const std::string& key, nlohmann::ordered_json value);

@@ -69,6 +69,9 @@ void ChunkStream::begin(const grpc::ByteBuffer& request) {
   ticket_ = *std::move(ticket);
   order_ = *std::move(order);
   order_.mesh.space = call_.space();
+  call_.on_cut([weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->cut();
+  });
   watch_progress();
   engine_.planner.plan(order_.mesh, watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
@@ -383,6 +386,16 @@ void ChunkStream::end(const absl::Status& status) {
   if (phase_ == Phase::kEnded) return;
   phase_ = Phase::kEnded;
   status_ = status;
+}
+
+/// The server stops: the client goes on elsewhere, with the chunks it has.
+void ChunkStream::cut() {
+  {
+    const std::lock_guard lock(mutex_);
+    end(shutting_down());
+  }
+  watch_->cancellation.cancel();
+  advance();
 }
 
 void ChunkStream::OnCancel() {

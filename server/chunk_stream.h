@@ -78,6 +78,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void after_write();
   void after_chunk();
   void end(const absl::Status& status);
+  void cut();
 
   Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
 

@@ -29,6 +29,10 @@ const char* file_reason(absl::StatusCode code) {
       return "NOT_MESHABLE";
     case absl::StatusCode::kResourceExhausted:
       return "LIMIT_EXCEEDED";
+    case absl::StatusCode::kCancelled:
+      return "CANCELLED";
+    case absl::StatusCode::kDeadlineExceeded:
+      return "DEADLINE_EXCEEDED";
     default:
       return "DISK";
   }

@@ -9,17 +9,41 @@
 
 #include <absl/strings/str_format.h>
 
+#include "server/logging.h"
+#include "server/status.h"
+
 namespace tet {
+
+namespace {
+
+void log_disk_error(std::string_view action,
+                    const std::filesystem::path& path,
+                    const std::string& what) {
+  nlohmann::ordered_json fields;
+  fields["action"] = action;
+  fields["path"] = path.string();
+  fields["message"] = what;
+  log_event(spdlog::level::err, "disk_error", fields);
+}
+
+absl::Status sync_folder(const std::filesystem::path& path) {
+  absl::StatusOr<File> folder = File::open(path, O_RDONLY | O_DIRECTORY);
+  return folder.ok() ? folder->sync() : folder.status();
+}
+
+}  // namespace
 
 absl::Status disk_error(std::string_view action, const std::filesystem::path& path) {
   const int error = errno;
-  const std::string message = absl::StrFormat("%s %s: %s", action, path.string(),
-                                              std::generic_category().message(error));
+  const std::string what = std::generic_category().message(error);
+  if (error != ENOENT) log_disk_error(action, path, what);
+  const std::string message =
+      absl::StrFormat("%s %s: %s", action, path.filename().string(), what);
   if (error == ENOSPC || error == EDQUOT || error == EFBIG) {
-    return absl::ResourceExhaustedError(message);
+    return with_reason(absl::ResourceExhaustedError(message), "DISK_FULL");
   }
-  if (error == ENOENT) return absl::NotFoundError(message);
-  return absl::InternalError(message);
+  if (error == ENOENT) return with_reason(absl::NotFoundError(message), "DISK");
+  return with_reason(absl::InternalError(message), "DISK");
 }
 
 absl::StatusOr<File> File::open(const std::filesystem::path& path, int flags) {
@@ -83,10 +107,19 @@ absl::Status File::sync() {
   return disk_error("cannot flush", path_);
 }
 
+absl::Status make_folder(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (path.empty() || std::filesystem::is_directory(path, ignored)) return absl::OkStatus();
+  if (absl::Status above = make_folder(path.parent_path()); !above.ok()) return above;
+  if (::mkdir(path.c_str(), 0750) != 0 && errno != EEXIST) {
+    return disk_error("cannot make", path);
+  }
+  return sync_folder(path.has_parent_path() ? path.parent_path() : ".");
+}
+
 absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0) return disk_error("cannot move", from);
-  absl::StatusOr<File> folder = File::open(to.parent_path(), O_RDONLY | O_DIRECTORY);
-  return folder.ok() ? folder->sync() : folder.status();
+  return sync_folder(to.has_parent_path() ? to.parent_path() : ".");
 }
 
 }  // namespace tet

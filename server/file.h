@@ -13,8 +13,11 @@
 
 namespace tet {
 
-/// The system's last error as a status: no space left (or a quota) is kResourceExhausted, a
-/// missing file kNotFound, anything else kInternal. The message is "`action` `path`: reason".
+/// The system's last error as a status: no space left (or a quota) is kResourceExhausted with
+/// reason DISK_FULL; a missing file kNotFound, anything else kInternal, both with reason DISK.
+/// The message is
+/// "`action` file: reason" with no more of `path` than the file's name: clients may see it. The
+/// whole path is logged.
 absl::Status disk_error(std::string_view action, const std::filesystem::path& path);
 
 /// An open file. Not thread-safe.
@@ -47,6 +50,9 @@ class File {
   int descriptor_;
   std::filesystem::path path_;
 };
+
+/// Makes a directory and those above it, durably.
+absl::Status make_folder(const std::filesystem::path& path);
 
 /// Renames within one file system, atomically and durably.
 absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to);

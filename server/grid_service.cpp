@@ -14,6 +14,7 @@
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_stream.h"
+#include "server/verify.h"
 
 namespace tet {
 
@@ -92,13 +93,19 @@ absl::StatusOr<GridLease> acquire(GridStore& store,
   return digest.ok() ? store.acquire({space, *digest}) : digest.status();
 }
 
-absl::Status fill_info(const absl::StatusOr<std::vector<GridInfo>>& grids,
-                       const StoredGrid& stored,
+/// Why a stored file cannot be read: it may not be what was stored.
+absl::Status unreadable(GridStore& store, const GridLease& stored, const absl::Status& why) {
+  const absl::Status intact = verify_stored(stored->path);
+  if (absl::IsDataLoss(intact)) store.set_aside(stored);
+  return intact.ok() ? about_file(why, stored->key.digest, stored->path.string()) : intact;
+}
+
+absl::Status fill_info(GridStore& store,
+                       const absl::StatusOr<std::vector<GridInfo>>& grids,
+                       const GridLease& stored,
                        v1::GridFile& response) {
-  if (!grids.ok()) {
-    return about_file(grids.status(), stored.key.digest, stored.path.string());
-  }
-  describe({stored.key.digest, stored.size_bytes, absl::Now()}, response);
+  if (!grids.ok()) return unreadable(store, stored, grids.status());
+  describe({stored->key.digest, stored->size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();
 }
@@ -115,8 +122,9 @@ void grid_info(GridStore& store,
                             kInfoBytes};
   decoders.decode(
       request, [pending] { return pending->cancelled(); },
-      [request, pending, stored = *lease, &response](const absl::StatusOr<SealedBlock>& block) {
-        pending->finish(fill_info(grid_list_of(block, request), *stored, response));
+      [request, pending, stored = *lease, &store,
+       &response](const absl::StatusOr<SealedBlock>& block) {
+        pending->finish(fill_info(store, grid_list_of(block, request), stored, response));
       });
 }
 

@@ -11,6 +11,7 @@
 #include "proto/wire/sha256.h"
 #include "server/file.h"
 #include "server/grid_upload.h"
+#include "server/logging.h"
 #include "server/status.h"
 
 namespace tet {
@@ -37,9 +38,9 @@ std::optional<FoundFile> inspect(const fs::path& path) {
 
 /// Regular files below `folder`. Errors: kInternal.
 absl::StatusOr<std::vector<FoundFile>> files_below(const fs::path& folder) {
+  if (absl::Status made = make_folder(folder); !made.ok()) return made;
   std::vector<FoundFile> files;
   std::error_code error;
-  fs::create_directories(folder, error);
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (auto file = inspect(it->path())) files.push_back(std::move(*file));
@@ -68,7 +69,9 @@ absl::Status no_room(std::uint64_t size_bytes, std::uint64_t budget) {
 
 absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
                                                            std::uint64_t budget_bytes) {
-  std::unique_ptr<GridStore> store(new GridStore(root, budget_bytes));
+  auto lock = StoreLock::take(root);
+  if (!lock.ok()) return lock.status();
+  std::unique_ptr<GridStore> store(new GridStore(root, *std::move(lock), budget_bytes));
   const absl::Status status = store->scan();
   if (!status.ok()) return status;
   return store;
@@ -183,6 +186,22 @@ absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKe
   return upload;
 }
 
+// Several calls may have found the damage: the first one moves the file.
+void GridStore::set_aside(const GridLease& grid) {
+  const std::lock_guard lock(mutex_);
+  const auto found = grids_.find(grid->key);
+  if (found == grids_.end() || found->second.grid != grid) return;
+  const fs::path aside = folder_of(grid->key.space) / "corrupt" / grid->key.digest;
+  absl::Status moved = make_folder(aside.parent_path());
+  if (moved.ok()) moved = move_file(grid->path, aside);
+  grids_.erase(found);
+  ++gone_.corrupt_files;
+  nlohmann::ordered_json fields;
+  fields["grid"] = grid->key.digest;
+  fields["moved"] = moved.ok() ? aside.string() : std::string(moved.message());
+  log_event(spdlog::level::err, "stored_grid_corrupt", fields);
+}
+
 std::uint64_t GridStore::used_bytes() const {
   std::uint64_t used = 0;
   for (const auto& [key, entry] : grids_) used += entry.grid->size_bytes;
@@ -261,11 +280,10 @@ void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
 /// A verified upload becomes a stored file.
 absl::Status GridStore::keep(const GridKey& key, std::uint64_t size_bytes) {
   const fs::path path = grid_path(key);
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
+  absl::Status status = make_folder(path.parent_path());
   const std::lock_guard lock(mutex_);
-  const absl::Status moved = move_file(part_path(key), path);
-  if (!moved.ok()) return moved;
+  if (status.ok()) status = move_file(part_path(key), path);
+  if (!status.ok()) return status;
   auto grid = std::make_shared<StoredGrid>(StoredGrid{key, path, size_bytes});
   grids_[key] = Entry{std::move(grid), absl::Now()};
   parts_.erase(key);

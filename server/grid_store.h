@@ -15,6 +15,8 @@
 #include <absl/status/statusor.h>
 #include <absl/time/time.h>
 
+#include "server/store_lock.h"
+
 namespace tet {
 
 class GridUpload;
@@ -68,8 +70,9 @@ struct StoreStats {
 /// be called from any thread.
 class GridStore {
  public:
-  /// Makes the directory when missing and takes stock of it.
-  /// Errors: kInternal (no directory can be made or read there).
+  /// Makes the directory when missing, locks it, and takes stock of it.
+  /// Errors: kFailedPrecondition (another process has it), kInternal (no directory can be made
+  /// or read there).
   static absl::StatusOr<std::unique_ptr<GridStore>> open(const std::filesystem::path& root,
                                                          std::uint64_t budget_bytes);
 
@@ -88,6 +91,10 @@ class GridStore {
                                std::size_t limit) const;
 
   StoreStats stats() const;
+
+  /// Moves a file that was found damaged to `corrupt/`, out of the way of the next upload of
+  /// it.
+  void set_aside(const GridLease& grid);
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
   /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
@@ -108,8 +115,8 @@ class GridStore {
     bool busy = false;
   };
 
-  GridStore(std::filesystem::path root, std::uint64_t budget_bytes)
-      : root_(std::move(root)), budget_bytes_(budget_bytes) {}
+  GridStore(std::filesystem::path root, StoreLock lock, std::uint64_t budget_bytes)
+      : root_(std::move(root)), lock_(std::move(lock)), budget_bytes_(budget_bytes) {}
 
   std::filesystem::path folder_of(std::string_view space) const;
   std::filesystem::path grid_path(const GridKey& key) const;
@@ -126,6 +133,7 @@ class GridStore {
   absl::Status keep(const GridKey& key, std::uint64_t size_bytes);
 
   const std::filesystem::path root_;
+  const StoreLock lock_;
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
   StoreStats gone_;  ///< only what is counted since the store was opened

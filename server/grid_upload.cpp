@@ -82,7 +82,7 @@ absl::Status GridUpload::write(std::span<const std::string_view> bytes) {
   if (!written.ok()) {
     // Only whole pieces count as committed: cut off what the disk took of this one.
     const absl::Status cut = file_.truncate(committed_size_);
-    return cut.ok() ? with_reason(written, "DISK") : cut;
+    return cut.ok() ? written : cut;
   }
   if (offset / kFlushBytes > committed_size_ / kFlushBytes) {
     file_.begin_flush(offset / kFlushBytes * kFlushBytes - kFlushBytes, kFlushBytes);

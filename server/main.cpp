@@ -1,11 +1,13 @@
 // tetstreamd: reads its settings, serves until a signal, drains, exits.
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <pthread.h>
 #include <string>
+#include <sys/resource.h>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -89,6 +91,15 @@ absl::Status write_port(const std::string& path, int port) {
   return tet::move_file(unfinished, path);
 }
 
+/// As many files and connections as the system lets us have: gRPC does not survive a lack of
+/// them.
+void raise_file_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int cannot_start(const absl::Status& status) {
   tet::log_event(spdlog::level::err, "cannot_start",
                  {
@@ -111,9 +122,12 @@ int print_new_token(const std::string& name) {
 
 int serve(const tet::Config& config) {
   tet::keep_read_blocks();
+  raise_file_limit();
   tet::log_grpc_messages();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
+  // Of a server that was killed: whoever waits for ours must not read it.
+  if (!config.port_file.empty()) std::remove(config.port_file.c_str());
   auto server = tet::Server::start(config);
   if (!server.ok()) return cannot_start(server.status());
   tet::log_event(spdlog::level::info, "serving",
@@ -132,7 +146,7 @@ int serve(const tet::Config& config) {
   });
   (*server)->stop(std::chrono::seconds(config.drain_seconds));
   tet::log_event(spdlog::level::info, "stopped");
-  return kDone;
+  return tet::stopped_listening() ? kFailed : kDone;
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
     order->space = call_.space();
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order->request.improve, false);
+    call_.on_cut([watch = watch_] { watch->cancellation.cancel(); });
     engine.planner.plan(
         *std::move(order), watch_,
         [self = shared_from_this()](const auto& planned) { self->finish(planned); });
@@ -57,7 +58,8 @@ class Estimate final : public grpc::ServerUnaryReactor,
       call_.note("mesh_id", response_.mesh_id());
       call_.note("tets", response_.tet_count());
     }
-    Finish(call_.finish(planned.status()));
+    const absl::Status cut = call_.registry().cut_off();
+    Finish(call_.finish(planned.ok() || cut.ok() ? planned.status() : cut));
   }
 
   void OnCancel() override { watch_->cancellation.cancel(); }

@@ -8,6 +8,7 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/explain.h"
+#include "server/verify.h"
 
 namespace tet {
 
@@ -23,12 +24,16 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
                                        VolumeCache::LoadDone done) {
     const FileRequest request{DecodeTask::kVolume, path, name_of_grid(key.digest),
                               key.grid_name, max_bytes};
-    decoders.decode(
-        request, std::move(abandoned),
-        [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
-          auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
-          pool.post([request, done, block] { done(volume_of(*block, request)); });
-        });
+    pool.post([&pool, &decoders, request, abandoned = std::move(abandoned),
+               done = std::move(done)]() mutable {
+      if (absl::Status intact = verify_stored(request.path); !intact.ok()) return done(intact);
+      decoders.decode(
+          request, std::move(abandoned),
+          [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+            auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
+            pool.post([request, done, block] { done(volume_of(*block, request)); });
+          });
+    });
   };
 }
 
@@ -58,6 +63,7 @@ void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done d
                [this, order = std::move(order), watch = std::move(watch),
                 done = std::move(done), grid = *std::move(grid)](const auto& volume) {
                  if (volume.ok()) return done(plan_volume(order, *volume, grid, *watch));
+                 if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
                  done(about_file(volume.status(), grid->key.digest, grid->path.string()));
                });
 }

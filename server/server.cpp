@@ -195,6 +195,8 @@ void Server::stop(std::chrono::seconds drain) {
               {
                   {"calls", parts_->calls.running()}
     });
+    parts_->calls.cut();
+    parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kGoodbye);
   }
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);

@@ -28,7 +28,8 @@ class Server {
   std::string metrics_address() const;
 
   /// Readiness turns to NOT_SERVING, new calls are refused, running ones may go on for `drain`;
-  /// then they are cancelled. Returns when nothing runs any more.
+  /// then they are handed back with kUnavailable, and a second later, where the client does not
+  /// read that, cancelled. Returns when nothing runs any more.
   void stop(std::chrono::seconds drain);
 
   const MeshEngine& engine() const;

@@ -56,7 +56,8 @@ void UploadStream::go_on() {
       return finish(response_.name().empty() ? out_of_order("the stream ended before `start`")
                                              : absl::OkStatus());
     }
-    status = take_message();
+    status = call_.registry().cut_off();
+    if (status.ok()) status = take_message();
   }
   if (!status.ok() || response_.complete()) return finish(status);
   begin_work();

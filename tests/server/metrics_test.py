@@ -94,6 +94,33 @@ class Metrics(ServerTest):
         self.assertEqual(fetch(self.server.metrics, "/metrics/../../etc/passwd")[0], 404)
 
 
+class Dashboard(ServerTest):
+    """Grafana's dashboard, and what it asks Prometheus for."""
+
+    docker = pathlib.Path(__file__).resolve().parents[2] / "docker"
+
+    def test_asks_only_for_metrics_that_there_are(self):
+        dashboard = json.loads((self.docker / "grafana" / "tetstream.json").read_text())
+        queries = [target["expr"] for panel in dashboard["panels"] for target in panel["targets"]]
+        asked = {name for query in queries
+                 for name in re.findall(r"\b(?:tetstream|process)_\w+", query)}
+        there = {name.split("{")[0] for name in self.server.samples()}
+        self.assertGreater(len(asked), 25)
+        self.assertEqual(asked - there, set())
+
+    def test_and_the_manual_know_all_of_them(self):
+        manual = (self.docker.parent / "docs" / "operations.md").read_text()
+        there = {re.sub("_(bucket|sum|count)$", "", name.split("{")[0])
+                 for name in self.server.samples() if name.startswith("tetstream_")}
+        self.assertEqual({name for name in there if f"`{name}`" not in manual}, set())
+
+    def test_prometheus_takes_its_configuration(self):
+        checked = subprocess.run(
+            ["promtool", "check", "config", self.docker / "prometheus.yml"],
+            capture_output=True, text=True, timeout=20, check=False)
+        self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+
+
 class InPrometheus(ServerTest):
     def test_a_real_prometheus_scrapes_and_answers(self):
         config = self.folder / "prometheus.yml"

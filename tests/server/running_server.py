@@ -49,8 +49,9 @@ class RunningServer:
         try:
             serving = wait_until(self._serving)
         except AssertionError:
-            self.kill()
-            raise AssertionError(self.text()) from None
+            said = self.text()
+            self.close()
+            raise AssertionError(said) from None
         self.address, self.metrics = serving["address"], serving["metrics"]
 
     def _serving(self):
@@ -82,6 +83,10 @@ class RunningServer:
         self.process.kill()
         self.process.wait()
 
+    def close(self):
+        self.kill()
+        self._log.close()
+
     def terminate(self):
         """Its exit code after SIGTERM."""
         self.process.send_signal(signal.SIGTERM)
@@ -91,5 +96,4 @@ class RunningServer:
         return self
 
     def __exit__(self, *_):
-        self.kill()
-        self._log.close()
+        self.close()

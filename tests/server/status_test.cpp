@@ -43,6 +43,25 @@ TEST(Status, SaysValueAndLimit) {
   EXPECT_EQ(info.metadata().at("limit"), "10");
 }
 
+TEST(Status, NamesTheFieldAndWhereItIs) {
+  const auto status = within_field("mesh", invalid_field("spacing 0 is not positive"));
+  const auto bad = find_detail<google::rpc::BadRequest>(status);
+  ASSERT_EQ(bad.field_violations_size(), 1);
+  EXPECT_EQ(bad.field_violations(0).field(), "mesh.spacing");
+  EXPECT_EQ(reason_of(status), "INVALID_FIELD");
+}
+
+TEST(Status, TakesAKilobyteAtMostAndNothingThatIsNotPrintable) {
+  const auto status =
+      with_retry(over_limit(std::string(5000, 'w') + "\n\x1b[31m\xff", 2, 1), absl::Seconds(1));
+  const grpc::Status told = to_grpc(status);
+  EXPECT_LE(told.error_details().size(), kMaxStatusBytes);
+  EXPECT_EQ(find_detail<google::rpc::ErrorInfo>(status).reason(), "LIMIT_EXCEEDED");
+  EXPECT_EQ(find_detail<google::rpc::RetryInfo>(status).retry_delay().seconds(), 1);
+  const grpc::Status odd = to_grpc(absl::InternalError("a\nb\x1b[31m\xff"));
+  EXPECT_EQ(odd.error_message(), "a?b?[31m?");
+}
+
 TEST(Status, SaysWhenToRetry) {
   const auto status = with_retry(absl::AbortedError("busy"), absl::Milliseconds(1500));
   const auto retry = find_detail<google::rpc::RetryInfo>(status);

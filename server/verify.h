@@ -1,0 +1,15 @@
+// Whether a stored file still is what was uploaded.
+#pragma once
+
+#include <filesystem>
+
+#include <absl/status/status.h>
+
+namespace tet {
+
+/// Digests the file at `path`, whose name is the SHA-256 that its bytes had when they were
+/// stored. Errors: kDataLoss with reason STORED_GRID_CORRUPT (other bytes, or no file), or the
+/// disk's.
+absl::Status verify_stored(const std::filesystem::path& path);
+
+}  // namespace tet

@@ -1,0 +1,97 @@
+// Preloaded into a server by a test: from the n-th change to a file on, every one fails as if
+// the disk were full, and the first that is a write leaves half of its bytes behind.
+//   TET_FAIL_AT=n  TET_FAIL_MARK=path (made when the first change fails)
+#include <atomic>
+#include <cerrno>
+#include <cstdarg>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+namespace {
+
+template <class Function>
+Function next(const char* name) {
+  return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
+}
+
+using Open = int (*)(const char*, int, ...);
+
+/// Whether this change, which is one more, fails.
+bool fails(bool& first) {
+  static const char* const at = std::getenv("TET_FAIL_AT");
+  static std::atomic<long> changes{0};
+  if (at == nullptr) return false;
+  const long change = ++changes, limit = std::atol(at);
+  first = change == limit;
+  if (change < limit) return false;
+  if (first) {
+    static const auto real_open = next<Open>("open");
+    ::close(real_open(std::getenv("TET_FAIL_MARK"), O_WRONLY | O_CREAT, 0600));
+  }
+  errno = ENOSPC;
+  return true;
+}
+
+bool fails() {
+  bool first = false;
+  return fails(first);
+}
+
+bool is_file(int descriptor) {
+  struct stat info {};
+  return descriptor > 2 && ::fstat(descriptor, &info) == 0 &&
+         (S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
+}
+
+}  // namespace
+
+extern "C" {
+
+ssize_t pwrite(int descriptor, const void* bytes, size_t size, off_t offset) {
+  static const auto real = next<ssize_t (*)(int, const void*, size_t, off_t)>("pwrite");
+  bool first = false;
+  if (!is_file(descriptor) || !fails(first)) return real(descriptor, bytes, size, offset);
+  if (first) real(descriptor, bytes, size / 2, offset);
+  errno = ENOSPC;
+  return -1;
+}
+
+ssize_t write(int descriptor, const void* bytes, size_t size) {
+  static const auto real = next<ssize_t (*)(int, const void*, size_t)>("write");
+  return is_file(descriptor) && fails() ? -1 : real(descriptor, bytes, size);
+}
+
+int fdatasync(int descriptor) {
+  static const auto real = next<int (*)(int)>("fdatasync");
+  return is_file(descriptor) && fails() ? -1 : real(descriptor);
+}
+
+int ftruncate(int descriptor, off_t size) noexcept {
+  static const auto real = next<int (*)(int, off_t)>("ftruncate");
+  return is_file(descriptor) && fails() ? -1 : real(descriptor, size);
+}
+
+int rename(const char* from, const char* to) noexcept {
+  static const auto real = next<int (*)(const char*, const char*)>("rename");
+  return fails() ? -1 : real(from, to);
+}
+
+int mkdir(const char* path, mode_t mode) noexcept {
+  static const auto real = next<int (*)(const char*, mode_t)>("mkdir");
+  return fails() ? -1 : real(path, mode);
+}
+
+int open(const char* path, int flags, ...) {
+  static const auto real = next<Open>("open");
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(rest, mode_t) : 0;
+  va_end(rest);
+  return (flags & O_CREAT) != 0 && fails() ? -1 : real(path, flags, mode);
+}
+
+}  // extern "C"

@@ -1,0 +1,112 @@
+"""SIGTERM while clients are at work: nobody notices.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/faults/shutdown_test.py [unittest options]
+"""
+
+import subprocess
+import threading
+import time
+import unittest
+
+from fault_case import FaultTest, RunningServer, binaries, wait_until
+
+
+class Clients:
+    """Clients that mesh over and over until they are stopped; what each run said."""
+
+    def __init__(self, count, mesh_once):
+        self.results = []
+        self._stop = threading.Event()
+        self._threads = [threading.Thread(target=self._work, args=(mesh_once, i))
+                         for i in range(count)]
+        for thread in self._threads:
+            thread.start()
+
+    def _work(self, mesh_once, number):
+        while not self._stop.is_set():
+            self.results.append(mesh_once(number))
+
+    def stop(self):
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+
+
+class Shutdown(FaultTest):
+    volumes = {"sphere": 0.05, "torus": 0.02}
+
+    def run_client(self, addresses, number, kind="sphere"):
+        """(exit code, message, whether the mesh is the right one)."""
+        out = self.folder / f"{number}.vtu"
+        result = subprocess.run(
+            [binaries() / "tetstream", "mesh", self.inputs / f"{kind}.vdb", "-o", out,
+             "--server", addresses],
+            capture_output=True, text=True, timeout=60, check=False)
+        right = out.exists() and out.read_bytes() == self.expected[kind]
+        return result.returncode, result.stderr, right
+
+    def assert_all_right(self, results):
+        self.assertGreater(len(results), 8)
+        self.assertEqual([result for result in results if result != (0, "", True)], [])
+
+    def test_two_servers_take_turns_in_going_down_and_no_call_fails(self):
+        stores = [self.folder / "a", self.folder / "b"]
+        servers = [RunningServer(store) for store in stores]
+        addresses = [server.address for server in servers]
+        clients = Clients(3, lambda i: self.run_client(",".join(addresses), i))
+        try:
+            for turn in range(2):
+                wait_until(lambda seen=len(clients.results): len(clients.results) > seen + 3)
+                self.assertEqual(servers[turn].terminate(), 0)
+                servers[turn].close()
+                servers[turn] = RunningServer(stores[turn], listen=addresses[turn])
+            wait_until(lambda seen=len(clients.results): len(clients.results) > seen + 3)
+        finally:
+            clients.stop()
+            for server in servers:
+                server.close()
+        self.assert_all_right(clients.results)
+
+    def test_one_server_restarts_and_no_call_fails(self):
+        server = self.start()
+        clients = Clients(3, lambda i: self.run_client(server.address, i))
+        try:
+            wait_until(lambda: len(clients.results) > 3)
+            self.assertEqual(server.terminate(), 0)
+            again = self.start(listen=server.address)
+            wait_until(lambda seen=len(clients.results): len(clients.results) > seen + 5)
+        finally:
+            clients.stop()
+        again.kill()
+        self.assert_all_right(clients.results)
+
+    def long_mesh(self, addresses):
+        return subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.inputs / "torus.vdb",
+             "-o", self.folder / "long.vtu", "--levels", "0", "--spacing", "0.008",
+             "--server", addresses],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def test_what_runs_longer_than_the_drain_is_handed_back_and_finished_elsewhere(self):
+        servers = [RunningServer(self.folder / name, "--drain-seconds", "0") for name in "ab"]
+        for server in servers:
+            self.addCleanup(server.close)
+        client = self.long_mesh(",".join(server.address for server in servers))
+        wait_until(lambda: servers[0].samples()["tetstream_sent_chunks_total"] > 2)
+        began = time.monotonic()
+        self.assertEqual(servers[0].terminate(), 0)
+        self.assertLess(time.monotonic() - began, 5)
+        _, errors = client.communicate(timeout=60)
+        self.assertEqual(client.returncode, 0, errors)
+        ended = [line for line in servers[0].log("call") if line["method"] == "StreamMesh"]
+        self.assertEqual([(line["status"], line["reason"]) for line in ended],
+                         [("UNAVAILABLE", "SHUTTING_DOWN")])
+        whole = self.folder / "whole.vtu"
+        subprocess.run(
+            [binaries() / "tetstream", "mesh", self.inputs / "torus.vdb", "-o", whole,
+             "--levels", "0", "--spacing", "0.008"], check=True, stdout=subprocess.DEVNULL)
+        self.assertTrue(whole.read_bytes() == (self.folder / "long.vtu").read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

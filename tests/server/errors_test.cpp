@@ -1,0 +1,326 @@
+// Every reason provoked over a real connection: what a client is told, held against a text
+// file.
+#include <algorithm>
+#include <csignal>
+#include <sys/resource.h>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
+#include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "proto/wire/sha256.h"
+#include "server/reasons.h"
+#include "server/status.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+/// How the golden file is made anew: with this set to its path.
+constexpr char kUpdateVariable[] = "TET_UPDATE_GOLDEN";
+
+/// Those that no client can provoke, or is told by its own library first; and those that other
+/// tests provoke, of decoders that misbehave and of servers with tokens.
+// clang-format off
+constexpr std::string_view kNotTold[] = {
+    "CANCELLED",
+    "DEADLINE_EXCEEDED",
+    "DECODER_CRASHED",
+    "DECODER_MEMORY",
+    "DECODER_RESULT",
+    "DECODER_TIMEOUT",
+    "DECODER_UNAVAILABLE",
+    "INTERNAL",
+    "SCOPE_MISSING",
+    "TOKEN_EXPIRED",
+    "TOKEN_MISSING",
+    "TOKEN_UNKNOWN",
+};
+// clang-format on
+
+std::string name_of(std::string_view text) {
+  Sha256 digest;
+  digest.add(text);
+  return name_of_grid(digest.finish_hex());
+}
+
+std::string text_of(const google::rpc::ErrorInfo& info) {
+  std::string text = absl::StrCat("  ErrorInfo ", info.domain(), " ", info.reason(), "\n");
+  std::vector<std::string> facts;
+  for (const auto& [key, value] : info.metadata())
+    facts.push_back(absl::StrCat(key, "=", value));
+  std::sort(facts.begin(), facts.end());
+  for (const std::string& fact : facts) absl::StrAppend(&text, "    ", fact, "\n");
+  return text;
+}
+
+std::string text_of(const google::protobuf::Any& detail) {
+  google::rpc::ErrorInfo info;
+  google::rpc::RetryInfo retry;
+  google::rpc::BadRequest bad;
+  if (detail.UnpackTo(&info)) return text_of(info);
+  if (detail.UnpackTo(&retry)) {
+    return absl::StrCat("  RetryInfo ", retry.retry_delay().seconds(), " s\n");
+  }
+  if (detail.UnpackTo(&bad)) {
+    return absl::StrCat("  BadRequest ", bad.field_violations(0).field(), "\n");
+  }
+  return absl::StrCat("  ", detail.type_url(), "\n");
+}
+
+google::rpc::Status details_of(const grpc::Status& status) {
+  google::rpc::Status rpc;
+  EXPECT_TRUE(rpc.ParseFromString(status.error_details())) << status.error_message();
+  return rpc;
+}
+
+std::string reason_in(const grpc::Status& status) {
+  google::rpc::ErrorInfo info;
+  const google::rpc::Status rpc = details_of(status);
+  if (rpc.details_size() == 0 || !rpc.details(0).UnpackTo(&info)) return "";
+  return info.reason();
+}
+
+class ErrorsTest : public ServiceTest {
+ protected:
+  ErrorsTest() {
+    start_logging("off");
+    config_.store_bytes = 4 << 20;
+    start();
+    ball_ = mesh_of(ball_file(8));
+  }
+
+  /// Takes what a call was told into the account.
+  void tell(const std::string& how, const grpc::Status& status) {
+    const google::rpc::Status rpc = details_of(status);
+    EXPECT_LE(status.error_details().size(), kMaxStatusBytes) << how;
+    EXPECT_EQ(status.error_message().find(folder_.path().string()), std::string::npos) << how;
+    EXPECT_TRUE(std::all_of(status.error_message().begin(), status.error_message().end(),
+                            [](unsigned char c) { return c >= ' ' && c < 127; }))
+        << how;
+    told_.push_back(reason_in(status));
+    absl::StrAppend(&account_, how, "\n  ", code_of(status), ": ", status.error_message(),
+                    "\n");
+    for (const auto& detail : rpc.details()) account_ += text_of(detail);
+  }
+
+  static std::string code_of(const grpc::Status& status) {
+    return absl::StatusCodeToString(static_cast<absl::StatusCode>(status.error_code()));
+  }
+
+  grpc::Status estimate(const v1::MeshRequest& mesh) {
+    grpc::ClientContext context;
+    v1::EstimateMeshRequest request;
+    *request.mutable_mesh() = mesh;
+    v1::MeshHeader header;
+    return meshes_->EstimateMesh(&context, request, &header);
+  }
+
+  grpc::Status stream(const v1::StreamMeshRequest& request) {
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, request);
+    for (v1::MeshEvent event; reader->Read(&event);) {
+    }
+    return reader->Finish();
+  }
+
+  /// Announces `size` bytes and sends `text` at `offset`.
+  grpc::Status upload(const std::string& name,
+                      const std::string& text,
+                      std::size_t size,
+                      std::int64_t offset = 0) {
+    v1::UploadGridResponse response;
+    grpc::ClientContext context;
+    const auto writer = grids_->UploadGrid(&context, &response);
+    v1::UploadGridRequest message;
+    message.mutable_start()->set_name(name);
+    message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(size));
+    writer->Write(message);
+    message.mutable_data()->set_offset(offset);
+    message.mutable_data()->set_data(text);
+    writer->Write(message);
+    writer->WritesDone();
+    return writer->Finish();
+  }
+
+  v1::MeshRequest named(const std::string& name) {
+    v1::MeshRequest request;
+    request.set_name(name);
+    return request;
+  }
+
+  v1::MeshRequest stored_text(const std::string& text) {
+    EXPECT_TRUE(upload(name_of(text), text, text.size()).ok());
+    return named(name_of(text));
+  }
+
+  void wrong_requests();
+  void wrong_grids();
+  void wrong_streams();
+  void wrong_uploads();
+  void busy_store();
+  void failing_disk();
+  void damaged_store();
+  void shutdown();
+
+  v1::MeshRequest ball_;
+  std::vector<std::string> told_;
+  std::string account_;
+};
+
+void ErrorsTest::wrong_requests() {
+  v1::MeshRequest request = ball_;
+  request.set_spacing(0);
+  tell("a spacing of 0", estimate(request));
+  tell("a name that is none", estimate(named("/etc/passwd\n\x1b[31m")));
+  grpc::ClientContext context;
+  v1::FindMissingGridsRequest find;
+  v1::FindMissingGridsResponse found;
+  for (int i = 0; i < 1001; ++i) find.add_names(ball_.name());
+  tell("1001 names", grids_->FindMissingGrids(&context, find, &found));
+}
+
+void ErrorsTest::wrong_grids() {
+  tell("a file that is not stored", estimate(named(name_of("not stored"))));
+  v1::MeshRequest request = ball_;
+  request.set_grid_name("density");
+  tell("a grid that is not in the file", estimate(request));
+  tell("a grid of vectors", estimate(mesh_of(solid_file("vec3", 0.1))));
+  request = ball_;
+  request.set_iso(-10);
+  tell("an iso value that nothing is below", estimate(request));
+  tell("text in place of a grid", estimate(stored_text("this is no grid")));
+}
+
+void ErrorsTest::wrong_streams() {
+  tell("chunks beyond the mesh", stream(stream_of(ball_, 1000, 1001)));
+  v1::StreamMeshRequest request = stream_of(ball_);
+  request.set_expected_mesh_id("another");
+  tell("another mesh than was expected", stream(request));
+  const std::string bytes = "\xff\xff";
+  const grpc::Slice slice(bytes);
+  const grpc::ByteBuffer message(&slice, 1);
+  grpc::ByteBuffer response;
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  grpc::GenericStub stub(channel_);
+  const auto call =
+      stub.PrepareUnaryCall(&context, "/tetstream.v1.MeshService/StreamMesh", message, &queue);
+  grpc::Status status;
+  call->StartCall();
+  call->Finish(&response, &status, nullptr);
+  void* tag = nullptr;
+  bool ok = false;
+  queue.Next(&tag, &ok);
+  tell("bytes that are no request", status);
+}
+
+void ErrorsTest::wrong_uploads() {
+  const std::string text = "0123456789";
+  tell("an upload beyond its size", upload(name_of("a"), text, 5));
+  tell("an upload at another offset", upload(name_of("a"), text, 100, 7));
+  tell("an upload of other bytes", upload(name_of("a"), text, 10));
+  v1::UploadGridResponse response;
+  grpc::ClientContext context;
+  const auto writer = grids_->UploadGrid(&context, &response);
+  v1::UploadGridRequest data;
+  data.mutable_data()->set_data(text);
+  writer->Write(data);
+  tell("data before the start", writer->Finish());
+}
+
+void ErrorsTest::busy_store() {
+  v1::UploadGridResponse response;
+  grpc::ClientContext context;
+  const auto writer = grids_->UploadGrid(&context, &response);
+  v1::UploadGridRequest message;
+  message.mutable_start()->set_name(name_of("large"));
+  message.mutable_start()->set_size_bytes(3 << 20);
+  writer->Write(message);
+  message.mutable_data()->set_data("l");
+  writer->Write(message);
+  ASSERT_TRUE(eventually([&] {
+    return std::filesystem::exists(config_.store + "/uploads") &&
+           !std::filesystem::is_empty(config_.store + "/uploads");
+  }));
+  tell("the same upload twice", upload(name_of("large"), "l", 3 << 20));
+  tell("an upload with no room beside another", upload(name_of("other"), "o", 2 << 20));
+  context.TryCancel();
+  writer->Finish();
+}
+
+// A limit on the file's size stands for the disk's end: both fail in the middle of a write.
+void ErrorsTest::failing_disk() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit old{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+  const rlimit tight{5, old.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
+  const grpc::Status full = upload(name_of("full"), "0123456789", 10);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old), 0);
+  tell("a disk that is full", full);
+
+  const std::filesystem::path uploads = config_.store + "/uploads";
+  std::filesystem::remove_all(uploads);
+  std::ofstream(uploads) << "in the way";
+  tell("a disk that fails", upload(name_of("failing"), "0123456789", 10));
+  std::filesystem::remove(uploads);
+  std::filesystem::create_directories(uploads);
+}
+
+void ErrorsTest::damaged_store() {
+  const v1::MeshRequest request = mesh_of(solid_file("torus", 0.1));
+  restart();
+  const std::string digest = request.name().substr(6);
+  std::filesystem::resize_file(config_.store + "/grids/" + digest.substr(0, 2) + "/" + digest,
+                               10);
+  tell("a stored file that lost its end", estimate(request));
+}
+
+void ErrorsTest::shutdown() {
+  grpc::ClientContext context;
+  v1::StreamMeshRequest request = stream_of(uniform_ball(60));
+  const auto reader = meshes_->StreamMesh(&context, request);
+  v1::MeshEvent event;
+  ASSERT_TRUE(reader->Read(&event));
+  std::thread stopping([&] { server_->stop(30s); });
+  ASSERT_TRUE(eventually([&] { return !server_->engine().calls.admission().ok(); }));
+  tell("a server that stops", estimate(ball_));
+  context.TryCancel();
+  while (reader->Read(&event)) {
+  }
+  reader->Finish();
+  stopping.join();
+}
+
+TEST_F(ErrorsTest, SayTheirReasonAndNoMoreThanTheyShould) {
+  wrong_requests();
+  wrong_grids();
+  wrong_streams();
+  wrong_uploads();
+  busy_store();
+  failing_disk();
+  damaged_store();
+  shutdown();
+  if (const char* path = std::getenv(kUpdateVariable)) std::ofstream(path) << account_;
+  EXPECT_EQ(account_, read_text(ERRORS_GOLDEN));
+  for (const std::string_view reason : kReasons) {
+    const bool not_told = std::count(std::begin(kNotTold), std::end(kNotTold), reason) > 0;
+    EXPECT_EQ(std::count(told_.begin(), told_.end(), reason) > 0, !not_told) << reason;
+  }
+}
+
+TEST_F(ErrorsTest, StaySmallWhateverTheRequestHolds) {
+  v1::MeshRequest request = ball_;
+  request.set_grid_name(std::string(1 << 20, 'x'));
+  const grpc::Status status = estimate(request);
+  EXPECT_EQ(reason_in(status), "GRID_NOT_IN_FILE");
+  EXPECT_LE(status.error_details().size(), kMaxStatusBytes);
+}
+
+}  // namespace
+}  // namespace tet::test
