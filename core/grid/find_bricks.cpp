@@ -33,6 +33,11 @@ void for_each_region_around(BrickCoord region, const Visit& visit) {
       });
 }
 
+void sort_unique(std::vector<BrickCoord>& bricks) {
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+}
+
 /// Every region with bricks or inside constants, and all that touch one; sorted, unique.
 absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
   std::vector<BrickCoord> regions;
@@ -50,6 +55,7 @@ absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
         "the grid's constant tiles cover %d regions of 128^3 voxels; at most %d can be meshed",
         cube_regions, kMaxRegions));
   }
+  std::size_t most = std::size_t{1} << 20;
   for (const ConstantCube& cube : field.volume->cubes) {
     const std::int32_t last = cube.edge / (kRegionBricks * kBrickEdge) - 1;
     const BrickCoord min{cube.min.x / kBrickEdge, cube.min.y / kBrickEdge,
@@ -64,11 +70,11 @@ absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
                                min.z + kRegionBricks * at.z});
         });
     // Neighbours repeat 27 times; keep the list from growing with them.
-    std::sort(regions.begin(), regions.end());
-    regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+    if (regions.size() < most) continue;
+    sort_unique(regions);
+    most = std::max(most, 2 * regions.size());
   }
-  std::sort(regions.begin(), regions.end());
-  regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  sort_unique(regions);
   return regions;
 }
 
@@ -102,11 +108,6 @@ void scan_region(SignsAround& signs, BrickCoord region, FoundBricks& found) {
     }
     add_runs(row, signs.inside_rows()[i], found.inside);
   }
-}
-
-void sort_unique(std::vector<BrickCoord>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
 }
 
 /// Lattice bricks whose cells, reached out by `reach` cells, meet a box of voxel bricks.

@@ -8,6 +8,7 @@
 
 #include "core/grid/memory_charge.h"
 #include "core/grid/tree_type.h"
+#include "core/grid/utf8.h"
 #include "core/grid/walk_refusal.h"
 #include "core/grid/walk_transform.h"
 #include "core/grid/walk_tree.h"
@@ -65,6 +66,10 @@ Descriptor read_descriptor(VdbCursor& cursor, const WalkLimits& limits) {
 }
 
 void check_name(const Descriptor& descriptor, const VdbOutline& outline) {
+  if (!is_utf8(descriptor.grid.unique_name)) {
+    refuse_at(descriptor.at, absl::StrFormat("the grid name %s is not UTF-8",
+                                             quoted_name(descriptor.grid.unique_name)));
+  }
   const auto same = [&](const GridOutline& grid) {
     return grid.unique_name == descriptor.grid.unique_name;
   };

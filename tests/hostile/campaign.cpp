@@ -21,31 +21,49 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
+void CampaignResult::add(const CampaignResult& other) {
+  for (const auto& [code, count] : other.outcomes) outcomes[code] += count;
+  mutants += other.mutants;
+  unlike_seed += other.unlike_seed;
+  accepted_changed += other.accepted_changed;
+  unexpected += other.unexpected;
+  seconds += other.seconds;
+  if (other.slowest_seconds <= slowest_seconds) return;
+  slowest_seconds = other.slowest_seconds;
+  slowest = other.slowest;
+}
+
+CampaignResult run_trial(std::uint64_t index,
+                         const Mutant& mutant,
+                         const Trial& trial,
+                         std::ostream& log) {
+  const auto start = std::chrono::steady_clock::now();
+  const absl::Status status = trial(mutant);
+  CampaignResult result;
+  result.seconds = result.slowest_seconds = seconds_since(start);
+  result.slowest = index;
+  result.mutants = 1;
+  result.outcomes[status.code()] = 1;
+  result.unlike_seed = mutant.changed ? 1 : 0;
+  result.accepted_changed = mutant.changed && status.ok() ? 1 : 0;
+  result.unexpected = is_expected(status.code()) ? 0 : 1;
+  if (result.unexpected > 0) {
+    log << "mutant " << index << ": " << status << "\n  " << mutant.description << '\n';
+  }
+  return result;
+}
+
 CampaignResult run_campaign(const Mutator& mutator,
                             CampaignRange range,
                             const Trial& trial,
                             const std::function<void(std::uint64_t, const Mutant&)>& accepted,
                             std::ostream& log) {
   CampaignResult result;
-  result.mutants = range.count;
   for (std::uint64_t i = range.first; i < range.first + range.count; ++i) {
     const Mutant mutant = mutator.mutant(i);
-    const auto start = std::chrono::steady_clock::now();
-    const absl::Status status = trial(mutant);
-    const double seconds = seconds_since(start);
-    ++result.outcomes[status.code()];
-    result.seconds += seconds;
-    if (seconds > result.slowest_seconds) {
-      result.slowest_seconds = seconds;
-      result.slowest = i;
-    }
-    if (!is_expected(status.code())) {
-      ++result.unexpected;
-      log << "mutant " << i << ": " << status << "\n  " << mutant.description << '\n';
-    }
-    if (status.ok() && mutant.changed) accepted(i, mutant);
-    if (status.ok() && mutant.changed) ++result.accepted_changed;
-    if (mutant.changed) ++result.unlike_seed;
+    const CampaignResult one = run_trial(i, mutant, trial, log);
+    if (one.accepted_changed > 0) accepted(i, mutant);
+    result.add(one);
   }
   return result;
 }

@@ -26,13 +26,21 @@ struct CampaignResult {
   double slowest_seconds = 0;
   std::uint64_t slowest = 0;     ///< the mutant that took it
   std::uint64_t unexpected = 0;  ///< neither accepted nor refused as hostile files are
+
+  void add(const CampaignResult& other);
 };
+
+/// Puts mutant `index` through `trial`; tells an unexpected outcome on `log`.
+CampaignResult run_trial(std::uint64_t index,
+                         const Mutant& mutant,
+                         const Trial& trial,
+                         std::ostream& log);
 
 struct CampaignRange {
   std::uint64_t first = 0, count = 0;
 };
 
-/// Puts mutants through `trial` one after the other; tells each unexpected outcome on `log`.
+/// Puts mutants through `trial` one after the other, as `run_trial` does.
 /// `accepted` is called with each mutant that was changed and yet accepted.
 CampaignResult run_campaign(const Mutator& mutator,
                             CampaignRange range,

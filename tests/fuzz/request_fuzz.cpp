@@ -1,0 +1,64 @@
+// What clients send, as bytes: refused with a reason, or an order that keeps its promises.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include "server/request.h"
+#include "server/status.h"
+#include "server/upload_piece.h"
+
+namespace {
+
+using namespace tet;
+
+/// A status on the wire takes no more than this.
+constexpr std::size_t kMaxDetails = 1024;
+
+void require(bool promise) {
+  if (!promise) std::abort();
+}
+
+void check_refusal(const absl::Status& status) {
+  require(absl::IsInvalidArgument(status));
+  require(to_grpc(status).error_details().size() <= kMaxDetails);
+}
+
+void check_stream_request(const std::string& bytes) {
+  v1::StreamMeshRequest message;
+  if (!message.ParseFromString(bytes)) return;
+  const auto order = parse_stream_request(message);
+  if (!order.ok()) return check_refusal(order.status());
+  const MeshRequest& request = order->mesh.request;
+  require(order->mesh.digest.size() == 64);
+  require(!request.spacing || (std::isfinite(*request.spacing) && *request.spacing > 0));
+  require(!request.iso || std::isfinite(*request.iso));
+  require(request.levels >= 0);
+}
+
+/// Our own reader of pieces agrees with protobuf wherever it reads one.
+void check_piece(const std::string& bytes) {
+  const grpc::Slice slice(bytes);
+  grpc::ByteBuffer buffer(&slice, 1);
+  const auto piece = read_piece(buffer);
+  if (!piece) return;
+  v1::UploadGridRequest message;
+  require(message.ParseFromString(bytes) && message.has_data());
+  std::string data;
+  for (const std::string_view part : piece->bytes) data.append(part);
+  require(data == message.data().data() && piece->size == data.size());
+  require(piece->offset == static_cast<std::uint64_t>(message.data().offset()));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string bytes(reinterpret_cast<const char*>(data), size);
+  check_stream_request(bytes);
+  check_piece(bytes);
+  return 0;
+}

@@ -1,0 +1,37 @@
+// One file through all of a server: uploaded, looked into, meshed.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <grpcpp/channel.h>
+
+#include "tetstream/v1/grids.grpc.pb.h"
+#include "tetstream/v1/meshes.grpc.pb.h"
+
+namespace tet::test {
+
+namespace v1 = ::tetstream::v1;
+
+/// A client with a connection of its own. Not thread-safe.
+class ServiceTrial {
+ public:
+  explicit ServiceTrial(const std::string& address);
+
+  /// The first failure of the three calls; ok when a whole mesh came. kDeadlineExceeded when
+  /// one of them took more than ten seconds.
+  absl::Status run(std::string_view file);
+
+ private:
+  grpc::Status upload(const std::string& name, std::string_view file);
+  grpc::Status look_into(const std::string& name);
+  grpc::Status mesh(const std::string& name);
+
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::GridService::Stub> grids_;
+  std::unique_ptr<v1::MeshService::Stub> meshes_;
+};
+
+}  // namespace tet::test
