@@ -50,19 +50,6 @@ spdlog::level::level_enum level_of(const absl::Status& status) {
 
 }  // namespace
 
-void CallRegistry::drain() {
-  const std::lock_guard lock(mutex_);
-  draining_ = true;
-}
-
-absl::Status CallRegistry::admission() const {
-  const std::lock_guard lock(mutex_);
-  if (!draining_) return absl::OkStatus();
-  return with_retry(
-      with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
-      absl::Seconds(1));
-}
-
 bool CallRegistry::wait_until_idle(Clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   return changed_.wait_until(lock, deadline, [&] { return running_ == 0; });
@@ -84,13 +71,20 @@ Call::Call(CallRegistry& registry,
            const grpc::CallbackServerContext& context,
            std::string method)
     : registry_(registry), client_(host_of(context.peer())) {
+  auto ticket = registry.admission().admit_call(client_);
+  admitted_ = ticket.status();
+  if (ticket.ok()) ticket_ = *std::move(ticket);
   registry_.add(1);
   fields_["request_id"] = request_id(context);
   fields_["method"] = std::move(method);
   fields_["peer"] = context.peer();
 }
 
-Call::~Call() { registry_.add(-1); }
+// Whoever waits for the registry to be idle may destroy the admission next.
+Call::~Call() {
+  ticket_.reset();
+  registry_.add(-1);
+}
 
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
   fields_[key] = std::move(value);
@@ -103,7 +97,19 @@ grpc::Status Call::finish(const absl::Status& status) {
   fields_["duration_ms"] = duration.count();
   if (!status.ok()) fields_["message"] = std::string(status.message());
   log_event(level_of(status), "call", fields_);
+  ticket_.reset();
   return to_grpc(status);
+}
+
+absl::Status client_gone(const Cancellation& cancellation) {
+  if (cancellation.deadline_passed()) return absl::DeadlineExceededError("the deadline passed");
+  return absl::CancelledError("the client went away");
+}
+
+absl::Status client_stalled(const char* did_what, std::chrono::seconds waited) {
+  return with_reason(absl::AbortedError(absl::StrCat("the client ", did_what, " for ",
+                                                     waited.count(), " s; resume to go on")),
+                     "CLIENT_STALLED");
 }
 
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
@@ -113,10 +119,13 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  std::function<absl::Status(Call&)> work) {
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
-  disk.post([call, reactor, work = std::move(work)] {
-    const absl::Status admitted = call->registry().admission();
-    reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
-  });
+  if (!call->admitted().ok()) {
+    reactor->Finish(call->finish(call->admitted()));
+  } else {
+    disk.post([call, reactor, work = std::move(work)] {
+      reactor->Finish(call->finish(work(*call)));
+    });
+  }
   return reactor;
 }
 

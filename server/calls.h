@@ -1,4 +1,4 @@
-// Running calls: counted, logged when they end, and refused while the server drains.
+// Running calls: admitted, counted, and logged when they end.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,9 @@
 #include <grpcpp/support/server_callback.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/cancel.h"
 #include "core/base/parallel.h"
+#include "server/admission.h"
 
 namespace tet {
 
@@ -21,10 +23,9 @@ class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// From now on every new call is refused with kUnavailable.
-  void drain();
-  /// kUnavailable while draining.
-  absl::Status admission() const;
+  explicit CallRegistry(Admission& admission) : admission_(admission) {}
+
+  Admission& admission() const { return admission_; }
   /// True once no call is running; false at `deadline`.
   bool wait_until_idle(Clock::time_point deadline);
   int running() const;
@@ -33,10 +34,10 @@ class CallRegistry {
   friend class Call;
   void add(int calls);
 
+  Admission& admission_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
-  bool draining_ = false;
 };
 
 /// One call, from its arrival until nothing of it is left: counted while it exists, and logged
@@ -51,6 +52,8 @@ class Call {
   Call& operator=(const Call&) = delete;
 
   CallRegistry& registry() const { return registry_; }
+  /// Whether it may go on. Errors: those of Admission::admit_call.
+  const absl::Status& admitted() const { return admitted_; }
 
   /// Who calls, as far as we can tell: the host of the peer, without its port.
   const std::string& client() const { return client_; }
@@ -58,15 +61,24 @@ class Call {
   /// Adds a field to the log line.
   void note(const std::string& key, nlohmann::ordered_json value);
 
-  /// Logs the call's end; what it returns is for gRPC's Finish.
+  /// Logs the call's end, and makes room for the client's next; what it returns is for gRPC's
+  /// Finish.
   grpc::Status finish(const absl::Status& status);
 
  private:
   CallRegistry& registry_;
   const std::string client_;
+  Ticket ticket_;
+  absl::Status admitted_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
   nlohmann::ordered_json fields_;
 };
+
+/// Why a call that was cancelled ends: its deadline, or its client.
+absl::Status client_gone(const Cancellation& cancellation);
+
+/// kAborted with reason CLIENT_STALLED: the client `did_what` for so long.
+absl::Status client_stalled(const char* did_what, std::chrono::seconds waited);
 
 /// What the gRPC handlers of a unary method have in common: `work` runs on `disk`, never on
 /// gRPC's own threads, and its status ends the call.

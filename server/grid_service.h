@@ -4,6 +4,7 @@
 #include "core/base/parallel.h"
 #include "server/calls.h"
 #include "server/grid_store.h"
+#include "server/stall_watch.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 
 namespace tet {
@@ -21,8 +22,8 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
 /// uploads do not wait for meshes; the store and both others outlive the service.
 class GridService final : public RawUploadService {
  public:
-  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk)
-      : store_(store), calls_(calls), disk_(disk) {}
+  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk, StallWatch& stalls)
+      : store_(store), calls_(calls), disk_(disk), stalls_(stalls) {}
 
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
                                              const v1::FindMissingGridsRequest* request,
@@ -43,6 +44,7 @@ class GridService final : public RawUploadService {
   GridStore& store_;
   CallRegistry& calls_;
   TaskPool& disk_;
+  StallWatch& stalls_;
 };
 
 }  // namespace tet

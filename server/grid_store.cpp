@@ -140,8 +140,9 @@ std::vector<ListedGrid> GridStore::list(std::string_view after, std::size_t limi
 }
 
 absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(std::string_view digest,
-                                                                    std::uint64_t size_bytes) {
-  const absl::Status reserved = reserve(digest, size_bytes);
+                                                                    std::uint64_t size_bytes,
+                                                                    const Uploader& by) {
+  const absl::Status reserved = reserve(digest, size_bytes, by);
   if (!reserved.ok()) return reserved;
   auto upload = GridUpload::open(*this, std::string(digest), size_bytes, part_path(digest));
   if (!upload.ok()) {
@@ -159,7 +160,9 @@ std::uint64_t GridStore::used_bytes() const {
 }
 
 /// Marks the upload as under way, with room for all of it.
-absl::Status GridStore::reserve(std::string_view digest, std::uint64_t size_bytes) {
+absl::Status GridStore::reserve(std::string_view digest,
+                                std::uint64_t size_bytes,
+                                const Uploader& by) {
   if (size_bytes > budget_bytes_)
     return over_limit("grid file, bytes", size_bytes, budget_bytes_);
   const std::lock_guard lock(mutex_);
@@ -174,12 +177,24 @@ absl::Status GridStore::reserve(std::string_view digest, std::uint64_t size_byte
                     "UPLOAD_IN_PROGRESS"),
         absl::Seconds(1));
   }
+  if (auto status = check_quota(digest, size_bytes, by); !status.ok()) return status;
   const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
   while (used_bytes() - held + size_bytes > budget_bytes_) {
     if (!evict_oldest(digest)) return no_room(size_bytes, used_bytes() - held, budget_bytes_);
   }
-  parts_[std::string(digest)] = Part{size_bytes, absl::Now(), true};
+  parts_[std::string(digest)] = Part{size_bytes, absl::Now(), true, by.name};
   return absl::OkStatus();
+}
+
+absl::Status GridStore::check_quota(std::string_view digest,
+                                    std::uint64_t size_bytes,
+                                    const Uploader& by) const {
+  std::uint64_t bytes = size_bytes;
+  for (const auto& [part_digest, part] : parts_) {
+    if (part.sender == by.name && part_digest != digest) bytes += part.size_bytes;
+  }
+  if (bytes <= by.max_bytes) return absl::OkStatus();
+  return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
 }
 
 /// Removes the least recently used of the grids that nobody holds and the uploads nobody sends.
@@ -220,7 +235,7 @@ void GridStore::end_upload(const std::string& digest, std::uint64_t committed_si
     fs::remove(part_path(digest), ignored);
     parts_.erase(digest);
   } else {
-    parts_[digest] = Part{committed_size, absl::Now(), false};
+    parts_[digest] = Part{committed_size, absl::Now(), false, parts_[digest].sender};
   }
 }
 

@@ -39,6 +39,12 @@ struct ListedGrid {
   absl::Time last_use;
 };
 
+/// Who sends a file, and how much of what is not whole yet may be theirs.
+struct Uploader {
+  std::string name;
+  std::uint64_t max_bytes = ~std::uint64_t{0};
+};
+
 /// A content-addressed directory: `grids/ab/{sha256}` for whole files and
 /// `uploads/{sha256}.part` for those under way. Both survive a restart; a whole file appears by
 /// an atomic rename only.
@@ -65,10 +71,12 @@ class GridStore {
   std::vector<ListedGrid> list(std::string_view after, std::size_t limit) const;
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
-  /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
-  /// numbers).
+  /// Whoever sent a part last is charged for it, as a whole while it is being sent; a restart
+  /// forgets that. Errors: kAlreadyExists (stored), kAborted (being uploaded),
+  /// kResourceExhausted (with numbers).
   absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(std::string_view digest,
-                                                           std::uint64_t size_bytes);
+                                                           std::uint64_t size_bytes,
+                                                           const Uploader& by = {});
 
  private:
   friend class GridUpload;
@@ -81,6 +89,7 @@ class GridStore {
     std::uint64_t size_bytes = 0;  ///< on disk, or all that was announced while it is busy
     absl::Time last_use;
     bool busy = false;
+    std::string sender = {};  ///< see Uploader; empty after a restart
   };
 
   GridStore(std::filesystem::path root, std::uint64_t budget_bytes)
@@ -92,7 +101,10 @@ class GridStore {
   void use(Entry& entry);
 
   std::uint64_t used_bytes() const;
-  absl::Status reserve(std::string_view digest, std::uint64_t size_bytes);
+  absl::Status reserve(std::string_view digest, std::uint64_t size_bytes, const Uploader& by);
+  absl::Status check_quota(std::string_view digest,
+                           std::uint64_t size_bytes,
+                           const Uploader& by) const;
   bool evict_oldest(std::string_view except_part);
 
   void end_upload(const std::string& digest, std::uint64_t committed_size);

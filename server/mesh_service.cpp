@@ -21,7 +21,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
                                          v1::MeshHeader& response) {
     const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
     estimate->self_ = estimate;
-    estimate->begin(engine, request);
+    estimate->begin(request);
     return estimate.get();
   }
 
@@ -29,21 +29,30 @@ class Estimate final : public grpc::ServerUnaryReactor,
   Estimate(MeshEngine& engine,
            const grpc::CallbackServerContext& context,
            v1::MeshHeader& response)
-      : call_(engine.calls, context, "EstimateMesh"),
+      : engine_(engine),
+        call_(engine.calls, context, "EstimateMesh"),
         watch_(std::make_shared<PlanningWatch>(context.deadline())),
         response_(response) {}
 
-  void begin(MeshEngine& engine, const v1::MeshRequest& request) {
-    auto ticket = engine.admit();
+  void begin(const v1::MeshRequest& request) {
     auto order = parse_mesh_request(request);
-    const absl::Status status = ticket.ok() ? order.status() : ticket.status();
+    const absl::Status status = call_.admitted().ok() ? order.status() : call_.admitted();
     if (!status.ok()) return Finish(call_.finish(status));
-    ticket_ = *std::move(ticket);
+    order_ = *std::move(order);
     // Counts are the same without improvement, which would make the mesh.
-    improve_ = std::exchange(order->request.improve, false);
-    engine.planner.plan(
-        *std::move(order), watch_,
-        [self = shared_from_this()](const auto& planned) { self->finish(planned); });
+    improve_ = std::exchange(order_.request.improve, false);
+    place_ = engine_.admit(call_, watch_->cancellation.deadline(),
+                           [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
+                             self->plan(std::move(ticket));
+                           });
+  }
+
+  void plan(absl::StatusOr<Ticket> ticket) {
+    if (!ticket.ok()) return finish(ticket.status());
+    ticket_ = *std::move(ticket);
+    engine_.planner.plan(order_, watch_, [self = shared_from_this()](const auto& planned) {
+      self->finish(planned);
+    });
   }
 
   void finish(const absl::StatusOr<PlannedMesh>& planned) {
@@ -55,17 +64,25 @@ class Estimate final : public grpc::ServerUnaryReactor,
       response_.set_mesh_id(mesh_id_of(canonical));
       call_.note("tets", response_.tet_count());
     }
+    ticket_.reset();
     Finish(call_.finish(planned.status()));
   }
 
-  void OnCancel() override { watch_->cancellation.cancel(); }
+  // Whoever leaves the queue is not answered there.
+  void OnCancel() override {
+    watch_->cancellation.cancel();
+    if (engine_.calls.admission().leave(place_)) finish(client_gone(watch_->cancellation));
+  }
   void OnDone() override { const std::shared_ptr<Estimate> last = std::move(self_); }
 
+  MeshEngine& engine_;
   Call call_;
   std::shared_ptr<PlanningWatch> watch_;
   v1::MeshHeader& response_;
+  MeshOrder order_;
   bool improve_ = false;
-  MeshTicket ticket_;
+  Admission::Place place_ = 0;  ///< in the queue; 0: in none
+  Ticket ticket_;
   std::shared_ptr<Estimate> self_;
 };
 
@@ -105,7 +122,7 @@ grpc::ServerUnaryReactor* MeshService::GetCapabilities(
   Call call(engine_.calls, *context, "GetCapabilities");
   describe(engine_.config, *response);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(call.finish(engine_.calls.admission()));
+  reactor->Finish(call.finish(call.admitted()));
   return reactor;
 }
 

@@ -6,9 +6,11 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 
 #include "proto/wire/transport.h"
 #include "server/grid_service.h"
+#include "server/heartbeat.h"
 #include "server/logging.h"
 #include "server/mesh_service.h"
 
@@ -19,6 +21,19 @@ namespace {
 constexpr int kDiskThreads = 2;
 constexpr std::chrono::seconds kGoodbye{1};
 constexpr std::chrono::hours kForever{24 * 365};
+constexpr std::chrono::milliseconds kHeartbeat{100};
+constexpr std::uint64_t kHandshakeSeconds = 10;
+
+AdmissionLimits admission_limits(const Config& config) {
+  AdmissionLimits limits;
+  limits.calls = {config.max_calls, config.max_client_calls};
+  limits.uploads = {config.max_uploads, config.max_client_uploads};
+  limits.meshes = {config.max_streams, config.max_client_streams};
+  limits.queued_meshes = {config.max_queued, config.max_client_queued};
+  limits.client_upload_bytes = config.max_client_upload_bytes;
+  limits.queue_time = std::chrono::seconds(config.queue_seconds);
+  return limits;
+}
 
 void set_readiness(grpc::Server& server, bool ready) {
   auto* health = server.GetHealthCheckService();
@@ -37,24 +52,54 @@ struct Server::Parts {
 
   const Config config;
   std::unique_ptr<GridStore> store;
-  CallRegistry calls;
+  Admission admission{admission_limits(config)};
+  CallRegistry calls{admission};
   TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk};
+  GridService grid_service{*store, calls, disk, engine.stalls};
   MeshService mesh_service{engine};
+  Heartbeat heartbeat{kHeartbeat, [this] {
+                        admission.expire(Admission::Clock::now());
+                        engine.check_stalls();
+                      }};
   std::unique_ptr<grpc::Server> server;
   int port = 0;
   bool stopped = false;
 };
+
+namespace {
+
+/// What one client may take of the transport; later arguments count.
+void limit_connections(const Config& config, grpc::ServerBuilder& builder) {
+  const auto set = [&](const char* name, std::uint64_t value) {
+    builder.AddChannelArgument(name, static_cast<int>(value));
+  };
+  constexpr std::uint64_t kMs = 1000;
+  set(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, config.receive_window_bytes);
+  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_connection_streams);
+  set(GRPC_ARG_MAX_METADATA_SIZE, config.max_metadata_bytes);
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, config.keepalive_seconds * kMs);
+  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, config.keepalive_seconds * kMs);
+  set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, config.connection_idle_seconds * kMs);
+  set(GRPC_ARG_MAX_CONNECTION_AGE_MS, config.connection_age_seconds * kMs);
+  set(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, config.connection_grace_seconds * kMs);
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeSeconds * kMs);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
+  grpc::ResourceQuota quota("tetstreamd");
+  quota.Resize(config.receive_bytes);
+  builder.SetResourceQuota(quota);
+}
+
+}  // namespace
 
 bool Server::Parts::listen() {
   grpc::ServerBuilder builder;
   for (const TransportSetting& setting : kTransportSettings) {
     builder.AddChannelArgument(setting.name, setting.value);
   }
+  limit_connections(config, builder);
   // Two servers on one port would share its calls by chance.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
   builder.AddListeningPort(config.listen, grpc::InsecureServerCredentials(), &port);
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);
@@ -99,7 +144,7 @@ int Server::running_calls() const { return parts_->calls.running(); }
 // sees NOT_SERVING; gRPC's own shutdown would close their connections first.
 void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
-  parts_->calls.drain();
+  parts_->admission.drain();
   set_readiness(*parts_->server, false);
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {

@@ -24,6 +24,10 @@ class Cancellation {
   bool requested() const noexcept {
     return cancelled_.load(std::memory_order_relaxed) || deadline_passed();
   }
+  /// The end of time where there is none.
+  Clock::time_point deadline() const noexcept {
+    return deadline_.value_or(Clock::time_point::max());
+  }
   bool deadline_passed() const noexcept { return deadline_ && Clock::now() >= *deadline_; }
 
  private:
