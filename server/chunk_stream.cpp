@@ -75,7 +75,7 @@ void ChunkStream::plan(absl::StatusOr<Ticket> ticket) {
     if (phase_ == Phase::kEnded) return;
     ticket_ = *std::move(ticket);
   }
-  engine_.planner.plan(order_.mesh, watch_,
+  engine_.planner.plan(call_.client(), order_.mesh, watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
                          self->plan_base(std::move(planned));
                        });
@@ -108,7 +108,7 @@ void ChunkStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
   if (order_.base_digest.empty()) return begin_chunks(absl::OkStatus());
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
-  engine_.planner.plan(std::move(base), watch_,
+  engine_.planner.plan(call_.client(), std::move(base), watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned_base) {
                          self->find_patches(planned_base);
                        });
@@ -177,11 +177,10 @@ void ChunkStream::post_chunks() {
 
 void ChunkStream::ask_for_block(std::uint64_t index) {
   engine_.send_budget.ask(
-      this, call_.client(), [self = shared_from_this(), index](Block block) {
+      this, call_.client(), [self = shared_from_this(), index](const Block& block) {
         self->engine_.activity.chunks_in_flight.fetch_add(1);
-        self->engine_.pool.post([self, index, block = std::move(block)]() mutable {
-          self->make_chunk(index, std::move(block));
-        });
+        self->engine_.chunk_tasks.post(
+            self->call_.client(), [self, index, block] { self->make_chunk(index, block); });
       });
 }
 

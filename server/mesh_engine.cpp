@@ -27,6 +27,10 @@ void WorkspacePool::give_back(MeshWorkspace workspace) {
 
 namespace {
 
+// Enough that one very large plan does not keep all other large ones waiting.
+constexpr std::size_t kLargePlansAtOnce = 2;
+constexpr int kLoadThreads = 4;
+
 // 32 MiB: more than one stream, or a few, ever hold.
 constexpr std::size_t kIdleBlocks = 64;
 constexpr std::size_t kBlockBytes = kChunkBytes + ChunkFrame::kMaxOverhead;
@@ -54,8 +58,10 @@ MeshEngine::MeshEngine(const Config& server_config,
       calls(call_registry),
       blocks(kBlockBytes, kIdleBlocks),
       send_budget(config.send_bytes, kBlockBytes),
-      planner(pool, store, config.resident_bytes, mesh_limits(config)),
-      pool(static_cast<int>(config.threads)) {}
+      planner({pool, large, loads}, store, config.resident_bytes, mesh_limits(config)),
+      pool(static_cast<int>(config.threads)),
+      large(static_cast<int>(config.threads), kLargePlansAtOnce),
+      loads(kLoadThreads) {}
 
 Admission::Place MeshEngine::admit(const Call& call,
                                    Cancellation::Clock::time_point deadline,

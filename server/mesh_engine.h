@@ -14,6 +14,7 @@
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
 #include "server/config.h"
+#include "server/large_plans.h"
 #include "server/planner.h"
 #include "server/send_budget.h"
 #include "server/stall_watch.h"
@@ -58,7 +59,11 @@ struct MeshEngine {
   SendBudget send_budget;
   StallWatch stalls;
   Planner planner;
-  TaskPool pool;  ///< last, so that its tasks end before what they use
+  // Last, so that their tasks end before what they use.
+  FairTasks chunk_tasks{pool};
+  TaskPool pool;     ///< chunks and short plans
+  LargePlans large;  ///< each on as many threads again: the system shares the cores
+  TaskPool loads;    ///< files being read
 };
 
 }  // namespace tet

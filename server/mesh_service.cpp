@@ -50,9 +50,9 @@ class Estimate final : public grpc::ServerUnaryReactor,
   void plan(absl::StatusOr<Ticket> ticket) {
     if (!ticket.ok()) return finish(ticket.status());
     ticket_ = *std::move(ticket);
-    engine_.planner.plan(order_, watch_, [self = shared_from_this()](const auto& planned) {
-      self->finish(planned);
-    });
+    engine_.planner.plan(
+        call_.client(), order_, watch_,
+        [self = shared_from_this()](const auto& planned) { self->finish(planned); });
   }
 
   void finish(const absl::StatusOr<PlannedMesh>& planned) {

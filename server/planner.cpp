@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/grid/load.h"
+#include "core/pipeline/budget.h"
 #include "proto/wire/transport.h"
 
 namespace tet {
@@ -11,17 +12,21 @@ namespace {
 // Enough for the streams that are likely to come back; each may hold a volume in memory,
 // and the positions of an improved mesh.
 constexpr std::size_t kRecentPlans = 4;
+
+// A tenth of a second or so of one core.
+constexpr double kLargePlanBricks = 4096;
 }  // namespace
 
-Planner::Planner(TaskPool& pool,
+Planner::Planner(const PlannerThreads& threads,
                  GridStore& store,
                  std::uint64_t resident_bytes,
                  MeshLimits limits)
-    : pool_(pool),
+    : threads_(threads),
       store_(store),
       limits_(limits),
       volumes_(
-          pool,
+          threads.pool,
+          threads.loads,
           resident_bytes,
           [limits = LoadLimits{resident_bytes}](const std::string& path,
                                                 const std::string& name) {
@@ -29,42 +34,56 @@ Planner::Planner(TaskPool& pool,
           },
           [this] { forget(); }) {}
 
-void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
+void Planner::plan(const std::string& client,
+                   MeshOrder order,
+                   std::shared_ptr<PlanningWatch> watch,
+                   Done done) {
   auto grid = store_.acquire(order.digest);
   if (!grid.ok()) {
-    pool_.post([done = std::move(done), status = grid.status()] { done(status); });
+    threads_.pool.post([done = std::move(done), status = grid.status()] { done(status); });
     return;
   }
   const VolumeKey key{order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
-  volumes_.get(key, path,
-               [this, order = std::move(order), watch = std::move(watch),
-                done = std::move(done), grid = *std::move(grid)](const auto& volume) {
-                 done(volume.ok() ? plan_volume(order, *volume, grid, *watch)
-                                  : absl::StatusOr<PlannedMesh>(volume.status()));
-               });
+  Job job{client, std::move(order), std::move(watch), std::move(done), *std::move(grid), {},
+          {}};
+  volumes_.get(key, path, [this, job = std::move(job)](const auto& volume) mutable {
+    if (!volume.ok()) return job.done(volume.status());
+    job.volume = *volume;
+    plan_volume(std::move(job));
+  });
 }
 
-absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
-                                                 std::shared_ptr<const Volume> volume,
-                                                 GridLease grid,
-                                                 PlanningWatch& watch) {
-  const std::string name = mesh_id_of(canonical_request(order, *volume, nullptr));
-  std::shared_ptr<const MeshPlan> plan = recall(name);
-  if (plan == nullptr) {
-    running_.fetch_add(1);
-    auto planned =
-        plan_mesh(volume, order.request, limits_, watch.cancellation, &watch.progress);
-    running_.fetch_sub(1);
-    give_back_free_memory();
-    if (!planned.ok()) return planned.status();
-    plan = *std::move(planned);
-    remember(name, plan);
-  }
+/// On the pool.
+void Planner::plan_volume(Job job) {
+  job.name = mesh_id_of(canonical_request(job.order, *job.volume, nullptr));
+  if (auto plan = recall(job.name)) return job.done(job.planned(std::move(plan)));
+  const bool large = estimate_bricks_to_plan(*job.volume, job.order.request) > kLargePlanBricks;
+  const std::string client = job.client;
+  auto work = [this, job = std::move(job)] {
+    auto plan = make_plan(job);
+    job.done(plan.ok() ? job.planned(*std::move(plan))
+                       : absl::StatusOr<PlannedMesh>(plan.status()));
+  };
+  large ? threads_.large.post(client, std::move(work)) : work();
+}
+
+PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
   v1::MeshRequest canonical = canonical_request(order, *volume, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
-  return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id),
-                     std::move(grid)};
+  return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
+}
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& job) {
+  // It may have been made while this one waited.
+  if (auto plan = recall(job.name)) return plan;
+  running_.fetch_add(1);
+  auto plan = plan_mesh(job.volume, job.order.request, limits_, job.watch->cancellation,
+                        &job.watch->progress);
+  running_.fetch_sub(1);
+  give_back_free_memory();
+  if (!plan.ok()) return plan.status();
+  return remember(job.name, *std::move(plan));
 }
 
 std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
@@ -76,10 +95,14 @@ std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
   return recent_.front().second;
 }
 
-void Planner::remember(std::string name, std::shared_ptr<const MeshPlan> plan) {
+/// Where another stream has made the same plan meanwhile, that one is held and this one is not.
+std::shared_ptr<const MeshPlan> Planner::remember(const std::string& name,
+                                                  std::shared_ptr<const MeshPlan> plan) {
+  if (auto made = recall(name)) return made;
   const std::lock_guard lock(mutex_);
-  recent_.emplace_front(std::move(name), std::move(plan));
+  recent_.emplace_front(name, std::move(plan));
   if (recent_.size() > kRecentPlans) recent_.pop_back();
+  return recent_.front().second;
 }
 
 void Planner::forget() {

@@ -1,5 +1,7 @@
 #include "server/server.h"
 
+#include <map>
+#include <string>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -69,10 +71,16 @@ struct Server::Parts {
 
 namespace {
 
-/// What one client may take of the transport; later arguments count.
-void limit_connections(const Config& config, grpc::ServerBuilder& builder) {
+using ChannelArguments = std::map<std::string, int>;
+
+/// What both ends of the wire use, and over it what one client may take of the transport.
+ChannelArguments channel_arguments(const Config& config) {
+  ChannelArguments arguments;
+  for (const TransportSetting& setting : kTransportSettings) {
+    arguments[setting.name] = setting.value;
+  }
   const auto set = [&](const char* name, std::uint64_t value) {
-    builder.AddChannelArgument(name, static_cast<int>(value));
+    arguments[name] = static_cast<int>(value);
   };
   constexpr std::uint64_t kMs = 1000;
   set(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, config.receive_window_bytes);
@@ -84,22 +92,22 @@ void limit_connections(const Config& config, grpc::ServerBuilder& builder) {
   set(GRPC_ARG_MAX_CONNECTION_AGE_MS, config.connection_age_seconds * kMs);
   set(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, config.connection_grace_seconds * kMs);
   set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeSeconds * kMs);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
-  grpc::ResourceQuota quota("tetstreamd");
-  quota.Resize(config.receive_bytes);
-  builder.SetResourceQuota(quota);
+  // Two servers on one port would share its calls by chance.
+  set(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  return arguments;
 }
 
 }  // namespace
 
 bool Server::Parts::listen() {
   grpc::ServerBuilder builder;
-  for (const TransportSetting& setting : kTransportSettings) {
-    builder.AddChannelArgument(setting.name, setting.value);
+  for (const auto& [name, value] : channel_arguments(config)) {
+    builder.AddChannelArgument(name, value);
   }
-  limit_connections(config, builder);
-  // Two servers on one port would share its calls by chance.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
+  grpc::ResourceQuota quota("tetstreamd");
+  quota.Resize(config.receive_bytes);
+  builder.SetResourceQuota(quota);
   builder.AddListeningPort(config.listen, grpc::InsecureServerCredentials(), &port);
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);

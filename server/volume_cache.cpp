@@ -9,10 +9,12 @@
 namespace tet {
 
 VolumeCache::VolumeCache(TaskPool& pool,
+                         TaskPool& loads,
                          std::uint64_t budget_bytes,
                          Loader loader,
                          std::function<void()> release)
     : pool_(pool),
+      loads_(loads),
       budget_bytes_(budget_bytes),
       loader_(std::move(loader)),
       release_(std::move(release)) {}
@@ -27,7 +29,7 @@ void VolumeCache::get(const VolumeKey& key, const std::string& path, Answer answ
     return;
   }
   entry.waiting.push_back(std::move(answer));
-  if (is_new) pool_.post([this, key, path] { load(key, path); });
+  if (is_new) loads_.post([this, key, path] { load(key, path); });
 }
 
 void VolumeCache::load(const VolumeKey& key, const std::string& path) {

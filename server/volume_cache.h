@@ -26,8 +26,8 @@ struct VolumeKey {
 
 /// Loads volumes once and keeps the most recently used under a byte budget.
 ///
-/// Nobody waits: an answer comes as a task on the pool. Thread safety: any thread may call
-/// `get`.
+/// Nobody waits: an answer comes as a task on the pool, and loads run on another, so that they
+/// are in nobody's way. Thread safety: any thread may call `get`.
 class VolumeCache {
  public:
   using Answer = std::function<void(const absl::StatusOr<std::shared_ptr<const Volume>>&)>;
@@ -37,6 +37,7 @@ class VolumeCache {
   /// `release` is asked to let go of volumes held elsewhere before a request is refused for
   /// room.
   VolumeCache(TaskPool& pool,
+              TaskPool& loads,
               std::uint64_t budget_bytes,
               Loader loader,
               std::function<void()> release);
@@ -59,6 +60,7 @@ class VolumeCache {
   bool evict_oldest();
 
   TaskPool& pool_;
+  TaskPool& loads_;
   const std::uint64_t budget_bytes_;
   const Loader loader_;
   const std::function<void()> release_;

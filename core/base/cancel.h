@@ -5,6 +5,8 @@
 #include <chrono>
 #include <optional>
 
+#include <absl/status/status.h>
+
 namespace tet {
 
 /// Raised once, never lowered. Long stages poll it between bricks.
@@ -34,5 +36,8 @@ class Cancellation {
   std::atomic<bool> cancelled_{false};
   std::optional<Clock::time_point> deadline_;
 };
+
+/// OK, or why the work has to stop: kDeadlineExceeded, kCancelled.
+absl::Status check_cancelled(const Cancellation& cancellation);
 
 }  // namespace tet

@@ -25,7 +25,7 @@ class CacheTest : public testing::Test {
  protected:
   VolumeCache& cache(std::uint64_t budget) {
     return caches_.emplace_back(
-        pool_, budget,
+        pool_, pool_, budget,
         [this](const std::string&, const std::string& name) -> absl::StatusOr<Volume> {
           ++loads_;
           if (name == "bad") return absl::NotFoundError("no such grid");
