@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
+#include <random>
 #include <stop_token>
 #include <string>
+#include <utility>
+
+#include <absl/strings/str_format.h>
+
+#include "client/error_details.h"
 
 namespace tet {
 
@@ -21,22 +28,41 @@ void pause(const std::stop_token& stop, std::chrono::milliseconds time) {
   never.wait_for(lock, stop, time, [] { return false; });
 }
 
+/// No server may keep us waiting longer than this.
+constexpr absl::Duration kLongestWait = absl::Seconds(30);
+
 bool worth_retrying(const absl::Status& status) {
-  return absl::IsUnavailable(status) || absl::IsAborted(status);
+  return absl::IsUnavailable(status) || absl::IsAborted(status) || retry_delay(status);
+}
+
+/// A name of its own for every attempt, and the trace that this process is part of, if any.
+void add_identity(grpc::ClientContext& context) {
+  static thread_local std::mt19937_64 random{std::random_device{}()};
+  context.AddMetadata("x-request-id", absl::StrFormat("%016x", random()));
+  const char* const trace = std::getenv("TRACEPARENT");
+  const std::string_view text = trace == nullptr ? "" : trace;
+  constexpr std::string_view kDigits = "0123456789abcdef-";
+  if (text.size() != 55 || text.find_first_not_of(kDigits) != std::string_view::npos) return;
+  context.AddMetadata("traceparent", std::string(text));
 }
 
 }  // namespace
 
-ClientCall::ClientCall(const Cancellation& cancellation)
-    : cancellation_(cancellation), watcher_([this](const std::stop_token& stop) {
+ClientCall::ClientCall(ServerChannel channel, const Cancellation& cancellation)
+    : channel_(std::move(channel)),
+      cancellation_(cancellation),
+      watcher_([this](const std::stop_token& stop) {
         while (!stop.stop_requested() && !cancellation_.requested()) pause(stop, kPoll);
         if (cancellation_.requested()) context_.TryCancel();
-      }) {}
+      }) {
+  add_identity(context_);
+  channel_.authorize(context_);
+}
 
 absl::Status ClientCall::result(const grpc::Status& status) const {
   if (status.ok()) return absl::OkStatus();
   if (const absl::Status cancelled = check(cancellation_); !cancelled.ok()) return cancelled;
-  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
+  return channel_.explain(to_absl(status, context_));
 }
 
 absl::Status check(const Cancellation& cancellation) {
@@ -50,13 +76,20 @@ bool Retries::again(const absl::Status& status, std::uint64_t progress) {
   if (progress > furthest_) failures_ = 0;
   furthest_ = std::max(furthest_, progress);
   if (++failures_ >= policy_.attempts) return false;
-  const int backoff = policy_.first_backoff_ms << std::min(failures_ - 1, 16);
-  const auto wait = std::chrono::milliseconds(std::min(backoff, policy_.max_backoff_ms));
+  const auto wait = next_wait(status);
   const auto end = std::chrono::steady_clock::now() + wait;
   while (std::chrono::steady_clock::now() < end && !cancellation_.requested()) {
     std::this_thread::sleep_for(std::min(kPoll, wait));
   }
   return !cancellation_.requested();
+}
+
+std::chrono::milliseconds Retries::next_wait(const absl::Status& status) {
+  const int doubled = policy_.first_backoff_ms << std::min(failures_ - 1, 16);
+  const auto backoff = absl::Milliseconds(std::min(doubled, policy_.max_backoff_ms));
+  const auto asked = std::min(retry_delay(status).value_or(absl::ZeroDuration()), kLongestWait);
+  std::uniform_real_distribution<double> chance(1, 1.25);
+  return absl::ToChronoMilliseconds(std::max(backoff, asked) * chance(random_));
 }
 
 }  // namespace tet

@@ -1,13 +1,16 @@
 // What every call of the client has in common: cancellation, statuses, and trying again.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <random>
 #include <thread>
 
 #include <absl/status/status.h>
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
 
+#include "client/channel.h"
 #include "client/mesh_client.h"
 #include "core/base/cancel.h"
 
@@ -16,14 +19,16 @@ namespace tet {
 /// One attempt at a call: its context, cancelled soon after `cancellation` is raised.
 class ClientCall {
  public:
-  explicit ClientCall(const Cancellation& cancellation);
+  ClientCall(ServerChannel channel, const Cancellation& cancellation);
 
   grpc::ClientContext& context() { return context_; }
 
-  /// The server's status as ours; when the caller has cancelled, that is the reason given.
+  /// The server's status as ours, with its details; when the caller has cancelled, that is the
+  /// reason given.
   absl::Status result(const grpc::Status& status) const;
 
  private:
+  const ServerChannel channel_;
   const Cancellation& cancellation_;
   grpc::ClientContext context_;
   std::jthread watcher_;  // last: it uses the others
@@ -32,19 +37,25 @@ class ClientCall {
 /// kCancelled or kDeadlineExceeded when `cancellation` was raised, else kOk.
 absl::Status check(const Cancellation& cancellation);
 
-/// Decides how often, and after how long, a broken call is taken up again.
+/// Decides how often, and after how long, a failed call is taken up again: when the connection
+/// broke, when the call met another, and when the server says that it is worth it.
 class Retries {
  public:
   Retries(const RetryPolicy& policy, const Cancellation& cancellation)
       : policy_(policy), cancellation_(cancellation) {}
 
   /// After a failed attempt that got as far as `progress`: waits and returns true when it is
-  /// worth another. Attempts count from the last one that got further than those before.
+  /// worth another. Attempts count from the last one that got further than those before. The
+  /// wait is what the server asked for at least, a little longer by chance, so that clients
+  /// that failed together come back one by one.
   bool again(const absl::Status& status, std::uint64_t progress);
 
  private:
+  std::chrono::milliseconds next_wait(const absl::Status& status);
+
   const RetryPolicy policy_;
   const Cancellation& cancellation_;
+  std::mt19937 random_{std::random_device{}()};
   int failures_ = 0;
   std::uint64_t furthest_ = 0;
 };

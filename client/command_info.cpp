@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/command.h"
-#include "core/grid/load.h"
+#include "client/read_grids.h"
 
 namespace tet {
 namespace {
@@ -21,6 +21,7 @@ Examples:
 struct InfoOptions {
   std::string path;
   bool json = false;
+  bool trust = false;
 };
 
 std::string extent_of(const VoxelBox& box) {
@@ -72,8 +73,9 @@ void print_json(const std::vector<GridInfo>& grids) {
   std::printf("%s\n", list.dump(2, ' ', false, lenient).c_str());
 }
 
-absl::Status run_info(const InfoOptions& options) {
-  const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(options.path);
+absl::Status run_info(const InfoOptions& options, const Cancellation& interruption) {
+  const absl::StatusOr<std::vector<GridInfo>> grids = read_grid_list(
+      options.path, options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
   if (!grids.ok()) return grids.status();
   options.json ? print_json(*grids) : print_table(*grids);
   return absl::OkStatus();
@@ -86,7 +88,9 @@ Command add_info_command(CLI::App& app) {
   app.footer(kExamples);
   app.add_option("FILE", options->path, "A .vdb file")->required();
   app.add_flag("--json", options->json, "As JSON, for programs");
-  return [options](const Cancellation&) { return run_info(*options); };
+  app.add_flag("--trust", options->trust, kTrustHelp);
+  return
+      [options](const Cancellation& interruption) { return run_info(*options, interruption); };
 }
 
 }  // namespace tet

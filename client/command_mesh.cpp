@@ -14,7 +14,9 @@
 #include "client/mesh_file.h"
 #include "client/mesh_maker.h"
 #include "client/mesh_report.h"
+#include "client/read_grids.h"
 #include "client/request_options.h"
+#include "client/server_options.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
 
@@ -46,6 +48,7 @@ Examples:
 struct MeshArguments {
   MeshOptions options;
   RequestArguments request;
+  ServerArguments server;
 };
 
 void describe_options(CLI::App& app, MeshArguments& arguments) {
@@ -60,12 +63,13 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--server", options.server, "HOST:PORT of a tetstreamd to mesh on");
+  app.add_flag("--trust", options.trust, kTrustHelp);
   app.add_flag(
       "--compact", options.compact,
       "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
+  describe_server(app, arguments.server);
 }
 
 absl::Status check_input(const MeshOptions& options) {
@@ -103,10 +107,17 @@ absl::Status check_encoding(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status check_trust(const MeshOptions& options) {
+  if (!options.trust || options.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--trust is about a file that is read here: leave --trust or --server out");
+}
+
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
   absl::Status status = check_input(options);
   if (status.ok()) status = check_encoding(options);
+  if (status.ok()) status = check_trust(options);
   if (status.ok()) status = mesh_format_of(options.output).status();
   if (status.ok()) status = check_can_create(options.output);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
@@ -119,6 +130,10 @@ absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
   if (!request.ok()) return request.status();
   options.request = *std::move(request);
   options.grid = arguments.request.grid;
+  options.server = arguments.server.address;
+  absl::StatusOr<ChannelOptions> channel = understand_server(arguments.server);
+  if (!channel.ok()) return channel.status();
+  options.channel = *std::move(channel);
   return options;
 }
 

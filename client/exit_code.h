@@ -25,7 +25,6 @@ constexpr ExitCode exit_code_of(absl::StatusCode code) noexcept {
     case absl::StatusCode::kUnknown:
     case absl::StatusCode::kUnimplemented:
     case absl::StatusCode::kAborted:
-    case absl::StatusCode::kUnauthenticated:
       return ExitCode::kServer;
     default:
       return ExitCode::kRefused;

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/command.h"
+#include "client/error_details.h"
 #include "client/exit_code.h"
 #include "client/interruption.h"
 #include "proto/wire/transport.h"
@@ -45,11 +46,18 @@ std::vector<NamedCommand> add_commands(CLI::App& app) {
           add("health", "Ask a server whether it is serving", add_health_command)};
 }
 
+/// With the name of the call in the server's log, where there is one.
+std::string message_of(const absl::Status& status) {
+  const std::string request = request_id_of(status);
+  std::string message(status.message());
+  return request.empty() ? message : message + " (request " + request + ")";
+}
+
 int run(const NamedCommand& command, const Cancellation& interruption) {
   const absl::Status status = command.run(interruption);
   if (status.ok()) return static_cast<int>(ExitCode::kDone);
-  const std::string message(status.message());
-  std::fprintf(stderr, "tetstream %s: %s\n", command.app->get_name().c_str(), message.c_str());
+  std::fprintf(stderr, "tetstream %s: %s\n", command.app->get_name().c_str(),
+               message_of(status).c_str());
   if (const int signal = interrupting_signal(); signal != 0) return 128 + signal;
   return static_cast<int>(exit_code_of(status.code()));
 }
@@ -91,5 +99,6 @@ int run_command_line(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   tet::keep_read_blocks();
+  tet::quieten_grpc();
   return tet::run_command_line(argc, argv);
 }

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "client/mesh_maker.h"
+#include "client/read_grids.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
 #include "core/base/parallel.h"
-#include "core/grid/load.h"
 #include "core/pipeline/mesher.h"
 
 namespace tet {
@@ -22,10 +22,13 @@ absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& 
   return std::move(converted->volume);
 }
 
-absl::StatusOr<Volume> read_volume(const MeshOptions& options, ProgressBar& bar) {
+absl::StatusOr<Volume> read_input(const MeshOptions& options,
+                                  ProgressBar& bar,
+                                  const Cancellation& interruption) {
   bar.begin("reading");
   if (is_surface_file(options.input)) return convert_surface(options, bar);
-  return load_volume(options.input, options.grid);
+  return read_volume(options.input, options.grid,
+                     options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
 }
 
 }  // namespace
@@ -36,7 +39,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   Stopwatch watch;
   TaskPool pool(options.threads);
   absl::StatusOr<Volume> volume = absl::UnknownError("not read");
-  pool.run([&] { volume = read_volume(options, bar); });
+  pool.run([&] { volume = read_input(options, bar, interruption); });
   if (!volume.ok()) return volume.status();
   const double reading_seconds = watch.lap();
 

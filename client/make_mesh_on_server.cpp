@@ -112,13 +112,14 @@ absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
                                              ProgressBar& bar,
                                              const Cancellation& interruption) {
   Stopwatch watch;
-  const std::unique_ptr<MeshClient> client = MeshClient::connect(options.server);
-  const absl::StatusOr<std::string> name = upload_input(*client, options, bar, interruption);
+  const auto client = MeshClient::connect(options.server, options.channel);
+  if (!client.ok()) return client.status();
+  const absl::StatusOr<std::string> name = upload_input(**client, options, bar, interruption);
   if (!name.ok()) return name.status();
   const double uploading_seconds = watch.lap();
 
   StreamWatch stream(bar);
-  absl::StatusOr<StreamedMesh> streamed = client->stream_mesh(
+  absl::StatusOr<StreamedMesh> streamed = (*client)->stream_mesh(
       wire_request(options.request, *name, options.grid), stream.callbacks(), interruption,
       options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   if (!streamed.ok()) return streamed.status();

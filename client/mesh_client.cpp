@@ -29,8 +29,8 @@ void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
 }  // namespace
 
 struct MeshClient::Connection {
-  Connection(const std::string& address, RetryPolicy retry_policy)
-      : retry(retry_policy), channel(open_channel(address)) {}
+  Connection(ServerChannel server, RetryPolicy retry_policy)
+      : retry(retry_policy), channel(std::move(server)) {}
 
   /// One unary call, tried again while the server is not to be reached.
   template <class Stub, class Request, class Response>
@@ -42,7 +42,7 @@ struct MeshClient::Connection {
                                 const Cancellation& cancellation) {
     for (Retries retries(retry, cancellation);;) {
       Response response;
-      ClientCall attempt(cancellation);
+      ClientCall attempt(channel, cancellation);
       const auto status =
           attempt.result((stub.*method)(&attempt.context(), request, &response));
       if (status.ok()) return response;
@@ -51,15 +51,24 @@ struct MeshClient::Connection {
   }
 
   const RetryPolicy retry;
-  const std::shared_ptr<grpc::Channel> channel;
-  v1::GridService::Stub grids{channel};
-  v1::MeshService::Stub meshes{channel};
-  grpc::health::v1::Health::Stub health{channel};
+  const ServerChannel channel;
+  v1::GridService::Stub grids{channel.channel()};
+  v1::MeshService::Stub meshes{channel.channel()};
+  grpc::health::v1::Health::Stub health{channel.channel()};
 };
 
 std::unique_ptr<MeshClient> MeshClient::connect(const std::string& address, RetryPolicy retry) {
   return std::unique_ptr<MeshClient>(
-      new MeshClient(std::make_unique<Connection>(address, retry)));
+      new MeshClient(std::make_unique<Connection>(open_channel(address), retry)));
+}
+
+absl::StatusOr<std::unique_ptr<MeshClient>> MeshClient::connect(const std::string& address,
+                                                                const ChannelOptions& options,
+                                                                RetryPolicy retry) {
+  auto channel = open_channel(address, options);
+  if (!channel.ok()) return channel.status();
+  return std::unique_ptr<MeshClient>(
+      new MeshClient(std::make_unique<Connection>(*std::move(channel), retry)));
 }
 
 MeshClient::MeshClient(std::unique_ptr<Connection> connection)
@@ -146,15 +155,16 @@ absl::Status MeshClient::check_health(const std::string& service,
 namespace {
 
 /// One stream, from the first chunk that is missing on.
-absl::Status receive(const std::shared_ptr<grpc::Channel>& channel,
+absl::Status receive(const ServerChannel& channel,
                      v1::StreamMeshRequest message,
                      const ClientProgress& progress,
                      const Cancellation& cancellation,
                      MeshReceiver& receiver) {
   message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
   message.set_expected_mesh_id(receiver.mesh_id());
-  ClientCall call(cancellation);
-  RawCall stream(channel, call.context(), v1::MeshService::service_full_name(), "StreamMesh");
+  ClientCall call(channel, cancellation);
+  RawCall stream(channel.channel(), call.context(), v1::MeshService::service_full_name(),
+                 "StreamMesh");
   stream.write_last(serialized(message));
   absl::Status taken;
   for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {

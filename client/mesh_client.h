@@ -10,6 +10,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "client/channel.h"
 #include "core/base/cancel.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
@@ -64,6 +65,10 @@ class MeshClient {
   /// Does not wait for the server: the first call tells whether it is there.
   static std::unique_ptr<MeshClient> connect(const std::string& address,
                                              RetryPolicy retry = {});
+  /// The same over TLS, or with a token. Errors: those of open_channel.
+  static absl::StatusOr<std::unique_ptr<MeshClient>> connect(const std::string& address,
+                                                             const ChannelOptions& options,
+                                                             RetryPolicy retry = {});
   ~MeshClient();
 
   /// Stores a file unless it is stored, going on where an earlier upload of it ended; returns

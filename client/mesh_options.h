@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "client/channel.h"
 #include "core/pipeline/mesh_request.h"
 
 namespace tet {
@@ -11,12 +12,14 @@ namespace tet {
 struct MeshOptions {
   std::string input, output;
   std::string grid;             ///< empty takes the only meshable grid
+  bool trust = false;           ///< read the .vdb file in this process
   std::optional<double> voxel;  ///< of a surface that is converted first, world units
   MeshRequest request;
-  int threads = 0;       ///< 0 takes every core
-  std::string server;    ///< HOST:PORT; empty meshes in this process
-  bool compact = false;  ///< half a byte a tet from the server, and the mesh is made here
-  std::string report;    ///< path; empty writes none
+  int threads = 0;         ///< 0 takes every core
+  std::string server;      ///< HOST:PORT; empty meshes in this process
+  ChannelOptions channel;  ///< how that is spoken to
+  bool compact = false;    ///< half a byte a tet from the server, and the mesh is made here
+  std::string report;      ///< path; empty writes none
 };
 
 }  // namespace tet

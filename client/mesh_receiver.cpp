@@ -106,24 +106,6 @@ ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
           unsigned_count(chunk.tet_count()),    chunk.checksum()};
 }
 
-template <class Id>
-std::uint64_t largest_id(std::span<const std::byte> ids) {
-  Id largest = 0;
-  for (std::size_t i = 0; i < ids.size(); i += sizeof(Id)) {
-    Id id = 0;
-    std::memcpy(&id, ids.data() + i, sizeof id);
-    largest = std::max(largest, id);
-  }
-  return largest;
-}
-
-bool are_within(std::span<const std::byte> ids, const MeshHeader& header) {
-  const std::uint64_t largest = header.index_type == IndexType::kUint64
-                                    ? largest_id<std::uint64_t>(ids)
-                                    : largest_id<std::uint32_t>(ids);
-  return ids.empty() || largest < header.vertex_count;
-}
-
 void copy(const std::string& from, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }
@@ -302,7 +284,7 @@ absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t chec
   if (!compact_) {
     const ChunkColumns columns = received_.mesh.columns_of(
         {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count});
-    if (!are_within(columns.tets, received_.mesh.header)) {
+    if (!ids_are_within(columns.tets, received_.mesh.header)) {
       return bad_stream(
           absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
     }

@@ -74,13 +74,14 @@ void write_pieces(RawCall& call,
 
 }  // namespace
 
-absl::Status upload_from(const std::shared_ptr<grpc::Channel>& channel,
+absl::Status upload_from(const ServerChannel& channel,
                          const LocalFile& file,
                          std::uint64_t offset,
                          const ClientProgress& progress,
                          const Cancellation& cancellation) {
-  ClientCall attempt(cancellation);
-  RawCall call(channel, attempt.context(), v1::GridService::service_full_name(), "UploadGrid");
+  ClientCall attempt(channel, cancellation);
+  RawCall call(channel.channel(), attempt.context(), v1::GridService::service_full_name(),
+               "UploadGrid");
   write_pieces(call, file, offset, progress);
   grpc::ByteBuffer answer;
   v1::UploadGridResponse response;

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include <absl/status/status.h>
-#include <grpcpp/channel.h>
 
+#include "client/channel.h"
 #include "client/local_file.h"
 #include "client/mesh_client.h"
 #include "core/base/cancel.h"
@@ -15,7 +14,7 @@ namespace tet {
 
 /// One UploadGrid call that sends `file` from `offset` on. kAborted when it ended well but
 /// short.
-absl::Status upload_from(const std::shared_ptr<grpc::Channel>& channel,
+absl::Status upload_from(const ServerChannel& channel,
                          const LocalFile& file,
                          std::uint64_t offset,
                          const ClientProgress& progress,

@@ -153,7 +153,7 @@ absl::Status Admission::why_expired(const Waiting& waiting, Clock::time_point no
   if (waiting.deadline <= now) {
     return with_reason(
         absl::DeadlineExceededError("the deadline passed before it was this mesh's turn"),
-        "DEADLINE_IN_QUEUE");
+        "DEADLINE_EXCEEDED");
   }
   const absl::Status status = absl::ResourceExhaustedError(absl::StrCat(
       "it was not this mesh's turn within ", limits_.queue_time.count(), " s: ", meshes_.all(),
@@ -169,6 +169,11 @@ void Admission::drain() {
     waiting = queue_.take_all([](Place, const Waiting&) { return true; });
   }
   for (const Waiting& refused : waiting) refused.answer(shutting_down());
+}
+
+bool Admission::is_draining() const {
+  const std::lock_guard lock(mutex_);
+  return draining_;
 }
 
 std::uint64_t Admission::running_meshes() const {

@@ -84,6 +84,7 @@ class Admission {
   void expire(Clock::time_point now);
   /// Refuses everything from now on, those in the queue first.
   void drain();
+  bool is_draining() const;
 
   std::uint64_t running_meshes() const;
   std::uint64_t queued_meshes() const;

@@ -1,10 +1,8 @@
 #include "server/calls.h"
 
 #include <memory>
-#include <random>
 #include <utility>
 
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/logging.h"
@@ -14,26 +12,7 @@ namespace tet {
 
 namespace {
 
-constexpr char kRequestIdKey[] = "x-request-id";
-
-/// The caller's own id if it sent one of sensible size, else a random one.
-std::string request_id(const grpc::CallbackServerContext& context) {
-  const auto& metadata = context.client_metadata();
-  const auto found = metadata.find(kRequestIdKey);
-  if (found != metadata.end() && found->second.size() <= 128) {
-    return {found->second.data(), found->second.size()};
-  }
-  static thread_local std::mt19937_64 random{std::random_device{}()};
-  return absl::StrCat(absl::Hex(random(), absl::kZeroPad16));
-}
-
-/// "ipv4:10.0.0.7:51234" is of "10.0.0.7"; a peer of another form is its own name.
-std::string host_of(const std::string& peer) {
-  const std::size_t scheme = peer.find(':');
-  const std::size_t port = peer.rfind(':');
-  if (!absl::StartsWith(peer, "ipv") || port == scheme) return peer;
-  return peer.substr(scheme + 1, port - scheme - 1);
-}
+constexpr std::size_t kMaxLoggedText = 300;
 
 spdlog::level::level_enum level_of(const absl::Status& status) {
   switch (status.code()) {
@@ -67,17 +46,26 @@ void CallRegistry::add(int calls) {
   changed_.notify_all();
 }
 
-Call::Call(CallRegistry& registry,
-           const grpc::CallbackServerContext& context,
-           std::string method)
-    : registry_(registry), client_(host_of(context.peer())) {
+Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::string method)
+    : registry_(registry),
+      method_(std::move(method)),
+      caller_(registry.access().admit(context, method_)),
+      client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
   auto ticket = registry.admission().admit_call(client_);
   admitted_ = ticket.status();
   if (ticket.ok()) ticket_ = *std::move(ticket);
   registry_.add(1);
-  fields_["request_id"] = request_id(context);
-  fields_["method"] = std::move(method);
+  const CallIdentity identity = identify(context);
+  tell_identity(identity, context);
+  fields_["request_id"] = identity.request_id;
+  fields_["method"] = method_;
+  fields_["client"] = client_;
   fields_["peer"] = context.peer();
+  fields_["user_agent"] = identity.user_agent;
+  if (identity.span.trace_id.empty()) return;
+  fields_["trace_id"] = identity.span.trace_id;
+  fields_["span_id"] = identity.span.span_id;
+  fields_["parent_id"] = identity.span.parent_id;
 }
 
 // Whoever waits for the registry to be idle may destroy the admission next.
@@ -86,24 +74,34 @@ Call::~Call() {
   registry_.add(-1);
 }
 
+absl::Status Call::admission() const { return caller_.ok() ? admitted_ : caller_.status(); }
+
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
+  if (value.is_string()) value = printable(value.get_ref<std::string&>(), kMaxLoggedText);
   fields_[key] = std::move(value);
 }
 
+double Call::seconds() const {
+  return std::chrono::duration<double>(CallRegistry::Clock::now() - start_).count();
+}
+
 grpc::Status Call::finish(const absl::Status& status) {
-  const std::chrono::duration<double, std::milli> duration =
-      CallRegistry::Clock::now() - start_;
+  const std::string reason = reason_of(status);
+  registry_.metrics().call_ended(method_, status.code(), reason, seconds());
   fields_["status"] = absl::StatusCodeToString(status.code());
-  fields_["duration_ms"] = duration.count();
-  if (!status.ok()) fields_["message"] = std::string(status.message());
+  if (!status.ok()) note("reason", reason);
+  fields_["duration_ms"] = 1e3 * seconds();
+  if (!status.ok()) note("message", std::string(status.message()));
   log_event(level_of(status), "call", fields_);
   ticket_.reset();
   return to_grpc(status);
 }
 
 absl::Status client_gone(const Cancellation& cancellation) {
-  if (cancellation.deadline_passed()) return absl::DeadlineExceededError("the deadline passed");
-  return absl::CancelledError("the client went away");
+  if (cancellation.deadline_passed()) {
+    return with_reason(absl::DeadlineExceededError("the deadline passed"), "DEADLINE_EXCEEDED");
+  }
+  return with_reason(absl::CancelledError("the client went away"), "CANCELLED");
 }
 
 absl::Status client_stalled(const char* did_what, std::chrono::seconds waited) {
@@ -119,12 +117,29 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  std::function<absl::Status(Call&)> work) {
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
-  if (!call->admitted().ok()) {
-    reactor->Finish(call->finish(call->admitted()));
+  if (const absl::Status admitted = call->admission(); !admitted.ok()) {
+    reactor->Finish(call->finish(admitted));
   } else {
     disk.post([call, reactor, work = std::move(work)] {
       reactor->Finish(call->finish(work(*call)));
     });
+  }
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin) {
+  auto call = std::make_shared<Call>(registry, context, std::move(method));
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  auto pending = std::make_shared<PendingAnswer>(call, context, *reactor);
+  if (const absl::Status admitted = call->admission(); !admitted.ok()) {
+    pending->finish(admitted);
+  } else {
+    disk.post([pending, begin = std::move(begin)] { begin(pending); });
   }
   return reactor;
 }

@@ -4,8 +4,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
@@ -14,59 +16,80 @@
 
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
+#include "server/access.h"
 #include "server/admission.h"
+#include "server/call_identity.h"
+#include "server/metrics.h"
 
 namespace tet {
 
-/// Counts the calls that are running. Thread safety: any thread may call any member.
+/// Counts the calls that are running, and those that ended. Thread safety: any thread may call
+/// any member.
 class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit CallRegistry(Admission& admission) : admission_(admission) {}
+  /// Both outlive the registry.
+  CallRegistry(Access& access, Admission& admission) : access_(access), admission_(admission) {}
 
+  Access& access() const { return access_; }
   Admission& admission() const { return admission_; }
   /// True once no call is running; false at `deadline`.
   bool wait_until_idle(Clock::time_point deadline);
   int running() const;
+  Metrics& metrics() { return metrics_; }
+  const Metrics& metrics() const { return metrics_; }
 
  private:
   friend class Call;
   void add(int calls);
 
+  Access& access_;
   Admission& admission_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
+  Metrics metrics_;
 };
 
 /// One call, from its arrival until nothing of it is left: counted while it exists, and logged
-/// as one line when it finishes.
+/// as one line when it finishes. The caller gets its request id as trailing metadata.
 ///
 /// Not thread-safe; the reactor that owns it takes turns.
 class Call {
  public:
-  Call(CallRegistry& registry, const grpc::CallbackServerContext& context, std::string method);
+  Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::string method);
   ~Call();
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
   CallRegistry& registry() const { return registry_; }
-  /// Whether it may go on. Errors: those of Admission::admit_call.
-  const absl::Status& admitted() const { return admitted_; }
 
-  /// Who calls, as far as we can tell: the host of the peer, without its port.
+  /// Errors: those of Access::admit and Admission::admit_call. To be asked before anything
+  /// else.
+  absl::Status admission() const;
+
+  /// Who calls, as far as we can tell: the token's name, the subject of the client's
+  /// certificate, or the host of the peer, without its port.
   const std::string& client() const { return client_; }
 
-  /// Adds a field to the log line.
+  /// The namespace that the caller's grids are in. Only of a call that was admitted.
+  const std::string& space() const { return caller_->space; }
+
+  /// Adds a field to the log line; long text is cut.
   void note(const std::string& key, nlohmann::ordered_json value);
 
-  /// Logs the call's end, and makes room for the client's next; what it returns is for gRPC's
-  /// Finish.
+  /// Time since the call arrived.
+  double seconds() const;
+
+  /// Logs and counts the call's end, and makes room for the client's next; what it returns is
+  /// for gRPC's Finish.
   grpc::Status finish(const absl::Status& status);
 
  private:
   CallRegistry& registry_;
+  const std::string method_;
+  const absl::StatusOr<Caller> caller_;
   const std::string client_;
   Ticket ticket_;
   absl::Status admitted_;
@@ -87,5 +110,33 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);
+
+/// A unary call whose end comes from elsewhere. `finish` once, by the last who holds it.
+class PendingAnswer {
+ public:
+  PendingAnswer(std::shared_ptr<Call> call,
+                grpc::CallbackServerContext& context,
+                grpc::ServerUnaryReactor& reactor)
+      : call_(std::move(call)), context_(context), reactor_(reactor) {}
+
+  const Call& call() const { return *call_; }
+  /// Whether the client has gone. Not after `finish`.
+  bool cancelled() const { return context_.IsCancelled(); }
+  void finish(const absl::Status& status) { reactor_.Finish(call_->finish(status)); }
+
+ private:
+  std::shared_ptr<Call> call_;
+  grpc::CallbackServerContext& context_;
+  grpc::ServerUnaryReactor& reactor_;
+};
+
+/// As `answer`, for work that waits: `begin` runs on `disk` and sees to it that somebody
+/// finishes the call.
+grpc::ServerUnaryReactor* answer_later(
+    CallRegistry& registry,
+    TaskPool& disk,
+    grpc::CallbackServerContext& context,
+    std::string method,
+    std::function<void(std::shared_ptr<PendingAnswer>)> begin);
 
 }  // namespace tet

@@ -55,12 +55,15 @@ ChunkStream::ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& contex
 
 void ChunkStream::begin(const grpc::ByteBuffer& request) {
   auto order = parse(request);
-  const absl::Status status = call_.admitted().ok() ? order.status() : call_.admitted();
+  const absl::Status admitted = call_.admission();
+  const absl::Status status = admitted.ok() ? order.status() : admitted;
   if (!status.ok()) {
     end(status);
     return advance();
   }
+  call_.note("grid", order->mesh.digest);
   order_ = *std::move(order);
+  order_.mesh.space = call_.space();
   watch_progress();
   place_ = engine_.admit(call_, watch_->cancellation.deadline(),
                          [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
@@ -126,6 +129,7 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
+    note_plan();
     const absl::Status status = planned.ok() ? check_range() : planned;
     if (!status.ok()) {
       end(status);
@@ -137,6 +141,13 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
     }
   }
   advance();
+}
+
+/// How long planning took, and what of.
+void ChunkStream::note_plan() {
+  engine_.calls.metrics().planned(call_.seconds());
+  call_.note("plan_ms", 1e3 * call_.seconds());
+  if (planned_.plan != nullptr) call_.note("mesh_id", planned_.mesh_id);
 }
 
 /// Settles which chunks to send.
@@ -278,7 +289,8 @@ ChunkStream::Step ChunkStream::next_step() {
     finished_ = true;
     progress_timer_.reset();
     call_.note("tets", tets_written_);
-    call_.note("bytes", bytes_written_);
+    call_.note("chunks", next_ - std::min(next_, order_.start_chunk));
+    call_.note("bytes_out", bytes_written_);
     return Step::kFinish;
   }
   if (!prepare_message()) return Step::kWait;
@@ -379,6 +391,11 @@ void ChunkStream::after_write() {
 /// Counts the chunk that was written and reuses its slot.
 void ChunkStream::after_chunk() {
   Slot& slot = slot_of(next_);
+  if (next_ == order_.start_chunk) {
+    engine_.calls.metrics().first_chunk(call_.seconds());
+    call_.note("first_chunk_ms", 1e3 * call_.seconds());
+  }
+  engine_.calls.metrics().chunk_sent(slot.tets, slot.bytes);
   quality_.add(slot.quality);
   tets_written_ += slot.tets;
   bytes_written_ += slot.bytes;

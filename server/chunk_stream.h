@@ -66,6 +66,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void find_patches(const absl::StatusOr<PlannedMesh>& base);
   void begin_chunks(const absl::Status& planned);
   std::uint64_t chunk_count() const;
+  void note_plan();
   absl::Status check_range();
   std::uint64_t window() const;
   void post_chunks();

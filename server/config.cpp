@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 #include <absl/strings/str_replace.h>
 #include <toml++/toml.h>
 
@@ -41,6 +43,11 @@ Setting number(std::uint64_t Config::*field,
 
 const Setting kSettings[] = {
     text(&Config::listen, "listen", "host:port to serve on; port 0 takes a free one"),
+    text(&Config::tls_cert, "tls_cert", "PEM file of the certificate chain; turns TLS on"),
+    text(&Config::tls_key, "tls_key", "PEM file of its private key"),
+    text(&Config::tls_client_ca, "tls_client_ca", "PEM file; clients need a certificate of it"),
+    text(&Config::tokens, "tokens", "TOML file of who may call; turns bearer tokens on"),
+    text(&Config::reflection, "reflection", "on, off, or auto: unless there are tokens"),
     text(&Config::store, "store", "directory of the stored grid files; made when missing"),
     number(&Config::store_bytes,
            1,
@@ -52,6 +59,13 @@ const Setting kSettings[] = {
            kMaxBytes,
            "resident_bytes",
            "memory for grids ready to mesh"),
+    text(&Config::decoder, "decoder", "program that reads grid files; empty finds it"),
+    number(&Config::decoders, 0, 1024, "decoders", "files decoded at once; 0: one a core"),
+    number(&Config::decode_seconds,
+           1,
+           86'400,
+           "decode_seconds",
+           "the longest that decoding one file may take"),
     number(&Config::threads, 0, 4096, "threads", "meshing threads; 0 takes every core"),
     number(&Config::max_streams,
            1,
@@ -157,6 +171,9 @@ const Setting kSettings[] = {
            "drain_seconds",
            "how long running calls may go on after SIGTERM"),
     text(&Config::log_level, "log_level", "trace, debug, info, warn, error or off"),
+    text(&Config::metrics_listen,
+         "metrics_listen",
+         "host:port for metrics and health over HTTP; empty: none"),
     text(&Config::port_file, "port_file", "write the chosen port to this file once serving"),
 };
 
@@ -173,13 +190,20 @@ std::optional<std::uint64_t> parse_number(std::string_view text) {
   return number << shift;
 }
 
+/// The words that a text setting is one of; none where it may be any text.
+std::vector<std::string> words_of(std::string_view key) {
+  if (key == "log_level") return {"trace", "debug", "info", "warn", "error", "off"};
+  if (key == "reflection") return {"auto", "on", "off"};
+  return {};
+}
+
 absl::Status check_text(const Setting& setting, std::string_view text) {
-  if (std::string_view(setting.key) != "log_level") return absl::OkStatus();
-  for (const std::string_view level : {"trace", "debug", "info", "warn", "error", "off"}) {
-    if (text == level) return absl::OkStatus();
+  const std::vector<std::string> words = words_of(setting.key);
+  if (words.empty() || std::find(words.begin(), words.end(), text) != words.end()) {
+    return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "log_level \"%s\" is none of trace, debug, info, warn, error, off", text));
+  return absl::InvalidArgumentError(absl::StrFormat("%s \"%s\" is none of %s", setting.key,
+                                                    text, absl::StrJoin(words, ", ")));
 }
 
 const Setting* find_setting(std::string_view key) {

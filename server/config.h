@@ -13,9 +13,17 @@ namespace tet {
 
 struct Config {
   std::string listen = "127.0.0.1:7447";
+  std::string tls_cert;
+  std::string tls_key;
+  std::string tls_client_ca;
+  std::string tokens;
+  std::string reflection = "auto";
   std::string store = "tetstream-store";
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
   std::uint64_t resident_bytes = std::uint64_t{4} << 30;
+  std::string decoder;
+  std::uint64_t decoders = 0;
+  std::uint64_t decode_seconds = 120;
   std::uint64_t threads = 0;
   std::uint64_t max_streams = 64;
   std::uint64_t max_tets = 4'000'000'000;
@@ -41,6 +49,7 @@ struct Config {
   std::uint64_t max_client_calls = 1024;
   std::uint64_t drain_seconds = 30;
   std::string log_level = "info";
+  std::string metrics_listen;
   std::string port_file;
 };
 

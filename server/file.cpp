@@ -41,6 +41,12 @@ absl::StatusOr<std::uint64_t> File::size() const {
   return static_cast<std::uint64_t>(info.st_size);
 }
 
+absl::StatusOr<mode_t> File::mode() const {
+  struct stat info {};
+  if (::fstat(descriptor_, &info) != 0) return disk_error("cannot read the mode of", path_);
+  return info.st_mode;
+}
+
 absl::Status File::truncate(std::uint64_t size) {
   if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) return absl::OkStatus();
   return disk_error("cannot truncate", path_);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <sys/types.h>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -26,6 +27,8 @@ class File {
   File& operator=(File&&) = delete;
 
   absl::StatusOr<std::uint64_t> size() const;
+  /// Its kind and permissions, as stat(2) has them.
+  absl::StatusOr<mode_t> mode() const;
   absl::Status truncate(std::uint64_t size);
   /// Writes all of `bytes` at `offset`; on failure some of them may have been written.
   absl::Status write_at(std::uint64_t offset, std::string_view bytes);

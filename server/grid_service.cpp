@@ -1,12 +1,16 @@
 #include "server/grid_service.h"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 
-#include "core/grid/load.h"
+#include "core/decode/decode_file.h"
 #include "proto/wire/sha256.h"
+#include "server/explain.h"
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_stream.h"
@@ -19,6 +23,9 @@ constexpr int kMaxNames = 1000;
 constexpr int kDefaultPage = 100;
 constexpr int kMaxPage = 1000;
 
+/// Of the trees of a file without their values, which tell what its grids are.
+constexpr std::uint64_t kInfoBytes = std::uint64_t{1} << 30;
+
 void describe(const ListedGrid& listed, v1::GridFile& file) {
   file.set_name(name_of_grid(listed.digest));
   file.set_size_bytes(static_cast<std::int64_t>(listed.size_bytes));
@@ -30,6 +37,7 @@ void describe(const ListedGrid& listed, v1::GridFile& file) {
 }
 
 absl::Status find_missing(GridStore& store,
+                          const std::string& space,
                           const v1::FindMissingGridsRequest& request,
                           v1::FindMissingGridsResponse& response) {
   if (request.names_size() > kMaxNames) {
@@ -38,17 +46,18 @@ absl::Status find_missing(GridStore& store,
   for (const std::string& name : request.names()) {
     const auto digest = parse_grid_name(name);
     if (!digest.ok()) return digest.status();
-    if (!store.touch(*digest)) response.add_missing_names(name);
+    if (!store.touch({space, *digest})) response.add_missing_names(name);
   }
   return absl::OkStatus();
 }
 
 absl::Status upload_status(const GridStore& store,
+                           const std::string& space,
                            const std::string& name,
                            v1::UploadStatus& response) {
   const auto digest = parse_grid_name(name);
   if (!digest.ok()) return digest.status();
-  const UploadState state = store.upload_state(*digest);
+  const UploadState state = store.upload_state({space, *digest});
   response.set_name(name);
   response.set_committed_size(static_cast<std::int64_t>(state.committed_size));
   response.set_complete(state.complete);
@@ -57,6 +66,7 @@ absl::Status upload_status(const GridStore& store,
 
 // A page token is the digest of the last file of the page before.
 absl::Status list_page(const GridStore& store,
+                       const std::string& space,
                        const v1::ListGridsRequest& request,
                        v1::ListGridsResponse& response) {
   if (request.page_size() < 0) {
@@ -67,7 +77,7 @@ absl::Status list_page(const GridStore& store,
   }
   const int wanted = request.page_size() == 0 ? kDefaultPage : request.page_size();
   const auto size = static_cast<std::size_t>(std::min(wanted, kMaxPage));
-  const auto listed = store.list(request.page_token(), size + 1);
+  const auto listed = store.list(space, request.page_token(), size + 1);
   for (std::size_t i = 0; i < std::min(size, listed.size()); ++i) {
     describe(listed[i], *response.add_files());
   }
@@ -75,16 +85,39 @@ absl::Status list_page(const GridStore& store,
   return absl::OkStatus();
 }
 
-absl::Status grid_info(GridStore& store, const std::string& name, v1::GridFile& response) {
+absl::StatusOr<GridLease> acquire(GridStore& store,
+                                  const std::string& space,
+                                  const std::string& name) {
   const auto digest = parse_grid_name(name);
-  if (!digest.ok()) return digest.status();
-  const auto lease = store.acquire(*digest);
-  if (!lease.ok()) return lease.status();
-  const auto grids = list_grids((*lease)->path.string());
-  if (!grids.ok()) return grids.status();
-  describe({*digest, (*lease)->size_bytes, absl::Now()}, response);
+  return digest.ok() ? store.acquire({space, *digest}) : digest.status();
+}
+
+absl::Status fill_info(const absl::StatusOr<std::vector<GridInfo>>& grids,
+                       const StoredGrid& stored,
+                       v1::GridFile& response) {
+  if (!grids.ok()) {
+    return about_file(grids.status(), stored.key.digest, stored.path.string());
+  }
+  describe({stored.key.digest, stored.size_bytes, absl::Now()}, response);
   for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
   return absl::OkStatus();
+}
+
+/// Has a decoder look at the file; the lease keeps it from being evicted meanwhile.
+void grid_info(GridStore& store,
+               DecoderPool& decoders,
+               const std::string& name,
+               v1::GridFile& response,
+               std::shared_ptr<PendingAnswer> pending) {
+  const auto lease = acquire(store, pending->call().space(), name);
+  if (!lease.ok()) return pending->finish(lease.status());
+  const FileRequest request{DecodeTask::kGridList, (*lease)->path.string(), name, "",
+                            kInfoBytes};
+  decoders.decode(
+      request, [pending] { return pending->cancelled(); },
+      [request, pending, stored = *lease, &response](const absl::StatusOr<SealedBlock>& block) {
+        pending->finish(fill_info(grid_list_of(block, request), *stored, response));
+      });
 }
 
 }  // namespace
@@ -93,9 +126,10 @@ grpc::ServerUnaryReactor* GridService::FindMissingGrids(
     grpc::CallbackServerContext* context,
     const v1::FindMissingGridsRequest* request,
     v1::FindMissingGridsResponse* response) {
-  return answer(calls_, disk_, *context, "FindMissingGrids", [this, request, response](Call&) {
-    return find_missing(store_, *request, *response);
-  });
+  return answer(calls_, disk_, *context, "FindMissingGrids",
+                [this, request, response](const Call& call) {
+                  return find_missing(store_, call.space(), *request, *response);
+                });
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* GridService::UploadGrid(
@@ -107,25 +141,29 @@ grpc::ServerUnaryReactor* GridService::GetUploadStatus(
     grpc::CallbackServerContext* context,
     const v1::GetUploadStatusRequest* request,
     v1::UploadStatus* response) {
-  return answer(calls_, disk_, *context, "GetUploadStatus", [this, request, response](Call&) {
-    return upload_status(store_, request->name(), *response);
-  });
+  return answer(calls_, disk_, *context, "GetUploadStatus",
+                [this, request, response](const Call& call) {
+                  return upload_status(store_, call.space(), request->name(), *response);
+                });
 }
 
 grpc::ServerUnaryReactor* GridService::ListGrids(grpc::CallbackServerContext* context,
                                                  const v1::ListGridsRequest* request,
                                                  v1::ListGridsResponse* response) {
-  return answer(calls_, disk_, *context, "ListGrids", [this, request, response](Call&) {
-    return list_page(store_, *request, *response);
-  });
+  return answer(calls_, disk_, *context, "ListGrids",
+                [this, request, response](const Call& call) {
+                  return list_page(store_, call.space(), *request, *response);
+                });
 }
 
 grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* context,
                                                    const v1::GetGridInfoRequest* request,
                                                    v1::GridFile* response) {
-  return answer(calls_, disk_, *context, "GetGridInfo", [this, request, response](Call&) {
-    return grid_info(store_, request->name(), *response);
-  });
+  return answer_later(calls_, disk_, *context, "GetGridInfo",
+                      [this, request, response](std::shared_ptr<PendingAnswer> pending) {
+                        grid_info(store_, decoders_, request->name(), *response,
+                                  std::move(pending));
+                      });
 }
 
 }  // namespace tet

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "server/calls.h"
 #include "server/grid_store.h"
 #include "server/stall_watch.h"
@@ -19,11 +20,16 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
                 v1::GridService::WithCallbackMethod_GetGridInfo<v1::GridService::Service>>>>>;
 
 /// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, a pool of its own, so that
-/// uploads do not wait for meshes; the store and both others outlive the service.
+/// uploads do not wait for meshes; files are read by `decoders`. The store and the others
+/// outlive the service and its calls.
 class GridService final : public RawUploadService {
  public:
-  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk, StallWatch& stalls)
-      : store_(store), calls_(calls), disk_(disk), stalls_(stalls) {}
+  GridService(GridStore& store,
+              CallRegistry& calls,
+              TaskPool& disk,
+              DecoderPool& decoders,
+              StallWatch& stalls)
+      : store_(store), calls_(calls), disk_(disk), decoders_(decoders), stalls_(stalls) {}
 
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
                                              const v1::FindMissingGridsRequest* request,
@@ -44,6 +50,7 @@ class GridService final : public RawUploadService {
   GridStore& store_;
   CallRegistry& calls_;
   TaskPool& disk_;
+  DecoderPool& decoders_;
   StallWatch& stalls_;
 };
 

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kPartSuffix = ".part";
+constexpr std::string_view kSpaces = "namespaces";
 
 struct FoundFile {
   fs::path path;
@@ -52,13 +53,15 @@ absl::Status not_stored(std::string_view digest) {
                      "GRID_NOT_FOUND");
 }
 
-absl::Status no_room(std::uint64_t size_bytes, std::uint64_t used, std::uint64_t budget) {
-  return with_retry(
-      with_reason(absl::ResourceExhaustedError(absl::StrCat(
-                      "no room for ", size_bytes, " bytes: ", used, " of the store's ", budget,
-                      " bytes are in use by other calls")),
-                  "STORE_BUSY"),
-      absl::Seconds(5));
+// How much the others use is not for everybody to know.
+absl::Status no_room(std::uint64_t size_bytes, std::uint64_t budget) {
+  return with_retry(with_reason(absl::ResourceExhaustedError(
+                                    absl::StrCat("no room for ", size_bytes,
+                                                 " bytes beside what other calls use of the "
+                                                 "store's ",
+                                                 budget)),
+                                "STORE_BUSY"),
+                    absl::Seconds(5));
 }
 
 }  // namespace
@@ -72,30 +75,43 @@ absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
 }
 
 absl::Status GridStore::scan() {
-  const auto grids = files_below(root_ / "grids");
+  absl::Status status = scan_space(std::string(kDefaultSpace));
+  std::error_code none;  // no such folder: no other namespaces
+  for (const auto& folder : fs::directory_iterator(root_ / kSpaces, none)) {
+    if (status.ok()) status = scan_space(folder.path().filename().string());
+  }
+  return status;
+}
+
+absl::Status GridStore::scan_space(const std::string& space) {
+  const auto grids = files_below(folder_of(space) / "grids");
   if (!grids.ok()) return grids.status();
-  const auto parts = files_below(root_ / "uploads");
+  const auto parts = files_below(folder_of(space) / "uploads");
   if (!parts.ok()) return parts.status();
   for (const FoundFile& file : *grids) {
-    const std::string digest = file.path.filename().string();
-    if (!is_sha256_hex(digest) || file.path != grid_path(digest)) continue;
-    auto grid = std::make_shared<StoredGrid>(StoredGrid{digest, file.path, file.size_bytes});
-    grids_[digest] = Entry{std::move(grid), file.last_use};
+    const GridKey key{space, file.path.filename().string()};
+    if (!is_sha256_hex(key.digest) || file.path != grid_path(key)) continue;
+    auto grid = std::make_shared<StoredGrid>(StoredGrid{key, file.path, file.size_bytes});
+    grids_[key] = Entry{std::move(grid), file.last_use};
   }
   for (const FoundFile& file : *parts) {
-    const std::string digest = file.path.stem().string();
-    if (!is_sha256_hex(digest) || file.path != part_path(digest)) continue;
-    parts_[digest] = Part{file.size_bytes, file.last_use};
+    const GridKey key{space, file.path.stem().string()};
+    if (!is_sha256_hex(key.digest) || file.path != part_path(key)) continue;
+    parts_[key] = Part{file.size_bytes, file.last_use};
   }
   return absl::OkStatus();
 }
 
-fs::path GridStore::grid_path(std::string_view digest) const {
-  return root_ / "grids" / digest.substr(0, 2) / digest;
+fs::path GridStore::folder_of(std::string_view space) const {
+  return space == kDefaultSpace ? root_ : root_ / kSpaces / space;
 }
 
-fs::path GridStore::part_path(std::string_view digest) const {
-  return root_ / "uploads" / std::string(digest).append(kPartSuffix);
+fs::path GridStore::grid_path(const GridKey& key) const {
+  return folder_of(key.space) / "grids" / key.digest.substr(0, 2) / key.digest;
+}
+
+fs::path GridStore::part_path(const GridKey& key) const {
+  return folder_of(key.space) / "uploads" / std::string(key.digest).append(kPartSuffix);
 }
 
 // The file's own time remembers the order of use across restarts; failing to set it costs only
@@ -105,100 +121,116 @@ void GridStore::use(Entry& entry) {
   ::utimensat(AT_FDCWD, entry.grid->path.c_str(), nullptr, 0);
 }
 
-bool GridStore::touch(std::string_view digest) {
+bool GridStore::touch(const GridKey& key) {
   const std::lock_guard lock(mutex_);
-  const auto found = grids_.find(digest);
+  const auto found = grids_.find(key);
   if (found == grids_.end()) return false;
   use(found->second);
   return true;
 }
 
-absl::StatusOr<GridLease> GridStore::acquire(std::string_view digest) {
+absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
   const std::lock_guard lock(mutex_);
-  const auto found = grids_.find(digest);
-  if (found == grids_.end()) return not_stored(digest);
+  const auto found = grids_.find(key);
+  if (found == grids_.end()) return not_stored(key.digest);
   use(found->second);
   return found->second.grid;
 }
 
-UploadState GridStore::upload_state(std::string_view digest) const {
+UploadState GridStore::upload_state(const GridKey& key) const {
   const std::lock_guard lock(mutex_);
-  if (const auto grid = grids_.find(digest); grid != grids_.end()) {
+  if (const auto grid = grids_.find(key); grid != grids_.end()) {
     return {grid->second.grid->size_bytes, true};
   }
-  const auto part = inspect(part_path(digest));
+  const auto part = inspect(part_path(key));
   return {part ? part->size_bytes : 0, false};
 }
 
-std::vector<ListedGrid> GridStore::list(std::string_view after, std::size_t limit) const {
+std::vector<ListedGrid> GridStore::list(const std::string& space,
+                                        const std::string& after,
+                                        std::size_t limit) const {
   const std::lock_guard lock(mutex_);
   std::vector<ListedGrid> listed;
-  for (auto it = grids_.upper_bound(after); it != grids_.end() && listed.size() < limit; ++it) {
-    listed.push_back({it->first, it->second.grid->size_bytes, it->second.last_use});
+  for (auto it = grids_.upper_bound({space, after});
+       it != grids_.end() && it->first.space == space && listed.size() < limit; ++it) {
+    listed.push_back({it->first.digest, it->second.grid->size_bytes, it->second.last_use});
   }
   return listed;
 }
 
-absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(std::string_view digest,
+StoreStats GridStore::stats() const {
+  const std::lock_guard lock(mutex_);
+  StoreStats stats = gone_;
+  stats.bytes = used_bytes();
+  stats.budget_bytes = budget_bytes_;
+  stats.files = grids_.size();
+  stats.uploads = parts_.size();
+  return stats;
+}
+
+absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKey& key,
                                                                     std::uint64_t size_bytes,
                                                                     const Uploader& by) {
-  const absl::Status reserved = reserve(digest, size_bytes, by);
+  const absl::Status reserved = reserve(key, size_bytes, by);
   if (!reserved.ok()) return reserved;
-  auto upload = GridUpload::open(*this, std::string(digest), size_bytes, part_path(digest));
+  const fs::path path = part_path(key);
+  std::error_code error;  // what it hinders fails by itself
+  fs::create_directories(path.parent_path(), error);
+  auto upload = GridUpload::open(*this, key, size_bytes, path);
   if (!upload.ok()) {
-    const auto part = inspect(part_path(digest));
-    end_upload(std::string(digest), part ? part->size_bytes : 0);
+    const auto part = inspect(path);
+    end_upload(key, part ? part->size_bytes : 0);
   }
   return upload;
 }
 
 std::uint64_t GridStore::used_bytes() const {
   std::uint64_t used = 0;
-  for (const auto& [digest, entry] : grids_) used += entry.grid->size_bytes;
-  for (const auto& [digest, part] : parts_) used += part.size_bytes;
+  for (const auto& [key, entry] : grids_) used += entry.grid->size_bytes;
+  for (const auto& [key, part] : parts_) used += part.size_bytes;
   return used;
 }
 
 /// Marks the upload as under way, with room for all of it.
-absl::Status GridStore::reserve(std::string_view digest,
+absl::Status GridStore::reserve(const GridKey& key,
                                 std::uint64_t size_bytes,
                                 const Uploader& by) {
   if (size_bytes > budget_bytes_)
     return over_limit("grid file, bytes", size_bytes, budget_bytes_);
   const std::lock_guard lock(mutex_);
-  if (grids_.contains(digest)) {
-    return absl::AlreadyExistsError(absl::StrCat(name_of_grid(digest), " is stored"));
+  if (grids_.contains(key)) {
+    return absl::AlreadyExistsError(absl::StrCat(name_of_grid(key.digest), " is stored"));
   }
-  const auto found = parts_.find(digest);
+  const auto found = parts_.find(key);
   if (found != parts_.end() && found->second.busy) {
     return with_retry(
-        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(digest),
+        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(key.digest),
                                                     " is being uploaded by another call")),
                     "UPLOAD_IN_PROGRESS"),
         absl::Seconds(1));
   }
-  if (auto status = check_quota(digest, size_bytes, by); !status.ok()) return status;
+  if (auto status = check_quota(key, size_bytes, by); !status.ok()) return status;
   const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
   while (used_bytes() - held + size_bytes > budget_bytes_) {
-    if (!evict_oldest(digest)) return no_room(size_bytes, used_bytes() - held, budget_bytes_);
+    if (!evict_oldest(key)) return no_room(size_bytes, budget_bytes_);
   }
-  parts_[std::string(digest)] = Part{size_bytes, absl::Now(), true, by.name};
+  parts_[key] = Part{size_bytes, absl::Now(), true, by.name};
   return absl::OkStatus();
 }
 
-absl::Status GridStore::check_quota(std::string_view digest,
+absl::Status GridStore::check_quota(const GridKey& key,
                                     std::uint64_t size_bytes,
                                     const Uploader& by) const {
   std::uint64_t bytes = size_bytes;
-  for (const auto& [part_digest, part] : parts_) {
-    if (part.sender == by.name && part_digest != digest) bytes += part.size_bytes;
+  for (const auto& [part_key, part] : parts_) {
+    if (part.sender == by.name && part_key != key) bytes += part.size_bytes;
   }
   if (bytes <= by.max_bytes) return absl::OkStatus();
   return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
 }
 
 /// Removes the least recently used of the grids that nobody holds and the uploads nobody sends.
-bool GridStore::evict_oldest(std::string_view except_part) {
+bool GridStore::evict_oldest(const GridKey& except_part) {
   auto oldest_grid = grids_.end();
   for (auto it = grids_.begin(); it != grids_.end(); ++it) {
     if (it->second.in_use()) continue;
@@ -219,37 +251,39 @@ bool GridStore::evict_oldest(std::string_view except_part) {
        oldest_part->second.last_use < oldest_grid->second.last_use)) {
     fs::remove(part_path(oldest_part->first), ignored);
     parts_.erase(oldest_part);
+    ++gone_.evicted_uploads;
     return true;
   }
   if (oldest_grid == grids_.end()) return false;
   fs::remove(oldest_grid->second.grid->path, ignored);
   grids_.erase(oldest_grid);
+  ++gone_.evicted_files;
   return true;
 }
 
 /// The upload is no longer under way; what was written of it (0: nothing) waits to be resumed.
-void GridStore::end_upload(const std::string& digest, std::uint64_t committed_size) {
+void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
   const std::lock_guard lock(mutex_);
   if (committed_size == 0) {
     std::error_code ignored;
-    fs::remove(part_path(digest), ignored);
-    parts_.erase(digest);
+    fs::remove(part_path(key), ignored);
+    parts_.erase(key);
   } else {
-    parts_[digest] = Part{committed_size, absl::Now(), false, parts_[digest].sender};
+    parts_[key] = Part{committed_size, absl::Now(), false, parts_[key].sender};
   }
 }
 
 /// A verified upload becomes a stored file.
-absl::Status GridStore::keep(const std::string& digest, std::uint64_t size_bytes) {
-  const fs::path path = grid_path(digest);
+absl::Status GridStore::keep(const GridKey& key, std::uint64_t size_bytes) {
+  const fs::path path = grid_path(key);
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   const std::lock_guard lock(mutex_);
-  const absl::Status moved = move_file(part_path(digest), path);
+  const absl::Status moved = move_file(part_path(key), path);
   if (!moved.ok()) return moved;
-  auto grid = std::make_shared<StoredGrid>(StoredGrid{digest, path, size_bytes});
-  grids_[digest] = Entry{std::move(grid), absl::Now()};
-  parts_.erase(digest);
+  auto grid = std::make_shared<StoredGrid>(StoredGrid{key, path, size_bytes});
+  grids_[key] = Entry{std::move(grid), absl::Now()};
+  parts_.erase(key);
   return absl::OkStatus();
 }
 

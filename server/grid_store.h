@@ -1,9 +1,9 @@
 // Grid files on disk, named by their SHA-256, under a size budget.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -19,9 +19,20 @@ namespace tet {
 
 class GridUpload;
 
+/// The namespace of everyone where there are no tokens.
+inline constexpr std::string_view kDefaultSpace = "default";
+
+/// Whose file, and which: the same bytes in two namespaces are two files, so that neither tells
+/// anything of the other.
+struct GridKey {
+  std::string space;
+  std::string digest;
+  friend auto operator<=>(const GridKey&, const GridKey&) = default;
+};
+
 /// A whole, verified file. It is not evicted while anyone holds a lease on it.
 struct StoredGrid {
-  std::string digest;
+  GridKey key;
   std::filesystem::path path;
   std::uint64_t size_bytes = 0;
 };
@@ -45,12 +56,22 @@ struct Uploader {
   std::uint64_t max_bytes = ~std::uint64_t{0};
 };
 
+/// What a store holds, and what went since it was opened.
+struct StoreStats {
+  std::uint64_t bytes = 0, budget_bytes = 0;
+  std::uint64_t files = 0, uploads = 0;
+  std::uint64_t evicted_files = 0, evicted_uploads = 0;
+  std::uint64_t corrupt_files = 0;  ///< found damaged and set aside
+};
+
 /// A content-addressed directory: `grids/ab/{sha256}` for whole files and
-/// `uploads/{sha256}.part` for those under way. Both survive a restart; a whole file appears by
-/// an atomic rename only.
+/// `uploads/{sha256}.part` for those under way; those of another namespace than the default one
+/// are below `namespaces/{name}`. All survive a restart; a whole file appears by an atomic
+/// rename only. The namespaces share the budget.
 ///
-/// Digests are 64 lower-case hexadecimal digits; the caller has checked that. One process at a
-/// time may use a directory. Thread safety: every member may be called from any thread.
+/// Digests are 64 lower-case hexadecimal digits, and namespaces fit to be folders; the caller
+/// has checked that. One process at a time may use a directory. Thread safety: every member may
+/// be called from any thread.
 class GridStore {
  public:
   /// Makes the directory when missing and takes stock of it.
@@ -59,22 +80,26 @@ class GridStore {
                                                          std::uint64_t budget_bytes);
 
   /// Whether the file is stored; if so it counts as just used.
-  bool touch(std::string_view digest);
+  bool touch(const GridKey& key);
 
   /// Errors: kNotFound.
-  absl::StatusOr<GridLease> acquire(std::string_view digest);
+  absl::StatusOr<GridLease> acquire(const GridKey& key);
 
-  UploadState upload_state(std::string_view digest) const;
+  UploadState upload_state(const GridKey& key) const;
 
-  /// Whole files in the order of their digests, at most `limit`, from the first after `after`
-  /// on.
-  std::vector<ListedGrid> list(std::string_view after, std::size_t limit) const;
+  /// A namespace's whole files in the order of their digests, at most `limit`, from the first
+  /// after `after` on.
+  std::vector<ListedGrid> list(const std::string& space,
+                               const std::string& after,
+                               std::size_t limit) const;
+
+  StoreStats stats() const;
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
   /// Whoever sent a part last is charged for it, as a whole while it is being sent; a restart
   /// forgets that. Errors: kAlreadyExists (stored), kAborted (being uploaded),
   /// kResourceExhausted (with numbers).
-  absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(std::string_view digest,
+  absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(const GridKey& key,
                                                            std::uint64_t size_bytes,
                                                            const Uploader& by = {});
 
@@ -95,26 +120,29 @@ class GridStore {
   GridStore(std::filesystem::path root, std::uint64_t budget_bytes)
       : root_(std::move(root)), budget_bytes_(budget_bytes) {}
 
-  std::filesystem::path grid_path(std::string_view digest) const;
-  std::filesystem::path part_path(std::string_view digest) const;
+  std::filesystem::path folder_of(std::string_view space) const;
+  std::filesystem::path grid_path(const GridKey& key) const;
+  std::filesystem::path part_path(const GridKey& key) const;
   absl::Status scan();
+  absl::Status scan_space(const std::string& space);
   void use(Entry& entry);
 
   std::uint64_t used_bytes() const;
-  absl::Status reserve(std::string_view digest, std::uint64_t size_bytes, const Uploader& by);
-  absl::Status check_quota(std::string_view digest,
+  absl::Status reserve(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
+  absl::Status check_quota(const GridKey& key,
                            std::uint64_t size_bytes,
                            const Uploader& by) const;
-  bool evict_oldest(std::string_view except_part);
+  bool evict_oldest(const GridKey& except_part);
 
-  void end_upload(const std::string& digest, std::uint64_t committed_size);
-  absl::Status keep(const std::string& digest, std::uint64_t size_bytes);
+  void end_upload(const GridKey& key, std::uint64_t committed_size);
+  absl::Status keep(const GridKey& key, std::uint64_t size_bytes);
 
   const std::filesystem::path root_;
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
-  std::map<std::string, Entry, std::less<>> grids_;
-  std::map<std::string, Part, std::less<>> parts_;
+  StoreStats gone_;  ///< only what is counted since the store was opened
+  std::map<GridKey, Entry> grids_;
+  std::map<GridKey, Part> parts_;
 };
 
 }  // namespace tet

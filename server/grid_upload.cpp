@@ -5,7 +5,6 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "server/grid_store.h"
 #include "server/status.h"
 
 namespace tet {
@@ -17,13 +16,13 @@ constexpr std::uint64_t kFlushBytes = std::uint64_t{16} << 20;
 
 absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(
     GridStore& store,
-    std::string digest,
+    GridKey key,
     std::uint64_t size_bytes,
     const std::filesystem::path& path) {
   absl::StatusOr<File> file = File::open(path, O_RDWR | O_CREAT);
   if (!file.ok()) return file.status();
   std::unique_ptr<GridUpload> upload(
-      new GridUpload(store, std::move(digest), size_bytes, *std::move(file)));
+      new GridUpload(store, std::move(key), size_bytes, *std::move(file)));
   const absl::Status status = upload->digest_what_is_there();
   if (!status.ok()) return status;
   return upload;
@@ -46,7 +45,7 @@ absl::Status GridUpload::digest_what_is_there() {
 }
 
 GridUpload::~GridUpload() {
-  if (!kept_) store_.end_upload(digest_, committed_size_);
+  if (!kept_) store_.end_upload(key_, committed_size_);
 }
 
 absl::Status GridUpload::append(std::uint64_t offset, std::string_view bytes) {
@@ -97,15 +96,15 @@ void GridUpload::digest(std::span<const std::string_view> bytes) noexcept {
 
 absl::Status GridUpload::commit() {
   const std::string found = sha256_.finish_hex();
-  if (found != digest_) {
+  if (found != key_.digest) {
     committed_size_ = 0;  // so that the store throws it away
     return with_reason(
-        absl::InvalidArgumentError(
-            absl::StrCat("the data's SHA-256 is ", found, ", not ", digest_, " as announced")),
+        absl::InvalidArgumentError(absl::StrCat("the data's SHA-256 is ", found, ", not ",
+                                                key_.digest, " as announced")),
         "WRONG_DIGEST");
   }
   absl::Status status = file_.sync();
-  if (status.ok()) status = store_.keep(digest_, size_bytes_);
+  if (status.ok()) status = store_.keep(key_, size_bytes_);
   kept_ = status.ok();
   return status;
 }

@@ -13,10 +13,9 @@
 
 #include "proto/wire/sha256.h"
 #include "server/file.h"
+#include "server/grid_store.h"
 
 namespace tet {
-
-class GridStore;
 
 /// The only writer of a part file. Destroyed before `commit`, it leaves the part to be resumed.
 ///
@@ -25,7 +24,7 @@ class GridUpload {
  public:
   /// Opens the part and digests again what it holds. The store has reserved the place.
   static absl::StatusOr<std::unique_ptr<GridUpload>> open(GridStore& store,
-                                                          std::string digest,
+                                                          GridKey key,
                                                           std::uint64_t size_bytes,
                                                           const std::filesystem::path& path);
   ~GridUpload();
@@ -53,15 +52,12 @@ class GridUpload {
   absl::Status commit();
 
  private:
-  GridUpload(GridStore& store, std::string digest, std::uint64_t size_bytes, File file)
-      : store_(store),
-        digest_(std::move(digest)),
-        size_bytes_(size_bytes),
-        file_(std::move(file)) {}
+  GridUpload(GridStore& store, GridKey key, std::uint64_t size_bytes, File file)
+      : store_(store), key_(std::move(key)), size_bytes_(size_bytes), file_(std::move(file)) {}
   absl::Status digest_what_is_there();
 
   GridStore& store_;
-  const std::string digest_;
+  const GridKey key_;
   const std::uint64_t size_bytes_;
   File file_;
   Sha256 sha256_;

@@ -14,8 +14,10 @@
 #include "proto/wire/transport.h"
 #include "server/config.h"
 #include "server/file.h"
+#include "server/grpc_log.h"
 #include "server/logging.h"
 #include "server/server.h"
+#include "server/token_file.h"
 
 namespace {
 
@@ -34,6 +36,7 @@ struct CommandLine {
   std::map<std::string, std::string> given;  ///< by setting key
   std::string config_file;
   bool print_config = false;
+  std::string new_token;
 };
 
 void declare_options(CLI::App& app, CommandLine& line) {
@@ -41,6 +44,9 @@ void declare_options(CLI::App& app, CommandLine& line) {
   app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
       ->envname("TETSTREAM_CONFIG");
   app.add_flag("--print-config", line.print_config, "print the settings as TOML and exit");
+  app.add_option("--new-token", line.new_token,
+                 "make a token for NAME: print it to stderr, its entry of --tokens to stdout")
+      ->type_name("NAME");
   for (const tet::Setting& setting : tet::settings()) {
     const std::string key = setting.key;
     app.add_option_function<std::string>(
@@ -88,19 +94,33 @@ int cannot_start(const absl::Status& status) {
                  {
                      {"message", std::string(status.message())}
   });
-  return kFailed;
+  return absl::IsInvalidArgument(status) ? kRefused : kFailed;
+}
+
+int print_new_token(const std::string& name) {
+  const absl::StatusOr<tet::NewToken> token = tet::make_token(name);
+  if (!token.ok()) {
+    std::cerr << "tetstreamd: " << token.status().message() << "\n";
+    return kRefused;
+  }
+  std::cerr << "This is the token; it is shown once. The rest is for the file of --tokens.\n"
+            << token->text << "\n";
+  std::cout << token->entry;
+  return kDone;
 }
 
 int serve(const tet::Config& config) {
   tet::keep_read_blocks();
+  tet::log_grpc_messages();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
   auto server = tet::Server::start(config);
   if (!server.ok()) return cannot_start(server.status());
   tet::log_event(spdlog::level::info, "serving",
                  {
-                     {"address", (*server)->address()},
-                     {"version",    TETSTREAM_VERSION}
+                     {"address",         (*server)->address()},
+                     {"metrics", (*server)->metrics_address()},
+                     {"version",            TETSTREAM_VERSION}
   });
   const absl::Status told = write_port(config.port_file, (*server)->port());
   if (!told.ok()) return cannot_start(told);
@@ -126,6 +146,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   }
+  if (!line.new_token.empty()) return print_new_token(line.new_token);
   tet::Config config;
   if (const absl::Status status = read_settings(line, config); !status.ok()) {
     std::cerr << "tetstreamd: " << status.message() << "\n";

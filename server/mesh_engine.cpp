@@ -29,7 +29,6 @@ namespace {
 
 // Enough that one very large plan does not keep all other large ones waiting.
 constexpr std::size_t kLargePlansAtOnce = 2;
-constexpr int kLoadThreads = 4;
 
 // 32 MiB: more than one stream, or a few, ever hold.
 constexpr std::size_t kIdleBlocks = 64;
@@ -49,6 +48,14 @@ MeshLimits mesh_limits(const Config& config) {
   return limits;
 }
 
+DecoderSettings decoder_settings(const Config& config) {
+  DecoderSettings settings;
+  settings.program = config.decoder;
+  settings.processes = static_cast<int>(config.decoders);
+  settings.max_time = std::chrono::seconds(config.decode_seconds);
+  return settings;
+}
+
 }  // namespace
 
 MeshEngine::MeshEngine(const Config& server_config,
@@ -58,10 +65,10 @@ MeshEngine::MeshEngine(const Config& server_config,
       calls(call_registry),
       blocks(kBlockBytes, kIdleBlocks),
       send_budget(config.send_bytes, kBlockBytes),
-      planner({pool, large, loads}, store, config.resident_bytes, mesh_limits(config)),
+      planner({pool, large}, decoders, store, config.resident_bytes, mesh_limits(config)),
       pool(static_cast<int>(config.threads)),
       large(static_cast<int>(config.threads), kLargePlansAtOnce),
-      loads(kLoadThreads) {}
+      decoders(decoder_settings(config)) {}
 
 Admission::Place MeshEngine::admit(const Call& call,
                                    Cancellation::Clock::time_point deadline,
@@ -80,8 +87,9 @@ Admission::Place MeshEngine::admit(const Call& call,
 void MeshEngine::check_stalls() {
   const auto now = Stallable::Clock::now();
   std::chrono::seconds limit(config.stall_seconds);
-  if (send_budget.kept_waiting_since(now - kKeptWaiting))
+  if (send_budget.kept_waiting_since(now - kKeptWaiting)) {
     limit = std::min(limit, kPressedStall);
+  }
   stalls.check(now, limit);
 }
 

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
@@ -59,11 +60,11 @@ struct MeshEngine {
   SendBudget send_budget;
   StallWatch stalls;
   Planner planner;
-  // Last, so that their tasks end before what they use.
+  // Last, so that their tasks end before what is above, which they use.
   FairTasks chunk_tasks{pool};
-  TaskPool pool;     ///< chunks and short plans
-  LargePlans large;  ///< each on as many threads again: the system shares the cores
-  TaskPool loads;    ///< files being read
+  TaskPool pool;         ///< chunks and short plans
+  LargePlans large;      ///< each on as many threads again: the system shares the cores
+  DecoderPool decoders;  ///< what it decodes becomes tasks
 };
 
 }  // namespace tet

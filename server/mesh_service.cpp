@@ -16,7 +16,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
                        public std::enable_shared_from_this<Estimate> {
  public:
   static grpc::ServerUnaryReactor* start(MeshEngine& engine,
-                                         const grpc::CallbackServerContext& context,
+                                         grpc::CallbackServerContext& context,
                                          const v1::MeshRequest& request,
                                          v1::MeshHeader& response) {
     const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
@@ -26,9 +26,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
   }
 
  private:
-  Estimate(MeshEngine& engine,
-           const grpc::CallbackServerContext& context,
-           v1::MeshHeader& response)
+  Estimate(MeshEngine& engine, grpc::CallbackServerContext& context, v1::MeshHeader& response)
       : engine_(engine),
         call_(engine.calls, context, "EstimateMesh"),
         watch_(std::make_shared<PlanningWatch>(context.deadline())),
@@ -36,9 +34,12 @@ class Estimate final : public grpc::ServerUnaryReactor,
 
   void begin(const v1::MeshRequest& request) {
     auto order = parse_mesh_request(request);
-    const absl::Status status = call_.admitted().ok() ? order.status() : call_.admitted();
+    const absl::Status admitted = call_.admission();
+    const absl::Status status = admitted.ok() ? within_field("mesh", order.status()) : admitted;
     if (!status.ok()) return Finish(call_.finish(status));
     order_ = *std::move(order);
+    call_.note("grid", order_.digest);
+    order_.space = call_.space();
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order_.request.improve, false);
     place_ = engine_.admit(call_, watch_->cancellation.deadline(),
@@ -62,6 +63,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
       canonical = planned->canonical;
       canonical.set_improve(improve_);
       response_.set_mesh_id(mesh_id_of(canonical));
+      call_.note("mesh_id", response_.mesh_id());
       call_.note("tets", response_.tet_count());
     }
     ticket_.reset();
@@ -120,9 +122,10 @@ grpc::ServerUnaryReactor* MeshService::GetCapabilities(
     const v1::GetCapabilitiesRequest* /*request*/,
     v1::Capabilities* response) {
   Call call(engine_.calls, *context, "GetCapabilities");
-  describe(engine_.config, *response);
+  const absl::Status admitted = call.admission();
+  if (admitted.ok()) describe(engine_.config, *response);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(call.finish(call.admitted()));
+  reactor->Finish(call.finish(admitted));
   return reactor;
 }
 

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 
-#include "core/grid/load.h"
+#include <absl/strings/str_cat.h>
+
+#include "core/decode/decode_file.h"
 #include "core/pipeline/budget.h"
+#include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
+#include "server/explain.h"
 
 namespace tet {
 
@@ -15,9 +19,27 @@ constexpr std::size_t kRecentPlans = 4;
 
 // A tenth of a second or so of one core.
 constexpr double kLargePlanBricks = 4096;
+
+/// Has a stored grid read by a decoder, and what it hands back checked by the pool.
+VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
+  return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
+                                       VolumeCache::Cancelled abandoned,
+                                       VolumeCache::LoadDone done) {
+    const FileRequest request{DecodeTask::kVolume, path, name_of_grid(key.digest),
+                              key.grid_name, max_bytes};
+    decoders.decode(
+        request, std::move(abandoned),
+        [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+          auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
+          pool.post([request, done, block] { done(volume_of(*block, request)); });
+        });
+  };
+}
+
 }  // namespace
 
 Planner::Planner(const PlannerThreads& threads,
+                 DecoderPool& decoders,
                  GridStore& store,
                  std::uint64_t resident_bytes,
                  MeshLimits limits)
@@ -25,30 +47,28 @@ Planner::Planner(const PlannerThreads& threads,
       store_(store),
       limits_(limits),
       volumes_(
-          threads.pool,
-          threads.loads,
-          resident_bytes,
-          [limits = LoadLimits{resident_bytes}](const std::string& path,
-                                                const std::string& name) {
-            return load_volume(path, name, limits);
-          },
-          [this] { forget(); }) {}
+          threads.pool, resident_bytes, loader(threads.pool, decoders, resident_bytes), [this] {
+            forget();
+          }) {}
 
 void Planner::plan(const std::string& client,
                    MeshOrder order,
                    std::shared_ptr<PlanningWatch> watch,
                    Done done) {
-  auto grid = store_.acquire(order.digest);
+  auto grid = store_.acquire({order.space, order.digest});
   if (!grid.ok()) {
     threads_.pool.post([done = std::move(done), status = grid.status()] { done(status); });
     return;
   }
-  const VolumeKey key{order.digest, order.grid_name};
+  const VolumeKey key{order.space, order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
-  Job job{client, std::move(order), std::move(watch), std::move(done), *std::move(grid), {},
-          {}};
-  volumes_.get(key, path, [this, job = std::move(job)](const auto& volume) mutable {
-    if (!volume.ok()) return job.done(volume.status());
+  const auto cancelled = [watch] { return watch->cancellation.requested(); };
+  Job job{client, std::move(order), std::move(watch), std::move(done), *std::move(grid)};
+  volumes_.get(key, path, cancelled, [this, job = std::move(job)](const auto& volume) mutable {
+    if (!volume.ok()) {
+      const StoredGrid& file = *job.grid;
+      return job.done(about_file(volume.status(), file.key.digest, file.path.string()));
+    }
     job.volume = *volume;
     plan_volume(std::move(job));
   });
@@ -56,14 +76,17 @@ void Planner::plan(const std::string& client,
 
 /// On the pool.
 void Planner::plan_volume(Job job) {
-  job.name = mesh_id_of(canonical_request(job.order, *job.volume, nullptr));
-  if (auto plan = recall(job.name)) return job.done(job.planned(std::move(plan)));
+  const std::string mesh_id = mesh_id_of(canonical_request(job.order, *job.volume, nullptr));
+  job.name = absl::StrCat(job.order.space, " ", mesh_id);
+  auto plan = recall(job.name);
+  (plan == nullptr ? misses_ : hits_).fetch_add(1);
+  if (plan != nullptr) return job.done(job.planned(std::move(plan)));
   const bool large = estimate_bricks_to_plan(*job.volume, job.order.request) > kLargePlanBricks;
   const std::string client = job.client;
   auto work = [this, job = std::move(job)] {
-    auto plan = make_plan(job);
-    job.done(plan.ok() ? job.planned(*std::move(plan))
-                       : absl::StatusOr<PlannedMesh>(plan.status()));
+    auto made = make_plan(job);
+    job.done(made.ok() ? job.planned(*std::move(made))
+                       : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
   };
   large ? threads_.large.post(client, std::move(work)) : work();
 }
@@ -75,7 +98,8 @@ PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
 }
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& job) {
-  // It may have been made while this one waited.
+  // Much may have happened while it waited.
+  if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
   if (auto plan = recall(job.name)) return plan;
   running_.fetch_add(1);
   auto plan = plan_mesh(job.volume, job.order.request, limits_, job.watch->cancellation,
@@ -85,6 +109,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& jo
   if (!plan.ok()) return plan.status();
   return remember(job.name, *std::move(plan));
 }
+
+PlannerStats Planner::stats() const { return {volumes_.stats(), hits_.load(), misses_.load()}; }
 
 std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
   const std::lock_guard lock(mutex_);

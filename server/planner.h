@@ -13,6 +13,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
+#include "core/decode/decoder_pool.h"
 #include "core/pipeline/mesh_plan.h"
 #include "server/grid_store.h"
 #include "server/large_plans.h"
@@ -36,29 +37,35 @@ struct PlanningWatch {
   MeshProgress progress;
 };
 
+/// What a planner keeps, and how often a plan that was asked for was there.
+struct PlannerStats {
+  CacheStats volumes;
+  std::uint64_t hits = 0, misses = 0;
+};
+
 /// The threads that plans are made on.
 struct PlannerThreads {
   TaskPool& pool;     ///< short plans, and whoever waits for one
   LargePlans& large;  ///< long ones
-  TaskPool& loads;    ///< files being read
 };
 
 /// Plans meshes and remembers the last few, so that a resumed stream starts at once. Plans that
 /// look long from the volume's numbers are made apart from short ones.
 ///
-/// Thread safety: any thread may call any member. The threads are not used before the first
+/// Thread safety: any thread may call any member. The pools are not used before the first
 /// `plan`; their tasks must have ended before the planner is destroyed.
 class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
 
   Planner(const PlannerThreads& threads,
+          DecoderPool& decoders,
           GridStore& store,
           std::uint64_t resident_bytes,
           MeshLimits limits);
 
-  /// Calls `done` on one of the threads. Errors: those of GridStore::acquire, load_volume and
-  /// plan_mesh.
+  /// Calls `done` on one of the threads. Errors: those of GridStore::acquire,
+  /// DecoderPool::decode, volume_of and plan_mesh.
   void plan(const std::string& client,
             MeshOrder order,
             std::shared_ptr<PlanningWatch> watch,
@@ -66,6 +73,7 @@ class Planner {
 
   /// Plans being made now.
   int running() const noexcept { return running_.load(); }
+  PlannerStats stats() const;
 
  private:
   using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
@@ -77,8 +85,8 @@ class Planner {
     std::shared_ptr<PlanningWatch> watch;
     Done done;
     GridLease grid;
-    std::shared_ptr<const Volume> volume;
-    std::string name;
+    std::shared_ptr<const Volume> volume = nullptr;
+    std::string name = {};  ///< of the plan
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
   };
@@ -95,6 +103,7 @@ class Planner {
   const MeshLimits limits_;
   VolumeCache volumes_;
   std::atomic<int> running_{0};
+  std::atomic<std::uint64_t> hits_{0}, misses_{0};
   std::mutex mutex_;
   std::list<NamedPlan> recent_;  ///< most recently used first
 };

@@ -147,7 +147,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
 
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request) {
   auto mesh = parse_mesh_request(request.mesh());
-  if (!mesh.ok()) return mesh.status();
+  if (!mesh.ok()) return within_field("mesh", mesh.status());
   if (request.start_chunk() < 0) {
     return invalid_field(absl::StrCat("start_chunk ", request.start_chunk(), " is negative"));
   }

@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/grid/load.h"
+#include "core/grid/grid_info.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/lattice_to_world.h"
@@ -26,6 +26,7 @@ struct MeshOrder {
   std::string digest;     ///< of the grid file
   std::string grid_name;  ///< within it; may be empty
   MeshRequest request;
+  std::string space = {};  ///< the caller's namespace, from whoever knows the call
 };
 
 /// A valid request for chunks of it.

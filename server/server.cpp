@@ -8,13 +8,20 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/resource_quota.h>
 
+#include "proto/wire/loopback.h"
 #include "proto/wire/transport.h"
+#include "server/access.h"
 #include "server/grid_service.h"
 #include "server/heartbeat.h"
 #include "server/logging.h"
 #include "server/mesh_service.h"
+#include "server/metrics_port.h"
+#include "server/process_metrics.h"
+#include "server/server_readings.h"
+#include "server/tls.h"
 
 namespace tet {
 
@@ -37,6 +44,48 @@ AdmissionLimits admission_limits(const Config& config) {
   return limits;
 }
 
+/// Takes reflection, which gRPC gives to every server of a process, from this one.
+class WithoutReflection final : public grpc::ServerBuilderOption {
+  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
+  void UpdatePlugins(
+      std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    std::erase_if(*plugins, [](const auto& plugin) {
+      using Reflection = grpc::reflection::ProtoServerReflectionPlugin;
+      return dynamic_cast<const Reflection*>(plugin.get()) != nullptr;
+    });
+  }
+};
+
+// It knows nothing of tokens.
+bool serves_reflection(const Config& config) {
+  return config.reflection == "on" || (config.reflection == "auto" && config.tokens.empty());
+}
+
+/// Null where no certificate is given.
+absl::StatusOr<std::unique_ptr<ServerTls>> open_tls(const Config& config) {
+  if (config.tls_cert.empty() != config.tls_key.empty()) {
+    return absl::InvalidArgumentError("tls_cert and tls_key go together");
+  }
+  if (!config.tls_cert.empty()) {
+    return ServerTls::open({config.tls_cert, config.tls_key, config.tls_client_ca});
+  }
+  if (config.tls_client_ca.empty()) return nullptr;
+  return absl::InvalidArgumentError("tls_client_ca needs tls_cert and tls_key");
+}
+
+void warn_if_exposed(const Config& config) {
+  const bool plain = config.tls_cert.empty();
+  const bool anyone = config.tokens.empty() && config.tls_client_ca.empty();
+  if (is_loopback(config.listen) || (!plain && !anyone)) return;
+  const char* const who = anyone ? "anyone who reaches this port may use it" : "";
+  const char* const how = plain ? "what is sent, tokens too, can be read on the way" : "";
+  log_event(spdlog::level::warn, "exposed",
+            {
+                { "listen",    config.listen          },
+                { "message", absl::StrCat(who,anyone && plain ? ", and " : "", how)}
+  });
+}
+
 void set_readiness(grpc::Server& server, bool ready) {
   auto* health = server.GetHealthCheckService();
   health->SetServingStatus("", ready);
@@ -47,24 +96,33 @@ void set_readiness(grpc::Server& server, bool ready) {
 
 // In the order they are needed; destroyed in the other.
 struct Server::Parts {
-  Parts(Config server_config, std::unique_ptr<GridStore> grid_store)
-      : config(std::move(server_config)), store(std::move(grid_store)) {}
+  Parts(Config server_config,
+        std::unique_ptr<Access> who,
+        std::unique_ptr<GridStore> grid_store)
+      : config(std::move(server_config)),
+        access(std::move(who)),
+        store(std::move(grid_store)) {}
 
   bool listen();
+  absl::Status open_metrics();
+  std::string metrics_text() const;
 
   const Config config;
+  std::unique_ptr<ServerTls> tls;  ///< null where the port is plain
+  std::unique_ptr<Access> access;
   std::unique_ptr<GridStore> store;
   Admission admission{admission_limits(config)};
-  CallRegistry calls{admission};
+  CallRegistry calls{*access, admission};
   TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk, engine.stalls};
+  GridService grid_service{*store, calls, disk, engine.decoders, engine.stalls};
   MeshService mesh_service{engine};
   Heartbeat heartbeat{kHeartbeat, [this] {
                         admission.expire(Admission::Clock::now());
                         engine.check_stalls();
                       }};
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<MetricsPort> metrics;
   int port = 0;
   bool stopped = false;
 };
@@ -108,11 +166,30 @@ bool Server::Parts::listen() {
   grpc::ResourceQuota quota("tetstreamd");
   quota.Resize(config.receive_bytes);
   builder.SetResourceQuota(quota);
-  builder.AddListeningPort(config.listen, grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(config.listen,
+                           tls ? tls->credentials() : grpc::InsecureServerCredentials(), &port);
+  if (!serves_reflection(config)) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);
   server = builder.BuildAndStart();
   return server != nullptr && port != 0;
+}
+
+absl::Status Server::Parts::open_metrics() {
+  if (config.metrics_listen.empty()) return absl::OkStatus();
+  auto opened = MetricsPort::open(
+      config.metrics_listen,
+      {[this] { return metrics_text(); }, [this] { return !admission.is_draining(); }});
+  if (opened.ok()) metrics = *std::move(opened);
+  return opened.status();
+}
+
+std::string Server::Parts::metrics_text() const {
+  return calls.metrics().text([this] {
+    std::vector<Reading> readings = read_server(engine, *store);
+    for (Reading& reading : read_process()) readings.push_back(std::move(reading));
+    return readings;
+  });
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
@@ -122,14 +199,21 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
     return true;
   }();
   static_cast<void>(registered);
+  auto tls = open_tls(config);
+  if (!tls.ok()) return tls.status();
+  auto access = Access::open(config.tokens);
+  if (!access.ok()) return access.status();
   auto store = GridStore::open(config.store, config.store_bytes);
   if (!store.ok()) return store.status();
-  auto parts = std::make_unique<Parts>(config, *std::move(store));
+  auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(store));
+  parts->tls = *std::move(tls);
   if (!parts->listen()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
   }
+  if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
   set_readiness(*parts->server, true);
+  warn_if_exposed(config);
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
 
@@ -143,6 +227,10 @@ std::string Server::address() const {
 }
 
 int Server::port() const { return parts_->port; }
+
+std::string Server::metrics_address() const {
+  return parts_->metrics == nullptr ? "" : parts_->metrics->address();
+}
 
 const MeshEngine& Server::engine() const { return parts_->engine; }
 

@@ -15,7 +15,8 @@ namespace tet {
 /// Serves from `start` until `stop`. Thread-safe.
 class Server {
  public:
-  /// Errors: kInternal (store), kUnavailable (cannot listen there), kInvalidArgument (address).
+  /// Errors: kInternal (store), kUnavailable (cannot listen there), kInvalidArgument (a file of
+  /// TLS or tokens that cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const Config& config);
   /// Stops at once if `stop` was not called.
   ~Server();
@@ -23,6 +24,8 @@ class Server {
   /// host:port, the port being the one that was really taken.
   std::string address() const;
   int port() const;
+  /// host:port of the metrics; empty if there are none.
+  std::string metrics_address() const;
 
   /// Readiness turns to NOT_SERVING, new calls are refused, running ones may go on for `drain`;
   /// then they are cancelled. Returns when nothing runs any more.

@@ -14,9 +14,18 @@ namespace tet {
 /// Names the failure for programs: the ErrorInfo's reason, UPPER_SNAKE_CASE.
 absl::Status with_reason(absl::Status status, std::string_view reason);
 
-/// kInvalidArgument with reason INVALID_FIELD; `message` names the field, its value and what it
-/// may be.
+/// Whether with_reason gave one.
+bool has_reason(const absl::Status& status);
+
+/// The ErrorInfo's reason: what with_reason gave, else the code's name; empty for kOk.
+std::string reason_of(const absl::Status& status);
+
+/// kInvalidArgument with reason INVALID_FIELD; `message` begins with the field's name, and says
+/// its value and what it may be. The name is also in a BadRequest.
 absl::Status invalid_field(const std::string& message);
+
+/// The same failure where its field belongs to the message in field `outer`.
+absl::Status within_field(std::string_view outer, const absl::Status& status);
 
 /// Says that it is worth trying again after `delay`.
 absl::Status with_retry(absl::Status status, absl::Duration delay);
@@ -39,8 +48,11 @@ absl::Status over_quota(const std::string& client,
                         std::uint64_t value,
                         std::uint64_t limit);
 
-/// The only place where our failures become gRPC's: the same code and message, and an ErrorInfo
-/// whose reason is the code's name unless with_reason gave a better one.
+/// The only place where our failures become gRPC's: the same code, an ErrorInfo with
+/// reason_of's reason, the other details, and the message in printable ASCII. All of it takes
+/// at most kMaxStatusBytes; where it would not, the message is cut, and details but the
+/// ErrorInfo go.
+inline constexpr std::size_t kMaxStatusBytes = 1024;
 grpc::Status to_grpc(const absl::Status& status);
 
 }  // namespace tet

@@ -19,9 +19,7 @@ absl::Status out_of_order(const char* message) {
 }  // namespace
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(
-    const Place& place,
-    const grpc::CallbackServerContext& context,
-    grpc::ByteBuffer& response) {
+    const Place& place, grpc::CallbackServerContext& context, grpc::ByteBuffer& response) {
   const std::shared_ptr<UploadStream> upload(new UploadStream(place, context, response));
   upload->self_ = upload;
   place.stalls.add(upload);
@@ -30,7 +28,7 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(
 }
 
 UploadStream::UploadStream(const Place& place,
-                           const grpc::CallbackServerContext& context,
+                           grpc::CallbackServerContext& context,
                            grpc::ByteBuffer& response)
     : store_(place.store),
       disk_(place.disk),
@@ -40,7 +38,8 @@ UploadStream::UploadStream(const Place& place,
       serialized_response_(response) {}
 
 void UploadStream::begin() {
-  const absl::Status admitted = call_.admitted().ok() ? ticket_.status() : call_.admitted();
+  absl::Status admitted = call_.admission();
+  if (admitted.ok()) admitted = ticket_.status();
   if (!admitted.ok()) return finish(admitted);
   wait_for(1);
   read();
@@ -97,6 +96,8 @@ void UploadStream::go_on() {
 absl::Status UploadStream::end_piece() {
   if (piece_.size == 0 || !written_.ok()) return written_;
   upload_->advance(piece_.size);
+  bytes_in_ += piece_.size;
+  call_.registry().metrics().upload_received(piece_.size);
   piece_ = {};
   response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
   return upload_->has_all() ? commit() : absl::OkStatus();
@@ -123,13 +124,15 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
   if (start.size_bytes() < 1) {
     return invalid_field(absl::StrCat("size_bytes ", start.size_bytes(), " is not positive"));
   }
-  auto upload = store_.begin_upload(*digest, static_cast<std::uint64_t>(start.size_bytes()),
+  const GridKey key{call_.space(), *digest};
+  auto upload = store_.begin_upload(key, static_cast<std::uint64_t>(start.size_bytes()),
                                     {call_.client(), admission_.limits().client_upload_bytes});
   if (!upload.ok() && !absl::IsAlreadyExists(upload.status())) return upload.status();
   response_.set_name(start.name());
+  call_.note("grid", *digest);
   if (!upload.ok()) {
-    const UploadState state = store_.upload_state(*digest);
-    response_.set_complete(store_.touch(*digest));
+    const UploadState state = store_.upload_state(key);
+    response_.set_complete(store_.touch(key));
     response_.set_committed_size(static_cast<std::int64_t>(state.committed_size));
     return absl::OkStatus();
   }
@@ -173,7 +176,8 @@ void UploadStream::finish(const absl::Status& status) {
   // Whoever sees the answer may go on with the upload at once.
   upload_.reset();
   ticket_ = nullptr;
-  call_.note("bytes", response_.committed_size());
+  call_.note("bytes_in", bytes_in_);
+  call_.note("committed_bytes", response_.committed_size());
   serialized_response_ = serialized(response_);
   Finish(call_.finish(status));
 }

@@ -38,14 +38,13 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   };
 
   /// Begins the call; what it returns is for gRPC. `response` becomes an UploadGridResponse.
-  static grpc::ServerReadReactor<grpc::ByteBuffer>* start(
-      const Place& place,
-      const grpc::CallbackServerContext& context,
-      grpc::ByteBuffer& response);
+  static grpc::ServerReadReactor<grpc::ByteBuffer>* start(const Place& place,
+                                                          grpc::CallbackServerContext& context,
+                                                          grpc::ByteBuffer& response);
 
  private:
   UploadStream(const Place& place,
-               const grpc::CallbackServerContext& context,
+               grpc::CallbackServerContext& context,
                grpc::ByteBuffer& response);
 
   void OnReadDone(bool ok) override;
@@ -82,11 +81,12 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   std::shared_ptr<UploadStream> self_;  ///< until gRPC is done
   std::atomic<int> awaited_{0};         ///< of: message read, piece written, piece digested
   std::atomic<Clock::rep> read_start_{kNotReading};
-  grpc::ByteBuffer message_;  ///< read last
-  bool more_ = false;         ///< the last read brought a message
-  UploadPiece piece_;         ///< in work
-  std::string text_;          ///< holds its bytes if protobuf had to parse them
-  absl::Status written_;      ///< what became of it
+  grpc::ByteBuffer message_;    ///< read last
+  bool more_ = false;           ///< the last read brought a message
+  UploadPiece piece_;           ///< in work
+  std::string text_;            ///< holds its bytes if protobuf had to parse them
+  absl::Status written_;        ///< what became of it
+  std::uint64_t bytes_in_ = 0;  ///< of pieces written, by this call
 };
 
 }  // namespace tet

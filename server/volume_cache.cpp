@@ -1,5 +1,6 @@
 #include "server/volume_cache.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -9,17 +10,18 @@
 namespace tet {
 
 VolumeCache::VolumeCache(TaskPool& pool,
-                         TaskPool& loads,
                          std::uint64_t budget_bytes,
                          Loader loader,
                          std::function<void()> release)
     : pool_(pool),
-      loads_(loads),
       budget_bytes_(budget_bytes),
       loader_(std::move(loader)),
       release_(std::move(release)) {}
 
-void VolumeCache::get(const VolumeKey& key, const std::string& path, Answer answer) {
+void VolumeCache::get(const VolumeKey& key,
+                      const std::string& path,
+                      Cancelled cancelled,
+                      Answer answer) {
   const std::lock_guard lock(mutex_);
   const auto [it, is_new] = entries_.try_emplace(key);
   Entry& entry = it->second;
@@ -28,19 +30,37 @@ void VolumeCache::get(const VolumeKey& key, const std::string& path, Answer answ
     pool_.post([answer = std::move(answer), volume = entry.volume] { answer(volume); });
     return;
   }
-  entry.waiting.push_back(std::move(answer));
-  if (is_new) loads_.post([this, key, path] { load(key, path); });
+  entry.waiting.push_back({std::move(cancelled), std::move(answer)});
+  if (is_new) load(key, path);
 }
 
 void VolumeCache::load(const VolumeKey& key, const std::string& path) {
-  absl::StatusOr<Volume> read = loader_(path, key.grid_name);
+  loader_(
+      key, path, [this, key] { return is_abandoned(key); },
+      [this, key, path](absl::StatusOr<Volume> volume) {
+        finish_load(key, path, std::move(volume));
+      });
+}
+
+bool VolumeCache::is_abandoned(const VolumeKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto& waiting = entries_.find(key)->second.waiting;
+  return std::all_of(waiting.begin(), waiting.end(),
+                     [](const Request& request) { return request.cancelled(); });
+}
+
+void VolumeCache::finish_load(const VolumeKey& key,
+                              const std::string& path,
+                              absl::StatusOr<Volume> read) {
+  // Somebody may have come just when the others had gone.
+  if (absl::IsCancelled(read.status()) && !is_abandoned(key)) return load(key, path);
   const Loaded loaded = read.ok() ? admit(key, std::make_shared<const Volume>(*std::move(read)))
                                   : Loaded(read.status());
 
   const std::lock_guard lock(mutex_);
   const auto entry = entries_.find(key);
-  for (Answer& answer : entry->second.waiting) {
-    pool_.post([answer = std::move(answer), loaded] { answer(loaded); });
+  for (Request& request : entry->second.waiting) {
+    pool_.post([answer = std::move(request.answer), loaded] { answer(loaded); });
   }
   entry->second.waiting.clear();
   if (!loaded.ok()) entries_.erase(entry);
@@ -67,6 +87,11 @@ VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key,
                     absl::Seconds(5));
 }
 
+CacheStats VolumeCache::stats() const {
+  const std::lock_guard lock(mutex_);
+  return {used_bytes(), budget_bytes_, entries_.size(), evicted_};
+}
+
 std::uint64_t VolumeCache::used_bytes() const {
   std::uint64_t used = 0;
   for (const auto& [key, entry] : entries_) {
@@ -83,6 +108,7 @@ bool VolumeCache::evict_oldest() {
   }
   if (oldest == entries_.end()) return false;
   entries_.erase(oldest);
+  ++evicted_;
   return true;
 }
 

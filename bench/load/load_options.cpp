@@ -180,8 +180,7 @@ absl::StatusOr<std::vector<MixArguments>> understand_mix(const LoadArguments& ar
 
 void describe_load(CLI::App& app, LoadArguments& arguments) {
   app.footer(kExamples);
-  app.add_option("--server", arguments.stream.address, "HOST:PORT of a tetstreamd")
-      ->capture_default_str();
+  describe_server(app, arguments.server)->capture_default_str();
   describe_mix(app, arguments.mix);
   app.add_option("--mix", arguments.mix_file,
                  "File of requests, one a line, with the options above");
@@ -201,6 +200,10 @@ absl::StatusOr<LoadOptions> understand_load(const LoadArguments& arguments) {
   if (absl::Status status = check_together(arguments); !status.ok()) return status;
   LoadOptions options;
   options.stream = arguments.stream;
+  options.stream.address = arguments.server.address;
+  auto channel = understand_server(arguments.server);
+  if (!channel.ok()) return channel.status();
+  options.stream.channel = *std::move(channel);
   options.json = arguments.json;
   options.quiet = arguments.quiet;
   auto mix = understand_mix(arguments);

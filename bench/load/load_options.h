@@ -12,6 +12,7 @@
 #include "bench/load/load_plan.h"
 #include "bench/load/mix_options.h"
 #include "bench/load/stream_sender.h"
+#include "client/server_options.h"
 
 namespace CLI {
 class App;
@@ -21,7 +22,8 @@ namespace tet::load {
 
 /// What the command line says, before it is understood.
 struct LoadArguments {
-  StreamSettings stream{.address = "127.0.0.1:7447"};
+  StreamSettings stream;
+  ServerArguments server{.address = "127.0.0.1:7447", .channel = {}, .token_file = {}};
   MixArguments mix;
   std::string mix_file;
   std::string rate, arrivals = "poisson", duration, warm_up, timeout, drain = "10s";

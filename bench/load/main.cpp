@@ -20,6 +20,7 @@
 #include "client/atomic_file.h"
 #include "client/exit_code.h"
 #include "client/interruption.h"
+#include "proto/wire/transport.h"
 
 namespace tet::load {
 namespace {
@@ -111,11 +112,12 @@ absl::Status run(const LoadOptions& options, const Cancellation& interruption) {
   if (!options.json.empty()) {
     if (absl::Status status = check_can_create(options.json); !status.ok()) return status;
   }
-  const std::unique_ptr<MeshClient> client = MeshClient::connect(options.stream.address);
+  const auto client = MeshClient::connect(options.stream.address, options.stream.channel);
+  if (!client.ok()) return client.status();
   std::optional<RequestMix> mix;
   {
     ProgressBar bar;
-    auto prepared = prepare_mix(options.mix, *client, bar, interruption);
+    auto prepared = prepare_mix(options.mix, **client, bar, interruption);
     if (!prepared.ok()) return prepared.status();
     mix = *std::move(prepared);
   }
@@ -166,4 +168,7 @@ int run_command_line(int argc, char** argv) {
 }  // namespace
 }  // namespace tet::load
 
-int main(int argc, char** argv) { return tet::load::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  tet::quieten_grpc();
+  return tet::load::run_command_line(argc, argv);
+}

@@ -34,6 +34,7 @@ class StreamCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
 
   void start(grpc::GenericStub& stub);
   void cancel() { context_.TryCancel(); }
+  grpc::ClientContext& context() { return context_; }
 
   std::list<StreamCall*>::iterator place;  ///< among its sender's calls
 
@@ -51,12 +52,7 @@ class StreamCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
 
 class StreamSender final : public RequestSender {
  public:
-  explicit StreamSender(const StreamSettings& settings) : settings_(settings) {
-    for (int i = 0; i < settings.connections; ++i) {
-      channels_.push_back(open_channel(settings.address));
-      stubs_.push_back(std::make_unique<grpc::GenericStub>(channels_.back()));
-    }
-  }
+  explicit StreamSender(const StreamSettings& settings) : settings_(settings) {}
 
   ~StreamSender() override {
     give_up();
@@ -65,11 +61,17 @@ class StreamSender final : public RequestSender {
   }
 
   absl::Status connect() {
+    for (int i = 0; i < settings_.connections; ++i) {
+      auto channel = open_channel(settings_.address, settings_.channel);
+      if (!channel.ok()) return channel.status();
+      channels_.push_back(*std::move(channel));
+      stubs_.push_back(std::make_unique<grpc::GenericStub>(channels_.back().channel()));
+    }
     const auto end = std::chrono::system_clock::now() + settings_.patience;
     // All at once, not one after the other.
-    for (const auto& channel : channels_) channel->GetState(true);
+    for (const auto& channel : channels_) channel.channel()->GetState(true);
     for (const auto& channel : channels_) {
-      if (!channel->WaitForConnected(end)) {
+      if (!channel.channel()->WaitForConnected(end)) {
         return absl::UnavailableError(absl::StrCat("no connection to ", settings_.address));
       }
     }
@@ -83,7 +85,9 @@ class StreamSender final : public RequestSender {
       const std::lock_guard lock(mutex_);
       call->place = calls_.insert(calls_.end(), call);
       ++running_;
-      stub = stubs_[next_stub_++ % stubs_.size()].get();
+      const std::size_t turn = next_stub_++ % stubs_.size();
+      stub = stubs_[turn].get();
+      channels_[turn].authorize(call->context());
     }
     call->start(*stub);
   }
@@ -116,7 +120,7 @@ class StreamSender final : public RequestSender {
 
  private:
   const StreamSettings settings_;
-  std::vector<std::shared_ptr<grpc::Channel>> channels_;
+  std::vector<ServerChannel> channels_;
   std::vector<std::unique_ptr<grpc::GenericStub>> stubs_;
   std::atomic<std::uint64_t> tets_{0}, bytes_{0};
   std::mutex mutex_;

@@ -7,11 +7,13 @@
 #include <absl/status/statusor.h>
 
 #include "bench/load/request_sender.h"
+#include "client/channel.h"
 
 namespace tet::load {
 
 struct StreamSettings {
   std::string address;
+  ChannelOptions channel;                         ///< how that is spoken to
   int connections = 8;                            ///< requests go to them in turn
   bool compact = false;                           ///< ask for the compact encoding
   bool check_columns = false;                     ///< verify the checksum of every chunk
@@ -23,7 +25,7 @@ struct StreamSettings {
 /// chunks are not whole and in order ends with kDataLoss.
 ///
 /// Waits for all connections, so that no request pays for opening one.
-/// Errors: kUnavailable (no connection).
+/// Errors: those of open_channel, kUnavailable (no connection).
 absl::StatusOr<std::unique_ptr<RequestSender>> open_stream_sender(
     const StreamSettings& settings);
 

@@ -63,7 +63,8 @@ inline float degrees_of_arc_sine(float t) noexcept {
   const float square = std::abs(cosine);
   // Near 45 degrees the sine of the other acute angle takes over. Both conditions say so, but
   // one of them twice would be made into a branch.
-  const float part = degrees_of_arc_sine(lower(square, std::abs(1 - square)));
+  // Beyond a half is only what a tet almost without volume made of its zeros.
+  const float part = degrees_of_arc_sine(lower(lower(square, std::abs(1 - square)), 0.5F));
   const float from_right = square < 0.5F ? part : 90 - part;
   return static_cast<std::int32_t>(90 + kRounding - std::copysign(from_right, cosine));
 }

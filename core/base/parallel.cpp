@@ -78,6 +78,10 @@ void TaskPool::post(std::function<void()> work) {
       });
 }
 
+void stay_in_one_thread() {
+  static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+}
+
 namespace internal {
 
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
@@ -152,6 +156,8 @@ void TaskPool::post(std::function<void()> work) {
   }
   impl_->wake.notify_one();
 }
+
+void stay_in_one_thread() {}  // only pools make threads
 
 namespace internal {
 

@@ -34,6 +34,10 @@ class TaskPool {
   std::unique_ptr<Impl> impl_;
 };
 
+/// From now on this process makes no threads of its own: every loop runs in its caller's. For
+/// programs that are one thread by design, before they have a TaskPool; cannot be undone.
+void stay_in_one_thread();
+
 namespace internal {
 using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body);

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <exception>
+#include <fcntl.h>
 #include <ios>
 #include <new>
+#include <sys/stat.h>
 #include <type_traits>
 
 #include <absl/status/status.h>
@@ -12,9 +14,13 @@
 #include <absl/strings/str_join.h>
 #include <openvdb/points/PointDataGrid.h>
 
+#include "core/base/descriptor.h"
+#include "core/base/failure_name.h"
 #include "core/grid/check_file.h"
 #include "core/grid/copy_grid.h"
+#include "core/grid/memory_charge.h"
 #include "core/grid/vdb_file.h"
+#include "core/grid/walk_vdb.h"
 
 namespace tet {
 namespace {
@@ -29,20 +35,51 @@ absl::Status bad_file(const std::string& path, std::string_view why) {
       absl::StrFormat("'%s' is not a readable VDB file: %s", path, why));
 }
 
-/// Opens the file and calls `read(file)`; what OpenVDB throws becomes a status.
+/// Walks over the file and checks `charge(outline)`, the memory that it takes, unless the
+/// caller has.
+template <class Charge>
+absl::Status check_bytes(const OpenGridFile& file,
+                         const LoadLimits& limits,
+                         const Charge& charge) {
+  if (limits.walked) return absl::OkStatus();
+  const ByteSource source(file.descriptor, static_cast<std::uint64_t>(file.size_bytes));
+  const absl::StatusOr<VdbOutline> outline = walk_vdb(source);
+  if (absl::IsInvalidArgument(outline.status())) {
+    return bad_file(file.name, std::string(outline.status().message()));
+  }
+  const absl::Status s =
+      outline.ok() ? check_memory(charge(*outline), limits.max_bytes, limits.max_reading_bytes)
+                   : outline.status();
+  return s.ok() ? s : told_of(absl::StrFormat("'%s'", file.name), s);
+}
+
+/// Calls `read(file)`; what OpenVDB throws becomes a status.
 template <class Read>
-std::invoke_result_t<Read, VdbFile&> with_file(const std::string& path, const Read& read) {
-  if (absl::Status s = check_file(path); !s.ok()) return s;
+std::invoke_result_t<Read, VdbFile&> with_file(const OpenGridFile& source, const Read& read) {
   try {
-    VdbFile file(path);
+    VdbFile file(source.descriptor, source.size_bytes);
     return read(file);
   } catch (const std::ios_base::failure&) {
-    return bad_file(path, "it ends early; it is truncated or corrupt");
+    return bad_file(source.name, "it ends early; it is truncated or corrupt");
   } catch (const std::bad_alloc&) {
-    return bad_file(path, "it claims more data than there is memory; it may be corrupt");
+    return named_failure(
+        "DECODER_MEMORY",
+        bad_file(source.name, "it claims more data than there is memory; it may be corrupt"));
   } catch (const std::exception& error) {
-    return bad_file(path, error.what());
+    return bad_file(source.name, error.what());
   }
+}
+
+/// Calls `read(open file)`.
+template <class Read>
+std::invoke_result_t<Read, OpenGridFile> with_path(const std::string& path, const Read& read) {
+  if (absl::Status s = check_file(path); !s.ok()) return s;
+  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (!descriptor.is_open() || ::fstat(descriptor.number(), &facts) != 0) {
+    return bad_file(path, "it cannot be opened");
+  }
+  return read(OpenGridFile{descriptor.number(), facts.st_size, path});
 }
 
 std::string value_type(const openvdb::GridBase& grid) {
@@ -129,31 +166,24 @@ absl::StatusOr<std::size_t> find_grid(VdbFile& file, const std::string& name) {
   return name.empty() ? find_meshable(file) : find_named(file, name);
 }
 
-/// Counts what the copied values and regions will take; the tree's own values take about as
-/// much.
-absl::Status check_budget(const openvdb::GridBase& grid, const LoadLimits& limits) {
-  const openvdb::TreeBase& tree = grid.baseTree();
-  const std::uint64_t bytes = std::uint64_t{tree.leafCount()} * kBrickCells * sizeof(float) +
-                              std::uint64_t{tree.nonLeafCount()} * sizeof(Region);
-  if (bytes <= limits.max_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("its %d leaves would take %d bytes and the limit is %d: use larger "
-                      "voxels, a narrower band, or raise the limit",
-                      tree.leafCount(), bytes, limits.max_bytes));
-}
-
-absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const LoadLimits& limits) {
+absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i) {
   if (absl::Status s = check_meshable(file.grid(i)); !s.ok()) return s;
   file.read_topology(i);
-  if (absl::Status s = check_budget(file.grid(i), limits); !s.ok()) return s;
   file.read_values(i);
   return copy_grid(file.grid(i));
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path) {
-  return with_file(path, [](VdbFile& file) -> absl::StatusOr<std::vector<GridInfo>> {
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits) {
+  return with_path(path, [&](const OpenGridFile& file) { return list_grids(file, limits); });
+}
+
+absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& source,
+                                                 const LoadLimits& limits) {
+  if (absl::Status s = check_bytes(source, limits, listing_charge); !s.ok()) return s;
+  return with_file(source, [](VdbFile& file) -> absl::StatusOr<std::vector<GridInfo>> {
     std::vector<GridInfo> grids;
     for (std::size_t i = 0; i < file.grid_count(); ++i) grids.push_back(describe(file, i));
     return grids;
@@ -163,17 +193,28 @@ absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path) {
 absl::StatusOr<Volume> load_volume(const std::string& path,
                                    const std::string& grid_name,
                                    const LoadLimits& limits) {
-  return with_file(path, [&](VdbFile& file) -> absl::StatusOr<Volume> {
+  return with_path(
+      path, [&](const OpenGridFile& file) { return load_volume(file, grid_name, limits); });
+}
+
+absl::StatusOr<Volume> load_volume(const OpenGridFile& source,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits) {
+  const auto charge = [&](const VdbOutline& o) { return loading_charge(o, grid_name); };
+  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
+  return with_file(source, [&](VdbFile& file) -> absl::StatusOr<Volume> {
     const absl::StatusOr<std::size_t> i = find_grid(file, grid_name);
-    if (!i.ok()) return told_of(absl::StrFormat("'%s'", path), i.status());
-    absl::StatusOr<Volume> volume = load_grid(file, *i, limits);
+    if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
+    absl::StatusOr<Volume> volume = load_grid(file, *i);
     if (volume.ok()) {
       volume->name = file.grid_name(*i);
       return volume;
     }
-    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), path),
+    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), source.name),
                    volume.status());
   });
 }
+
+void prepare_loading() { openvdb::initialize(); }
 
 }  // namespace tet

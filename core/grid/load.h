@@ -7,32 +7,34 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/base/types.h"
+#include "core/grid/grid_info.h"
 #include "core/grid/volume.h"
 
 namespace tet {
 
-/// What a file says of one of its grids, its values apart.
-struct GridInfo {
-  std::string name;        ///< "name[0]", "name[1]", ... where several grids share one
-  std::string value_type;  ///< "float", "vec3s", "points", ...
-  std::string grid_class;  ///< "level set", "fog volume", "unknown", ...
-  double voxel_size = 0;   ///< world units; of the x axis where voxels are not uniform
-  std::uint64_t active_voxels = 0;
-  VoxelBox active_box;
-  float background = 0;      ///< 0 for grids that are not float or double
-  std::string not_meshable;  ///< why the mesher refuses it; empty when it does not
+/// What reading a file may take, checked before anything is built of it.
+struct LoadLimits {
+  std::uint64_t max_bytes = std::uint64_t{16} << 30;          ///< of the volume in memory
+  std::uint64_t max_reading_bytes = std::uint64_t{48} << 30;  ///< of the volume and all else
+  /// The caller has walked this very file (core/grid/walk_vdb.h) and checked what it takes
+  /// (core/grid/memory_charge.h), in this process or in another: both are left out.
+  bool walked = false;
 };
 
-/// What a grid may cost, checked before memory is taken for its values.
-struct LoadLimits {
-  std::uint64_t max_bytes = std::uint64_t{16} << 30;
+/// A file that is open for reading, and what messages call it. Whoever opened it keeps it open.
+struct OpenGridFile {
+  int descriptor = -1;
+  std::int64_t size_bytes = 0;
+  std::string name;
 };
 
 /// The grids of a `.vdb` file, in the file's order. Values are not read.
 /// Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
-/// truncated, corrupt).
-absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path);
+/// truncated, corrupt), kResourceExhausted (over `limits`).
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits = {});
+absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& file,
+                                                 const LoadLimits& limits = {});
 
 /// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
 /// file.
@@ -45,5 +47,11 @@ absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path);
 absl::StatusOr<Volume> load_volume(const std::string& path,
                                    const std::string& grid_name,
                                    const LoadLimits& limits = {});
+absl::StatusOr<Volume> load_volume(const OpenGridFile& file,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits = {});
+
+/// Has OpenVDB do all that it does once in a process, so that no later call does.
+void prepare_loading();
 
 }  // namespace tet

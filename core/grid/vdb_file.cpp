@@ -9,28 +9,27 @@ namespace {
 
 namespace vdb = openvdb;
 
-/// Older files keep a grid's parts in another order; no public release wrote them.
-constexpr std::uint32_t kOldestFormat = vdb::OPENVDB_FILE_VERSION_GRID_INSTANCING;
+/// Older files do not tell node by node how it is compressed, and the walker does not know
+/// them.
+constexpr std::uint32_t kOldestFormat = vdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
 
 /// Bytes of the magic number, the versions and the flags that every file starts with.
 constexpr std::int64_t kSmallestFile = 20;
 
 }  // namespace
 
-VdbFile::VdbFile(const std::string& path) {
+VdbFile::VdbFile(int descriptor, std::int64_t size)
+    : buffer_(descriptor, size), stream_(&buffer_), size_(size) {
   vdb::initialize();
-  open(path);
+  open();
   read_entries();
 }
 
-void VdbFile::open(const std::string& path) {
+void VdbFile::open() {
   stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-  stream_.open(path, std::ios::binary | std::ios::ate);
-  size_ = stream_.tellg();
   if (size_ < kSmallestFile) {
     OPENVDB_THROW(vdb::IoError, absl::StrFormat("it has only %d bytes", size_));
   }
-  stream_.seekg(0);
   vdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
   readHeader(stream_);
   setFormatVersion(stream_);

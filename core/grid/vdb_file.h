@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <istream>
 #include <string>
 #include <vector>
 
@@ -11,6 +11,8 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
+
+#include "core/grid/descriptor_buffer.h"
 
 namespace tet {
 
@@ -22,7 +24,8 @@ namespace tet {
 /// ends early) or std::bad_alloc. Delayed loading never happens. Not thread-safe.
 class VdbFile : private openvdb::io::Archive {
  public:
-  explicit VdbFile(const std::string& path);
+  /// Reads `size` bytes of an open file, which stays open as long as this.
+  VdbFile(int descriptor, std::int64_t size);
 
   std::size_t grid_count() const noexcept { return entries_.size(); }
 
@@ -46,7 +49,7 @@ class VdbFile : private openvdb::io::Archive {
     bool complete = false;  // read whole, because the file cannot be read out of order
   };
 
-  void open(const std::string& path);
+  void open();
   void read_entries();
   void check_extent(const Entry& entry, std::int64_t position) const;
   void read_header(Entry& entry);
@@ -54,7 +57,8 @@ class VdbFile : private openvdb::io::Archive {
 
   // OpenVDB keeps the address of this pointer in the stream, to tell how its data is stored.
   openvdb::SharedPtr<openvdb::io::StreamMetadata> metadata_{new openvdb::io::StreamMetadata};
-  std::ifstream stream_;
+  DescriptorBuffer buffer_;
+  std::istream stream_;
   std::int64_t size_ = 0;
   std::vector<Entry> entries_;
 };

@@ -1,51 +1,12 @@
 #include "core/grid/vdb_transform.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 
 #include <absl/status/status.h>
-#include <absl/strings/str_format.h>
+
+#include "core/grid/check_transform.h"
 
 namespace tet {
-namespace {
-
-/// How far the voxel's edges may be from equal and square, relative to their length squared:
-/// float32 matrices of other programs are off by 1e-6, and angles by no more than this bends.
-constexpr double kTolerance = 1e-4;
-
-using Matrix = std::array<std::array<double, 3>, 3>;
-
-/// Dot product of the columns i and j: of two edges of a voxel.
-double column_dot(const Matrix& m, std::size_t i, std::size_t j) {
-  return m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
-}
-
-absl::Status check_edges(const Matrix& m, double edge_squared) {
-  constexpr const char* kRemedy =
-      "resample the grid onto cubic voxels (OpenVDB's tools::resampleToMatch)";
-  const std::array<double, 3> edges{std::sqrt(column_dot(m, 0, 0)),
-                                    std::sqrt(column_dot(m, 1, 1)),
-                                    std::sqrt(column_dot(m, 2, 2))};
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (std::abs(edges[i] * edges[i] - edge_squared) > kTolerance * edge_squared) {
-      return absl::FailedPreconditionError(
-          absl::StrFormat("its voxels are %g x %g x %g world units, which is not uniform: %s",
-                          edges[0], edges[1], edges[2], kRemedy));
-    }
-    for (std::size_t j = i + 1; j < 3; ++j) {
-      if (std::abs(column_dot(m, i, j)) > kTolerance * edge_squared) {
-        return absl::FailedPreconditionError(absl::StrFormat(
-            "its voxels are sheared (edges %d and %d meet at %.4g degrees): %s", i, j,
-            std::acos(column_dot(m, i, j) / (edges[i] * edges[j])) * 180 / M_PI, kRemedy));
-      }
-    }
-  }
-  return absl::OkStatus();
-}
-
-}  // namespace
 
 absl::StatusOr<VoxelTransform> voxel_transform(const openvdb::math::Transform& transform) {
   if (!transform.isLinear()) {
@@ -56,24 +17,13 @@ absl::StatusOr<VoxelTransform> voxel_transform(const openvdb::math::Transform& t
   // OpenVDB multiplies row vectors from the left.
   const openvdb::Mat4d rows = transform.baseMap()->getAffineMap()->getMat4();
   VoxelTransform result;
-  bool finite = true;
   for (int i = 0; i < 3; ++i) {
     const auto row = static_cast<std::size_t>(i);
     for (int j = 0; j < 3; ++j) result.linear[row][static_cast<std::size_t>(j)] = rows(j, i);
     result.translation[row] = rows(3, i);
-    finite = finite && std::isfinite(result.translation[row]);
   }
-  const Matrix& m = result.linear;
-  const double edge_squared =
-      (column_dot(m, 0, 0) + column_dot(m, 1, 1) + column_dot(m, 2, 2)) / 3;
-  if (!finite || !std::isnormal(edge_squared)) {
-    return absl::FailedPreconditionError(
-        absl::StrFormat("its transform is not usable: voxel size %g, translation (%g, %g, %g)",
-                        std::sqrt(edge_squared), result.translation[0], result.translation[1],
-                        result.translation[2]));
-  }
-  if (absl::Status s = check_edges(m, edge_squared); !s.ok()) return s;
-  result.voxel_size = std::sqrt(edge_squared);
+  result.voxel_size = voxel_edge(result);
+  if (absl::Status s = check_transform(result); !s.ok()) return s;
   return result;
 }
 

@@ -59,13 +59,17 @@ class NearbyBricks {
   std::array<Found, 64> found_;  // by the low two bits of each coordinate
 };
 
+/// The id of a corner that no brick owns: there is none in a tree of ours, but one that came
+/// over the wire may be any.
+inline constexpr std::uint64_t kNoVertex = ~std::uint64_t{0};
+
 /// Ids of node vertices at every level. The tree and the columns must outlive it. Not
 /// thread-safe: one per task.
 class NodeNumbers {
  public:
   NodeNumbers(const Octree& tree, const std::vector<LevelNodes>& nodes);
 
-  /// Id of a leaf's corner, which a finer level may own.
+  /// Id of a leaf's corner, which a finer level may own; or kNoVertex.
   std::uint64_t corner(int level, BrickCoord brick, int x, int y, int z) noexcept;
 
   /// Id of corner q of the level below, within this brick: each coordinate in [0, 16].

@@ -1,5 +1,6 @@
 #include "core/mesh/tet_mesh.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tet {
@@ -12,7 +13,25 @@ void write_row(std::span<std::byte> column,
   std::memcpy(column.data() + row * sizeof(numbers), numbers.data(), sizeof(numbers));
 }
 
+template <class Id>
+std::uint64_t largest_id(std::span<const std::byte> ids) noexcept {
+  Id largest = 0;
+  for (std::size_t i = 0; i < ids.size(); i += sizeof(Id)) {
+    Id id = 0;
+    std::memcpy(&id, ids.data() + i, sizeof id);
+    largest = std::max(largest, id);
+  }
+  return largest;
+}
+
 }  // namespace
+
+bool ids_are_within(std::span<const std::byte> ids, const MeshHeader& header) noexcept {
+  const std::uint64_t largest = header.index_type == IndexType::kUint64
+                                    ? largest_id<std::uint64_t>(ids)
+                                    : largest_id<std::uint32_t>(ids);
+  return ids.empty() || largest < header.vertex_count;
+}
 
 TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
   const ChunkSizes sizes(header, header.vertex_count, header.tet_count);

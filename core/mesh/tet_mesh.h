@@ -57,6 +57,9 @@ struct ChunkColumns {
   std::span<std::byte> regions;  ///< empty unless the header has regions
 };
 
+/// Whether every id of a column of tets is a vertex of the mesh.
+bool ids_are_within(std::span<const std::byte> ids, const MeshHeader& header) noexcept;
+
 /// Positions and tets that somebody else holds; tets may be some of the mesh only.
 struct MeshView {
   CoordinateType coordinate_type = CoordinateType::kFloat32;

@@ -291,6 +291,26 @@ absl::Status CompactBricks::add_brick(Reader& reader) {
   return absl::OkStatus();
 }
 
+namespace {
+
+/// Fractions, then the directions of `zeros` nodes.
+absl::Status check_geometry(std::span<const std::byte> geometry, std::size_t zeros) {
+  bool between = true;  // written so that no number at all is not between
+  for (std::size_t at = 0; at < geometry.size() - zeros; at += sizeof(float)) {
+    float fraction;
+    std::memcpy(&fraction, &geometry[at], sizeof(fraction));
+    between &= fraction >= 0 && fraction <= 1;
+  }
+  if (!between) return broken("a fraction that is not between 0 and 1");
+  for (const std::byte direction : geometry.last(zeros)) {
+    const auto d = static_cast<std::uint8_t>(direction);
+    if (d >= kDirections && d != kUnmoved) return broken("an edge of an unknown direction");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::Status CompactBricks::add_surface(Reader& reader) {
   Survey& survey = structure_.survey;
   StuffedBrick stuffed;
@@ -308,10 +328,7 @@ absl::Status CompactBricks::add_surface(Reader& reader) {
   const std::size_t size = zeros.bytes() + cuts * sizeof(float);
   const auto geometry = reader.take(size);
   if (reader.failed()) return broken("it ends within a brick");
-  for (const std::byte direction : geometry.last(zeros.zeros)) {
-    const auto d = static_cast<std::uint8_t>(direction);
-    if (d >= kDirections && d != kUnmoved) return broken("an edge of an unknown direction");
-  }
+  if (auto status = check_geometry(geometry, zeros.zeros); !status.ok()) return status;
   structure_.stuffed.push_back(static_cast<std::uint32_t>(survey.stuffed.size()));
   survey.stuffed.push_back(stuffed);
   survey.geometry.of_brick.push_back(geometry.data());

@@ -98,19 +98,24 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
   PhiField field;
   field.volume = &no_samples;
   std::vector<QualityStats> stats(first_brick.size() - 1);
+  std::atomic<bool> whole{true};  // what another's octree lacks has ids of no vertex
   for_each_range(stats.size(), 1, [&](std::size_t begin, std::size_t end) {
     MeshWorkspace workspace;
     for (std::size_t chunk = begin; chunk < end && !cancellation.requested(); ++chunk) {
       BrickFiller filler(*counted, field, header, frame.to_world, workspace.impl());
       for (std::size_t i = first_brick[chunk]; i < first_brick[chunk + 1]; ++i) {
         const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
-        filler.fill(i, filled.mesh.columns_of({vertex, counted->first_vertex(i + 1) - vertex,
-                                               tet, counted->first_tet(i + 1) - tet}));
+        const ChunkColumns columns =
+            filled.mesh.columns_of({vertex, counted->first_vertex(i + 1) - vertex, tet,
+                                    counted->first_tet(i + 1) - tet});
+        filler.fill(i, columns);
+        if (!ids_are_within(columns.tets, header)) whole = false;
       }
       stats[chunk] = filler.stats();
     }
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  if (!whole) return absl::DataLossError("a compact chunk is broken: its leaves leave gaps");
   for (const QualityStats& chunk : stats) filled.quality.add(chunk);
   return filled;
 }

@@ -130,9 +130,8 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
 }
 
 void sort_unique(std::vector<BrickCoord>& bricks) {
-  std::ranges::sort(bricks);
-  const auto rest = std::ranges::unique(bricks);
-  bricks.erase(rest.begin(), rest.end());
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
 }
 
 /// The bricks and the 26 around each: whose tets may read one of them.

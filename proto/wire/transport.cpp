@@ -1,6 +1,9 @@
 #include "proto/wire/transport.h"
 
+#include <cstdlib>
 #include <malloc.h>
+
+#include <grpc/support/log.h>
 
 namespace tet {
 
@@ -13,6 +16,10 @@ constexpr std::size_t kFreeBytes = std::size_t{16} << 20;
 void keep_read_blocks() noexcept {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   mallopt(M_TRIM_THRESHOLD, 4 << 20);
+}
+
+void quieten_grpc() noexcept {
+  if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
 
 // Threads' arenas keep what fragments leave free, whatever the threshold.

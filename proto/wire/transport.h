@@ -36,6 +36,10 @@ inline constexpr TransportSetting kTransportSettings[] = {
 /// its pages in again would cost as much as all else that the wire does.
 void keep_read_blocks() noexcept;
 
+/// Keeps gRPC from writing to stderr what the status of a call tells as well; GRPC_VERBOSITY in
+/// the environment lets it.
+void quieten_grpc() noexcept;
+
 /// Gives memory that work of another kind left free back to the system, if there is much of it.
 void give_back_free_memory() noexcept;
 

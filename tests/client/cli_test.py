@@ -204,7 +204,8 @@ class Refusals(CommandTest):
 
     def test_full_disk_leaves_the_old_file_alone(self):
         def limit_file_size():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+            hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
 
         for ending in ENDINGS:
             with self.subTest(ending=ending):

@@ -1,9 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
 #include "proto/wire/sha256.h"
+#include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
@@ -15,14 +14,6 @@ std::string name_of(std::string_view text) {
   Sha256 digest;
   digest.add(text);
   return name_of_grid(digest.finish_hex());
-}
-
-std::string reason_of(const grpc::Status& status) {
-  google::rpc::Status rpc;
-  google::rpc::ErrorInfo info;
-  if (!rpc.ParseFromString(status.error_details())) return "no details";
-  for (const auto& detail : rpc.details()) detail.UnpackTo(&info);
-  return info.domain() + "/" + info.reason();
 }
 
 class GridServiceTest : public ServiceTest {

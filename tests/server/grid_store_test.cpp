@@ -21,6 +21,9 @@ std::string digest_of(std::string_view text) {
   return digest.finish_hex();
 }
 
+/// Its key in the default namespace.
+GridKey key_of(std::string_view text) { return {std::string(kDefaultSpace), digest_of(text)}; }
+
 /// Text of its own for each `number`, 100 bytes.
 std::string content(int number) {
   std::string text = "grid " + std::to_string(number) + " ";
@@ -37,7 +40,7 @@ class StoreTest : public testing::Test {
   }
 
   static absl::Status put(GridStore& store, const std::string& text) {
-    auto upload = store.begin_upload(digest_of(text), text.size());
+    auto upload = store.begin_upload(key_of(text), text.size());
     if (!upload.ok()) return upload.status();
     if (const auto status = (*upload)->append(0, text); !status.ok()) return status;
     return (*upload)->commit();
@@ -49,7 +52,7 @@ class StoreTest : public testing::Test {
 TEST_F(StoreTest, KeepsWhatWasUploaded) {
   const auto store = open();
   ASSERT_TRUE(put(*store, content(1)).ok());
-  const auto lease = store->acquire(digest_of(content(1)));
+  const auto lease = store->acquire(key_of(content(1)));
   ASSERT_TRUE(lease.ok());
   EXPECT_EQ(test::read_text((*lease)->path.string()), content(1));
 }
@@ -57,45 +60,45 @@ TEST_F(StoreTest, KeepsWhatWasUploaded) {
 TEST_F(StoreTest, SurvivesARestart) {
   ASSERT_TRUE(put(*open(), content(1)).ok());
   const auto store = open();
-  EXPECT_TRUE(store->touch(digest_of(content(1))));
-  EXPECT_EQ(store->list("", 10).size(), 1U);
+  EXPECT_TRUE(store->touch(key_of(content(1))));
+  EXPECT_EQ(store->list(std::string(kDefaultSpace), "", 10).size(), 1U);
 }
 
 TEST_F(StoreTest, ResumesAnUploadAfterARestart) {
   const std::string text = content(1);
-  const std::string digest = digest_of(text);
+  const GridKey key = key_of(text);
   {
     const auto store = open();
-    auto upload = store->begin_upload(digest, text.size());
+    auto upload = store->begin_upload(key, text.size());
     ASSERT_TRUE((*upload)->append(0, text.substr(0, 60)).ok());
   }
   const auto store = open();
-  EXPECT_EQ(store->upload_state(digest).committed_size, 60U);
-  auto upload = store->begin_upload(digest, text.size());
+  EXPECT_EQ(store->upload_state(key).committed_size, 60U);
+  auto upload = store->begin_upload(key, text.size());
   ASSERT_TRUE(upload.ok());
   ASSERT_TRUE((*upload)->append(60, text.substr(60)).ok());
   EXPECT_TRUE((*upload)->commit().ok());
-  EXPECT_TRUE(store->upload_state(digest).complete);
+  EXPECT_TRUE(store->upload_state(key).complete);
 }
 
 TEST_F(StoreTest, ThrowsAwayBytesOfAnotherDigest) {
   const auto store = open();
-  const std::string digest = digest_of("something else");
+  const GridKey key = key_of("something else");
   {
-    auto upload = store->begin_upload(digest, 100);
+    auto upload = store->begin_upload(key, 100);
     ASSERT_TRUE((*upload)->append(0, content(1)).ok());
     const auto status = (*upload)->commit();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(status.message()), HasSubstr(digest_of(content(1))));
   }
-  EXPECT_EQ(store->upload_state(digest).committed_size, 0U);
+  EXPECT_EQ(store->upload_state(key).committed_size, 0U);
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "uploads"));
 }
 
 TEST_F(StoreTest, RefusesAGapAndAnOverrunAndGoesOn) {
   const auto store = open();
   const std::string text = content(1);
-  auto upload = store->begin_upload(digest_of(text), text.size());
+  auto upload = store->begin_upload(key_of(text), text.size());
   EXPECT_EQ((*upload)->append(7, "x").code(), absl::StatusCode::kOutOfRange);
   EXPECT_EQ((*upload)->append(0, text + "x").code(), absl::StatusCode::kInvalidArgument);
   ASSERT_TRUE((*upload)->append(0, text).ok());
@@ -104,26 +107,26 @@ TEST_F(StoreTest, RefusesAGapAndAnOverrunAndGoesOn) {
 
 TEST_F(StoreTest, LetsOneCallAtATimeUploadAFile) {
   const auto store = open();
-  const auto first = store->begin_upload(digest_of(content(1)), 100);
+  const auto first = store->begin_upload(key_of(content(1)), 100);
   ASSERT_TRUE(first.ok());
-  const auto second = store->begin_upload(digest_of(content(1)), 100);
+  const auto second = store->begin_upload(key_of(content(1)), 100);
   EXPECT_EQ(second.status().code(), absl::StatusCode::kAborted);
 }
 
 TEST_F(StoreTest, EvictsTheLeastRecentlyUsed) {
   const auto store = open(300);
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(put(*store, content(i)).ok());
-  EXPECT_TRUE(store->touch(digest_of(content(0))));
+  EXPECT_TRUE(store->touch(key_of(content(0))));
   ASSERT_TRUE(put(*store, content(3)).ok());
-  EXPECT_FALSE(store->touch(digest_of(content(1))));
-  EXPECT_TRUE(store->touch(digest_of(content(0))));
-  EXPECT_TRUE(store->touch(digest_of(content(2))));
+  EXPECT_FALSE(store->touch(key_of(content(1))));
+  EXPECT_TRUE(store->touch(key_of(content(0))));
+  EXPECT_TRUE(store->touch(key_of(content(2))));
 }
 
 TEST_F(StoreTest, NeverEvictsAGridInUse) {
   const auto store = open(100);
   ASSERT_TRUE(put(*store, content(0)).ok());
-  auto lease = store->acquire(digest_of(content(0)));
+  auto lease = store->acquire(key_of(content(0)));
   const auto refused = put(*store, content(1));
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(refused.message()), HasSubstr("100"));
@@ -134,11 +137,11 @@ TEST_F(StoreTest, NeverEvictsAGridInUse) {
 TEST_F(StoreTest, EvictsUploadsThatWereGivenUp) {
   const auto store = open(150);
   {
-    auto upload = store->begin_upload(digest_of(content(0)), 100);
+    auto upload = store->begin_upload(key_of(content(0)), 100);
     ASSERT_TRUE((*upload)->append(0, content(0).substr(0, 80)).ok());
   }
   EXPECT_TRUE(put(*store, content(1)).ok());
-  EXPECT_EQ(store->upload_state(digest_of(content(0))).committed_size, 0U);
+  EXPECT_EQ(store->upload_state(key_of(content(0))).committed_size, 0U);
 }
 
 TEST_F(StoreTest, RefusesMoreThanItsBudgetWithBothNumbers) {
@@ -152,7 +155,7 @@ TEST_F(StoreTest, RefusesMoreThanItsBudgetWithBothNumbers) {
 TEST_F(StoreTest, KeepsWholePiecesWhenTheDiskIsFull) {
   const auto store = open();
   const std::string text = content(0);
-  auto upload = store->begin_upload(digest_of(text), text.size());
+  auto upload = store->begin_upload(key_of(text), text.size());
   ASSERT_TRUE((*upload)->append(0, text.substr(0, 50)).ok());
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit old{};
@@ -163,13 +166,62 @@ TEST_F(StoreTest, KeepsWholePiecesWhenTheDiskIsFull) {
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old), 0);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   upload->reset();
-  EXPECT_EQ(store->upload_state(digest_of(text)).committed_size, 50U);
+  EXPECT_EQ(store->upload_state(key_of(text)).committed_size, 50U);
+}
+
+TEST_F(StoreTest, KnowsNothingOfAnotherNamespace) {
+  const auto store = open();
+  ASSERT_TRUE(put(*store, content(1)).ok());
+  const GridKey theirs{"theirs", digest_of(content(1))};
+  EXPECT_FALSE(store->touch(theirs));
+  EXPECT_TRUE(absl::IsNotFound(store->acquire(theirs).status()));
+  EXPECT_EQ(store->upload_state(theirs).committed_size, 0U);
+  EXPECT_TRUE(store->list("theirs", "", 10).empty());
+}
+
+TEST_F(StoreTest, TakesAllBytesAgainInAnotherNamespace) {
+  const auto store = open();
+  const std::string text = content(1);
+  ASSERT_TRUE(put(*store, text).ok());
+  const GridKey theirs{"theirs", digest_of(text)};
+  auto upload = store->begin_upload(theirs, text.size());
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  EXPECT_EQ((*upload)->committed_size(), 0U);
+  ASSERT_TRUE((*upload)->append(0, text).ok());
+  ASSERT_TRUE((*upload)->commit().ok());
+  EXPECT_TRUE(store->touch(theirs));
+  EXPECT_NE((*store->acquire(theirs))->path, (*store->acquire(key_of(text)))->path);
+}
+
+TEST_F(StoreTest, KeepsNamespacesApartOverARestart) {
+  const std::string text = content(1);
+  {
+    const auto store = open();
+    auto upload = store->begin_upload({"theirs", digest_of(text)}, text.size());
+    ASSERT_TRUE((*upload)->append(0, text).ok());
+    ASSERT_TRUE((*upload)->commit().ok());
+    auto part = store->begin_upload({"others", digest_of(text)}, text.size());
+    ASSERT_TRUE((*part)->append(0, text.substr(0, 30)).ok());
+  }
+  const auto store = open();
+  EXPECT_EQ(store->list("theirs", "", 10).size(), 1U);
+  EXPECT_EQ(store->upload_state({"others", digest_of(text)}).committed_size, 30U);
+  EXPECT_FALSE(store->touch(key_of(text)));
+}
+
+TEST_F(StoreTest, SharesItsBudgetAmongNamespaces) {
+  const auto store = open(150);
+  ASSERT_TRUE(put(*store, content(0)).ok());
+  const std::string text = content(1);
+  auto upload = store->begin_upload({"theirs", digest_of(text)}, text.size());
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  EXPECT_FALSE(store->touch(key_of(content(0))));
 }
 
 TEST_F(StoreTest, IgnoresWhatIsNotItsOwn) {
   std::filesystem::create_directories(folder_.path() / "grids" / "zz");
   std::ofstream(folder_.path() / "grids" / "zz" / "notes.txt") << "mine";
-  EXPECT_TRUE(open()->list("", 10).empty());
+  EXPECT_TRUE(open()->list(std::string(kDefaultSpace), "", 10).empty());
 }
 
 }  // namespace

@@ -25,19 +25,32 @@ class CacheTest : public testing::Test {
  protected:
   VolumeCache& cache(std::uint64_t budget) {
     return caches_.emplace_back(
-        pool_, pool_, budget,
-        [this](const std::string&, const std::string& name) -> absl::StatusOr<Volume> {
+        pool_, budget,
+        [this](const VolumeKey& key, const std::string&,
+               const VolumeCache::Cancelled& abandoned, const VolumeCache::LoadDone& done) {
           ++loads_;
-          if (name == "bad") return absl::NotFoundError("no such grid");
-          std::this_thread::sleep_for(std::chrono::milliseconds(20));
-          return volume_of(1000);
+          pool_.post([name = key.grid_name, abandoned, done] { done(read(name, abandoned)); });
         },
         [this] { ++releases_; });
   }
 
-  static std::future<Loaded> ask(VolumeCache& cache, const std::string& name) {
+  /// "slow" is read until nobody wants it.
+  static absl::StatusOr<Volume> read(const std::string& name,
+                                     const VolumeCache::Cancelled& abandoned) {
+    if (name == "bad") return absl::NotFoundError("no such grid");
+    do {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    } while (name == "slow" && !abandoned());
+    if (name == "slow") return absl::CancelledError();
+    return volume_of(1000);
+  }
+
+  static std::future<Loaded> ask(
+      VolumeCache& cache,
+      const std::string& name,
+      const VolumeCache::Cancelled& cancelled = [] { return false; }) {
     auto promise = std::make_shared<std::promise<Loaded>>();
-    cache.get({"digest", name}, "path",
+    cache.get({"default", "digest", name}, "path", cancelled,
               [promise](const Loaded& loaded) { promise->set_value(loaded); });
     return promise->get_future();
   }
@@ -84,6 +97,18 @@ TEST_F(CacheTest, RefusesAVolumeOverTheBudgetWithBothNumbers) {
   const auto status = load(volumes, "a").status();
   EXPECT_THAT(std::string(status.message()),
               testing::HasSubstr(std::to_string(kOneVolume - 1)));
+}
+
+TEST_F(CacheTest, EndsALoadWhenNobodyWantsItAnyMore) {
+  VolumeCache& volumes = cache(kOneVolume);
+  std::atomic<bool> first_gone{false}, second_gone{false};
+  auto first = ask(volumes, "slow", [&] { return first_gone.load(); });
+  auto second = ask(volumes, "slow", [&] { return second_gone.load(); });
+  first_gone = true;
+  EXPECT_EQ(first.wait_for(std::chrono::milliseconds(100)), std::future_status::timeout);
+  second_gone = true;
+  EXPECT_EQ(first.get().status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(second.get().status().code(), absl::StatusCode::kCancelled);
 }
 
 TEST_F(CacheTest, TriesAgainAfterAFailure) {

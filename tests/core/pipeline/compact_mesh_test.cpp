@@ -1,8 +1,11 @@
 #include "core/pipeline/compact_mesh.h"
 
 #include <cstddef>
+#include <cstring>
+#include <limits>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -130,6 +133,61 @@ TEST(CompactMesh, RefusesEveryTruncation) {
     encoded.chunks[0].assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     EXPECT_EQ(decode(encoded).status().code(), absl::StatusCode::kDataLoss) << size;
   }
+}
+
+/// The totals that a server which means its bytes would send: what is left of them, if
+/// anything.
+bool count_again(Encoded& encoded) {
+  CompactBricks bricks(encoded.frame.rules.both_sides);
+  for (const Bytes& chunk : encoded.chunks) {
+    if (!bricks.add(chunk).ok()) return false;
+  }
+  const auto counted = std::move(bricks).count(encoded.frame.rules);
+  if (!counted.ok()) return false;
+  encoded.header.vertex_count = counted->first_vertex(counted->brick_count());
+  encoded.header.tet_count = counted->first_tet(counted->brick_count());
+  return true;
+}
+
+/// Appends little-endian numbers.
+template <class... Numbers>
+void append(Bytes& bytes, Numbers... numbers) {
+  const auto one = [&](auto number) {
+    const auto raw = std::as_bytes(std::span(&number, 1));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  };
+  (one(numbers), ...);
+}
+
+TEST(CompactMesh, RefusesLeavesWithGapsWhateverTheHeaderSays) {
+  constexpr std::uint8_t kAnywhere = 2, kHasLeaves = 16, kFirstSliceOnly = 0xfe;
+  Bytes chunk;
+  append(chunk, std::uint8_t{2});  // bricks: one of no use, and a coarse one
+  append(chunk, kAnywhere, std::uint8_t{0}, 100, 100, 100);
+  append(chunk, static_cast<std::uint8_t>(kAnywhere | kHasLeaves), std::uint8_t{1}, 0, 0, 0);
+  append(chunk, kFirstSliceOnly, std::uint8_t{0}, std::uint64_t{1});  // a leaf
+  append(chunk, kFirstSliceOnly, std::uint8_t{0},
+         std::uint64_t{1} << 8);  // a family never sent
+  Encoded gap = encode(test::ball(5), {});
+  gap.chunks = {chunk};
+  ASSERT_TRUE(count_again(gap));
+  ASSERT_GT(gap.header.tet_count, 0U);
+  EXPECT_EQ(decode(gap).status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(CompactMesh, RefusesFractionsThatAreNone) {
+  Encoded encoded = encode(test::ball(5), {});
+  Bytes& chunk = encoded.chunks[0];
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  int refused = 0;
+  for (std::size_t at = 0; at + sizeof(nothing) <= chunk.size(); at += 97) {
+    const Bytes before = chunk;
+    std::memcpy(&chunk[at], &nothing, sizeof(nothing));
+    const auto decoded = decode(encoded);
+    refused += !decoded.ok();
+    chunk = before;
+  }
+  EXPECT_GT(refused, 0);
 }
 
 TEST(CompactMesh, RefusesOrSurvivesAnyWrongByte) {

@@ -1,0 +1,35 @@
+// The grids of a .vdb file on this machine, by way of a decoder unless the file is trusted.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/grid/grid_info.h"
+#include "core/grid/volume.h"
+
+namespace tet {
+
+enum class FileTrust {
+  kNone,  ///< another process reads it, which can do nothing else
+  kFull,  ///< OpenVDB reads it here
+};
+
+/// What the commands say of their option for it.
+inline constexpr const char* kTrustHelp =
+    "Read the file in this process, not in one that can do nothing else: for files of your own";
+
+/// Errors: those of load_volume; without trust those of decode_once and volume_of too.
+absl::StatusOr<Volume> read_volume(const std::string& path,
+                                   const std::string& grid_name,
+                                   FileTrust trust,
+                                   const Cancellation& interruption);
+
+/// Errors: those of list_grids; without trust those of decode_once and grid_list_of too.
+absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
+                                                     FileTrust trust,
+                                                     const Cancellation& interruption);
+
+}  // namespace tet

@@ -1,0 +1,68 @@
+// What a decoder and whoever started it say to each other, over one SOCK_SEQPACKET socket.
+//
+//   decoder  "ready"                       once OpenVDB is initialised
+//   parent   an order, with the descriptors of the file and of empty memory for the result
+//   decoder  how it went                   and it exits
+//
+// The decoder believes its parent. The parent believes nothing: an answer has one size, its
+// code is one of a few, and its texts are cut to what may be shown.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "core/base/descriptor.h"
+
+namespace tet {
+
+/// The descriptor under which a decoder finds its socket.
+inline constexpr int kDecoderSocket = 3;
+
+inline constexpr std::size_t kMaxFailureBytes = 500;
+
+enum class DecodeTask : std::uint32_t {
+  kVolume = 1,    ///< one grid, as a flat volume
+  kGridList = 2,  ///< what the file holds, as a flat grid list
+};
+
+/// What a decoder may take.
+struct DecodeLimits {
+  std::uint64_t volume_bytes = 0;   ///< of the volume in memory: LoadLimits::max_bytes
+  std::uint64_t result_bytes = 0;   ///< of the flat result
+  std::uint64_t working_bytes = 0;  ///< address space beyond what it has when it begins
+  std::uint64_t cpu_seconds = 0;
+};
+
+struct DecodeOrder {
+  DecodeTask task = DecodeTask::kVolume;
+  DecodeLimits limits;
+  std::int64_t file_bytes = 0;
+  std::string file_name;  ///< what messages call the file; its end if it is long
+  std::string grid_name;  ///< at most kMaxGridNameBytes; empty takes the only meshable grid
+};
+
+/// An order as it came, with its descriptors.
+struct ReceivedOrder {
+  DecodeOrder order;
+  Descriptor file, result;
+};
+
+/// Both sides; false when the other one is gone.
+bool send_ready(int socket);
+bool send_order(int socket, const DecodeOrder& order, int file, int result);
+bool send_answer(int socket, const absl::Status& answer);
+
+/// The decoder's; waits. Nothing when the parent is gone or says something else.
+std::optional<ReceivedOrder> receive_order(int socket);
+
+/// The parent's; does not wait. False or nothing when there is no message, or another one.
+bool receive_ready(int socket);
+/// Ok, or kInvalidArgument, kNotFound, kFailedPrecondition or kResourceExhausted with at most
+/// 500 bytes of printable ASCII.
+std::optional<absl::Status> receive_answer(int socket);
+
+}  // namespace tet

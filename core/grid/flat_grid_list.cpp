@@ -1,0 +1,156 @@
+#include "core/grid/flat_grid_list.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+namespace tet {
+namespace {
+
+constexpr std::array<char, 8> kMagic{'t', 'e', 't', '-', 'i', 'n', 'f', '\n'};
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kMaxTextBytes = 1000;
+
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint32_t reserved = 0;
+  std::uint64_t grid_count = 0;
+  std::uint64_t text_bytes = 0;
+};
+static_assert(sizeof(Header) == 32);
+
+/// A grid but for its texts, which follow each other in a column of their own.
+struct Record {
+  std::uint64_t active_voxels = 0;
+  double voxel_size = 0;
+  VoxelBox active_box;
+  float background = 0;
+  std::uint32_t name_bytes = 0;
+  std::uint32_t value_type_bytes = 0;
+  std::uint32_t grid_class_bytes = 0;
+  std::uint32_t not_meshable_bytes = 0;
+  std::uint32_t reserved = 0;
+};
+static_assert(sizeof(Record) == 64);
+
+Record record_of(const GridInfo& grid) {
+  Record record;
+  record.active_voxels = grid.active_voxels;
+  record.voxel_size = grid.voxel_size;
+  record.active_box = grid.active_box;
+  record.background = grid.background;
+  record.name_bytes = static_cast<std::uint32_t>(grid.name.size());
+  record.value_type_bytes = static_cast<std::uint32_t>(grid.value_type.size());
+  record.grid_class_bytes = static_cast<std::uint32_t>(grid.grid_class.size());
+  record.not_meshable_bytes = static_cast<std::uint32_t>(grid.not_meshable.size());
+  return record;
+}
+
+absl::Status wrong(const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat("the list of grids is not valid: ", what));
+}
+
+absl::StatusOr<Header> read_header(FlatReader& reader) {
+  const auto bytes = reader.column<std::byte>(sizeof(Header));
+  if (!bytes) return wrong("it has no header");
+  Header header;
+  std::memcpy(&header, bytes->data(), sizeof(Header));
+  if (header.magic != kMagic) return wrong("it does not begin with its magic number");
+  if (header.version != kVersion || header.reserved != 0) {
+    return wrong(
+        absl::StrFormat("its version is %d and only %d can be read", header.version, kVersion));
+  }
+  return header;
+}
+
+/// Takes the first `count` bytes of `rest`.
+bool take(std::string_view& rest, std::size_t count, std::size_t limit, std::string& text) {
+  if (count > rest.size() || count > limit) return false;
+  text = rest.substr(0, count);
+  rest.remove_prefix(count);
+  return true;
+}
+
+bool is_printable(std::string_view text) {
+  return std::all_of(text.begin(), text.end(),
+                     [](char c) { return absl::ascii_isprint(static_cast<unsigned char>(c)); });
+}
+
+bool is_box(const VoxelBox& box) {
+  const VoxelBox empty;
+  return (box.min == empty.min && box.max == empty.max) ||
+         (box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z);
+}
+
+absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text) {
+  GridInfo grid;
+  if (!take(text, record.name_bytes, kMaxGridNameBytes, grid.name) ||
+      !take(text, record.value_type_bytes, kMaxTextBytes, grid.value_type) ||
+      !take(text, record.grid_class_bytes, kMaxTextBytes, grid.grid_class) ||
+      !take(text, record.not_meshable_bytes, kMaxTextBytes, grid.not_meshable)) {
+    return wrong("a text is too long");
+  }
+  if (!is_printable(grid.value_type) || !is_printable(grid.grid_class) ||
+      !is_printable(grid.not_meshable)) {
+    return wrong("a text is not printable");
+  }
+  if (!is_box(record.active_box) || record.reserved != 0) return wrong("a box is none");
+  if (!std::isfinite(record.voxel_size) && grid.not_meshable.empty()) {
+    return wrong("a voxel size is not finite");
+  }
+  grid.voxel_size = record.voxel_size;
+  grid.active_voxels = record.active_voxels;
+  grid.active_box = record.active_box;
+  grid.background = record.background;
+  return grid;
+}
+
+}  // namespace
+
+absl::Status write_flat_grid_list(std::span<const GridInfo> grids, const ByteSink& sink) {
+  std::vector<Record> records;
+  std::string text;
+  for (const GridInfo& grid : grids) {
+    records.push_back(record_of(grid));
+    absl::StrAppend(&text, grid.name, grid.value_type, grid.grid_class, grid.not_meshable);
+  }
+  Header header;
+  header.grid_count = records.size();
+  header.text_bytes = text.size();
+  FlatWriter writer(sink);
+  writer.add(std::span<const Header>(&header, 1));
+  writer.add(std::span<const Record>(records));
+  writer.add(std::span<const char>(text));
+  return writer.status();
+}
+
+absl::StatusOr<std::vector<GridInfo>> read_flat_grid_list(std::span<const std::byte> block) {
+  FlatReader reader(block);
+  const absl::StatusOr<Header> header = read_header(reader);
+  if (!header.ok()) return header.status();
+  const auto records = reader.column<Record>(header->grid_count);
+  if (!records) return wrong(absl::StrFormat("%d grids do not fit in it", header->grid_count));
+  const auto bytes = reader.column<char>(header->text_bytes);
+  if (!bytes || !reader.at_end()) return wrong("its texts do not fill it");
+  std::string_view text(bytes->data(), bytes->size());
+  std::vector<GridInfo> grids;
+  for (const Record& record : *records) {
+    absl::StatusOr<GridInfo> grid = read_grid(record, text);
+    if (!grid.ok()) return grid.status();
+    grids.push_back(*std::move(grid));
+  }
+  if (!text.empty()) return wrong("its texts do not fill it");
+  return grids;
+}
+
+}  // namespace tet

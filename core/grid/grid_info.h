@@ -1,0 +1,26 @@
+// What a file says of one of its grids, its values apart.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "core/base/types.h"
+
+namespace tet {
+
+/// Longer names are refused.
+inline constexpr std::size_t kMaxGridNameBytes = 1024;
+
+struct GridInfo {
+  std::string name;        ///< "name[0]", "name[1]", ... where several grids share one
+  std::string value_type;  ///< "float", "vec3s", "points", ...
+  std::string grid_class;  ///< "level set", "fog volume", "unknown", ...
+  double voxel_size = 0;   ///< world units; of the x axis where voxels are not uniform
+  std::uint64_t active_voxels = 0;
+  VoxelBox active_box;
+  float background = 0;      ///< 0 for grids that are not float or double
+  std::string not_meshable;  ///< why the mesher refuses it; empty when it does not
+};
+
+}  // namespace tet

@@ -1,0 +1,14 @@
+// The embedded engine's tables.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include "server/jobs/sqlite_connection.h"
+
+namespace tet {
+
+/// Makes the tables, or brings those of an earlier version up to date, in one transaction.
+/// Errors: kFailedPrecondition (STORE_TOO_NEW).
+absl::Status migrate_sqlite(SqliteConnection& connection);
+
+}  // namespace tet

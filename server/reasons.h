@@ -1,0 +1,25 @@
+// Every reason that an ErrorInfo may carry; docs/errors.md says what each means.
+#pragma once
+
+#include <algorithm>
+#include <string_view>
+
+namespace tet {
+
+/// In the order of the alphabet. A lint test holds this list, the sources and docs/errors.md
+/// together.
+inline constexpr std::string_view kReasons[] = {
+    "CANCELLED",      "CHUNK_RANGE",     "CLIENT_STALLED",  "DEADLINE_EXCEEDED",
+    "DISK",           "DISK_FULL",       "GRID_NOT_FOUND",  "GRID_NOT_IN_FILE",
+    "INTERNAL",       "INVALID_FIELD",   "LIMIT_EXCEEDED",  "MALFORMED",
+    "MESSAGE_ORDER",  "NOTHING_TO_MESH", "NOT_MESHABLE",    "OTHER_MESH",
+    "QUOTA_EXCEEDED", "SERVER_BUSY",     "SHUTTING_DOWN",   "STORED_GRID_CORRUPT",
+    "STORE_BUSY",     "TOO_MUCH_DATA",   "UNREADABLE_FILE", "UPLOAD_IN_PROGRESS",
+    "WRONG_DIGEST",   "WRONG_OFFSET",
+};
+
+constexpr bool is_reason(std::string_view name) {
+  return std::find(std::begin(kReasons), std::end(kReasons), name) != std::end(kReasons);
+}
+
+}  // namespace tet

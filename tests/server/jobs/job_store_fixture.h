@@ -1,0 +1,95 @@
+// What every test of a job store begins with, for either engine.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+#include <absl/time/time.h>
+#include <gmock/gmock.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "server/jobs/job_store.h"
+#include "tests/server/jobs/store_home.h"
+
+namespace tet::test {
+
+/// ErrorInfo's reason; empty without one.
+inline std::string reason_of(const absl::Status& status) {
+  const auto bytes = status.GetPayload("type.googleapis.com/google.rpc.ErrorInfo");
+  google::rpc::ErrorInfo info;
+  if (!bytes || !info.ParseFromString(std::string(*bytes))) return "";
+  return info.reason();
+}
+
+/// Digests of made-up chunks; another salt stands for other bytes.
+inline std::vector<ChunkDigest> digests_of(ChunkRange range, char salt = 'a') {
+  std::vector<ChunkDigest> digests;
+  for (auto chunk = range.first; chunk < range.end; ++chunk) {
+    std::string digest = absl::StrCat(std::string(1, salt), chunk);
+    digest.resize(32, '.');
+    digests.push_back(digest);
+  }
+  return digests;
+}
+
+inline Plan plan_of(std::int64_t shards,
+                    std::int64_t chunks_each = 1,
+                    Phase phase = Phase::kMesh) {
+  Plan plan{phase, "header", {}};
+  for (std::int64_t i = 0; i < shards; ++i) {
+    plan.shards.push_back({i * chunks_each, (i + 1) * chunks_each});
+  }
+  return plan;
+}
+
+inline void sleep(absl::Duration time) { absl::SleepFor(time); }
+
+class JobStoreTest : public testing::TestWithParam<MakeHome> {
+ protected:
+  JobStoreTest() : home_(GetParam()()), store_(home_->open(kRules)) {}
+
+  static NewJob wanted(const std::string& client = "ana") {
+    NewJob job;
+    job.client = client;
+    return job;
+  }
+
+  Job create(const NewJob& job) { return store_->create(job).value().job; }
+  Job create() { return create(wanted()); }
+  Job get(const Job& job) { return store_->get(job.id).value(); }
+
+  std::vector<ShardLease> claim(std::int64_t most = 1,
+                                const std::string& worker = "w",
+                                absl::Duration lease = absl::Seconds(30)) {
+    return store_->claim({worker, most, lease}).value();
+  }
+  /// The test fails unless there is one.
+  ShardLease claim_one(absl::Duration lease = absl::Seconds(30)) {
+    const auto leases = claim(1, "w", lease);
+    EXPECT_EQ(leases.size(), 1U);
+    return leases.empty() ? ShardLease{} : leases[0];
+  }
+  /// A job of so many shards that are ready.
+  Job create_planned(std::int64_t shards, const NewJob& job = wanted()) {
+    const Job created = create(job);
+    EXPECT_EQ(store_->set_plan(claim_one().id, plan_of(shards)), absl::OkStatus());
+    return created;
+  }
+  absl::Status complete(const ShardLease& lease, char salt = 'a') {
+    return store_->complete(lease.id, digests_of(lease.chunks, salt));
+  }
+
+  // Failed shards are soon ready again, so that tests need not wait.
+  const SqlJobStore::Options kRules{absl::Milliseconds(1), absl::Milliseconds(4)};
+  const std::unique_ptr<StoreHome> home_;
+  std::unique_ptr<JobStore> store_;
+};
+
+}  // namespace tet::test

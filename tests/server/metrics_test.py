@@ -1,0 +1,173 @@
+"""What an operator sees of a running server: metrics as Prometheus reads them, and the access log.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/server/metrics_test.py [unittest options]
+"""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import unittest
+import urllib.parse
+import urllib.request
+
+from running_server import RunningServer, binaries, fetch, wait_until
+
+
+def unused_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class ServerTest(unittest.TestCase):
+    """A server that has made one mesh and refused another."""
+
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.folder = pathlib.Path(scratch.name)
+        cls.ball = cls.folder / "ball.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", "0.05", cls.ball], check=True)
+        cls.server = cls.enterClassContext(RunningServer(cls.folder / "store"))
+        cls.made = cls.mesh()
+        cls.refused = cls.mesh("--grid", "none")
+
+    @classmethod
+    def mesh(cls, *options, **environment):
+        return cls.server.tetstream(
+            "mesh", cls.ball, "-o", cls.folder / "m.vtu", *options,
+            env={**os.environ, **environment})
+
+    def calls(self, method):
+        return [line for line in self.server.log("call") if line["method"] == method]
+
+
+class Metrics(ServerTest):
+    def test_promtool_finds_nothing_to_object_to(self):
+        _, text = fetch(self.server.metrics, "/metrics")
+        checked = subprocess.run(
+            ["promtool", "check", "metrics"], input=text, capture_output=True, text=True,
+            timeout=20, check=False)
+        self.assertEqual((checked.returncode, checked.stdout + checked.stderr), (0, ""))
+
+    def test_counts_calls_refusals_and_what_was_sent(self):
+        self.assertEqual(self.made.returncode, 0, self.made.stderr)
+        samples = self.server.samples()
+        self.assertEqual(samples['tetstream_calls_total{code="OK",method="StreamMesh"}'], 1)
+        self.assertEqual(
+            samples['tetstream_refusals_total{code="NOT_FOUND",reason="GRID_NOT_IN_FILE"}'], 1)
+        sent = self.calls("StreamMesh")[0]
+        self.assertEqual(samples["tetstream_sent_tets_total"], sent["tets"])
+        self.assertEqual(samples["tetstream_sent_bytes_total"], sent["bytes_out"])
+        self.assertEqual(samples["tetstream_sent_chunks_total"], sent["chunks"])
+        size = self.ball.stat().st_size
+        for name in ("tetstream_upload_bytes_total", "tetstream_store_bytes"):
+            self.assertEqual(samples[name], size)
+        self.assertEqual(samples["tetstream_first_chunk_seconds_count"], 1)
+        self.assertEqual(samples["tetstream_meshes_running"], 0)
+        self.assertGreater(samples["tetstream_resident_bytes"], 0)
+        self.assertGreater(samples["process_resident_memory_bytes"], 1 << 20)
+        self.assertGreater(samples["process_start_time_seconds"], 1.7e9)
+
+    def test_a_hundred_idle_connections_hold_up_neither_health_nor_service(self):
+        host, port = self.server.metrics.rsplit(":", 1)
+        idle = [socket.socket() for _ in range(100)]
+        try:
+            for connection in idle:
+                connection.setblocking(False)  # those that the kernel does not take yet wait there
+                connection.connect_ex((host, int(port)))
+            health = self.server.tetstream("health")
+            self.assertEqual(health.returncode, 0, health.stderr)
+        finally:
+            for connection in idle:
+                connection.close()
+        self.assertEqual(fetch(self.server.metrics, "/healthz"), (200, "ok\n"))
+
+    def test_knows_no_other_pages(self):
+        self.assertEqual(fetch(self.server.metrics, "/")[0], 404)
+        self.assertEqual(fetch(self.server.metrics, "/metrics/../../etc/passwd")[0], 404)
+
+
+class InPrometheus(ServerTest):
+    def test_a_real_prometheus_scrapes_and_answers(self):
+        config = self.folder / "prometheus.yml"
+        config.write_text(
+            "scrape_configs:\n- job_name: tetstream\n  scrape_interval: 200ms\n"
+            f"  scrape_timeout: 200ms\n  static_configs: [{{targets: ['{self.server.metrics}']}}]\n")
+        address = f"127.0.0.1:{unused_port()}"
+        prometheus = subprocess.Popen(
+            ["prometheus", f"--config.file={config}", f"--web.listen-address={address}",
+             f"--storage.tsdb.path={self.folder / 'tsdb'}"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(prometheus.wait, 20)
+        self.addCleanup(prometheus.kill)
+
+        def query():
+            asked = urllib.parse.quote(
+                'sum(tetstream_calls_total{job="tetstream",method="StreamMesh"})')
+            try:
+                with urllib.request.urlopen(
+                        f"http://{address}/api/v1/query?query={asked}", timeout=5) as response:
+                    return json.load(response)["data"]["result"]
+            except OSError:
+                return []
+
+        self.assertEqual(wait_until(query, 30)[0]["value"][1], "2")
+
+
+class AccessLog(ServerTest):
+    def test_tells_what_a_stream_did(self):
+        line = self.calls("StreamMesh")[0]
+        self.assertEqual((line["status"], line["client"]), ("OK", "127.0.0.1"))
+        self.assertRegex(line["grid"], "^[0-9a-f]{64}$")
+        self.assertRegex(line["mesh_id"], "^[0-9a-f]{64}$")
+        self.assertIn("grpc-c++", line["user_agent"])
+        self.assertGreater(line["tets"], 0)
+        self.assertLessEqual(line["plan_ms"], line["first_chunk_ms"])
+        self.assertLessEqual(line["first_chunk_ms"], line["duration_ms"])
+        upload = self.calls("UploadGrid")[0]
+        self.assertEqual(upload["bytes_in"], self.ball.stat().st_size)
+
+    def test_the_command_line_names_the_line_to_look_for(self):
+        self.assertEqual(self.refused.returncode, 1)
+        request_id = re.search(r"\(request ([0-9a-f]+)\)", self.refused.stderr)[1]
+        line = next(line for line in self.calls("StreamMesh") if line["request_id"] == request_id)
+        self.assertEqual((line["status"], line["reason"]), ("NOT_FOUND", "GRID_NOT_IN_FILE"))
+
+    def test_passes_a_trace_through(self):
+        trace, parent = "0af7651916cd43dd8448eb211c80319c", "b7ad6b7169203331"
+        self.mesh(TRACEPARENT=f"00-{trace}-{parent}-01")
+        line = self.calls("StreamMesh")[-1]
+        self.assertEqual((line["trace_id"], line["parent_id"]), (trace, parent))
+        self.assertRegex(line["span_id"], "^[0-9a-f]{16}$")
+
+    def test_ignores_a_malformed_trace(self):
+        self.mesh(TRACEPARENT="00-0af7651916cd43dd8448eb211c80319c-0000000000000000-01")
+        self.assertNotIn("trace_id", self.calls("StreamMesh")[-1])
+
+
+class Draining(ServerTest):
+    def test_says_so_before_it_goes_and_goes_on_answering(self):
+        self.assertEqual(fetch(self.server.metrics, "/readyz"), (200, "ok\n"))
+        with subprocess.Popen(
+                [binaries() / "tetstream", "mesh", self.ball, "-o", self.folder / "long.vtu",
+                 "--spacing", "0.004", "--levels", "0", "--server", self.server.address],
+                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as stream:
+            wait_until(lambda: self.server.samples()["tetstream_meshes_running"] == 1)
+            self.server.process.send_signal(signal.SIGTERM)
+            wait_until(lambda: self.server.log("draining"))
+            self.assertEqual(fetch(self.server.metrics, "/readyz"), (503, "not ready\n"))
+            self.assertEqual(fetch(self.server.metrics, "/healthz"), (200, "ok\n"))
+            self.assertEqual(self.server.samples()["tetstream_ready"], 0)
+            stream.kill()
+        self.assertEqual(self.server.process.wait(30), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
