@@ -29,22 +29,6 @@ spdlog::level::level_enum level_of(const absl::Status& status) {
 
 }  // namespace
 
-absl::Status shutting_down() {
-  return with_retry(
-      with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
-      absl::Seconds(1));
-}
-
-void CallRegistry::drain() {
-  const std::lock_guard lock(mutex_);
-  draining_ = true;
-}
-
-absl::Status CallRegistry::admission() const {
-  const std::lock_guard lock(mutex_);
-  return draining_ ? shutting_down() : absl::OkStatus();
-}
-
 void CallRegistry::cut() {
   std::map<const Call*, std::function<void()>> running;
   {
@@ -90,6 +74,9 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
       method_(std::move(method)),
       caller_(registry.access().admit(context, method_)),
       client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
+  auto ticket = registry.admission().admit_call(client_);
+  admitted_ = ticket.status();
+  if (ticket.ok()) ticket_ = *std::move(ticket);
   registry_.add(1);
   const CallIdentity identity = identify(context);
   tell_identity(identity, context);
@@ -104,16 +91,18 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
   fields_["parent_id"] = identity.span.parent_id;
 }
 
-Call::~Call() { registry_.remove(*this); }
+// Whoever waits for the registry to be idle may destroy the admission next.
+Call::~Call() {
+  ticket_.reset();
+  registry_.remove(*this);
+}
 
 void Call::on_cut(std::function<void()> cut) {
   const std::lock_guard lock(registry_.mutex_);
   registry_.on_cut_[this] = std::move(cut);
 }
 
-absl::Status Call::admission() const {
-  return caller_.ok() ? registry_.admission() : caller_.status();
-}
+absl::Status Call::admission() const { return caller_.ok() ? admitted_ : caller_.status(); }
 
 void Call::note(const std::string& key, nlohmann::ordered_json value) {
   if (value.is_string()) value = printable(value.get_ref<std::string&>(), kMaxLoggedText);
@@ -132,7 +121,21 @@ grpc::Status Call::finish(const absl::Status& status) {
   fields_["duration_ms"] = 1e3 * seconds();
   if (!status.ok()) note("message", std::string(status.message()));
   log_event(level_of(status), "call", fields_);
+  ticket_.reset();
   return to_grpc(status);
+}
+
+absl::Status client_gone(const Cancellation& cancellation) {
+  if (cancellation.deadline_passed()) {
+    return with_reason(absl::DeadlineExceededError("the deadline passed"), "DEADLINE_EXCEEDED");
+  }
+  return with_reason(absl::CancelledError("the client went away"), "CANCELLED");
+}
+
+absl::Status client_stalled(const char* did_what, std::chrono::seconds waited) {
+  return with_reason(absl::AbortedError(absl::StrCat("the client ", did_what, " for ",
+                                                     waited.count(), " s; resume to go on")),
+                     "CLIENT_STALLED");
 }
 
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
@@ -142,10 +145,13 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  std::function<absl::Status(Call&)> work) {
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
-  disk.post([call, reactor, work = std::move(work)] {
-    const absl::Status admitted = call->admission();
-    reactor->Finish(call->finish(admitted.ok() ? work(*call) : admitted));
-  });
+  if (const absl::Status admitted = call->admission(); !admitted.ok()) {
+    reactor->Finish(call->finish(admitted));
+  } else {
+    disk.post([call, reactor, work = std::move(work)] {
+      reactor->Finish(call->finish(work(*call)));
+    });
+  }
   return reactor;
 }
 
@@ -158,10 +164,11 @@ grpc::ServerUnaryReactor* answer_later(
   auto call = std::make_shared<Call>(registry, context, std::move(method));
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   auto pending = std::make_shared<PendingAnswer>(call, context, *reactor);
-  disk.post([call, pending, begin = std::move(begin)] {
-    const absl::Status admitted = call->admission();
-    admitted.ok() ? begin(pending) : pending->finish(admitted);
-  });
+  if (const absl::Status admitted = call->admission(); !admitted.ok()) {
+    pending->finish(admitted);
+  } else {
+    disk.post([pending, begin = std::move(begin)] { begin(pending); });
+  }
   return reactor;
 }
 

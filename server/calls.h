@@ -1,4 +1,4 @@
-// Running calls: counted, logged when they end, and refused while the server drains.
+// Running calls: admitted, counted, and logged when they end.
 #pragma once
 
 #include <chrono>
@@ -15,8 +15,10 @@
 #include <grpcpp/support/server_callback.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/cancel.h"
 #include "core/base/parallel.h"
 #include "server/access.h"
+#include "server/admission.h"
 #include "server/call_identity.h"
 #include "server/metrics.h"
 
@@ -24,24 +26,18 @@ namespace tet {
 
 class Call;
 
-/// How a call ends that a server which stops no longer takes, or no longer goes on with.
-absl::Status shutting_down();
-
 /// Counts the calls that are running, and those that ended. Thread safety: any thread may call
 /// any member.
 class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `access` outlives the registry.
-  explicit CallRegistry(Access& access) : access_(access) {}
+  /// Both outlive the registry.
+  CallRegistry(Access& access, Admission& admission) : access_(access), admission_(admission) {}
 
   Access& access() const { return access_; }
+  Admission& admission() const { return admission_; }
 
-  /// From now on every new call is refused with kUnavailable.
-  void drain();
-  /// kUnavailable while draining.
-  absl::Status admission() const;
   /// Hands back what still runs: calls that asked to be told end with kUnavailable as soon as
   /// their transport lets them, and the others find it in `cut_off`.
   void cut();
@@ -59,10 +55,11 @@ class CallRegistry {
   void remove(const Call& call);
 
   Access& access_;
+  Admission& admission_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   int running_ = 0;
-  bool draining_ = false, cut_ = false;
+  bool cut_ = false;
   std::map<const Call*, std::function<void()>> on_cut_;
   Metrics metrics_;
 };
@@ -80,8 +77,8 @@ class Call {
 
   CallRegistry& registry() const { return registry_; }
 
-  /// Errors: those of Access::admit, and of the registry's admission. To be asked before
-  /// anything else.
+  /// Errors: those of Access::admit and Admission::admit_call. To be asked before anything
+  /// else.
   absl::Status admission() const;
 
   /// Who calls, as far as we can tell: the token's name, the subject of the client's
@@ -101,7 +98,8 @@ class Call {
   /// Time since the call arrived.
   double seconds() const;
 
-  /// Logs and counts the call's end; what it returns is for gRPC's Finish.
+  /// Logs and counts the call's end, and makes room for the client's next; what it returns is
+  /// for gRPC's Finish.
   grpc::Status finish(const absl::Status& status);
 
  private:
@@ -109,9 +107,17 @@ class Call {
   const std::string method_;
   const absl::StatusOr<Caller> caller_;
   const std::string client_;
+  Ticket ticket_;
+  absl::Status admitted_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();
   nlohmann::ordered_json fields_;
 };
+
+/// Why a call that was cancelled ends: its deadline, or its client.
+absl::Status client_gone(const Cancellation& cancellation);
+
+/// kAborted with reason CLIENT_STALLED: the client `did_what` for so long.
+absl::Status client_stalled(const char* did_what, std::chrono::seconds waited);
 
 /// What the gRPC handlers of a unary method have in common: `work` runs on `disk`, never on
 /// gRPC's own threads, and its status ends the call.

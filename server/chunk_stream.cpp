@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <grpc/grpc.h>
 
 #include "proto/wire/checksum.h"
 #include "proto/wire/chunk_frame.h"
@@ -35,45 +36,52 @@ std::uint32_t checksum_of(const ChunkColumns& columns) {
   return chunk_checksum(text(columns.positions), text(columns.tets), text(columns.regions));
 }
 
-absl::Status client_gone(const Cancellation& cancellation) {
-  if (cancellation.deadline_passed()) {
-    return with_reason(absl::DeadlineExceededError("the deadline passed"), "DEADLINE_EXCEEDED");
-  }
-  return with_reason(absl::CancelledError("the client went away"), "CANCELLED");
-}
-
 }  // namespace
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
     MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
   const std::shared_ptr<ChunkStream> stream(new ChunkStream(engine, context));
   stream->self_ = stream;
+  engine.stalls.add(stream);
   stream->begin(request);
   return stream.get();
 }
 
 ChunkStream::ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context)
     : engine_(engine),
+      context_(context),
       call_(engine.calls, context, "StreamMesh"),
       watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
 
 void ChunkStream::begin(const grpc::ByteBuffer& request) {
-  auto ticket = engine_.admit(call_);
   auto order = parse(request);
-  const absl::Status status = ticket.ok() ? order.status() : ticket.status();
+  const absl::Status admitted = call_.admission();
+  const absl::Status status = admitted.ok() ? order.status() : admitted;
   if (!status.ok()) {
     end(status);
     return advance();
   }
   call_.note("grid", order->mesh.digest);
-  ticket_ = *std::move(ticket);
   order_ = *std::move(order);
   order_.mesh.space = call_.space();
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->cut();
   });
   watch_progress();
-  engine_.planner.plan(order_.mesh, watch_,
+  place_ = engine_.admit(call_, watch_->cancellation.deadline(),
+                         [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
+                           self->plan(std::move(ticket));
+                         });
+}
+
+void ChunkStream::plan(absl::StatusOr<Ticket> ticket) {
+  if (!ticket.ok()) return begin_chunks(ticket.status());
+  {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::kEnded) return;
+    ticket_ = *std::move(ticket);
+  }
+  engine_.planner.plan(call_.client(), order_.mesh, watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
                          self->plan_base(std::move(planned));
                        });
@@ -106,7 +114,7 @@ void ChunkStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
   if (order_.base_digest.empty()) return begin_chunks(absl::OkStatus());
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
-  engine_.planner.plan(std::move(base), watch_,
+  engine_.planner.plan(call_.client(), std::move(base), watch_,
                        [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned_base) {
                          self->find_patches(planned_base);
                        });
@@ -167,8 +175,9 @@ std::uint64_t ChunkStream::chunk_count() const {
 }
 
 /// Chunks made ahead: enough of all streams together to keep every thread busy, but two a
-/// stream.
+/// stream; and one where blocks are scarce.
 std::uint64_t ChunkStream::window() const {
+  if (engine_.send_budget.is_tight()) return 1;
   const auto streams = static_cast<std::uint64_t>(engine_.activity.meshes.load());
   return std::clamp<std::uint64_t>(slots_.size() / std::max<std::uint64_t>(streams, 1),
                                    std::min<std::uint64_t>(slots_.size(), 2), slots_.size());
@@ -177,19 +186,26 @@ std::uint64_t ChunkStream::window() const {
 /// Fills the window.
 void ChunkStream::post_chunks() {
   const std::uint64_t ahead = window();
-  while (posted_ < end_ && posted_ < next_ + ahead) {
-    engine_.activity.chunks_in_flight.fetch_add(1);
-    engine_.pool.post(
-        [self = shared_from_this(), index = posted_] { self->make_chunk(index); });
-    ++posted_;
-  }
+  while (posted_ < end_ && posted_ < next_ + ahead) ask_for_block(posted_++);
+}
+
+void ChunkStream::ask_for_block(std::uint64_t index) {
+  engine_.send_budget.ask(
+      this, call_.client(), [self = shared_from_this(), index](const Block& block) {
+        self->engine_.activity.chunks_in_flight.fetch_add(1);
+        self->engine_.chunk_tasks.post(
+            self->call_.client(), [self, index, block] { self->make_chunk(index, block); });
+      });
 }
 
 // Only this task touches the slot until it is ready: nobody needs the lock while it is filled.
-void ChunkStream::make_chunk(std::uint64_t index) {
+void ChunkStream::make_chunk(std::uint64_t index, Block block) {
   Slot& slot = slot_of(index);
   const bool wanted = !watch_->cancellation.requested();
-  if (wanted) order_.compact ? encode(index, slot) : fill(index, slot);
+  if (wanted) {
+    order_.compact ? encode(index, slot, std::move(block))
+                   : fill(index, slot, std::move(block));
+  }
   engine_.activity.chunks_in_flight.fetch_sub(1);
   {
     const std::lock_guard lock(mutex_);
@@ -199,12 +215,12 @@ void ChunkStream::make_chunk(std::uint64_t index) {
   advance();
 }
 
-void ChunkStream::fill(std::uint64_t index, Slot& slot) {
+void ChunkStream::fill(std::uint64_t index, Slot& slot, Block block_lease) {
   const MeshPlan& plan = *planned_.plan;
   const ChunkExtent extent = patch_ ? patch_->extent(index) : plan.chunk(index);
   const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
   const ChunkFrame frame({size.positions, size.tets, size.regions});
-  const grpc::Slice slice = engine_.blocks.take(frame.block_bytes());
+  const grpc::Slice slice = engine_.blocks.take(frame.block_bytes(), std::move(block_lease));
   auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));
   const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block)};
 
@@ -224,7 +240,7 @@ void ChunkStream::fill(std::uint64_t index, Slot& slot) {
   engine_.activity.chunks_made.fetch_add(1);
 }
 
-void ChunkStream::encode(std::uint64_t index, Slot& slot) {
+void ChunkStream::encode(std::uint64_t index, Slot& slot, Block block) {
   const MeshPlan& plan = *planned_.plan;
   const ChunkExtent extent = plan.chunk(index);
   std::vector<std::byte> bytes;
@@ -241,7 +257,8 @@ void ChunkStream::encode(std::uint64_t index, Slot& slot) {
   chunk.set_tet_count(static_cast<std::int64_t>(extent.tet_count));
   chunk.set_checksum(add_to_checksum(0, bytes));
   chunk.set_compact(bytes.data(), bytes.size());
-  slot.message = serialized(event);
+  block->shrink_to(bytes.size());
+  slot.message = serialized(event, std::move(block));
   slot.tets = extent.tet_count;
   slot.bytes = bytes.size();
   engine_.activity.chunks_made.fetch_add(1);
@@ -256,13 +273,21 @@ void ChunkStream::advance() {
     case Step::kWrite:
       return StartWrite(&outgoing_);
     case Step::kFinish:
+      make_room();
       return Finish(call_.finish(status_));
   }
 }
 
+/// Whoever sees the stream's end may begin the next at once.
+void ChunkStream::make_room() {
+  Ticket last;  // given back without the lock
+  const std::lock_guard lock(mutex_);
+  last.swap(ticket_);
+}
+
 ChunkStream::Step ChunkStream::next_step() {
   const std::lock_guard lock(mutex_);
-  if (writing_ || finished_) return Step::kWait;
+  if (writing_ || finished_ || cancelling_) return Step::kWait;
   if (phase_ == Phase::kEnded) {
     finished_ = true;
     progress_timer_.reset();
@@ -273,6 +298,7 @@ ChunkStream::Step ChunkStream::next_step() {
   }
   if (!prepare_message()) return Step::kWait;
   writing_ = true;
+  write_start_ = Stallable::Clock::now();
   written_ = phase_;
   return Step::kWrite;
 }
@@ -386,6 +412,33 @@ void ChunkStream::end(const absl::Status& status) {
   if (phase_ == Phase::kEnded) return;
   phase_ = Phase::kEnded;
   status_ = status;
+  engine_.send_budget.leave(this);
+}
+
+std::optional<Stallable::Clock::time_point> ChunkStream::waiting_since() {
+  const std::lock_guard lock(mutex_);
+  if (!writing_ || phase_ == Phase::kEnded) return std::nullopt;
+  return write_start_;
+}
+
+/// The message being written bars the way to any status, so the call is cancelled with it. That
+/// may bring events here and now, so not under the lock; and gRPC must not be done meanwhile.
+void ChunkStream::give_up(std::chrono::seconds waited) {
+  const absl::Status status = client_stalled("took nothing", waited);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!writing_ || phase_ == Phase::kEnded) return;
+    end(status);
+    cancelling_ = true;
+  }
+  watch_->cancellation.cancel();
+  grpc_call_cancel_with_status(context_.c_call(), GRPC_STATUS_ABORTED,
+                               std::string(status.message()).c_str(), nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    cancelling_ = false;
+  }
+  advance();
 }
 
 /// The server stops: the client goes on elsewhere, with the chunks it has.
@@ -400,6 +453,7 @@ void ChunkStream::cut() {
 
 void ChunkStream::OnCancel() {
   watch_->cancellation.cancel();
+  engine_.calls.admission().leave(place_);
   {
     const std::lock_guard lock(mutex_);
     end(client_gone(watch_->cancellation));

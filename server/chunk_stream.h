@@ -23,11 +23,13 @@ namespace tet {
 /// gone) moves it one step, on whichever thread the event came.
 ///
 /// A chunk's columns are made in the memory they are sent from, within the protobuf bytes
-/// around them. At most `window` chunks are made and not yet taken by the transport, so a
-/// client that reads slowly holds that many blocks and nothing else.
+/// around them. At most `window` chunks are made and not yet taken by the transport, each in a
+/// block of the send budget, so a client that reads slowly holds that many blocks and nothing
+/// else. A client that reads nothing for too long loses its stream.
 ///
 /// Lives until gRPC is done with it and the last task that refers to it has run.
 class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
+                          public Stallable,
                           public std::enable_shared_from_this<ChunkStream> {
  public:
   /// Begins the call; what it returns is for gRPC.
@@ -53,8 +55,11 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
   void OnDone() override;
+  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  void give_up(std::chrono::seconds waited) override;
 
   void begin(const grpc::ByteBuffer& request);
+  void plan(absl::StatusOr<Ticket> ticket);
   void watch_progress();
   void report_progress();
   void plan_base(absl::StatusOr<PlannedMesh> planned);
@@ -65,11 +70,14 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   absl::Status check_range();
   std::uint64_t window() const;
   void post_chunks();
-  void make_chunk(std::uint64_t index);
-  void fill(std::uint64_t index, Slot& slot);
-  void encode(std::uint64_t index, Slot& slot);
+  void ask_for_block(std::uint64_t index);
+  using Block = std::shared_ptr<SendBudget::Lease>;
+  void make_chunk(std::uint64_t index, Block block);
+  void fill(std::uint64_t index, Slot& slot, Block block);
+  void encode(std::uint64_t index, Slot& slot, Block block);
 
   void advance();
+  void make_room();
   Step next_step();
   bool prepare_message();
   v1::MeshEvent progress_event() const;
@@ -83,19 +91,23 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
 
   MeshEngine& engine_;
+  grpc::CallbackServerContext& context_;  ///< there until gRPC is done
   Call call_;
   std::shared_ptr<PlanningWatch> watch_;
   std::shared_ptr<ChunkStream> self_;  ///< until gRPC is done
+  Admission::Place place_ = 0;         ///< in the queue; 0: in none
 
   std::mutex mutex_;  ///< guards all below
   std::unique_ptr<grpc::Alarm> progress_timer_;
-  MeshTicket ticket_;
+  Ticket ticket_;
   StreamOrder order_;
   PlannedMesh planned_;
   std::shared_ptr<const MeshPatch> patch_;  ///< where parts of the client's mesh are kept
   Phase phase_ = Phase::kPlanning;
   Phase written_ = Phase::kPlanning;  ///< phase of the message being written
   bool writing_ = false;
+  Stallable::Clock::time_point write_start_{};
+  bool cancelling_ = false;  ///< the call may not finish now
   bool finished_ = false;
   bool progress_due_ = false;
   absl::Status status_;        ///< how the call ends

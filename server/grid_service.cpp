@@ -142,7 +142,7 @@ grpc::ServerUnaryReactor* GridService::FindMissingGrids(
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* GridService::UploadGrid(
     grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
-  return new UploadStream(store_, calls_, disk_, *context, *response);
+  return UploadStream::start({store_, calls_, disk_, stalls_}, *context, *response);
 }
 
 grpc::ServerUnaryReactor* GridService::GetUploadStatus(

@@ -5,6 +5,7 @@
 #include "core/decode/decoder_pool.h"
 #include "server/calls.h"
 #include "server/grid_store.h"
+#include "server/stall_watch.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 
 namespace tet {
@@ -23,8 +24,12 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
 /// outlive the service and its calls.
 class GridService final : public RawUploadService {
  public:
-  GridService(GridStore& store, CallRegistry& calls, TaskPool& disk, DecoderPool& decoders)
-      : store_(store), calls_(calls), disk_(disk), decoders_(decoders) {}
+  GridService(GridStore& store,
+              CallRegistry& calls,
+              TaskPool& disk,
+              DecoderPool& decoders,
+              StallWatch& stalls)
+      : store_(store), calls_(calls), disk_(disk), decoders_(decoders), stalls_(stalls) {}
 
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
                                              const v1::FindMissingGridsRequest* request,
@@ -46,6 +51,7 @@ class GridService final : public RawUploadService {
   CallRegistry& calls_;
   TaskPool& disk_;
   DecoderPool& decoders_;
+  StallWatch& stalls_;
 };
 
 }  // namespace tet

@@ -172,8 +172,9 @@ StoreStats GridStore::stats() const {
 }
 
 absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKey& key,
-                                                                    std::uint64_t size_bytes) {
-  const absl::Status reserved = reserve(key, size_bytes);
+                                                                    std::uint64_t size_bytes,
+                                                                    const Uploader& by) {
+  const absl::Status reserved = reserve(key, size_bytes, by);
   if (!reserved.ok()) return reserved;
   const fs::path path = part_path(key);
   std::error_code error;  // what it hinders fails by itself
@@ -210,7 +211,9 @@ std::uint64_t GridStore::used_bytes() const {
 }
 
 /// Marks the upload as under way, with room for all of it.
-absl::Status GridStore::reserve(const GridKey& key, std::uint64_t size_bytes) {
+absl::Status GridStore::reserve(const GridKey& key,
+                                std::uint64_t size_bytes,
+                                const Uploader& by) {
   if (size_bytes > budget_bytes_)
     return over_limit("grid file, bytes", size_bytes, budget_bytes_);
   const std::lock_guard lock(mutex_);
@@ -225,12 +228,24 @@ absl::Status GridStore::reserve(const GridKey& key, std::uint64_t size_bytes) {
                     "UPLOAD_IN_PROGRESS"),
         absl::Seconds(1));
   }
+  if (auto status = check_quota(key, size_bytes, by); !status.ok()) return status;
   const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
   while (used_bytes() - held + size_bytes > budget_bytes_) {
     if (!evict_oldest(key)) return no_room(size_bytes, budget_bytes_);
   }
-  parts_[key] = Part{size_bytes, absl::Now(), true};
+  parts_[key] = Part{size_bytes, absl::Now(), true, by.name};
   return absl::OkStatus();
+}
+
+absl::Status GridStore::check_quota(const GridKey& key,
+                                    std::uint64_t size_bytes,
+                                    const Uploader& by) const {
+  std::uint64_t bytes = size_bytes;
+  for (const auto& [part_key, part] : parts_) {
+    if (part.sender == by.name && part_key != key) bytes += part.size_bytes;
+  }
+  if (bytes <= by.max_bytes) return absl::OkStatus();
+  return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
 }
 
 /// Removes the least recently used of the grids that nobody holds and the uploads nobody sends.
@@ -273,7 +288,7 @@ void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
     fs::remove(part_path(key), ignored);
     parts_.erase(key);
   } else {
-    parts_[key] = Part{committed_size, absl::Now(), false};
+    parts_[key] = Part{committed_size, absl::Now(), false, parts_[key].sender};
   }
 }
 

@@ -52,6 +52,12 @@ struct ListedGrid {
   absl::Time last_use;
 };
 
+/// Who sends a file, and how much of what is not whole yet may be theirs.
+struct Uploader {
+  std::string name;
+  std::uint64_t max_bytes = ~std::uint64_t{0};
+};
+
 /// What a store holds, and what went since it was opened.
 struct StoreStats {
   std::uint64_t bytes = 0, budget_bytes = 0;
@@ -97,10 +103,12 @@ class GridStore {
   void set_aside(const GridLease& grid);
 
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
-  /// Errors: kAlreadyExists (stored), kAborted (being uploaded), kResourceExhausted (with
-  /// numbers).
+  /// Whoever sent a part last is charged for it, as a whole while it is being sent; a restart
+  /// forgets that. Errors: kAlreadyExists (stored), kAborted (being uploaded),
+  /// kResourceExhausted (with numbers).
   absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(const GridKey& key,
-                                                           std::uint64_t size_bytes);
+                                                           std::uint64_t size_bytes,
+                                                           const Uploader& by = {});
 
  private:
   friend class GridUpload;
@@ -113,6 +121,7 @@ class GridStore {
     std::uint64_t size_bytes = 0;  ///< on disk, or all that was announced while it is busy
     absl::Time last_use;
     bool busy = false;
+    std::string sender = {};  ///< see Uploader; empty after a restart
   };
 
   GridStore(std::filesystem::path root, StoreLock lock, std::uint64_t budget_bytes)
@@ -126,7 +135,10 @@ class GridStore {
   void use(Entry& entry);
 
   std::uint64_t used_bytes() const;
-  absl::Status reserve(const GridKey& key, std::uint64_t size_bytes);
+  absl::Status reserve(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
+  absl::Status check_quota(const GridKey& key,
+                           std::uint64_t size_bytes,
+                           const Uploader& by) const;
   bool evict_oldest(const GridKey& except_part);
 
   void end_upload(const GridKey& key, std::uint64_t committed_size);

@@ -1,9 +1,10 @@
 #include "server/mesh_engine.h"
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "proto/wire/chunk_frame.h"
-#include "server/status.h"
 
 namespace tet {
 
@@ -26,8 +27,16 @@ void WorkspacePool::give_back(MeshWorkspace workspace) {
 
 namespace {
 
+// Enough that one very large plan does not keep all other large ones waiting.
+constexpr std::size_t kLargePlansAtOnce = 2;
+
 // 32 MiB: more than one stream, or a few, ever hold.
 constexpr std::size_t kIdleBlocks = 64;
+constexpr std::size_t kBlockBytes = kChunkBytes + ChunkFrame::kMaxOverhead;
+
+/// Where others have waited this long for a block, whoever takes nothing of its own for so long
+/// loses it.
+constexpr std::chrono::seconds kKeptWaiting{1}, kPressedStall{5};
 
 /// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
 constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
@@ -54,22 +63,34 @@ MeshEngine::MeshEngine(const Config& server_config,
                        GridStore& store)
     : config(server_config),
       calls(call_registry),
-      blocks(kChunkBytes + ChunkFrame::kMaxOverhead, kIdleBlocks),
-      planner(pool, decoders, store, config.resident_bytes, mesh_limits(config)),
+      blocks(kBlockBytes, kIdleBlocks),
+      send_budget(config.send_bytes, kBlockBytes),
+      planner({pool, large}, decoders, store, config.resident_bytes, mesh_limits(config)),
       pool(static_cast<int>(config.threads)),
+      large(static_cast<int>(config.threads), kLargePlansAtOnce),
       decoders(decoder_settings(config)) {}
 
-absl::StatusOr<MeshTicket> MeshEngine::admit(const Call& call) {
-  if (const absl::Status status = call.admission(); !status.ok()) return status;
-  const std::int64_t running = activity.meshes.fetch_add(1) + 1;
-  MeshTicket ticket(
-      &activity, [](void* counted) { static_cast<Activity*>(counted)->meshes.fetch_sub(1); });
-  if (running > static_cast<std::int64_t>(config.max_streams)) {
-    return with_retry(over_limit("meshes being made at once",
-                                 static_cast<std::uint64_t>(running), config.max_streams),
-                      absl::Seconds(1));
+Admission::Place MeshEngine::admit(const Call& call,
+                                   Cancellation::Clock::time_point deadline,
+                                   Admission::Answer answer) {
+  const auto count = [this, answer = std::move(answer)](absl::StatusOr<Ticket> ticket) {
+    if (!ticket.ok()) return answer(std::move(ticket));
+    activity.meshes.fetch_add(1);
+    answer(Ticket(this, [this, admitted = *std::move(ticket)](void*) mutable {
+      activity.meshes.fetch_sub(1);
+      admitted.reset();
+    }));
+  };
+  return calls.admission().queue_mesh(call.client(), deadline, count);
+}
+
+void MeshEngine::check_stalls() {
+  const auto now = Stallable::Clock::now();
+  std::chrono::seconds limit(config.stall_seconds);
+  if (send_budget.kept_waiting_since(now - kKeptWaiting)) {
+    limit = std::min(limit, kPressedStall);
   }
-  return ticket;
+  stalls.check(now, limit);
 }
 
 }  // namespace tet

@@ -15,7 +15,10 @@
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
 #include "server/config.h"
+#include "server/large_plans.h"
 #include "server/planner.h"
+#include "server/send_budget.h"
+#include "server/stall_watch.h"
 
 namespace tet {
 
@@ -37,23 +40,31 @@ struct Activity {
   std::atomic<std::int64_t> chunks_made{0};       ///< since the start
 };
 
-/// Counts a mesh call as running until it is destroyed.
-using MeshTicket = std::shared_ptr<void>;
-
 struct MeshEngine {
   MeshEngine(const Config& server_config, CallRegistry& call_registry, GridStore& store);
 
-  /// Errors: those of Call::admission, kResourceExhausted (over `max_streams`).
-  absl::StatusOr<MeshTicket> admit(const Call& call);
+  /// See Admission::queue_mesh: meshes that are admitted are counted as running, too.
+  Admission::Place admit(const Call& call,
+                         Cancellation::Clock::time_point deadline,
+                         Admission::Answer answer);
+
+  /// Ends streams whose clients stopped reading: sooner where others wait for their blocks. To
+  /// be called every now and then.
+  void check_stalls();
 
   const Config config;
   CallRegistry& calls;
   Activity activity;
   WorkspacePool workspaces;
   BlockPool blocks;
+  SendBudget send_budget;
+  StallWatch stalls;
   Planner planner;
-  TaskPool pool;         ///< its tasks end before what is above, which they use
-  DecoderPool decoders;  ///< last: what it decodes becomes tasks
+  // Last, so that their tasks end before what is above, which they use.
+  FairTasks chunk_tasks{pool};
+  TaskPool pool;         ///< chunks and short plans
+  LargePlans large;      ///< each on as many threads again: the system shares the cores
+  DecoderPool decoders;  ///< what it decodes becomes tasks
 };
 
 }  // namespace tet

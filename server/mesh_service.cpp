@@ -21,30 +21,39 @@ class Estimate final : public grpc::ServerUnaryReactor,
                                          v1::MeshHeader& response) {
     const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
     estimate->self_ = estimate;
-    estimate->begin(engine, request);
+    estimate->begin(request);
     return estimate.get();
   }
 
  private:
   Estimate(MeshEngine& engine, grpc::CallbackServerContext& context, v1::MeshHeader& response)
-      : call_(engine.calls, context, "EstimateMesh"),
+      : engine_(engine),
+        call_(engine.calls, context, "EstimateMesh"),
         watch_(std::make_shared<PlanningWatch>(context.deadline())),
         response_(response) {}
 
-  void begin(MeshEngine& engine, const v1::MeshRequest& request) {
-    auto ticket = engine.admit(call_);
+  void begin(const v1::MeshRequest& request) {
     auto order = parse_mesh_request(request);
-    const absl::Status status =
-        ticket.ok() ? within_field("mesh", order.status()) : ticket.status();
+    const absl::Status admitted = call_.admission();
+    const absl::Status status = admitted.ok() ? within_field("mesh", order.status()) : admitted;
     if (!status.ok()) return Finish(call_.finish(status));
-    ticket_ = *std::move(ticket);
-    call_.note("grid", order->digest);
-    order->space = call_.space();
+    order_ = *std::move(order);
+    call_.note("grid", order_.digest);
+    order_.space = call_.space();
     // Counts are the same without improvement, which would make the mesh.
-    improve_ = std::exchange(order->request.improve, false);
+    improve_ = std::exchange(order_.request.improve, false);
     call_.on_cut([watch = watch_] { watch->cancellation.cancel(); });
-    engine.planner.plan(
-        *std::move(order), watch_,
+    place_ = engine_.admit(call_, watch_->cancellation.deadline(),
+                           [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
+                             self->plan(std::move(ticket));
+                           });
+  }
+
+  void plan(absl::StatusOr<Ticket> ticket) {
+    if (!ticket.ok()) return finish(ticket.status());
+    ticket_ = *std::move(ticket);
+    engine_.planner.plan(
+        call_.client(), order_, watch_,
         [self = shared_from_this()](const auto& planned) { self->finish(planned); });
   }
 
@@ -58,18 +67,26 @@ class Estimate final : public grpc::ServerUnaryReactor,
       call_.note("mesh_id", response_.mesh_id());
       call_.note("tets", response_.tet_count());
     }
+    ticket_.reset();
     const absl::Status cut = call_.registry().cut_off();
     Finish(call_.finish(planned.ok() || cut.ok() ? planned.status() : cut));
   }
 
-  void OnCancel() override { watch_->cancellation.cancel(); }
+  // Whoever leaves the queue is not answered there.
+  void OnCancel() override {
+    watch_->cancellation.cancel();
+    if (engine_.calls.admission().leave(place_)) finish(client_gone(watch_->cancellation));
+  }
   void OnDone() override { const std::shared_ptr<Estimate> last = std::move(self_); }
 
+  MeshEngine& engine_;
   Call call_;
   std::shared_ptr<PlanningWatch> watch_;
   v1::MeshHeader& response_;
+  MeshOrder order_;
   bool improve_ = false;
-  MeshTicket ticket_;
+  Admission::Place place_ = 0;  ///< in the queue; 0: in none
+  Ticket ticket_;
   std::shared_ptr<Estimate> self_;
 };
 

@@ -5,6 +5,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/decode/decode_file.h"
+#include "core/pipeline/budget.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/explain.h"
@@ -16,6 +17,9 @@ namespace {
 // Enough for the streams that are likely to come back; each may hold a volume in memory,
 // and the positions of an improved mesh.
 constexpr std::size_t kRecentPlans = 4;
+
+// A tenth of a second or so of one core.
+constexpr double kLargePlanBricks = 4096;
 
 /// Has a stored grid read by a decoder, and what it hands back checked by the pool.
 VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
@@ -39,57 +43,77 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
 
 }  // namespace
 
-Planner::Planner(TaskPool& pool,
+Planner::Planner(const PlannerThreads& threads,
                  DecoderPool& decoders,
                  GridStore& store,
                  std::uint64_t resident_bytes,
                  MeshLimits limits)
-    : pool_(pool),
+    : threads_(threads),
       store_(store),
       limits_(limits),
       volumes_(
-          pool, resident_bytes, loader(pool, decoders, resident_bytes), [this] { forget(); }) {}
+          threads.pool, resident_bytes, loader(threads.pool, decoders, resident_bytes), [this] {
+            forget();
+          }) {}
 
-void Planner::plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done) {
+void Planner::plan(const std::string& client,
+                   MeshOrder order,
+                   std::shared_ptr<PlanningWatch> watch,
+                   Done done) {
   auto grid = store_.acquire({order.space, order.digest});
   if (!grid.ok()) {
-    pool_.post([done = std::move(done), status = grid.status()] { done(status); });
+    threads_.pool.post([done = std::move(done), status = grid.status()] { done(status); });
     return;
   }
   const VolumeKey key{order.space, order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
   const auto cancelled = [watch] { return watch->cancellation.requested(); };
-  volumes_.get(key, path, cancelled,
-               [this, order = std::move(order), watch = std::move(watch),
-                done = std::move(done), grid = *std::move(grid)](const auto& volume) {
-                 if (volume.ok()) return done(plan_volume(order, *volume, grid, *watch));
-                 if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
-                 done(about_file(volume.status(), grid->key.digest, grid->path.string()));
-               });
+  Job job{client, std::move(order), std::move(watch), std::move(done), *std::move(grid)};
+  volumes_.get(key, path, cancelled, [this, job = std::move(job)](const auto& volume) mutable {
+    if (!volume.ok()) {
+      const StoredGrid& file = *job.grid;
+      if (absl::IsDataLoss(volume.status())) store_.set_aside(job.grid);
+      return job.done(about_file(volume.status(), file.key.digest, file.path.string()));
+    }
+    job.volume = *volume;
+    plan_volume(std::move(job));
+  });
 }
 
-absl::StatusOr<PlannedMesh> Planner::plan_volume(const MeshOrder& order,
-                                                 std::shared_ptr<const Volume> volume,
-                                                 GridLease grid,
-                                                 PlanningWatch& watch) {
-  const std::string name =
-      absl::StrCat(order.space, " ", mesh_id_of(canonical_request(order, *volume, nullptr)));
-  std::shared_ptr<const MeshPlan> plan = recall(name);
+/// On the pool.
+void Planner::plan_volume(Job job) {
+  const std::string mesh_id = mesh_id_of(canonical_request(job.order, *job.volume, nullptr));
+  job.name = absl::StrCat(job.order.space, " ", mesh_id);
+  auto plan = recall(job.name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
-  if (plan == nullptr) {
-    running_.fetch_add(1);
-    auto planned =
-        plan_mesh(volume, order.request, limits_, watch.cancellation, &watch.progress);
-    running_.fetch_sub(1);
-    give_back_free_memory();
-    if (!planned.ok()) return about_mesh(planned.status());
-    plan = *std::move(planned);
-    remember(name, plan);
-  }
+  if (plan != nullptr) return job.done(job.planned(std::move(plan)));
+  const bool large = estimate_bricks_to_plan(*job.volume, job.order.request) > kLargePlanBricks;
+  const std::string client = job.client;
+  auto work = [this, job = std::move(job)] {
+    auto made = make_plan(job);
+    job.done(made.ok() ? job.planned(*std::move(made))
+                       : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
+  };
+  large ? threads_.large.post(client, std::move(work)) : work();
+}
+
+PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
   v1::MeshRequest canonical = canonical_request(order, *volume, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
-  return PlannedMesh{std::move(plan), std::move(canonical), std::move(mesh_id),
-                     std::move(grid)};
+  return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
+}
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& job) {
+  // Much may have happened while it waited.
+  if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
+  if (auto plan = recall(job.name)) return plan;
+  running_.fetch_add(1);
+  auto plan = plan_mesh(job.volume, job.order.request, limits_, job.watch->cancellation,
+                        &job.watch->progress);
+  running_.fetch_sub(1);
+  give_back_free_memory();
+  if (!plan.ok()) return plan.status();
+  return remember(job.name, *std::move(plan));
 }
 
 PlannerStats Planner::stats() const { return {volumes_.stats(), hits_.load(), misses_.load()}; }
@@ -103,10 +127,14 @@ std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
   return recent_.front().second;
 }
 
-void Planner::remember(std::string name, std::shared_ptr<const MeshPlan> plan) {
+/// Where another stream has made the same plan meanwhile, that one is held and this one is not.
+std::shared_ptr<const MeshPlan> Planner::remember(const std::string& name,
+                                                  std::shared_ptr<const MeshPlan> plan) {
+  if (auto made = recall(name)) return made;
   const std::lock_guard lock(mutex_);
-  recent_.emplace_front(std::move(name), std::move(plan));
+  recent_.emplace_front(name, std::move(plan));
   if (recent_.size() > kRecentPlans) recent_.pop_back();
+  return recent_.front().second;
 }
 
 void Planner::forget() {

@@ -16,6 +16,7 @@
 #include "core/decode/decoder_pool.h"
 #include "core/pipeline/mesh_plan.h"
 #include "server/grid_store.h"
+#include "server/large_plans.h"
 #include "server/request.h"
 #include "server/volume_cache.h"
 
@@ -42,8 +43,14 @@ struct PlannerStats {
   std::uint64_t hits = 0, misses = 0;
 };
 
-/// Plans meshes on the pool and remembers the last few, so that a resumed stream starts at
-/// once.
+/// The threads that plans are made on.
+struct PlannerThreads {
+  TaskPool& pool;     ///< short plans, and whoever waits for one
+  LargePlans& large;  ///< long ones
+};
+
+/// Plans meshes and remembers the last few, so that a resumed stream starts at once. Plans that
+/// look long from the volume's numbers are made apart from short ones.
 ///
 /// Thread safety: any thread may call any member. The pools are not used before the first
 /// `plan`; their tasks must have ended before the planner is destroyed.
@@ -51,15 +58,18 @@ class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
 
-  Planner(TaskPool& pool,
+  Planner(const PlannerThreads& threads,
           DecoderPool& decoders,
           GridStore& store,
           std::uint64_t resident_bytes,
           MeshLimits limits);
 
-  /// Calls `done` on the pool. Errors: those of GridStore::acquire, DecoderPool::decode,
-  /// volume_of and plan_mesh.
-  void plan(MeshOrder order, std::shared_ptr<PlanningWatch> watch, Done done);
+  /// Calls `done` on one of the threads. Errors: those of GridStore::acquire,
+  /// DecoderPool::decode, volume_of and plan_mesh.
+  void plan(const std::string& client,
+            MeshOrder order,
+            std::shared_ptr<PlanningWatch> watch,
+            Done done);
 
   /// Plans being made now.
   int running() const noexcept { return running_.load(); }
@@ -68,15 +78,27 @@ class Planner {
  private:
   using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
 
-  absl::StatusOr<PlannedMesh> plan_volume(const MeshOrder& order,
-                                          std::shared_ptr<const Volume> volume,
-                                          GridLease grid,
-                                          PlanningWatch& watch);
+  /// A mesh to be planned.
+  struct Job {
+    std::string client;
+    MeshOrder order;
+    std::shared_ptr<PlanningWatch> watch;
+    Done done;
+    GridLease grid;
+    std::shared_ptr<const Volume> volume = nullptr;
+    std::string name = {};  ///< of the plan
+
+    PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
+  };
+
+  void plan_volume(Job job);
+  absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job);
   std::shared_ptr<const MeshPlan> recall(const std::string& name);
-  void remember(std::string name, std::shared_ptr<const MeshPlan> plan);
+  std::shared_ptr<const MeshPlan> remember(const std::string& name,
+                                           std::shared_ptr<const MeshPlan> plan);
   void forget();
 
-  TaskPool& pool_;
+  const PlannerThreads threads_;
   GridStore& store_;
   const MeshLimits limits_;
   VolumeCache volumes_;

@@ -1,5 +1,7 @@
 #include "server/server.h"
 
+#include <map>
+#include <string>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -7,11 +9,13 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/server_builder_option.h>
+#include <grpcpp/resource_quota.h>
 
 #include "proto/wire/loopback.h"
 #include "proto/wire/transport.h"
 #include "server/access.h"
 #include "server/grid_service.h"
+#include "server/heartbeat.h"
 #include "server/logging.h"
 #include "server/mesh_service.h"
 #include "server/metrics_port.h"
@@ -26,6 +30,19 @@ namespace {
 constexpr int kDiskThreads = 2;
 constexpr std::chrono::seconds kGoodbye{1};
 constexpr std::chrono::hours kForever{24 * 365};
+constexpr std::chrono::milliseconds kHeartbeat{100};
+constexpr std::uint64_t kHandshakeSeconds = 10;
+
+AdmissionLimits admission_limits(const Config& config) {
+  AdmissionLimits limits;
+  limits.calls = {config.max_calls, config.max_client_calls};
+  limits.uploads = {config.max_uploads, config.max_client_uploads};
+  limits.meshes = {config.max_streams, config.max_client_streams};
+  limits.queued_meshes = {config.max_queued, config.max_client_queued};
+  limits.client_upload_bytes = config.max_client_upload_bytes;
+  limits.queue_time = std::chrono::seconds(config.queue_seconds);
+  return limits;
+}
 
 /// Takes reflection, which gRPC gives to every server of a process, from this one.
 class WithoutReflection final : public grpc::ServerBuilderOption {
@@ -94,25 +111,61 @@ struct Server::Parts {
   std::unique_ptr<ServerTls> tls;  ///< null where the port is plain
   std::unique_ptr<Access> access;
   std::unique_ptr<GridStore> store;
-  CallRegistry calls{*access};
+  Admission admission{admission_limits(config)};
+  CallRegistry calls{*access, admission};
   TaskPool disk{kDiskThreads};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk, engine.decoders};
+  GridService grid_service{*store, calls, disk, engine.decoders, engine.stalls};
   MeshService mesh_service{engine};
+  Heartbeat heartbeat{kHeartbeat, [this] {
+                        admission.expire(Admission::Clock::now());
+                        engine.check_stalls();
+                      }};
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsPort> metrics;
   int port = 0;
   bool stopped = false;
 };
 
+namespace {
+
+using ChannelArguments = std::map<std::string, int>;
+
+/// What both ends of the wire use, and over it what one client may take of the transport.
+ChannelArguments channel_arguments(const Config& config) {
+  ChannelArguments arguments;
+  for (const TransportSetting& setting : kTransportSettings) {
+    arguments[setting.name] = setting.value;
+  }
+  const auto set = [&](const char* name, std::uint64_t value) {
+    arguments[name] = static_cast<int>(value);
+  };
+  constexpr std::uint64_t kMs = 1000;
+  set(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, config.receive_window_bytes);
+  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_connection_streams);
+  set(GRPC_ARG_MAX_METADATA_SIZE, config.max_metadata_bytes);
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, config.keepalive_seconds * kMs);
+  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, config.keepalive_seconds * kMs);
+  set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, config.connection_idle_seconds * kMs);
+  set(GRPC_ARG_MAX_CONNECTION_AGE_MS, config.connection_age_seconds * kMs);
+  set(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, config.connection_grace_seconds * kMs);
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeSeconds * kMs);
+  // Two servers on one port would share its calls by chance.
+  set(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  return arguments;
+}
+
+}  // namespace
+
 bool Server::Parts::listen() {
   grpc::ServerBuilder builder;
-  for (const TransportSetting& setting : kTransportSettings) {
-    builder.AddChannelArgument(setting.name, setting.value);
+  for (const auto& [name, value] : channel_arguments(config)) {
+    builder.AddChannelArgument(name, value);
   }
-  // Two servers on one port would share its calls by chance.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
+  grpc::ResourceQuota quota("tetstreamd");
+  quota.Resize(config.receive_bytes);
+  builder.SetResourceQuota(quota);
   builder.AddListeningPort(config.listen,
                            tls ? tls->credentials() : grpc::InsecureServerCredentials(), &port);
   if (!serves_reflection(config)) builder.SetOption(std::make_unique<WithoutReflection>());
@@ -126,7 +179,7 @@ absl::Status Server::Parts::open_metrics() {
   if (config.metrics_listen.empty()) return absl::OkStatus();
   auto opened = MetricsPort::open(
       config.metrics_listen,
-      {[this] { return metrics_text(); }, [this] { return calls.admission().ok(); }});
+      {[this] { return metrics_text(); }, [this] { return !admission.is_draining(); }});
   if (opened.ok()) metrics = *std::move(opened);
   return opened.status();
 }
@@ -187,7 +240,7 @@ int Server::running_calls() const { return parts_->calls.running(); }
 // sees NOT_SERVING; gRPC's own shutdown would close their connections first.
 void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
-  parts_->calls.drain();
+  parts_->admission.drain();
   set_readiness(*parts_->server, false);
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {

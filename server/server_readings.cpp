@@ -13,11 +13,15 @@ Reading build_info() {
 
 void add_work(const MeshEngine& engine, std::vector<Reading>& readings) {
   readings.push_back(gauge("tetstream_ready", "1 unless the server is shutting down.",
-                           engine.calls.admission().ok()));
+                           !engine.calls.admission().is_draining()));
   readings.push_back(
       gauge("tetstream_calls_running", "Calls that have not ended.", engine.calls.running()));
   readings.push_back(gauge("tetstream_meshes_running", "Streams and estimates that run.",
                            engine.activity.meshes.load()));
+  readings.push_back(gauge("tetstream_meshes_queued", "Streams and estimates that wait.",
+                           engine.calls.admission().queued_meshes()));
+  readings.push_back(gauge("tetstream_send_bytes", "Bytes of chunks on their way to clients.",
+                           engine.send_budget.used_bytes()));
   readings.push_back(
       gauge("tetstream_plans_running", "Meshes being counted.", engine.planner.running()));
   readings.push_back(gauge("tetstream_chunks_in_flight", "Chunks asked for and not yet made.",

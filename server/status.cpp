@@ -19,6 +19,7 @@ namespace {
 constexpr char kDomain[] = "tetstream";
 constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
 constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
+constexpr char kQuotaFailureUrl[] = "type.googleapis.com/google.rpc.QuotaFailure";
 constexpr char kBadRequestUrl[] = "type.googleapis.com/google.rpc.BadRequest";
 
 constexpr std::size_t kMaxMessage = 600;
@@ -100,15 +101,38 @@ absl::Status with_retry(absl::Status status, absl::Duration delay) {
   return status;
 }
 
-absl::Status over_limit(std::string_view what, std::uint64_t value, std::uint64_t limit) {
+absl::Status over_limit(std::string_view what,
+                        std::uint64_t value,
+                        std::uint64_t limit,
+                        std::string_view reason) {
   absl::Status status = absl::ResourceExhaustedError(
       absl::StrFormat("%s: %d is over the limit of %d", what, value, limit));
-  google::rpc::ErrorInfo info = error_info("LIMIT_EXCEEDED");
+  google::rpc::ErrorInfo info = error_info(std::string(reason));
   (*info.mutable_metadata())["what"] = printable(what, kMaxField);
   (*info.mutable_metadata())["value"] = absl::StrCat(value);
   (*info.mutable_metadata())["limit"] = absl::StrCat(limit);
   status.SetPayload(kErrorInfoUrl, absl::Cord(info.SerializeAsString()));
   return status;
+}
+
+absl::Status with_quota(absl::Status status,
+                        const std::string& subject,
+                        const std::string& description) {
+  google::rpc::QuotaFailure failure;
+  google::rpc::QuotaFailure::Violation& violation = *failure.add_violations();
+  violation.set_subject(absl::StrCat("client:", subject));
+  violation.set_description(description);
+  status.SetPayload(kQuotaFailureUrl, absl::Cord(failure.SerializeAsString()));
+  return status;
+}
+
+absl::Status over_quota(const std::string& client,
+                        const std::string& what,
+                        std::uint64_t value,
+                        std::uint64_t limit) {
+  const std::string of_one = absl::StrCat(what, " of one client");
+  const absl::Status status = over_limit(of_one, value, limit, "QUOTA_EXCEEDED");
+  return with_quota(status, client, std::string(status.message()));
 }
 
 grpc::Status to_grpc(const absl::Status& status) {

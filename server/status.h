@@ -32,7 +32,21 @@ absl::Status with_retry(absl::Status status, absl::Duration delay);
 
 /// kResourceExhausted: "`what`: `value` is over the limit of `limit`", the numbers also in the
 /// ErrorInfo's metadata.
-absl::Status over_limit(std::string_view what, std::uint64_t value, std::uint64_t limit);
+absl::Status over_limit(std::string_view what,
+                        std::uint64_t value,
+                        std::uint64_t limit,
+                        std::string_view reason = "LIMIT_EXCEEDED");
+
+/// Says whose quota was used up, and how: a QuotaFailure.
+absl::Status with_quota(absl::Status status,
+                        const std::string& subject,
+                        const std::string& description);
+
+/// over_limit with reason QUOTA_EXCEEDED, for what one client may have.
+absl::Status over_quota(const std::string& client,
+                        const std::string& what,
+                        std::uint64_t value,
+                        std::uint64_t limit);
 
 /// The only place where our failures become gRPC's: the same code, an ErrorInfo with
 /// reason_of's reason, the other details, and the message in printable ASCII. All of it takes

@@ -18,34 +18,64 @@ absl::Status out_of_order(const char* message) {
 
 }  // namespace
 
-UploadStream::UploadStream(GridStore& store,
-                           CallRegistry& calls,
-                           TaskPool& disk,
+grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(
+    const Place& place, grpc::CallbackServerContext& context, grpc::ByteBuffer& response) {
+  const std::shared_ptr<UploadStream> upload(new UploadStream(place, context, response));
+  upload->self_ = upload;
+  place.stalls.add(upload);
+  upload->begin();
+  return upload.get();
+}
+
+UploadStream::UploadStream(const Place& place,
                            grpc::CallbackServerContext& context,
                            grpc::ByteBuffer& response)
-    : store_(store),
-      disk_(disk),
-      call_(calls, context, "UploadGrid"),
-      serialized_response_(response) {
-  const absl::Status admitted = call_.admission();
-  if (admitted.ok()) {
-    wait_for(1);
-    StartRead(&message_);
-  } else {
-    finish(admitted);
-  }
+    : store_(place.store),
+      disk_(place.disk),
+      admission_(place.calls.admission()),
+      call_(place.calls, context, "UploadGrid"),
+      ticket_(admission_.admit_upload(call_.client())),
+      serialized_response_(response) {}
+
+void UploadStream::begin() {
+  absl::Status admitted = call_.admission();
+  if (admitted.ok()) admitted = ticket_.status();
+  if (!admitted.ok()) return finish(admitted);
+  wait_for(1);
+  read();
+}
+
+void UploadStream::read() {
+  read_start_ = Clock::now().time_since_epoch().count();
+  StartRead(&message_);
 }
 
 void UploadStream::OnReadDone(bool ok) {
+  read_start_ = kNotReading;
   more_ = ok;
   happened();
+}
+
+std::optional<Stallable::Clock::time_point> UploadStream::waiting_since() {
+  const Clock::rep start = read_start_;
+  if (start == kNotReading) return std::nullopt;
+  return Clock::time_point(Clock::duration(start));
+}
+
+/// Where the message is all that is awaited, it is awaited no more: nobody else has a turn.
+void UploadStream::give_up(std::chrono::seconds waited) {
+  constexpr int kGivenUp = 1000;
+  int only_a_message = 1;
+  if (!awaited_.compare_exchange_strong(only_a_message, kGivenUp)) return;
+  read_start_ = kNotReading;
+  finish(client_stalled("sent nothing", waited));
 }
 
 /// `go_on` runs next, on the pool, when as many events have happened.
 void UploadStream::wait_for(int events) { awaited_.store(events); }
 
 void UploadStream::happened() {
-  if (awaited_.fetch_sub(1) == 1) disk_.post([this] { go_on(); });
+  if (awaited_.fetch_sub(1) == 1) disk_.post([self = self_] { self->go_on(); });
 }
 
 void UploadStream::go_on() {
@@ -96,7 +126,8 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
     return invalid_field(absl::StrCat("size_bytes ", start.size_bytes(), " is not positive"));
   }
   const GridKey key{call_.space(), *digest};
-  auto upload = store_.begin_upload(key, static_cast<std::uint64_t>(start.size_bytes()));
+  auto upload = store_.begin_upload(key, static_cast<std::uint64_t>(start.size_bytes()),
+                                    {call_.client(), admission_.limits().client_upload_bytes});
   if (!upload.ok() && !absl::IsAlreadyExists(upload.status())) return upload.status();
   response_.set_name(start.name());
   call_.note("grid", *digest);
@@ -126,11 +157,11 @@ void UploadStream::begin_work() {
   const bool last =
       has_piece && upload_->committed_size() + piece_.size == upload_->size_bytes();
   wait_for((last ? 0 : 1) + (has_piece ? 2 : 0));
-  if (!last) StartRead(&message_);
+  if (!last) read();
   if (!has_piece) return;
-  disk_.post([this] {
-    upload_->digest(piece_.bytes);
-    happened();
+  disk_.post([self = self_] {
+    self->upload_->digest(self->piece_.bytes);
+    self->happened();
   });
   written_ = upload_->write(piece_.bytes);
   happened();
@@ -143,7 +174,9 @@ absl::Status UploadStream::commit() {
 }
 
 void UploadStream::finish(const absl::Status& status) {
-  upload_.reset();  // whoever sees the answer may go on with the upload at once
+  // Whoever sees the answer may go on with the upload at once.
+  upload_.reset();
+  ticket_ = nullptr;
   call_.note("bytes_in", bytes_in_);
   call_.note("committed_bytes", response_.committed_size());
   serialized_response_ = serialized(response_);

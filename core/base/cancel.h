@@ -5,6 +5,8 @@
 #include <chrono>
 #include <optional>
 
+#include <absl/status/status.h>
+
 namespace tet {
 
 /// Raised once, never lowered. Long stages poll it between bricks.
@@ -24,11 +26,18 @@ class Cancellation {
   bool requested() const noexcept {
     return cancelled_.load(std::memory_order_relaxed) || deadline_passed();
   }
+  /// The end of time where there is none.
+  Clock::time_point deadline() const noexcept {
+    return deadline_.value_or(Clock::time_point::max());
+  }
   bool deadline_passed() const noexcept { return deadline_ && Clock::now() >= *deadline_; }
 
  private:
   std::atomic<bool> cancelled_{false};
   std::optional<Clock::time_point> deadline_;
 };
+
+/// OK, or why the work has to stop: kDeadlineExceeded, kCancelled.
+absl::Status check_cancelled(const Cancellation& cancellation);
 
 }  // namespace tet

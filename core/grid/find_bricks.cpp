@@ -1,6 +1,7 @@
 #include "core/grid/find_bricks.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -19,63 +20,84 @@ namespace {
 constexpr std::size_t kMaxRegions = std::size_t{1} << 22;
 constexpr int kRegionBricks = Region::kEdgeBricks;
 
-/// Calls `visit` for a region and the 26 around it.
-template <class Visit>
-void for_each_region_around(BrickCoord region, const Visit& visit) {
-  for_each_brick(
-      {
-          {-1, -1, -1},
-          { 1,  1,  1}
-  },
-      [&](BrickCoord step) {
-        visit(BrickCoord{region.x + kRegionBricks * step.x, region.y + kRegionBricks * step.y,
-                         region.z + kRegionBricks * step.z});
-      });
+BrickCoord steps_from(BrickCoord region, BrickCoord steps) {
+  return {region.x + kRegionBricks * steps.x, region.y + kRegionBricks * steps.y,
+          region.z + kRegionBricks * steps.z};
 }
+
+/// A cube of constants in regions: its first one, and how many along each edge.
+struct RegionCube {
+  BrickCoord min;
+  std::int32_t edge = 0;
+
+  explicit RegionCube(const ConstantCube& cube)
+      : min{cube.min.x / kBrickEdge, cube.min.y / kBrickEdge, cube.min.z / kBrickEdge},
+        edge(cube.edge / (kRegionBricks * kBrickEdge)) {}
+
+  double regions() const noexcept { return std::pow(edge, 3); }
+  /// Those that touch nothing beyond the cube; where there are none its ends are crossed.
+  BrickBox deep() const noexcept {
+    const BrickCoord last = steps_from(min, {edge - 1, edge - 1, edge - 1});
+    return {
+        steps_from(min, {         1,          1,          1}
+         ), {last.x - 1, last.y - 1, last.z - 1}
+    };
+  }
+};
 
 void sort_unique(std::vector<BrickCoord>& bricks) {
   std::sort(bricks.begin(), bricks.end());
   bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
 }
 
-/// Every region with bricks or inside constants, and all that touch one; sorted, unique.
-absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
-  std::vector<BrickCoord> regions;
-  const auto add_with_neighbours = [&](BrickCoord region) {
-    for_each_region_around(region, [&](BrickCoord around) { regions.push_back(around); });
+absl::Status check_cubes(const std::vector<ConstantCube>& cubes) {
+  double regions = 0;
+  for (const ConstantCube& cube : cubes) regions += RegionCube(cube).regions();
+  if (regions <= static_cast<double>(kMaxRegions)) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "the grid's constant tiles cover %.0f regions of 128^3 voxels; at most %d can be meshed",
+      regions, kMaxRegions));
+}
+
+/// A cube's outermost regions and all that touch one. What lies deeper sees the cube alone.
+void add_around(const RegionCube& cube, std::vector<BrickCoord>& regions) {
+  const auto is_deep = [&](std::int32_t i) { return i > 0 && i < cube.edge - 1; };
+  const BrickBox around{
+      {       -1,        -1,        -1},
+      {cube.edge, cube.edge, cube.edge}
   };
-  for (const Region& region : field.volume->regions) add_with_neighbours(region.min);
-  std::size_t cube_regions = 0;
-  for (const ConstantCube& cube : field.volume->cubes) {
-    const auto wide = static_cast<std::size_t>(cube.edge / 128);
-    cube_regions += wide * wide * wide;
+  for_each_brick(around, [&](BrickCoord at) {
+    if (is_deep(at.x) && is_deep(at.y) && is_deep(at.z)) return;
+    regions.push_back(steps_from(cube.min, at));
+  });
+}
+
+/// Regions in which there may be both signs, or one, and nothing else that they lie deep in;
+/// sorted, unique.
+absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
+  if (auto status = check_cubes(field.volume->cubes); !status.ok()) return status;
+  std::vector<BrickCoord> regions;
+  const BrickBox touching{
+      {-1, -1, -1},
+      { 1,  1,  1}
+  };
+  for (const Region& region : field.volume->regions) {
+    for_each_brick(touching,
+                   [&](BrickCoord at) { regions.push_back(steps_from(region.min, at)); });
   }
-  if (cube_regions > kMaxRegions) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "the grid's constant tiles cover %d regions of 128^3 voxels; at most %d can be meshed",
-        cube_regions, kMaxRegions));
-  }
-  std::size_t most = std::size_t{1} << 20;
-  for (const ConstantCube& cube : field.volume->cubes) {
-    const std::int32_t last = cube.edge / (kRegionBricks * kBrickEdge) - 1;
-    const BrickCoord min{cube.min.x / kBrickEdge, cube.min.y / kBrickEdge,
-                         cube.min.z / kBrickEdge};
-    for_each_brick(
-        {
-            {   0,    0,    0},
-            {last, last, last}
-    },
-        [&](BrickCoord at) {
-          add_with_neighbours({min.x + kRegionBricks * at.x, min.y + kRegionBricks * at.y,
-                               min.z + kRegionBricks * at.z});
-        });
-    // Neighbours repeat 27 times; keep the list from growing with them.
-    if (regions.size() < most) continue;
-    sort_unique(regions);
-    most = std::max(most, 2 * regions.size());
-  }
+  for (const ConstantCube& cube : field.volume->cubes) add_around(RegionCube(cube), regions);
   sort_unique(regions);
   return regions;
+}
+
+/// What regions_to_scan leaves out of cubes that lie inside.
+std::vector<BrickBox> deep_inside(const PhiField& field) {
+  std::vector<BrickBox> boxes;
+  for (const ConstantCube& cube : field.volume->cubes) {
+    const RegionCube in_regions(cube);
+    if (in_regions.edge > 2 && field.phi(cube.value) < 0) boxes.push_back(in_regions.deep());
+  }
+  return boxes;
 }
 
 /// Adds the runs of bricks along z that a region's row has bits for.
@@ -171,6 +193,29 @@ double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks
   return bricks * kBrickCells / std::pow(field.spacing_voxels, 3);
 }
 
+/// Looks at regions side by side, and gives up when there is more surface than can be kept.
+FoundBricks scan_regions(const PhiField& field,
+                         const std::vector<BrickCoord>& regions,
+                         const Cancellation& cancellation) {
+  const std::vector<RegionSigns> of_regions = signs_of_regions(field);
+  FoundBricks found;
+  std::mutex mutex;  // taken once a range; the order of arrival is sorted away
+  std::atomic<bool> too_many = false;
+  for_each_range(regions.size(), 16, [&](std::size_t begin, std::size_t end) {
+    SignsAround signs(field, of_regions);
+    FoundBricks mine;
+    for (std::size_t i = begin; i < end && !too_many && !cancellation.requested(); ++i) {
+      scan_region(signs, regions[i], mine);
+    }
+    const std::lock_guard lock(mutex);
+    found.near_surface.insert(found.near_surface.end(), mine.near_surface.begin(),
+                              mine.near_surface.end());
+    found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
+    too_many = found.near_surface.size() > kMaxSurfaceBricks;
+  });
+  return found;
+}
+
 }  // namespace
 
 absl::Status check_inside_ends(const PhiField& field) {
@@ -190,38 +235,23 @@ void keep_domain(const BrickBox& domain, FoundBricks& found) {
   found.inside_cells = kBrickCells * bricks_in(domain);
 }
 
-absl::StatusOr<FoundBricks> find_bricks(const PhiField& field) {
+absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
+                                        const Cancellation& cancellation) {
   const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
   if (!regions.ok()) return regions.status();
+  FoundBricks found = scan_regions(field, *regions, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
-  const std::vector<RegionSigns> of_regions = signs_of_regions(field);
-  FoundBricks found;
-  std::mutex mutex;  // taken once a range; the order of arrival is sorted away
-  for_each_range(regions->size(), 16, [&](std::size_t begin, std::size_t end) {
-    SignsAround signs(field, of_regions);
-    FoundBricks mine;
-    for (std::size_t i = begin; i < end; ++i) scan_region(signs, (*regions)[i], mine);
-    const std::lock_guard lock(mutex);
-    found.near_surface.insert(found.near_surface.end(), mine.near_surface.begin(),
-                              mine.near_surface.end());
-    found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
-  });
+  const double seen = static_cast<double>(found.near_surface.size());
+  const double per_brick = field.at_voxels() ? 1 : lattice_bricks_per_brick(field);
+  if (auto status = check_surface_bricks(seen * per_brick); !status.ok()) return status;
+  for (const BrickBox& box : deep_inside(field)) found.inside.push_back(box);
   const double inside_cells = cells_in(field, found.inside);
+  if (!field.at_voxels()) found = at_lattice(field, found);
   found.inside_cells = inside_cells;
-  if (!field.at_voxels()) {
-    const double seen = static_cast<double>(found.near_surface.size());
-    if (auto status = check_surface_bricks(seen * lattice_bricks_per_brick(field));
-        !status.ok()) {
-      return status;
-    }
-    found = at_lattice(field, found);
-    found.inside_cells = inside_cells;
-  }
   sort_unique(found.near_surface);
-  if (auto status = check_surface_bricks(static_cast<double>(found.near_surface.size()));
-      !status.ok()) {
-    return status;
-  }
+  const auto bricks = static_cast<double>(found.near_surface.size());
+  if (auto status = check_surface_bricks(bricks); !status.ok()) return status;
   return found;
 }
 

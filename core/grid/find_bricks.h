@@ -6,6 +6,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/grid/phi_field.h"
 
@@ -38,8 +39,10 @@ struct FoundBricks {
 };
 
 /// Looks at value ranges only, brick by brick; reads no samples. Parallel.
-/// Errors: kResourceExhausted, kFailedPrecondition (more space than can be looked at).
-absl::StatusOr<FoundBricks> find_bricks(const PhiField& field);
+/// Errors: kResourceExhausted, kFailedPrecondition (more space than can be looked at),
+/// kCancelled, kDeadlineExceeded.
+absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
+                                        const Cancellation& cancellation = {});
 
 /// OK where the inside has an end: the background is outside. Error: kFailedPrecondition.
 absl::Status check_inside_ends(const PhiField& field);

@@ -100,9 +100,11 @@ class Sweeper {
     }
   }
 
-  void sweep() {
+  /// Once cancelled, some of it.
+  void sweep(const Cancellation& cancellation) {
     for (const std::vector<std::uint32_t>& set : sets_) {
       for_each_range(set.size(), kVerticesPerRange, [&](std::size_t begin, std::size_t end) {
+        if (cancellation.requested()) return;
         VertexMover mover(mesh_, field_, to_world_, good_angles(), angles_);
         for (std::size_t i = begin; i < end; ++i) move(set[i], mover);
       });
@@ -164,9 +166,9 @@ Improvement improve_mesh(TetMesh& mesh,
     improvement.min_dihedral_before_deg = degrees_of(survey.angles.largest_cosine);
     improvement.max_dihedral_before_deg = degrees_of(survey.angles.smallest_cosine);
   }
-  if (!survey.bad_tets.empty()) {
+  if (!survey.bad_tets.empty() && !cancellation.requested()) {
     Sweeper sweeper(mesh, field, to_world, survey);
-    for (int i = 0; i < kSweeps && !cancellation.requested(); ++i) sweeper.sweep();
+    for (int i = 0; i < kSweeps && !cancellation.requested(); ++i) sweeper.sweep(cancellation);
     improvement.moved_vertices = sweeper.moved_vertices();
   }
   improvement.seconds =

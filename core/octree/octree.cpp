@@ -74,9 +74,9 @@ void add_parts(CellSetBuilder& builder, BrickCoord brick, const HaloSet& cells) 
 }
 
 /// Level 1's refined cells: the parents of the finest ones.
-CellSet parents_of_finest(const CellSet& finest) {
+CellSet parents_of_finest(const CellSet& finest, const Cancellation& cancellation) {
   CellSetBuilder builder;
-  for (std::size_t i = 0; i < finest.bricks.size(); ++i) {
+  for (std::size_t i = 0; i < finest.bricks.size() && !cancellation.requested(); ++i) {
     if (!finest.cells[i].any()) continue;
     HaloSet cells;
     add_brick(cells, finest.cells[i], 0, 0, 0);
@@ -88,9 +88,9 @@ CellSet parents_of_finest(const CellSet& finest) {
 /// A level's refined cells from those of the level below: a neighbour of a refined cell, across
 /// a face or an edge, must exist at that size, so its parent is refined. This alone balances
 /// the tree.
-CellSet refined_above(const CellSet& refined) {
+CellSet refined_above(const CellSet& refined, const Cancellation& cancellation) {
   CellSetBuilder builder;
-  for (std::size_t i = 0; i < refined.bricks.size(); ++i) {
+  for (std::size_t i = 0; i < refined.bricks.size() && !cancellation.requested(); ++i) {
     HaloSet cells;
     add_brick(cells, refined.cells[i], 0, 0, 0);
     const BrickCoord brick = refined.bricks[i];
@@ -121,9 +121,9 @@ BrickMask children_of(const BrickMask& parent_cells, int ox, int oy, int oz) noe
   return mask;
 }
 
-CellSet children_of(const CellSet& parents) {
+CellSet children_of(const CellSet& parents, const Cancellation& cancellation) {
   CellSetBuilder builder;
-  for (std::size_t i = 0; i < parents.bricks.size(); ++i) {
+  for (std::size_t i = 0; i < parents.bricks.size() && !cancellation.requested(); ++i) {
     const BrickCoord p = parents.bricks[i];
     for (int o = 0; o < 8; ++o) {
       const int ox = o >> 2, oy = o >> 1 & 1, oz = o & 1;
@@ -196,7 +196,8 @@ OctreeLevel make_level(const PhiField& field,
                        const OctreeCover& cover,
                        int level,
                        CellSet candidates,
-                       const CellSet& refined) {
+                       const CellSet& refined,
+                       const Cancellation& cancellation) {
   OctreeLevel made;
   made.bricks = std::move(candidates.bricks);
   made.leaf = std::move(candidates.cells);
@@ -206,7 +207,7 @@ OctreeLevel make_level(const PhiField& field,
   const BrickIndex refined_index(refined.bricks);
   for_each_range(made.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord brick = made.bricks[i];
       const std::uint32_t at = refined_index.find(brick);
       if (at != kNoBrick) made.refined[i] = refined.cells[at];
@@ -313,7 +314,8 @@ Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
                     const OctreeCover& cover,
-                    int max_levels) {
+                    int max_levels,
+                    const Cancellation& cancellation) {
   Octree tree;
   if (max_levels == 0) {
     // Beyond a domain there is nothing, near the surface or not.
@@ -321,16 +323,16 @@ Octree build_octree(CellSet finest,
     tree.levels.push_back(finest_level(cells_covering(cover.boxes, 0, also)));
     return tree;
   }
-  CellSet refined = parents_of_finest(finest);
+  CellSet refined = parents_of_finest(finest, cancellation);
   tree.levels.push_back(finest_level(std::move(finest)));
-  for (int level = 1; level <= max_levels; ++level) {
-    CellSet above = refined_above(refined);
+  for (int level = 1; level <= max_levels && !cancellation.requested(); ++level) {
+    CellSet above = refined_above(refined, cancellation);
     if (cover.domain) above = refined_in(above, DomainCells(*cover.domain, level + 1));
     CellSet candidates = level < max_levels
-                             ? children_of(above)
+                             ? children_of(above, cancellation)
                              : cells_covering(cover.boxes, level, refined.bricks);
-    OctreeLevel made =
-        make_level(field, is_inside, cover, level, std::move(candidates), refined);
+    OctreeLevel made = make_level(field, is_inside, cover, level, std::move(candidates),
+                                  refined, cancellation);
     if (!any_leaf(made)) break;
     tree.levels.push_back(std::move(made));
     refined = std::move(above);

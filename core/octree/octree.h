@@ -10,6 +10,7 @@
 #include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
 #include "core/base/brick_neighbours.h"
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/grid/find_bricks.h"
 #include "core/grid/phi_field.h"
@@ -84,11 +85,12 @@ struct OctreeCover {
 
 /// Grows an octree above the finest leaves, at most `max_levels` levels; with `max_levels` 0
 /// every covered cell is a finest leaf. Cells that are not `finest` have all their nodes on one
-/// side, which `is_inside` tells.
+/// side, which `is_inside` tells. Of no use once it is cancelled.
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
                     const OctreeCover& cover,
-                    int max_levels);
+                    int max_levels,
+                    const Cancellation& cancellation = {});
 
 }  // namespace tet

@@ -22,9 +22,9 @@ class SurfacePieces {
         pieces_(first_.back()) {}
 
   /// Unites what neighbouring bricks share; what is left are the components.
-  std::uint64_t count_components() {
+  std::uint64_t count_components(const Cancellation& cancellation) {
     BrickNeighbours neighbours(survey_.bricks);
-    for (std::size_t i = 0; i < survey_.bricks.size(); ++i) {
+    for (std::size_t i = 0; i < survey_.bricks.size() && !cancellation.requested(); ++i) {
       if (is_sheet(i)) {
         if (survey_.sheets[i].later != 0) unite_sheet(i, neighbours.around(survey_.bricks[i]));
       } else if (parts_[i] != nullptr) {
@@ -83,13 +83,14 @@ class SurfacePieces {
 
 }  // namespace
 
-std::optional<BoundaryTopology> count_boundary(const Survey& survey) {
+std::optional<BoundaryTopology> count_boundary(const Survey& survey,
+                                               const Cancellation& cancellation) {
   if (survey.box_cuts_surface) return std::nullopt;
   const SurfaceCounts& surface = survey.surface;
   return BoundaryTopology{
       .triangles = surface.triangles,
       .vertices = surface.vertices,
-      .components = SurfacePieces(survey).count_components(),
+      .components = SurfacePieces(survey).count_components(cancellation),
       .euler_characteristic = surface.euler_characteristic(),
       .non_manifold_edges = surface.non_manifold_edges,
       .non_manifold_vertices = surface.non_manifold_vertices,

@@ -1,5 +1,6 @@
 #include "core/pipeline/budget.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -11,16 +12,47 @@
 
 namespace tet {
 
-absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& limits) {
-  const double tets = found.inside_cells * kTetShapes;
+double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request) {
+  // Counting a brick of the inside takes about this part of surveying one near the surface.
+  constexpr double kInsideCost = 1.0 / 32;
+  // Improving takes as long as so many surveys.
+  constexpr double kImprovement = 10;
+  double surface = static_cast<double>(volume.bricks.size());
+  double inside = static_cast<double>(volume.regions.size()) * std::pow(Region::kEdgeBricks, 3);
+  for (const ConstantCube& cube : volume.cubes) {
+    const double edge = cube.edge / kBrickEdge;
+    surface += 6 * edge * edge;
+    inside += edge * edge * edge;
+  }
+  const double voxel = volume.transform.voxel_size;
+  const double finer = std::max(1.0, voxel / request.spacing.value_or(voxel));
+  double bricks = surface * finer * finer;
+  if (request.levels == 0) bricks += kInsideCost * inside * finer * finer * finer;
+  return request.improve ? kImprovement * bricks : bricks;
+}
+
+absl::Status check_inside_budget(const FoundBricks& found,
+                                 int levels,
+                                 const MeshLimits& limits) {
+  const double leaves = std::ldexp(found.inside_cells, -3 * levels);
+  const double tets = leaves * kTetShapes;
   // Bricks near the surface count as full here, so the estimate is high: thin walls up to
   // eightfold.
   constexpr double kSlack = 8;
-  if (tets <= kSlack * static_cast<double>(limits.max_tets)) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("the uniform mesh would have about %.3g tets; the limit is %d. Mesh with "
-                      "interior grading (levels above 0) or a larger spacing",
-                      tets, limits.max_tets));
+  if (tets > kSlack * static_cast<double>(limits.max_tets)) {
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "with levels %d the mesh would have about %.3g tets; the limit is %d. Mesh with more "
+        "levels or a larger spacing",
+        levels, tets, limits.max_tets));
+  }
+  // An octree's brick with its nodes and counts.
+  constexpr double kBytesPerBrick = 400;
+  const double bytes = leaves / kBrickCells * kBytesPerBrick;
+  if (bytes <= static_cast<double>(limits.max_plan_bytes)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "with levels %d counting the inside would take about %.3g bytes; the limit is %d. Mesh "
+      "with more levels or a larger spacing",
+      levels, bytes, limits.max_plan_bytes));
 }
 
 absl::Status check_plan_budget(const FoundBricks& found,

@@ -4,19 +4,28 @@
 #include <absl/status/status.h>
 
 #include "core/grid/find_bricks.h"
+#include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
 
+/// About how many bricks planning looks at, from a few of the volume's numbers: to tell long
+/// work from short before any is done. Bricks of the inside count as the few surface bricks
+/// that take as long.
+double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request);
+
 // Each is OK or kResourceExhausted, with the value and the limit.
 
 /// A domain that even its coarsest leaves would fill with too many tets.
 absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits);
 
-/// A uniform mesh with too many tets.
-absl::Status check_uniform_budget(const FoundBricks& found, const MeshLimits& limits);
+/// A mesh whose inside would have too many tets even if all its leaves were as large as
+/// `levels` lets them be, or too many bricks to count them in.
+absl::Status check_inside_budget(const FoundBricks& found,
+                                 int levels,
+                                 const MeshLimits& limits);
 
 /// A surface whose bricks could not be kept while the mesh is counted.
 absl::Status check_plan_budget(const FoundBricks& found,

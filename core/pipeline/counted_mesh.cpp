@@ -16,10 +16,14 @@ namespace {
 constexpr std::size_t kBricksPerRange = 16;
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
-/// Calls `body(place, around)` for each brick of a level, in any order.
+/// Calls `body(place, around)` for each brick of a level, in any order; for some, once
+/// cancelled.
 template <class Body>
-void for_each_surrounded(const OctreeLevel& level, const Body& body) {
+void for_each_surrounded(const OctreeLevel& level,
+                         const Cancellation& cancellation,
+                         const Body& body) {
   for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    if (cancellation.requested()) return;
     BrickNeighbours neighbours(level.bricks);
     for (std::size_t i = begin; i < end; ++i) body(i, neighbours.around(level.bricks[i]));
   });
@@ -40,15 +44,19 @@ LeavesAround leaves_beside(const OctreeLevel& finest, const PlacesAround& around
 
 }  // namespace
 
-CountedMesh::CountedMesh(
-    const PhiField& field, Survey survey, Octree tree, const StuffingRules& rules, bool uniform)
+CountedMesh::CountedMesh(const PhiField& field,
+                         Survey survey,
+                         Octree tree,
+                         const StuffingRules& rules,
+                         bool uniform,
+                         const Cancellation& cancellation)
     : rules_(rules), survey_(std::move(survey)), tree_(std::move(tree)) {
   // In a uniform mesh of the inside every brick with a vertex is there already.
   if (!uniform || rules.both_sides) insert_corner_bricks(tree_.levels[0]);
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
-  find_stuffed(field);
-  find_vertices();
-  count_bricks();
+  find_stuffed(field, cancellation);
+  if (!cancellation.requested()) find_vertices(cancellation);
+  if (!cancellation.requested()) count_bricks(cancellation);
 }
 
 CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
@@ -58,8 +66,8 @@ CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
       tree_(std::move(structure.tree)),
       stuffed_(std::move(structure.stuffed)) {
   find_cut_points();
-  find_vertices();
-  count_bricks();
+  find_vertices({});
+  count_bricks({});
 }
 
 void CountedMesh::find_cut_points() {
@@ -71,7 +79,7 @@ void CountedMesh::find_cut_points() {
       kBricksPerRange);
 }
 
-void CountedMesh::find_stuffed(const PhiField& field) {
+void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancellation) {
   const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
   stuffed_.resize(bricks.size());
   for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
@@ -79,7 +87,7 @@ void CountedMesh::find_stuffed(const PhiField& field) {
     // Both lists are sorted: their bricks are met in turn.
     auto surveyed =
         std::lower_bound(survey_.bricks.begin(), survey_.bricks.end(), bricks[begin]);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord b = bricks[i];
       while (surveyed != survey_.bricks.end() && *surveyed < b) ++surveyed;
       if (surveyed != survey_.bricks.end() && *surveyed == b) {
@@ -93,12 +101,12 @@ void CountedMesh::find_stuffed(const PhiField& field) {
   });
 }
 
-void CountedMesh::find_vertices() {
+void CountedMesh::find_vertices(const Cancellation& cancellation) {
   const OctreeLevel& finest = tree_.levels[0];
   nodes_.resize(tree_.levels.size());
   nodes_[0].corner.resize(finest.bricks.size());
   nodes_[0].centre.resize(finest.bricks.size());
-  for_each_surrounded(finest, [&](std::size_t i, const PlacesAround& around) {
+  for_each_surrounded(finest, cancellation, [&](std::size_t i, const PlacesAround& around) {
     if (rules_.both_sides) {
       find_vertices_of_both_sides(i, around);
     } else {
@@ -144,7 +152,7 @@ void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used)
   }
 }
 
-void CountedMesh::count_bricks() {
+void CountedMesh::count_bricks(const Cancellation& cancellation) {
   std::size_t bricks = 0;
   for (const OctreeLevel& level : tree_.levels) {
     first_brick_.push_back(bricks);
@@ -152,11 +160,12 @@ void CountedMesh::count_bricks() {
   }
   std::vector<std::uint64_t> vertices(bricks), tets(bricks);
   for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
-    for_each_surrounded(tree_.levels[l], [&](std::size_t i, const PlacesAround& around) {
-      const BrickPlace place{static_cast<int>(l), i};
-      vertices[first_brick_[l] + i] = vertices_of(place);
-      tets[first_brick_[l] + i] = tets_of(place, around);
-    });
+    for_each_surrounded(tree_.levels[l], cancellation,
+                        [&](std::size_t i, const PlacesAround& around) {
+                          const BrickPlace place{static_cast<int>(l), i};
+                          vertices[first_brick_[l] + i] = vertices_of(place);
+                          tets[first_brick_[l] + i] = tets_of(place, around);
+                        });
   }
   first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
   first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });

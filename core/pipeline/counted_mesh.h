@@ -37,11 +37,13 @@ struct MeshStructure {
 /// bytes.
 class CountedMesh {
  public:
+  /// Of no use once it is cancelled.
   CountedMesh(const PhiField& field,
               Survey survey,
               Octree tree,
               const StuffingRules& rules,
-              bool uniform);
+              bool uniform,
+              const Cancellation& cancellation = {});
 
   /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets
   /// use.
@@ -83,13 +85,13 @@ class CountedMesh {
  private:
   const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
   OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
-  void find_stuffed(const PhiField& field);
-  void find_vertices();
+  void find_stuffed(const PhiField& field, const Cancellation& cancellation);
+  void find_vertices(const Cancellation& cancellation);
   void find_finest_vertices(std::size_t brick, const PlacesAround& around);
   void find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
   void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
   void find_cut_points();
-  void count_bricks();
+  void count_bricks(const Cancellation& cancellation);
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place, const PlacesAround& around) const noexcept;
   std::uint64_t finest_tets_of(std::size_t brick, const PlacesAround& around) const noexcept;

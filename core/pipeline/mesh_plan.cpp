@@ -60,14 +60,13 @@ absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
 /// The bricks to look at, within budget.
 absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
                                       const MeshedSpace& space,
-                                      bool uniform,
-                                      const MeshLimits& limits) {
-  absl::StatusOr<FoundBricks> found = find_bricks(field);
+                                      int levels,
+                                      const MeshLimits& limits,
+                                      const Cancellation& cancellation) {
+  absl::StatusOr<FoundBricks> found = find_bricks(field, cancellation);
   if (!found.ok()) return found;
   if (space.domain) keep_domain(*space.domain, *found);
-  if (uniform) {
-    if (auto status = check_uniform_budget(*found, limits); !status.ok()) return status;
-  }
+  if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
   if (auto status = check_plan_budget(*found, space.rules, limits); !status.ok()) return status;
   return found;
 }
@@ -308,20 +307,24 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   if (!space.ok()) return space.status();
 
   const bool uniform = asked->levels == 0;
-  const absl::StatusOr<FoundBricks> bricks = bricks_of(field, *space, uniform, limits);
+  const absl::StatusOr<FoundBricks> bricks =
+      bricks_of(field, *space, asked->levels, limits, cancellation);
   if (!bricks.ok()) return bricks.status();
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
   if (!survey.ok()) return survey.status();
-  const std::optional<BoundaryTopology> boundary = count_boundary(*survey);
+  const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   survey->sheets = {};
   survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
-                             {bricks->inside, space->domain}, asked->levels);
+                             {bricks->inside, space->domain}, asked->levels, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   ThinWalls thin_walls =
       gather_thin_walls(std::exchange(survey->thin, {}), field.lattice_transform());
-  CountedMesh mesh(field, *std::move(survey), std::move(tree), space->rules, uniform);
+  CountedMesh mesh(field, *std::move(survey), std::move(tree), space->rules, uniform,
+                   cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, *asked, thin_walls, limits); !status.ok()) return status;

@@ -171,12 +171,13 @@ class GeometryKeeper {
   std::vector<std::pair<SurveyedBrick*, std::size_t>> kept_;
 };
 
-/// Gathers what was found, in the order of the bricks.
+/// Gathers what was found, in the order of the bricks, and lets go of it.
 Survey gather(const std::vector<BrickCoord>& candidates,
-              std::vector<std::optional<SurveyedBrick>>& found,
-              bool both_sides) {
+              std::vector<std::unique_ptr<SurveyedBrick>>& found,
+              bool both_sides,
+              const Cancellation& cancellation) {
   Survey survey;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  for (std::size_t i = 0; i < candidates.size() && !cancellation.requested(); ++i) {
     if (!found[i]) continue;
     survey.bricks.push_back(candidates[i]);
     survey.stuffed.push_back(found[i]->stuffed);
@@ -190,6 +191,7 @@ Survey gather(const std::vector<BrickCoord>& candidates,
     }
     survey.sheets.push_back(found[i]->surface.sheet);
     survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
+    found[i] = nullptr;
   }
   return survey;
 }
@@ -222,12 +224,6 @@ InsideTest Survey::inside_test() const {
   };
 }
 
-absl::Status check_cancelled(const Cancellation& cancellation) {
-  if (cancellation.deadline_passed()) return absl::DeadlineExceededError("the deadline passed");
-  if (cancellation.requested()) return absl::CancelledError("cancelled by the caller");
-  return absl::OkStatus();
-}
-
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
                                      const MeshedSpace& space,
@@ -240,7 +236,8 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     if (!nodes.ok()) return nodes.status();
     restored = *std::move(nodes);
   }
-  std::vector<std::optional<SurveyedBrick>> found(candidates.size());
+  // Most candidates have no part in the surface where the lattice is finer than the voxels.
+  std::vector<std::unique_ptr<SurveyedBrick>> found(candidates.size());
   std::vector<std::unique_ptr<ThinSpots>> thin(candidates.size());  // null where there are none
   std::vector<std::shared_ptr<std::byte[]>> blocks(
       candidates.size());  // of ranges, where they begin
@@ -251,7 +248,9 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     GeometryKeeper keeper(room);
     ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      found[i] = survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+      auto brick =
+          survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+      if (brick) found[i] = std::make_unique<SurveyedBrick>(*std::move(brick));
       if (found[i]) keeper.keep(workspace->stuffing.lattice, *found[i]);
       if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
@@ -260,7 +259,8 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
-  Survey survey = gather(candidates, found, space.rules.both_sides);
+  Survey survey = gather(candidates, found, space.rules.both_sides, cancellation);
+  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
   survey.restored = std::move(restored);
   std::erase(blocks, nullptr);
   survey.geometry.blocks = std::move(blocks);

@@ -94,7 +94,4 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const Cancellation& cancellation,
                                      MeshProgress* progress);
 
-/// OK, or why the work has to stop.
-absl::Status check_cancelled(const Cancellation& cancellation);
-
 }  // namespace tet

@@ -20,6 +20,7 @@ struct BlockPool::Block {
 
   std::unique_ptr<std::byte[], FreeAligned> bytes;
   std::shared_ptr<Shelf> shelf;  ///< where it belongs, while it is out; null: to be freed
+  std::shared_ptr<void> held;    ///< while it is out
 };
 
 struct BlockPool::Shelf {
@@ -49,6 +50,7 @@ struct BlockPool::Shelf {
   static void release(void* released) {
     std::unique_ptr<Block> block(static_cast<Block*>(released));
     const std::shared_ptr<Shelf> shelf = std::move(block->shelf);
+    const std::shared_ptr<void> held = std::move(block->held);  // to go after the block is back
     if (shelf != nullptr) shelf->give_back(std::move(block));
   }
 };
@@ -56,11 +58,12 @@ struct BlockPool::Shelf {
 BlockPool::BlockPool(std::size_t block_bytes, std::size_t max_idle)
     : shelf_(std::make_shared<Shelf>(block_bytes, max_idle)) {}
 
-grpc::Slice BlockPool::take(std::size_t size) {
+grpc::Slice BlockPool::take(std::size_t size, std::shared_ptr<void> held) {
   const bool fits = size <= shelf_->block_bytes;
   std::unique_ptr<Block> block = fits ? shelf_->take() : nullptr;
   if (block == nullptr) block = std::make_unique<Block>(std::max(size, shelf_->block_bytes));
   if (fits) block->shelf = shelf_;
+  block->held = std::move(held);
   std::byte* const bytes = block->bytes.get();
   return grpc::Slice(bytes, size, Shelf::release, block.release());
 }

@@ -19,8 +19,9 @@ class BlockPool {
   BlockPool(std::size_t block_bytes, std::size_t max_idle);
 
   /// Memory of at least `size` bytes, from the pool if it is no larger than its blocks, as a
-  /// slice of just that size at a multiple of 64. The last slice of it to go gives it back.
-  grpc::Slice take(std::size_t size);
+  /// slice of just that size at a multiple of 64. The last slice of it to go gives it back, and
+  /// lets go of `held`.
+  grpc::Slice take(std::size_t size, std::shared_ptr<void> held = nullptr);
 
   /// Blocks waiting to be used again.
   std::size_t idle() const;

@@ -1,8 +1,13 @@
 // Messages to the bytes that gRPC carries, and back, where a call is in bytes.
 #pragma once
 
+#include <memory>
+#include <string>
+#include <utility>
+
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/slice.h>
 
 namespace tet {
 
@@ -12,6 +17,21 @@ grpc::ByteBuffer serialized(const Message& message) {
   bool own = false;
   grpc::SerializationTraits<Message>::Serialize(message, &bytes, &own);
   return bytes;
+}
+
+/// The same, and `held` until the last of the bytes is let go of.
+template <class Message>
+grpc::ByteBuffer serialized(const Message& message, std::shared_ptr<void> held) {
+  struct Bytes {
+    std::string text;
+    std::shared_ptr<void> held;
+  };
+  auto bytes = std::make_unique<Bytes>(Bytes{message.SerializeAsString(), std::move(held)});
+  std::string& text = bytes->text;
+  const grpc::Slice slice(
+      text.data(), text.size(), [](void* released) { delete static_cast<Bytes*>(released); },
+      bytes.release());
+  return {&slice, 1};
 }
 
 /// False when the bytes are not such a message. They are gone afterwards.

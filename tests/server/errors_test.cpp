@@ -291,7 +291,7 @@ void ErrorsTest::shutdown() {
   v1::MeshEvent event;
   ASSERT_TRUE(reader->Read(&event));
   std::thread stopping([&] { server_->stop(30s); });
-  ASSERT_TRUE(eventually([&] { return !server_->engine().calls.admission().ok(); }));
+  ASSERT_TRUE(eventually([&] { return server_->engine().calls.admission().is_draining(); }));
   tell("a server that stops", estimate(ball_));
   context.TryCancel();
   while (reader->Read(&event)) {

@@ -305,6 +305,7 @@ TEST_F(MeshServiceTest, StopsWorkingAtTheDeadline) {
 
 TEST_F(MeshServiceTest, TellsOneStreamTooManyToRetry) {
   config_.max_streams = 1;
+  config_.max_queued = 0;
   restart();
   const v1::MeshRequest ball = uniform_ball(28);
   grpc::ClientContext context;

@@ -36,6 +36,16 @@ TEST(Status, AlwaysSaysAReason) {
   EXPECT_EQ(info.domain(), "tetstream");
 }
 
+TEST(Status, SaysWhoseQuotaWasUsedUp) {
+  const absl::Status status = over_quota("10.0.0.7", "uploads at once", 3, 2);
+  const auto failure = find_detail<google::rpc::QuotaFailure>(status);
+  ASSERT_EQ(failure.violations_size(), 1);
+  EXPECT_EQ(failure.violations(0).subject(), "client:10.0.0.7");
+  EXPECT_EQ(failure.violations(0).description(),
+            "uploads at once of one client: 3 is over the limit of 2");
+  EXPECT_EQ(find_detail<google::rpc::ErrorInfo>(status).reason(), "QUOTA_EXCEEDED");
+}
+
 TEST(Status, SaysValueAndLimit) {
   const auto info = find_detail<google::rpc::ErrorInfo>(over_limit("tets of one mesh", 12, 10));
   EXPECT_EQ(info.reason(), "LIMIT_EXCEEDED");

@@ -40,6 +40,39 @@ TEST(FindBricks, SeesATileThatSpansRegionsAsOne) {
   EXPECT_EQ(found->near_surface.size(), 34U * 18 * 18 - 30 * 14 * 14);
 }
 
+TEST(FindBricks, SeesALargeTileAsItsShellAndWhatLiesDeepInIt) {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  builder.add_constant_cube({0, 0, -4096}, 4096, -1);
+  const Volume tile = *std::move(builder).build();
+  const auto found = find_bricks(field_of(tile));
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->near_surface.size(), 514U * 514 * 514 - 510U * 510 * 510);
+  EXPECT_DOUBLE_EQ(found->inside_cells, 4096.0 * 4096 * 4096);
+}
+
+TEST(FindBricks, RefusesTilesWithTooMuchSurfaceWithoutListingIt) {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  constexpr int kTiles = 120;  // a few kilobytes of a file, 8e12 voxels
+  for (int i = 0; i < kTiles; ++i) {
+    builder.add_constant_cube({8192 * (i % 5), 8192 * (i / 5 % 5), 8192 * (i / 25)}, 4096, -1);
+  }
+  const Volume tiles = *std::move(builder).build();
+  for (const double spacing : {1.0, 0.3, 1e-6}) {
+    const auto found = find_bricks(field_of(tiles, spacing));
+    EXPECT_EQ(found.status().code(), absl::StatusCode::kResourceExhausted) << spacing;
+  }
+}
+
+TEST(FindBricks, StopsOnceItIsCancelled) {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  builder.add_constant_cube({0, 0, 0}, 128, -1);
+  const Volume tile = *std::move(builder).build();
+  Cancellation cancelled;
+  cancelled.cancel();
+  EXPECT_EQ(find_bricks(field_of(tile), cancelled).status().code(),
+            absl::StatusCode::kCancelled);
+}
+
 TEST(FindBricks, SeesConstantBricksInsideARegion) {
   VolumeBuilder builder(VolumeKind::kLevelSet, 1);
   builder.add_constant_brick({15, 3, 3}, -1);  // its neighbours lie in two regions

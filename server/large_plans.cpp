@@ -1,0 +1,67 @@
+#include "server/large_plans.h"
+
+#include <optional>
+#include <utility>
+
+namespace tet {
+
+namespace {
+constexpr auto kAnyone = [](const std::string&) { return true; };
+}
+
+LargePlans::LargePlans(int threads, std::size_t at_once) {
+  for (std::size_t i = 0; i < at_once; ++i) {
+    pools_.push_back(std::make_unique<TaskPool>(threads));
+    idle_.push_back(pools_.back().get());
+  }
+}
+
+LargePlans::~LargePlans() {
+  std::unique_lock lock(mutex_);
+  all_idle_.wait(lock, [&] { return idle_.size() == pools_.size(); });
+}
+
+void LargePlans::post(const std::string& client, std::function<void()> work) {
+  const std::lock_guard lock(mutex_);
+  waiting_.push(client, std::move(work));
+  start_waiting();
+}
+
+void LargePlans::start_waiting() {
+  while (!idle_.empty()) {
+    auto work = waiting_.take(kAnyone);
+    if (!work) return;
+    TaskPool* const pool = idle_.back();
+    idle_.pop_back();
+    pool->post([this, pool, work = *std::move(work)] {
+      work();
+      finished(pool);
+    });
+  }
+}
+
+void LargePlans::finished(TaskPool* pool) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(pool);
+  start_waiting();
+  if (idle_.size() == pools_.size()) all_idle_.notify_all();
+}
+
+void FairTasks::post(const std::string& client, std::function<void()> task) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push(client, std::move(task));
+  }
+  pool_.post([this] { run_next(); });
+}
+
+void FairTasks::run_next() {
+  std::optional<std::function<void()>> task;
+  {
+    const std::lock_guard lock(mutex_);
+    task = waiting_.take(kAnyone);
+  }
+  (*task)();
+}
+
+}  // namespace tet

@@ -1,0 +1,62 @@
+// Memory for chunks that are on their way to clients, shared by all streams.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace tet {
+
+/// Blocks of chunks that are made and that the transport has not let go of. A stream asks for a
+/// block before it makes a chunk; where there is none it waits, and the clients take turns. One
+/// client holds at most half of all, so that its slow readers leave room to others.
+///
+/// Thread safety: any thread may call any member. Leases may outlive the budget: gRPC lets go
+/// of blocks when it likes.
+class SendBudget {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  class Lease;
+  using Grant = std::function<void(std::shared_ptr<Lease>)>;
+
+  /// At least two blocks.
+  SendBudget(std::uint64_t bytes, std::uint64_t block_bytes);
+
+  /// Asks for a block. `grant` is called once: here, or when there is room, on whichever thread
+  /// made it.
+  void ask(const void* who, const std::string& client, Grant grant);
+  /// Forgets what `who` has asked for and not been granted.
+  void leave(const void* who);
+
+  /// More than half is in use: streams should not make chunks ahead.
+  bool is_tight() const;
+  /// Somebody whose own share would allow it has waited since before `then`.
+  bool kept_waiting_since(Clock::time_point then) const;
+  std::uint64_t used_bytes() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+/// A block's worth of memory, until it is destroyed.
+class SendBudget::Lease {
+ public:
+  Lease(std::shared_ptr<State> state, std::string client, std::uint64_t bytes);
+  ~Lease();
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+
+  /// Keeps only `bytes` of it.
+  void shrink_to(std::uint64_t bytes);
+
+ private:
+  std::shared_ptr<State> state_;
+  const std::string client_;
+  std::uint64_t bytes_;
+};
+
+}  // namespace tet

@@ -1,0 +1,166 @@
+// Limits as clients meet them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "proto/wire/sha256.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string name_of(std::string_view bytes) {
+  Sha256 digest;
+  digest.add(bytes);
+  return name_of_grid(digest.finish_hex());
+}
+
+template <class Detail>
+bool has_detail(const grpc::Status& status) {
+  google::rpc::Status rpc;
+  EXPECT_TRUE(rpc.ParseFromString(status.error_details()));
+  return std::any_of(rpc.details().begin(), rpc.details().end(),
+                     [](const auto& detail) { return detail.template Is<Detail>(); });
+}
+
+/// A stream that is read as far as one event, and then no further.
+class HeldStream {
+ public:
+  HeldStream(v1::MeshService::Stub& meshes, const v1::StreamMeshRequest& request)
+      : reader_(meshes.StreamMesh(&context_, request)) {
+    v1::MeshEvent event;
+    while (reader_->Read(&event) && !event.has_chunk()) {
+    }
+  }
+  void let_go() {
+    context_.TryCancel();
+    reader_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<v1::MeshEvent>> reader_;
+};
+
+class AdmissionServiceTest : public ServiceTest {
+ protected:
+  AdmissionServiceTest() {
+    config_.max_streams = 1;
+    start();
+  }
+
+  const Admission& admission() const { return server_->engine().calls.admission(); }
+
+  bool queue_holds(std::uint64_t meshes) const {
+    return eventually([&] { return admission().queued_meshes() == meshes; });
+  }
+
+  grpc::Status estimate(const v1::MeshRequest& mesh, grpc::ClientContext& context) {
+    v1::EstimateMeshRequest request;
+    *request.mutable_mesh() = mesh;
+    v1::MeshHeader header;
+    return meshes_->EstimateMesh(&context, request, &header);
+  }
+
+  /// Announces bytes and sends some of them, and no more.
+  struct OpenUpload {
+    grpc::ClientContext context;
+    v1::UploadGridResponse response;
+    std::unique_ptr<grpc::ClientWriter<v1::UploadGridRequest>> writer;
+  };
+  void begin_upload(OpenUpload& upload, const std::string& content, std::size_t sent) {
+    upload.writer = grids_->UploadGrid(&upload.context, &upload.response);
+    v1::UploadGridRequest message;
+    message.mutable_start()->set_name(name_of(content));
+    message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(content.size()));
+    upload.writer->Write(message);
+    message.mutable_data()->set_data(content.substr(0, sent));
+    upload.writer->Write(message);
+  }
+};
+
+TEST_F(AdmissionServiceTest, AMeshWaitsForItsTurn) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  HeldStream first(*meshes_, stream_of(ball));
+  grpc::Status status;
+  std::jthread second([&] {
+    grpc::ClientContext context;
+    status = estimate(ball, context);
+  });
+  EXPECT_TRUE(queue_holds(1));
+  first.let_go();
+  second.join();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+}
+
+TEST_F(AdmissionServiceTest, ADeadlineInTheQueueIsKept) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  HeldStream first(*meshes_, stream_of(ball));
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + 200ms);
+  EXPECT_EQ(estimate(ball, context).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_TRUE(queue_holds(0));
+  first.let_go();
+  EXPECT_TRUE(work_stops());
+}
+
+TEST_F(AdmissionServiceTest, WhoeverGivesUpInTheQueueLeavesItAtOnce) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  HeldStream first(*meshes_, stream_of(ball));
+  grpc::ClientContext stream_context, estimate_context;
+  const auto second = meshes_->StreamMesh(&stream_context, stream_of(ball));
+  std::jthread third([&] { estimate(ball, estimate_context); });
+  EXPECT_TRUE(queue_holds(2));
+  stream_context.TryCancel();
+  estimate_context.TryCancel();
+  EXPECT_EQ(second->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(queue_holds(0));
+  first.let_go();
+}
+
+TEST_F(AdmissionServiceTest, ADrainRefusesTheQueueAndLetsRunWhatRuns) {
+  const v1::MeshRequest ball = uniform_ball(28);
+  HeldStream first(*meshes_, stream_of(ball));
+  grpc::ClientContext context;
+  const auto second = meshes_->StreamMesh(&context, stream_of(ball));
+  EXPECT_TRUE(queue_holds(1));
+  std::jthread stopper([&] { server_->stop(10s); });
+  const grpc::Status refused = second->Finish();
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_TRUE(has_detail<google::rpc::RetryInfo>(refused));
+  EXPECT_EQ(activity().meshes, 1);
+  first.let_go();
+}
+
+TEST_F(AdmissionServiceTest, AClientOverItsOwnQuotaIsToldSo) {
+  config_.max_client_uploads = 1;
+  config_.max_client_upload_bytes = 1000;
+  restart();
+  OpenUpload first, second;
+  begin_upload(first, std::string(600, 'a'), 100);
+  EXPECT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
+  begin_upload(second, std::string(600, 'b'), 100);
+  const grpc::Status one_too_many = second.writer->Finish();
+  EXPECT_EQ(one_too_many.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_TRUE(has_detail<google::rpc::QuotaFailure>(one_too_many));
+  EXPECT_THAT(one_too_many.error_message(), HasSubstr("2 is over the limit of 1"));
+  first.writer->WritesDone();
+  EXPECT_TRUE(first.writer->Finish().ok());
+
+  // What is left of an upload goes on counting.
+  OpenUpload third;
+  begin_upload(third, std::string(901, 'c'), 100);
+  const grpc::Status too_large = third.writer->Finish();
+  EXPECT_TRUE(has_detail<google::rpc::QuotaFailure>(too_large));
+  EXPECT_THAT(too_large.error_message(), HasSubstr("1001 is over the limit of 1000"));
+  OpenUpload again;
+  begin_upload(again, std::string(900, 'd'), 900);
+  EXPECT_TRUE(again.writer->Finish().ok());
+  EXPECT_TRUE(again.response.complete());
+}
+
+}  // namespace
+}  // namespace tet::test

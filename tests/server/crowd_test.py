@@ -1,0 +1,224 @@
+"""A real server among clients that do not read, do not send, or come in crowds.
+
+    TETSTREAM_BIN=build/release/bin python3 tests/server/crowd_test.py [unittest options]
+"""
+
+import hashlib
+import os
+import pathlib
+import re
+import resource
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "client"))
+from command_case import CommandTest, binaries, wait_until
+from raw_http2 import RawCall, double_field, field, message
+
+STREAM = "/tetstream.v1.MeshService/StreamMesh"
+UPLOAD = "/tetstream.v1.GridService/UploadGrid"
+MIB = 1 << 20
+MOST_MEMORY = 300 * MIB
+HUGE_AHEAD = float(os.environ.get("AHEAD", 1))
+
+
+def grid_name(content):
+    return "grids/" + hashlib.sha256(content).hexdigest()
+
+
+class Server:
+    """tetstreamd on a free port, stopped at the end of the test."""
+
+    def __init__(self, test, **settings):
+        folder = tempfile.TemporaryDirectory()
+        test.addCleanup(folder.cleanup)
+        port_file = pathlib.Path(folder.name, "port")
+        settings = {"listen": "127.0.0.1:0", "store": folder.name + "/store",
+                    "port_file": str(port_file), "log_level": os.environ.get("LEVEL", "error"), "drain_seconds": 0,
+                    **settings}
+        self.process = subprocess.Popen(
+            [os.environ.get("TETSTREAMD", binaries() / "tetstreamd")]
+            + [f"--{key.replace('_', '-')}={value}" for key, value in settings.items()])
+        test.addCleanup(self.stop)
+        wait_until(port_file.exists)
+        self.port = int(port_file.read_text())
+        self.address = f"127.0.0.1:{self.port}"
+
+    def stop(self):
+        self.process.terminate()
+        try:
+            self.process.wait(15)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+    def status(self, key):
+        """A number of /proc/.../status, in bytes."""
+        text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(rf"{key}:\s+(\d+)", text)[1]) * 1024
+
+    def peak_memory(self):
+        return self.status("VmHWM")
+
+    def is_alive(self):
+        return self.process.poll() is None
+
+
+class CrowdTest(CommandTest):
+    volumes = {"sphere": 0.04}
+    spacing = 0.03  # a hundred chunks or so
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+        cls.grid = (cls.inputs / "sphere.vdb").read_bytes()
+        cls.request = cls.stream_request(cls.spacing, levels=0)
+
+    @classmethod
+    def stream_request(cls, spacing, levels):
+        mesh = field(1, grid_name(cls.grid)) + double_field(3, spacing) + field(5, levels)
+        return field(1, mesh)
+
+    def setUp(self):
+        super().setUp()
+        self.calls = []
+        self.addCleanup(lambda: [call.close() for call in self.calls])
+
+    def call(self, server, method, **how):
+        self.calls.append(RawCall(server.port, method, **how))
+        return self.calls[-1]
+
+    def mesh(self, server, name="m.vtu", spacing=None):
+        """Meshes as a healthy client does; how long that took."""
+        start = time.monotonic()
+        done = subprocess.run(self.mesh_command(server, name, spacing or self.spacing),
+                              capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return time.monotonic() - start
+
+    def mesh_command(self, server, name, spacing):
+        return [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb", "--server",
+                server.address, "-o", self.out / name, "--levels", "0",
+                "--spacing", str(spacing)]
+
+
+class Readers(CrowdTest):
+    def test_a_thousand_slow_readers_stay_within_300_mb_and_others_go_on(self):
+        server = Server(self, max_streams=2000, max_client_streams=2000, max_calls=4000,
+                        max_client_calls=4000)
+        alone = self.mesh(server)
+        for i in range(1000):
+            # Half are stopped by their streams' windows, half by their connections' buffers.
+            how = {"window": 20000} if i % 2 else {"window": 1 << 30, "receive_buffer": 4096}
+            self.call(server, STREAM, source=f"127.0.0.{2 + i % 20}", **how).ask(self.request)
+        time.sleep(2)
+        beside = self.mesh(server)
+        print(f"alone {alone:.2f} s, beside 1000 slow readers {beside:.2f} s, "
+              f"peak {server.peak_memory() / MIB:.0f} MiB", file=sys.stderr)
+        self.assertLess(server.peak_memory(), MOST_MEMORY)
+        self.assertTrue(server.is_alive())
+
+    def test_a_reader_who_takes_nothing_loses_its_stream_in_time(self):
+        server = Server(self, stall_seconds=1)
+        self.mesh(server)
+        reader = self.call(server, STREAM, window=20000)
+        reader.ask(self.request)
+        start = time.monotonic()
+        self.assertTrue(reader.wait_for_end(10))
+        self.assertLess(time.monotonic() - start, 5)
+
+    def test_a_client_that_was_stopped_resumes_when_it_goes_on(self):
+        server = Server(self, stall_seconds=1, keepalive_seconds=1)
+        self.mesh(server, "whole.vtu")
+        client = subprocess.Popen(self.mesh_command(server, "resumed.vtu", self.spacing),
+                                  stderr=subprocess.PIPE)
+        time.sleep(0.15)
+        client.send_signal(signal.SIGSTOP)
+        time.sleep(4)
+        client.send_signal(signal.SIGCONT)
+        _, errors = client.communicate(timeout=30)
+        self.assertEqual(client.returncode, 0, errors)
+        self.assertEqual((self.out / "whole.vtu").read_bytes(),
+                         (self.out / "resumed.vtu").read_bytes())
+
+
+class Uploads(CrowdTest):
+    MESSAGE = 4 * MIB - 100
+
+    def begin(self, server, number, **how):
+        """Begins an upload, and all but the last byte of its first piece, as large as may be."""
+        content = number.to_bytes(8, "big") + bytes(3 * self.MESSAGE)
+        upload = self.call(server, UPLOAD, **how)
+        start = field(1, field(1, grid_name(content)) + field(2, len(content)))
+        piece = field(2, field(2, content[:self.MESSAGE - 20]))
+        upload.send(message(start) + message(piece)[:-1])
+        return upload
+
+    def test_fifty_unfinished_uploads_stay_within_300_mb_and_others_go_on(self):
+        server = Server(self, max_client_uploads=64)
+        for number in range(50):
+            self.begin(server, number, source="127.0.0.2")
+        self.mesh(server)
+        print(f"peak {server.peak_memory() / MIB:.0f} MiB with 50 unfinished uploads",
+              file=sys.stderr)
+        self.assertLess(server.peak_memory(), MOST_MEMORY)
+
+    def test_an_uploader_who_sends_nothing_is_told_in_time_and_can_resume(self):
+        server = Server(self, stall_seconds=3)
+        content = os.urandom(3 * MIB)
+        start = field(1, field(1, grid_name(content)) + field(2, len(content)))
+        upload = self.call(server, UPLOAD)
+        upload.send(message(start) + message(field(2, field(2, content[:MIB]))))
+        self.assertTrue(upload.wait_for_end(10))
+        rest = self.call(server, UPLOAD)
+        rest.send(message(start)
+                  + message(field(2, field(1, MIB) + field(2, content[MIB:]))))
+        self.assertTrue(rest.wait_for_end(10))
+        stored = list(pathlib.Path(server.process.args[2].split("=")[1]).glob("grids/*/*"))
+        self.assertTrue([file.read_bytes() for file in stored] == [content])
+
+
+class Fairness(CrowdTest):
+    def small_mesh(self, server, number):
+        """How long one takes that nobody remembers, to the last byte."""
+        mesh = self.call(server, STREAM, window=1 << 30)
+        start = time.monotonic()
+        mesh.ask(self.stream_request(0.1 + 1e-6 * number, levels=0))
+        self.assertTrue(mesh.wait_for_end(60))
+        return time.monotonic() - start
+
+    def latencies(self, server, first):
+        times = []
+        for i in range(20):
+            times.append(self.small_mesh(server, first + i))
+            for call in self.calls:
+                if not call.ended:
+                    call.listen(0)  # and answers pings
+        return times
+
+    def test_small_meshes_do_not_wait_for_a_huge_one(self):
+        server = Server(self, threads=2)
+        self.mesh(server)
+        alone = statistics.median(self.latencies(server, 100))
+        # Planned for longer than all this takes.
+        huge = self.call(server, STREAM, source="127.0.0.2")
+        huge.ask(self.stream_request(0.003, levels=24))
+        time.sleep(HUGE_AHEAD)
+        beside = self.latencies(server, 200)
+        huge.listen(0)
+        print(f"small meshes: {alone:.3f} s alone; beside a huge one median "
+              f"{statistics.median(beside):.3f} s, longest {max(beside):.3f} s", file=sys.stderr)
+        self.assertFalse(huge.ended)
+        self.assertLess(statistics.median(beside), 5 * alone + 0.5)
+        self.assertLess(max(beside), 5 * alone + 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,69 @@
+#include "server/large_plans.h"
+
+#include <future>
+
+#include <gtest/gtest.h>
+
+namespace tet {
+namespace {
+
+/// Lets tasks write a word, none before `begin`.
+class Order {
+ public:
+  template <class Queue>
+  void post(Queue& queue, const std::string& client, char letter) {
+    queue.post(client, [this, letter, begun = begun_] {
+      begun.wait();
+      const std::lock_guard lock(mutex_);
+      word_ += letter;
+    });
+  }
+  void begin() { begin_.set_value(); }
+  const std::string& word() const { return word_; }
+
+ private:
+  std::promise<void> begin_;
+  std::shared_future<void> begun_ = begin_.get_future().share();
+  std::mutex mutex_;
+  std::string word_;
+};
+
+TEST(LargePlans, RunsAsManyAtOnceAsItMayAndTheClientsTakeTurns) {
+  Order order;
+  {
+    LargePlans plans(1, 1);
+    for (const char letter : {'a', 'b', 'c'}) order.post(plans, "greedy", letter);
+    order.post(plans, "modest", 'x');
+    order.begin();
+  }
+  EXPECT_EQ(order.word(), "axbc");
+}
+
+TEST(LargePlans, OneRunsBesideAnotherThatDoesNotEnd) {
+  std::promise<void> first, second;
+  LargePlans plans(1, 2);
+  plans.post("a", [&] { first.get_future().wait(); });
+  plans.post("a", [&] { second.set_value(); });
+  second.get_future().wait();
+  first.set_value();
+}
+
+TEST(FairTasks, ClientsTakeTurnsTaskByTask) {
+  Order order;
+  std::promise<void> last;
+  TaskPool pool(1);
+  FairTasks tasks(pool);
+  std::promise<void> begin;
+  // The pool is busy until all have been posted.
+  pool.post([begun = begin.get_future().share()] { begun.wait(); });
+  for (const char letter : {'a', 'b', 'c'}) order.post(tasks, "greedy", letter);
+  order.post(tasks, "modest", 'x');
+  pool.post([&] { last.set_value(); });
+  order.begin();
+  begin.set_value();
+  last.get_future().wait();
+  EXPECT_EQ(order.word(), "axbc");
+}
+
+}  // namespace
+}  // namespace tet
