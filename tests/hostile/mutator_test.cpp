@@ -50,7 +50,7 @@ TEST(Campaign, FindsNothingThatHarmsTheWalker) {
   const CampaignResult result = run_campaign(
       mutator, {0, 4000}, walk, [](std::uint64_t, const Mutant&) {}, log);
   EXPECT_EQ(result.unexpected, 0U) << log.str();
-  EXPECT_LT(result.slowest_seconds, 0.5) << "mutant " << result.slowest;
+  EXPECT_LT(result.slowest_seconds, 2) << "mutant " << result.slowest;
   EXPECT_GT(result.outcomes.at(absl::StatusCode::kInvalidArgument), 2000U);
   EXPECT_GT(result.accepted_changed, 100U) << "some must pass, or nothing behind is tried";
 }
