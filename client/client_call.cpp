@@ -62,7 +62,12 @@ ClientCall::ClientCall(ServerChannel channel, const Cancellation& cancellation)
 absl::Status ClientCall::result(const grpc::Status& status) const {
   if (status.ok()) return absl::OkStatus();
   if (const absl::Status cancelled = check(cancellation_); !cancelled.ok()) return cancelled;
-  return channel_.explain(to_absl(status, context_));
+  const absl::Status ours = channel_.explain(to_absl(status, context_));
+  // Not by us: a call that reaches a server just when it closes its port is dropped like that.
+  if (absl::IsCancelled(ours) && reason_of_failure(ours).empty()) {
+    return absl::UnavailableError("the server dropped the call");
+  }
+  return ours;
 }
 
 absl::Status check(const Cancellation& cancellation) {

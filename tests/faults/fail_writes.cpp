@@ -41,11 +41,15 @@ bool fails() {
   return fails(first);
 }
 
+/// On a disk: neither a log nor memory that looks like a file.
 bool is_file(int descriptor) {
   struct stat info {};
-  return descriptor > 2 && ::fstat(descriptor, &info) == 0 &&
-         (S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
+  if (descriptor <= 2 || ::fstat(descriptor, &info) != 0) return false;
+  return (S_ISREG(info.st_mode) || S_ISDIR(info.st_mode)) && info.st_nlink > 0;
 }
+
+/// The server's own processes have nothing to write, and may not do what this library does.
+__attribute__((constructor)) void stay_in_this_process() { ::unsetenv("LD_PRELOAD"); }
 
 }  // namespace
 

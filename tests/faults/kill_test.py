@@ -3,7 +3,6 @@
     TETSTREAM_BIN=build/dev/bin python3 tests/faults/kill_test.py [--runs N] [--seed S] [Kills]
 
 Each run begins with an empty store and kills the server twice while a client uploads and meshes.
-A run takes about half a second.
 """
 
 import argparse
@@ -18,7 +17,7 @@ from fault_case import FaultTest, RunningServer, binaries, wait_until
 
 class Kills(FaultTest):
     volumes = {"sphere": 0.02, "torus": 0.02, "gyroid": 0.03}
-    runs = 20
+    runs = 6
     seed = None
 
     def client(self, address, kind):

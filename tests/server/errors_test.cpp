@@ -2,10 +2,10 @@
 // file.
 #include <algorithm>
 #include <csignal>
+#include <regex>
 #include <sys/resource.h>
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_replace.h>
 #include <gmock/gmock.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
@@ -97,14 +97,17 @@ class ErrorsTest : public ServiceTest {
   /// Takes what a call was told into the account.
   void tell(const std::string& how, const grpc::Status& status) {
     const google::rpc::Status rpc = details_of(status);
+    const std::string message = status.error_message();
     EXPECT_LE(status.error_details().size(), kMaxStatusBytes) << how;
-    EXPECT_EQ(status.error_message().find(folder_.path().string()), std::string::npos) << how;
-    EXPECT_TRUE(std::all_of(status.error_message().begin(), status.error_message().end(),
-                            [](unsigned char c) { return c >= ' ' && c < 127; }))
-        << how;
+    EXPECT_THAT(message, testing::Not(testing::HasSubstr(folder_.path().string()))) << how;
+    EXPECT_TRUE(std::all_of(message.begin(), message.end(), [](unsigned char c) {
+      return c >= ' ' && c < 127;
+    })) << how;
     told_.push_back(reason_in(status));
-    absl::StrAppend(&account_, how, "\n  ", code_of(status), ": ", status.error_message(),
-                    "\n");
+    // OpenVDB files differ each time that they are written.
+    const std::string text =
+        std::regex_replace(message, std::regex("[0-9a-f]{64}"), "{sha256}");
+    absl::StrAppend(&account_, how, "\n  ", code_of(status), ": ", text, "\n");
     for (const auto& detail : rpc.details()) account_ += text_of(detail);
   }
 
