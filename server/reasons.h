@@ -8,19 +8,41 @@ namespace tet {
 
 /// In the order of the alphabet. A lint test holds this list, the sources and docs/errors.md
 /// together.
-// clang-format off: one a line, so that two that are added do not meet
+// One a line, so that two that are added do not meet.
+// clang-format off
 inline constexpr std::string_view kReasons[] = {
-    "CANCELLED",       "CHUNK_RANGE",         "DEADLINE_EXCEEDED",
-    "DECODER_CRASHED", "DECODER_MEMORY",      "DECODER_RESULT",
-    "DECODER_TIMEOUT", "DECODER_UNAVAILABLE", "DISK",
-    "DISK_FULL",       "GRID_NOT_FOUND",      "GRID_NOT_IN_FILE",
-    "INTERNAL",        "INVALID_FIELD",       "LIMIT_EXCEEDED",
-    "MALFORMED",       "MESSAGE_ORDER",       "NOTHING_TO_MESH",
-    "NOT_MESHABLE",    "OTHER_MESH",          "SCOPE_MISSING",
-    "SHUTTING_DOWN",   "STORED_GRID_CORRUPT", "STORE_BUSY",
-    "TOKEN_EXPIRED",   "TOKEN_MISSING",       "TOKEN_UNKNOWN",
-    "TOO_MUCH_DATA",   "UNREADABLE_FILE",     "UPLOAD_IN_PROGRESS",
-    "WRONG_DIGEST",    "WRONG_OFFSET",
+    "CANCELLED",
+    "CHUNK_RANGE",
+    "DEADLINE_EXCEEDED",
+    "DECODER_CRASHED",
+    "DECODER_MEMORY",
+    "DECODER_RESULT",
+    "DECODER_TIMEOUT",
+    "DECODER_UNAVAILABLE",
+    "DISK",
+    "DISK_FULL",
+    "GRID_NOT_FOUND",
+    "GRID_NOT_IN_FILE",
+    "INTERNAL",
+    "INVALID_FIELD",
+    "LIMIT_EXCEEDED",
+    "MALFORMED",
+    "MESSAGE_ORDER",
+    "NOTHING_TO_MESH",
+    "NOT_MESHABLE",
+    "OTHER_MESH",
+    "SCOPE_MISSING",
+    "SHUTTING_DOWN",
+    "STORED_GRID_CORRUPT",
+    "STORE_BUSY",
+    "TOKEN_EXPIRED",
+    "TOKEN_MISSING",
+    "TOKEN_UNKNOWN",
+    "TOO_MUCH_DATA",
+    "UNREADABLE_FILE",
+    "UPLOAD_IN_PROGRESS",
+    "WRONG_DIGEST",
+    "WRONG_OFFSET",
 };
 // clang-format on
 
