@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include "server/file.h"
@@ -13,17 +14,18 @@ namespace {
 
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 20;
 
-absl::Status refused(const absl::Status& status) {
-  return absl::InvalidArgumentError(status.message());
+// These messages are for the operator, who may see the path.
+absl::Status refused(const std::string& path, const absl::Status& status) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", status.message()));
 }
 
 }  // namespace
 
 absl::StatusOr<std::string> read_small_file(const std::string& path, mode_t forbidden) {
   absl::StatusOr<File> file = File::open(path, O_RDONLY);
-  if (!file.ok()) return refused(file.status());
+  if (!file.ok()) return refused(path, file.status());
   const auto mode = file->mode();
-  if (!mode.ok()) return refused(mode.status());
+  if (!mode.ok()) return refused(path, mode.status());
   if (!S_ISREG(*mode)) return absl::InvalidArgumentError(path + " is not a file");
   if ((*mode & forbidden) != 0) {
     return absl::InvalidArgumentError(
@@ -31,14 +33,14 @@ absl::StatusOr<std::string> read_small_file(const std::string& path, mode_t forb
                         *mode & 0777U, *mode & 0777U & ~forbidden, path));
   }
   const auto size = file->size();
-  if (!size.ok()) return refused(size.status());
+  if (!size.ok()) return refused(path, size.status());
   if (*size > kMaxBytes) {
     return absl::InvalidArgumentError(
         absl::StrFormat("%s has %d bytes, more than %d", path, *size, kMaxBytes));
   }
   std::string text(*size, '\0');
   const auto read = file->read_at(0, text);
-  if (!read.ok()) return refused(read.status());
+  if (!read.ok()) return refused(path, read.status());
   text.resize(*read);
   return text;
 }

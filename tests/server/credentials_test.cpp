@@ -284,7 +284,7 @@ TEST_F(CredentialsTest, OfTheServerAreCheckedBeforeItStarts) {
   std::filesystem::permissions(text, std::filesystem::perms(0600));
   EXPECT_THAT(refusal(server.cert, "", ""), HasSubstr("tls_cert and tls_key go together"));
   EXPECT_THAT(refusal("", "", server.cert), HasSubstr("tls_client_ca needs tls_cert"));
-  EXPECT_THAT(refusal("/nowhere", server.key, ""), HasSubstr("/nowhere: No such file"));
+  EXPECT_THAT(refusal("/nowhere", server.key, ""), HasSubstr("/nowhere: cannot open"));
   EXPECT_THAT(refusal(text, server.key, ""), HasSubstr("text holds no certificate in PEM"));
   EXPECT_THAT(refusal(server.cert, text, ""), HasSubstr("holds no private key in PEM"));
   EXPECT_THAT(refusal(server.cert, other.key, ""), HasSubstr("other.key is not that of"));

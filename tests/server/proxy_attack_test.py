@@ -125,8 +125,7 @@ class ProxyAttack(unittest.TestCase):
 
     def test_an_address_that_asks_too_often_is_turned_away_and_others_are_not(self):
         ATTACKS["rapid_reset"](Attacker(self.address, 2, "127.0.0.60"))
-        again = self.connect_from("127.0.0.60")
-        self.assertTrue(self.hangs_up(again))
+        self.assertTrue(self.turns_away("127.0.0.60"))
         self.assertEqual(self.mesh().returncode, 0)
 
     def connect_from(self, source):
@@ -134,6 +133,13 @@ class ProxyAttack(unittest.TestCase):
         connection = socket.create_connection((host, int(port)), 5, (source, 0))
         self.addCleanup(connection.close)
         return connection
+
+    def turns_away(self, source):
+        """Whether a connection is refused, or ended before anything was said."""
+        try:
+            return self.hangs_up(self.connect_from(source))
+        except ConnectionError:
+            return True
 
     @staticmethod
     def hangs_up(connection):
