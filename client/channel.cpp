@@ -111,11 +111,11 @@ absl::Status ServerChannel::explain(const absl::Status& status) const {
   if (absl::IsUnavailable(status) && absl::StrContains(message, "failed to connect")) {
     return explain_connection(address_, tls_, message);
   }
-  if (absl::IsUnauthenticated(status) && authorization_.empty()) {
-    return absl::UnauthenticatedError(
-        absl::StrCat(address_, " wants a token (--token-file): ", message));
-  }
-  return status;
+  if (!absl::IsUnauthenticated(status) || !authorization_.empty()) return status;
+  absl::Status told(status.code(),
+                    absl::StrCat(address_, " wants a token (--token-file): ", message));
+  status.ForEachPayload([&](auto url, const auto& bytes) { told.SetPayload(url, bytes); });
+  return told;
 }
 
 absl::StatusOr<ServerChannel> open_channel(const std::string& address,

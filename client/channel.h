@@ -7,7 +7,6 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
-#include <grpcpp/support/status.h>
 
 namespace tet {
 
@@ -30,8 +29,8 @@ class ServerChannel {
   /// To be done for each call, before it starts.
   void authorize(grpc::ClientContext& context) const;
 
-  /// A call's status as ours. Where there is no common language with the server, the message
-  /// says what to do, and the code is kInternal: trying again would not help.
+  /// A call's status, with a message that says what to do where the two ends do not speak the
+  /// same language; then the code is kInternal, as trying again would not help.
   absl::Status explain(const absl::Status& status) const;
 
  private:

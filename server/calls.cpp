@@ -95,7 +95,7 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
   tell_identity(identity, context);
   fields_["request_id"] = identity.request_id;
   fields_["method"] = method_;
-  fields_["client"] = client_;
+  note("client", client_);
   fields_["peer"] = context.peer();
   fields_["user_agent"] = identity.user_agent;
   if (identity.span.trace_id.empty()) return;

@@ -1,11 +1,15 @@
 #include "server/grpc_log.h"
 
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <unistd.h>
 #include <utility>
 
+#include <absl/strings/match.h>
 #include <grpc/support/log.h>
 
 #include "server/logging.h"
@@ -37,7 +41,19 @@ class Sieve {
   std::int64_t left_out_ = 0;
 };
 
+std::atomic<bool> deaf{false};
+
+void end_process(const char* message) {
+  if (deaf.exchange(true)) return;
+  log_event(spdlog::level::err, "stopped_listening",
+            {
+                {"message", std::string(message)}
+  });
+  ::kill(::getpid(), SIGTERM);
+}
+
 void log_message(gpr_log_func_args* args) {
+  if (absl::StartsWith(args->message, "Failed accept")) return end_process(args->message);
   static Sieve sieve;
   const std::int64_t left_out = sieve.left_out();
   if (left_out < 0) return;
@@ -51,6 +67,8 @@ void log_message(gpr_log_func_args* args) {
 }
 
 }  // namespace
+
+bool stopped_listening() noexcept { return deaf; }
 
 void log_grpc_messages() { gpr_set_log_function(log_message); }
 

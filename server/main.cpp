@@ -7,6 +7,7 @@
 #include <map>
 #include <pthread.h>
 #include <string>
+#include <sys/resource.h>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -90,6 +91,15 @@ absl::Status write_port(const std::string& path, int port) {
   return tet::move_file(unfinished, path);
 }
 
+/// As many files and connections as the system lets us have: gRPC does not survive a lack of
+/// them.
+void raise_file_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int cannot_start(const absl::Status& status) {
   tet::log_event(spdlog::level::err, "cannot_start",
                  {
@@ -112,6 +122,7 @@ int print_new_token(const std::string& name) {
 
 int serve(const tet::Config& config) {
   tet::keep_read_blocks();
+  raise_file_limit();
   tet::log_grpc_messages();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
@@ -135,7 +146,7 @@ int serve(const tet::Config& config) {
   });
   (*server)->stop(std::chrono::seconds(config.drain_seconds));
   tet::log_event(spdlog::level::info, "stopped");
-  return kDone;
+  return tet::stopped_listening() ? kFailed : kDone;
 }
 
 }  // namespace

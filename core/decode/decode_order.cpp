@@ -41,12 +41,13 @@ absl::Status check_size(const Volume& volume, const DecodeLimits& limits) {
 
 absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& sink) {
   const OpenGridFile source{file, order.file_bytes, order.file_name};
+  LoadLimits limits;
+  limits.walked = true;  // by whoever ordered this
   if (order.task == DecodeTask::kGridList) {
-    const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(source);
+    const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(source, limits);
     return grids.ok() ? write_flat_grid_list(*grids, sink) : grids.status();
   }
-  const absl::StatusOr<Volume> volume =
-      load_volume(source, order.grid_name, {order.limits.volume_bytes});
+  const absl::StatusOr<Volume> volume = load_volume(source, order.grid_name, limits);
   if (!volume.ok()) return volume.status();
   if (absl::Status s = check_size(*volume, order.limits); !s.ok()) return s;
   return write_flat_volume(*volume, sink);

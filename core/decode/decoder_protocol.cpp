@@ -21,6 +21,9 @@ constexpr std::uint32_t kOrder = 0x74657402;
 constexpr std::uint32_t kAnswer = 0x74657403;
 constexpr std::size_t kDescriptors = 2;
 
+/// The only name of a failure that a decoder may give.
+constexpr std::string_view kOutOfMemory = "DECODER_MEMORY";
+
 /// Text of at most `kSize` bytes, in a message of one size.
 template <std::size_t kSize>
 struct Text {
@@ -46,7 +49,7 @@ struct OrderMessage {
 struct AnswerMessage {
   std::uint32_t magic = kAnswer;
   std::uint32_t code = 0;
-  Text<60> failure_name;
+  std::uint32_t out_of_memory = 0;
   Text<kMaxFailureBytes> message;
 };
 
@@ -98,12 +101,6 @@ std::string printable(std::string text) {
       text.begin(), text.end(),
       [](char c) { return !absl::ascii_isprint(static_cast<unsigned char>(c)); }, '?');
   return text;
-}
-
-bool is_failure_name(std::string_view name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-    return c == '_' || (c >= 'A' && c <= 'Z');
-  });
 }
 
 /// The end of a long name says more than its beginning.
@@ -161,7 +158,7 @@ std::optional<ReceivedOrder> receive_order(int socket) {
 bool send_answer(int socket, const absl::Status& answer) {
   AnswerMessage message;
   message.code = static_cast<std::uint32_t>(answer.code());
-  message.failure_name.set(failure_name(answer));
+  message.out_of_memory = failure_name(answer) == kOutOfMemory ? 1 : 0;
   const absl::string_view text = answer.message();
   message.message.set({text.data(), text.size()});
   return send_message(socket, message);
@@ -174,8 +171,7 @@ std::optional<absl::Status> receive_answer(int socket) {
   if (!may_answer(message.code)) return std::nullopt;
   absl::Status answer(static_cast<absl::StatusCode>(message.code),
                       printable(message.message.get()));
-  const std::string name = message.failure_name.get();
-  return is_failure_name(name) ? named_failure(name, std::move(answer)) : answer;
+  return message.out_of_memory == 1 ? named_failure(kOutOfMemory, std::move(answer)) : answer;
 }
 
 }  // namespace tet

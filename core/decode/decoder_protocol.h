@@ -31,7 +31,6 @@ enum class DecodeTask : std::uint32_t {
 
 /// What a decoder may take.
 struct DecodeLimits {
-  std::uint64_t volume_bytes = 0;   ///< of the volume in memory: LoadLimits::max_bytes
   std::uint64_t result_bytes = 0;   ///< of the flat result
   std::uint64_t working_bytes = 0;  ///< address space beyond what it has when it begins
   std::uint64_t cpu_seconds = 0;
@@ -62,7 +61,7 @@ std::optional<ReceivedOrder> receive_order(int socket);
 /// The parent's; does not wait. False or nothing when there is no message, or another one.
 bool receive_ready(int socket);
 /// Ok, or kInvalidArgument, kNotFound, kFailedPrecondition or kResourceExhausted with at most
-/// 500 bytes of printable ASCII.
+/// 500 bytes of printable ASCII; and DECODER_MEMORY or no name.
 std::optional<absl::Status> receive_answer(int socket);
 
 }  // namespace tet

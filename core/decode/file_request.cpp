@@ -6,32 +6,55 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/grid/charge_file.h"
 #include "core/grid/check_file.h"
 #include "core/grid/grid_info.h"
 
 namespace tet {
 namespace {
 
-/// What any file may take: one of a few bytes has a small tree, and a loaded machine its time.
-constexpr std::uint64_t kLeastBytes = std::uint64_t{64} << 20;
+/// What reading any file may take beside its charge: the stream's buffers, a heap's gaps, a
+/// decompressor's tables.
+constexpr std::uint64_t kLeastWorkingBytes = std::uint64_t{64} << 20;
+/// The texts of 4096 grids, and then some.
+constexpr std::uint64_t kLeastResultBytes = std::uint64_t{16} << 20;
+/// A constant brick takes twice the bytes in a flat volume.
+constexpr std::uint64_t kFlatFactor = 2;
+/// While a volume is made there is OpenVDB's tree too, and its columns grow.
+constexpr std::uint64_t kReadingFactor = 3;
+
 constexpr std::chrono::milliseconds kLeastTime{2000};
-
-/// A tenth of what a slow machine decodes a second.
+/// A tenth of what a slow machine reads a second, of a file and of what it unpacks to.
 constexpr std::uint64_t kFileBytesPerSecond = 10'000'000;
+constexpr std::uint64_t kMemoryBytesPerSecond = 50'000'000;
 
-DecodeLimits limits_of(const FileRequest& request) {
-  DecodeLimits limits;
-  limits.volume_bytes = request.max_bytes;
-  limits.result_bytes = 2 * request.max_bytes + kLeastBytes;
-  limits.working_bytes = 3 * request.max_bytes + kLeastBytes;
-  return limits;
+/// What the file takes, if that is not too much.
+absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGridFile& file) {
+  if (request.task == DecodeTask::kGridList) {
+    return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
+  }
+  const auto charge = [&](const VdbOutline& outline) {
+    return loading_charge(outline, request.grid_name);
+  };
+  return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
 }
 
 std::chrono::milliseconds time_for(std::int64_t file_bytes,
+                                   const MemoryCharge& charge,
                                    std::chrono::milliseconds max_time) {
-  const auto reading =
-      std::chrono::seconds(static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond);
-  return std::clamp(kLeastTime + reading, std::min(kLeastTime, max_time), max_time);
+  const std::uint64_t seconds = static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond +
+                                charge.reading / kMemoryBytesPerSecond;
+  return std::min<std::chrono::milliseconds>(kLeastTime + std::chrono::seconds(seconds),
+                                             max_time);
+}
+
+DecodeLimits limits_of(const MemoryCharge& charge, std::chrono::milliseconds time) {
+  DecodeLimits limits;
+  limits.result_bytes = kFlatFactor * charge.volume + kLeastResultBytes;
+  limits.working_bytes = charge.reading + kLeastWorkingBytes;
+  limits.cpu_seconds =
+      static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::seconds>(time).count());
+  return limits;
 }
 
 }  // namespace
@@ -53,11 +76,12 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
     return absl::PermissionDeniedError(
         absl::StrFormat("'%s' cannot be opened", request.file_name));
   }
-  checked.limit = time_for(facts.st_size, max_time);
-  checked.order = {request.task, limits_of(request), facts.st_size, request.file_name,
-                   request.grid_name};
-  checked.order.limits.cpu_seconds = static_cast<std::uint64_t>(
-      std::chrono::ceil<std::chrono::seconds>(checked.limit).count());
+  const OpenGridFile file{checked.file.number(), facts.st_size, request.file_name};
+  const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
+  if (!charge.ok()) return charge.status();
+  checked.limit = time_for(facts.st_size, *charge, max_time);
+  checked.order = {request.task, limits_of(*charge, checked.limit), facts.st_size,
+                   request.file_name, request.grid_name};
   return checked;
 }
 

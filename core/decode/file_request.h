@@ -17,18 +17,19 @@ struct FileRequest {
   std::string path;
   std::string file_name;        ///< what messages call it: never a path of the server's
   std::string grid_name;        ///< empty takes the only meshable grid
-  std::uint64_t max_bytes = 0;  ///< of the volume in memory
+  std::uint64_t max_bytes = 0;  ///< of the volume in memory; of the trees for a grid list
 };
 
 /// An open file and what may be spent on it.
 struct CheckedFile {
   Descriptor file;
   DecodeOrder order;
-  std::chrono::steady_clock::duration limit;
+  std::chrono::milliseconds limit;
 };
 
-/// Opens the file and works out what reading it may take, at most `max_time`.
-/// Errors: those of check_file; kNotFound (a grid name that no grid can have).
+/// Opens the file, walks over all of it without OpenVDB, and works out what reading it may
+/// take: never more than `max_time`. Errors: those of check_file and charge_file; kNotFound (a
+/// name that no grid can have).
 absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
                                           std::chrono::milliseconds max_time);
 

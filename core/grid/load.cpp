@@ -18,9 +18,7 @@
 #include "core/base/failure_name.h"
 #include "core/grid/check_file.h"
 #include "core/grid/copy_grid.h"
-#include "core/grid/memory_charge.h"
 #include "core/grid/vdb_file.h"
-#include "core/grid/walk_vdb.h"
 
 namespace tet {
 namespace {
@@ -35,22 +33,13 @@ absl::Status bad_file(const std::string& path, std::string_view why) {
       absl::StrFormat("'%s' is not a readable VDB file: %s", path, why));
 }
 
-/// Walks over the file and checks `charge(outline)`, the memory that it takes, unless the
-/// caller has.
+/// Walks over the file and checks what it takes, unless the caller has.
 template <class Charge>
 absl::Status check_bytes(const OpenGridFile& file,
                          const LoadLimits& limits,
                          const Charge& charge) {
   if (limits.walked) return absl::OkStatus();
-  const ByteSource source(file.descriptor, static_cast<std::uint64_t>(file.size_bytes));
-  const absl::StatusOr<VdbOutline> outline = walk_vdb(source);
-  if (absl::IsInvalidArgument(outline.status())) {
-    return bad_file(file.name, std::string(outline.status().message()));
-  }
-  const absl::Status s =
-      outline.ok() ? check_memory(charge(*outline), limits.max_bytes, limits.max_reading_bytes)
-                   : outline.status();
-  return s.ok() ? s : told_of(absl::StrFormat("'%s'", file.name), s);
+  return charge_file(file, charge, limits.max_bytes, limits.max_reading_bytes).status();
 }
 
 /// Calls `read(file)`; what OpenVDB throws becomes a status.

@@ -7,6 +7,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/grid/charge_file.h"
 #include "core/grid/grid_info.h"
 #include "core/grid/volume.h"
 
@@ -19,13 +20,6 @@ struct LoadLimits {
   /// The caller has walked this very file (core/grid/walk_vdb.h) and checked what it takes
   /// (core/grid/memory_charge.h), in this process or in another: both are left out.
   bool walked = false;
-};
-
-/// A file that is open for reading, and what messages call it. Whoever opened it keeps it open.
-struct OpenGridFile {
-  int descriptor = -1;
-  std::int64_t size_bytes = 0;
-  std::string name;
 };
 
 /// The grids of a `.vdb` file, in the file's order. Values are not read.

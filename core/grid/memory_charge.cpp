@@ -22,13 +22,14 @@ constexpr std::uint64_t kGrowth = 3;
 /// Of an inner node; its table holds values or pointers.
 template <class Mask>
 std::uint64_t node_bytes(const TreeType& type) {
-  const std::uint64_t entry = std::max<std::uint64_t>(sizeof(void*), type.value_bytes);
+  const std::uint64_t entry =
+      (type.value_bytes + sizeof(void*) - 1) / sizeof(void*) * sizeof(void*);
   return kNodeBytes + 2 * Mask::kBytes + Mask::kBits * entry;
 }
 
 std::uint64_t topology_bytes(const TreeOutline& tree, const TreeType& type) {
-  return (tree.root_tiles.stored + tree.uppers) * kRootEntryBytes +
-         tree.uppers * node_bytes<UpperMask>(type) + tree.lowers * node_bytes<LowerMask>(type) +
+  return tree.root_entries * kRootEntryBytes + tree.uppers * node_bytes<UpperMask>(type) +
+         tree.lowers * node_bytes<LowerMask>(type) +
          tree.leaves * (kNodeBytes + LeafMask::kBytes);
 }
 

@@ -25,6 +25,7 @@ struct TileCounts {
 
 /// The shape of a tree in the layout 5-4-3, and what it takes to read it.
 struct TreeOutline {
+  std::uint64_t root_entries = 0;                    ///< tiles and children of the root
   std::uint64_t uppers = 0, lowers = 0, leaves = 0;  ///< nodes of 4096, 128 and 8 voxels
   TileCounts root_tiles, upper_tiles, lower_tiles;
   std::uint64_t active_voxels = 0;  ///< in leaves and tiles; at most 2^64 - 1

@@ -13,7 +13,7 @@ namespace tet {
 /// How many names and values there may be. What writers put there by themselves takes less than
 /// a kilobyte, apart from ten bytes a leaf that tell a reader where to find it later.
 struct MetadataLimits {
-  std::uint32_t entries = 4096;  ///< of a file, or of one grid
+  std::uint32_t entries = 1024;  ///< of a file, or of one grid
   std::uint32_t name_bytes = 1024;
   std::uint64_t bytes = std::uint64_t{64} << 20;
 };

@@ -116,6 +116,7 @@ void TopologyWalk::walk_root() {
   const auto tiles = cursor_.read<std::uint32_t>("root tile count");
   const auto children = cursor_.read<std::uint32_t>("root child count");
   check_root_counts(at, tiles, children);
+  topology_.outline.root_entries = std::uint64_t{tiles} + children;
   for (std::uint32_t i = 0; i < tiles; ++i) walk_root_tile();
   for (std::uint32_t i = 0; i < children; ++i) walk_upper();
   check_unique(at);

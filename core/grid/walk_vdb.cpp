@@ -4,11 +4,11 @@
 #include <fcntl.h>
 #include <string_view>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/descriptor.h"
 #include "core/grid/check_file.h"
 #include "core/grid/walk_grid.h"
 #include "core/grid/walk_refusal.h"
@@ -25,28 +25,6 @@ constexpr std::uint32_t kNewestFormat = 224;
 
 /// OpenVDB has reached 13.
 constexpr std::uint32_t kNewestLibrary = 99;
-
-/// An open file, closed at the end.
-class OpenFile {
- public:
-  explicit OpenFile(const std::string& path) : descriptor_(::open(path.c_str(), kFlags)) {}
-  ~OpenFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  bool is_open() const noexcept { return descriptor_ >= 0; }
-  ByteSource source() const {
-    struct stat status {};
-    if (::fstat(descriptor_, &status) != 0) return ByteSource({});
-    return {descriptor_, static_cast<std::uint64_t>(status.st_size)};
-  }
-
- private:
-  static constexpr int kFlags = O_RDONLY | O_CLOEXEC;
-  int descriptor_;
-};
 
 void walk_format(VdbCursor& cursor, VdbOutline& outline) {
   if (cursor.read<std::uint64_t>("magic number") != kMagic) refuse_at(0, "it is no VDB file");
@@ -143,11 +121,12 @@ absl::StatusOr<VdbOutline> walk_vdb(const ByteSource& source,
 
 absl::StatusOr<VdbOutline> walk_vdb(const std::string& path, const WalkLimits& limits) {
   if (absl::Status s = check_file(path); !s.ok()) return s;
-  const OpenFile file(path);
-  if (!file.is_open()) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (!file.is_open() || ::fstat(file.number(), &facts) != 0) {
     return absl::PermissionDeniedError(absl::StrFormat("'%s' cannot be opened", path));
   }
-  return walk_vdb(file.source(), limits);
+  return walk_vdb(ByteSource(file.number(), static_cast<std::uint64_t>(facts.st_size)), limits);
 }
 
 }  // namespace tet

@@ -18,7 +18,7 @@
 namespace tet {
 
 struct WalkLimits {
-  std::uint32_t grids = 4096;
+  std::uint32_t grids = 1024;
   std::uint32_t name_bytes = 1024;  ///< of a grid's name
   MetadataLimits metadata = {};     ///< of the file, and of each grid
 };

@@ -83,8 +83,8 @@ struct StoreCounts {
 /// again.
 ///
 /// Thread safety: every member may be called from any thread. Errors of all: kUnavailable
-/// (STORE_UNAVAILABLE: try again), kResourceExhausted (STORE_FULL), kInternal (STORE_BROKEN).
-/// Those that take a job: kNotFound (JOB_NOT_FOUND).
+/// (JOB_STORE_UNAVAILABLE: try again), kResourceExhausted (JOB_STORE_FULL), kInternal
+/// (JOB_STORE_BROKEN). Those that take a job: kNotFound (JOB_NOT_FOUND).
 class JobStore {
  public:
   virtual ~JobStore() = default;

@@ -77,16 +77,18 @@ absl::Status invalid_plan(const std::string& message) {
 
 absl::Status check_labels(const Labels& labels) {
   if (labels.size() > kMaxLabels) {
-    return invalid_field(absl::StrCat(labels.size(), " labels are more than ", kMaxLabels));
+    return invalid_field(
+        absl::StrCat("labels has ", labels.size(), " entries, more than ", kMaxLabels));
   }
   for (const auto& [key, value] : labels) {
     if (!is_label_key(key)) {
-      return invalid_field(absl::StrCat("label '", absl::CHexEscape(key),
-                                        "' is not [a-z][a-z0-9_./-]*, at most 63 bytes"));
+      return invalid_field(
+          absl::StrCat("labels has the key '", absl::CHexEscape(key),
+                       "', which is not [a-z][a-z0-9_./-]* of at most 63 bytes"));
     }
     if (value.size() > kMaxLabelBytes || !is_printable(value)) {
-      return invalid_field(absl::StrCat("label ", key, " is '", absl::CHexEscape(value),
-                                        "', not printable ASCII of at most 63 bytes"));
+      return invalid_field(absl::StrCat("labels has ", key, "='", absl::CHexEscape(value),
+                                        "', which is not printable ASCII of at most 63 bytes"));
     }
   }
   return absl::OkStatus();

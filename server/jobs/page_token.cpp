@@ -35,11 +35,11 @@ absl::StatusOr<std::string> job_after_token(const std::string& token, const JobF
   if (token.empty()) return std::string();
   if (token.size() != kIdDigits + 8) {
     return invalid_field(
-        absl::StrCat("page token '", absl::CHexEscape(token), "' is not one of ours"));
+        absl::StrCat("page_token '", absl::CHexEscape(token), "' is not one of ours"));
   }
   if (token.substr(kIdDigits) != digest_of(filter)) {
     return invalid_field(
-        absl::StrCat("page token ", token, " is of a list with another filter"));
+        absl::StrCat("page_token ", token, " is of a list with another filter"));
   }
   return token.substr(0, kIdDigits);
 }

@@ -23,8 +23,9 @@ struct PostgresOptions {
 };
 
 /// Opens the store and brings its schema up to date; others that open it at the same time wait.
-/// Errors: kFailedPrecondition (STORE_TOO_NEW: a later version wrote it), kUnavailable
-/// (STORE_UNAVAILABLE: no connection; the message says why, and never the password), kInternal.
+/// Errors: kFailedPrecondition (JOB_STORE_TOO_NEW: a later version wrote it), kUnavailable
+/// (JOB_STORE_UNAVAILABLE: no connection; the message says why, and never the password),
+/// kInternal.
 absl::StatusOr<std::unique_ptr<JobStore>> open_postgres_job_store(
     const PostgresOptions& options);
 

@@ -98,7 +98,7 @@ absl::Status check_version(std::int64_t version) {
   return with_reason(
       absl::FailedPreconditionError(absl::StrCat("the job store has schema ", version,
                                                  ", this version knows ", kVersion)),
-      "STORE_TOO_NEW");
+      "JOB_STORE_TOO_NEW");
 }
 
 absl::Status run_steps(PostgresConnection& connection, std::int64_t version) {
@@ -133,8 +133,9 @@ absl::Status make_partition(PostgresConnection& connection, const Partition& par
                     "');");
   }
   const absl::Status made = connection.run_script(sql).status();
-  // Another server made it, or another span did, or rows lie in the default partition already.
-  return absl::IsInternal(made) ? absl::OkStatus() : made;
+  // Another server made it, or another span did, or rows lie in the default partition already,
+  // or the tables are too busy just now: the default partition takes what comes.
+  return connection.usable() ? absl::OkStatus() : made;
 }
 
 absl::StatusOr<std::vector<Partition>> list_partitions(PostgresConnection& connection) {
@@ -210,9 +211,13 @@ absl::StatusOr<std::int64_t> purge_default(PostgresConnection& connection,
 BEGIN;
 CREATE TEMPORARY TABLE old_jobs ON COMMIT DROP AS
   SELECT id FROM jobs_default WHERE state >= 3 AND finish_us < $before FOR UPDATE;
-UPDATE counters SET value = GREATEST(value, (SELECT COALESCE(max(revision), 0)
-  FROM events_default WHERE job_id IN (SELECT id FROM old_jobs))) WHERE name = 'compacted';
-DELETE FROM events_default WHERE job_id IN (SELECT id FROM old_jobs);
+CREATE TEMPORARY TABLE old_events ON COMMIT DROP AS
+  SELECT id, revision FROM events_default WHERE revision > 0 AND time_us < $before AND
+    (job_id IN (SELECT id FROM old_jobs) OR
+     NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.id = events_default.job_id));
+UPDATE counters SET value = GREATEST(value, (SELECT COALESCE(max(revision), 0) FROM old_events))
+  WHERE name = 'compacted';
+DELETE FROM events_default WHERE id IN (SELECT id FROM old_events);
 DELETE FROM shards_default WHERE job_id IN (SELECT id FROM old_jobs);
 DELETE FROM requests WHERE job_id IN (SELECT id FROM old_jobs);
 DELETE FROM jobs_default WHERE id IN (SELECT id FROM old_jobs);

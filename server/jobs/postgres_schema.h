@@ -12,7 +12,7 @@
 namespace tet {
 
 /// Makes the tables, or brings those of an earlier version up to date, while all others wait.
-/// Errors: kFailedPrecondition (STORE_TOO_NEW).
+/// Errors: kFailedPrecondition (JOB_STORE_TOO_NEW).
 absl::Status migrate_postgres(PostgresConnection& connection);
 
 /// Makes the partitions for jobs of now and of the next few spans, where they are missing. What

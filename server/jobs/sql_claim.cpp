@@ -24,6 +24,12 @@ constexpr char kClientsOfRank[] =
     "client "
     "IS NOT NULL";
 
+absl::Status check_lease(absl::Duration lease) {
+  if (lease > absl::ZeroDuration() && lease <= absl::Hours(24)) return absl::OkStatus();
+  return invalid_field(absl::StrCat("lease ", absl::FormatDuration(lease),
+                                    " is not positive and at most 24 hours"));
+}
+
 absl::Status check(const ClaimShards& request) {
   if (request.worker.empty() || request.worker.size() > 128) {
     return invalid_field(absl::StrCat("worker '", request.worker, "' has not 1 to 128 bytes"));
@@ -32,9 +38,7 @@ absl::Status check(const ClaimShards& request) {
     return invalid_field(
         absl::StrCat("max_shards ", request.max_shards, " is not from 1 to 1000"));
   }
-  if (request.lease > absl::ZeroDuration() && request.lease <= absl::Hours(24)) return {};
-  return invalid_field(absl::StrCat("lease ", absl::FormatDuration(request.lease),
-                                    " is not positive and at most 24 hours"));
+  return check_lease(request.lease);
 }
 
 /// Shards whose delay is over are ready again.
@@ -174,6 +178,7 @@ absl::StatusOr<std::vector<ShardLease>> SqlJobStore::claim(const ClaimShards& re
 
 absl::StatusOr<std::vector<Heartbeat>> SqlJobStore::heartbeat(std::span<const LeaseId> leases,
                                                               absl::Duration lease) {
+  if (auto status = check_lease(lease); !status.ok()) return status;
   std::vector<std::size_t> order(leases.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::sort(order, {}, [&](std::size_t i) { return leases[i].shard; });

@@ -115,7 +115,7 @@ Where where_of(const JobFilter& filter) {
 
 absl::Status check(const ListJobs& query) {
   if (query.page_size < 1 || query.page_size > 1000) {
-    return invalid_field(absl::StrCat("page size ", query.page_size, " is not from 1 to 1000"));
+    return invalid_field(absl::StrCat("page_size ", query.page_size, " is not from 1 to 1000"));
   }
   return check_labels(query.filter.labels);
 }

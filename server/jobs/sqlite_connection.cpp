@@ -82,8 +82,18 @@ absl::StatusOr<std::unique_ptr<SqliteConnection>> SqliteConnection::open(
   std::unique_ptr<SqliteConnection> connection(new SqliteConnection(database, options));
   if (code != SQLITE_OK) return connection->error(absl::StrCat("opening ", options.path));
   sqlite3_busy_handler(database, wait_for_lock, &connection->most_busy_steps_);
-  if (auto status = connection->run_script(kSettings); !status.ok()) return status;
+  if (auto status = connection->set_up(); !status.ok()) return status;
   return connection;
+}
+
+absl::Status SqliteConnection::set_up() {
+  // SQLite does not wait for others that change a new file's journal at the same time.
+  absl::Status status = run_script(kSettings);
+  for (int steps = 0; absl::IsUnavailable(status) && steps < most_busy_steps_; ++steps) {
+    std::this_thread::sleep_for(kBusyStep);
+    status = run_script(kSettings);
+  }
+  return status;
 }
 
 absl::Status SqliteConnection::error(const std::string& action) const {

@@ -43,6 +43,7 @@ class SqliteConnection final : public SqlConnection {
       : database_(database),
         clock_(options.clock),
         most_busy_steps_(static_cast<int>(absl::ToInt64Milliseconds(options.busy_timeout))) {}
+  absl::Status set_up();
   absl::StatusOr<sqlite3_stmt*> prepare(std::string_view sql);
   absl::Status error(const std::string& action) const;
 

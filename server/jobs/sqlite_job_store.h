@@ -21,8 +21,9 @@ struct SqliteOptions {
 };
 
 /// Opens the store and brings its schema up to date. The file must not be on a network file
-/// system. Errors: kFailedPrecondition (STORE_TOO_NEW: a later version wrote it), kUnavailable,
-/// kResourceExhausted (STORE_FULL), kInternal (STORE_BROKEN: not a database, cannot be made).
+/// system. Errors: kFailedPrecondition (JOB_STORE_TOO_NEW: a later version wrote it),
+/// kUnavailable, kResourceExhausted (JOB_STORE_FULL), kInternal (JOB_STORE_BROKEN: not a
+/// database, cannot be made).
 absl::StatusOr<std::unique_ptr<JobStore>> open_sqlite_job_store(const SqliteOptions& options);
 
 }  // namespace tet

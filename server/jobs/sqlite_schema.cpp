@@ -91,7 +91,7 @@ absl::Status migrate_sqlite(SqliteConnection& connection) {
     status = with_reason(
         absl::FailedPreconditionError(absl::StrCat("the job store has schema ", version,
                                                    ", this version knows ", kVersion)),
-        "STORE_TOO_NEW");
+        "JOB_STORE_TOO_NEW");
   } else if (version < kVersion) {
     status = run_steps(connection, version);
   }

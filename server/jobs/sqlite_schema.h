@@ -8,7 +8,7 @@
 namespace tet {
 
 /// Makes the tables, or brings those of an earlier version up to date, in one transaction.
-/// Errors: kFailedPrecondition (STORE_TOO_NEW).
+/// Errors: kFailedPrecondition (JOB_STORE_TOO_NEW).
 absl::Status migrate_sqlite(SqliteConnection& connection);
 
 }  // namespace tet

@@ -8,16 +8,16 @@
 namespace tet {
 
 absl::Status store_unavailable(const std::string& message) {
-  return with_retry(with_reason(absl::UnavailableError(message), "STORE_UNAVAILABLE"),
+  return with_retry(with_reason(absl::UnavailableError(message), "JOB_STORE_UNAVAILABLE"),
                     absl::Seconds(1));
 }
 
 absl::Status store_full(const std::string& message) {
-  return with_reason(absl::ResourceExhaustedError(message), "STORE_FULL");
+  return with_reason(absl::ResourceExhaustedError(message), "JOB_STORE_FULL");
 }
 
 absl::Status store_broken(const std::string& message) {
-  return with_reason(absl::InternalError(message), "STORE_BROKEN");
+  return with_reason(absl::InternalError(message), "JOB_STORE_BROKEN");
 }
 
 absl::Status job_not_found(const std::string& id) {

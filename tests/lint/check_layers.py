@@ -19,7 +19,8 @@ LAYERS["client"] = [*CORE, "proto", "client"]
 NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support", "bench",
            "tests/bench"]
 LIBRARIES = {
-    "OpenVDB": (r"openvdb/", ["core/grid", "tests/core/grid", "tests/support", "bench"]),
+    "OpenVDB": (r"openvdb/", ["core/grid", "tests/core/grid", "tests/hostile", "tests/support",
+                             "bench"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
 }

@@ -40,6 +40,8 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
+  pid_t pid() const { return pid_; }
+
   void send(int signal) const { ::kill(pid_, signal); }
 
   /// Its exit code once it has ended; -1 if a signal ended it.

@@ -16,6 +16,7 @@ namespace tet::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using namespace std::chrono_literals;
 
 class TetstreamdTest : public testing::Test {
@@ -125,6 +126,22 @@ TEST_F(TetstreamdTest, KeepsItsGridsOverASigtermAndARestart) {
   v1::MeshRequest request;
   request.set_name(*name);
   EXPECT_TRUE(MeshClient::connect(address_)->stream_mesh(request, {}, never_).ok());
+}
+
+TEST_F(TetstreamdTest, NeverLoadsOpenVdb) {
+  const std::string ball = folder_.file("ball.vdb");
+  write_fixture("sphere", 0.125, ball);
+  const auto server = serve();
+  const auto client = MeshClient::connect(address_);
+  const auto name = client->upload_file(ball, {}, never_);
+  ASSERT_TRUE(name.ok()) << name.status();
+  v1::MeshRequest request;
+  request.set_name(*name);
+  EXPECT_TRUE(client->grid_info(*name, never_).ok());
+  EXPECT_TRUE(client->stream_mesh(request, {}, never_).ok());
+  const std::string maps = read_text("/proc/" + std::to_string(server->pid()) + "/maps");
+  EXPECT_THAT(maps, HasSubstr("libgrpc"));
+  EXPECT_THAT(maps, Not(HasSubstr("openvdb")));
 }
 
 TEST_F(TetstreamdTest, LogsOneJsonObjectALine) {

@@ -104,7 +104,7 @@ void speak(std::string_view deed, const Taken& taken) {
   if (deed == "lies") taken.answer(absl::UnauthenticatedError("log in again"));
   if (deed == "shouts") {
     taken.answer(named_failure(
-        "no such\nname", absl::InvalidArgumentError("\x1b[2J\n" + std::string(2000, 'A'))));
+        "GOVERNMENT_SECRET", absl::InvalidArgumentError("\x1b[2J\n" + std::string(2000, 'A'))));
   }
 }
 

@@ -92,9 +92,9 @@ TEST_P(JobStoreTest, SaysWhatIsWrongWithAJob) {
   EXPECT_EQ(message([](NewJob& job) { job.ttl = absl::ZeroDuration(); }),
             "ttl 0 is not positive");
   EXPECT_EQ(message([](NewJob& job) { job.labels["A"] = ""; }),
-            "label 'A' is not [a-z][a-z0-9_./-]*, at most 63 bytes");
+            "labels has the key 'A', which is not [a-z][a-z0-9_./-]* of at most 63 bytes");
   EXPECT_EQ(message([](NewJob& job) { job.labels["a"] = "b\nc=d"; }),
-            "label a is 'b\\nc=d', not printable ASCII of at most 63 bytes");
+            "labels has a='b\\nc=d', which is not printable ASCII of at most 63 bytes");
   EXPECT_EQ(message([](NewJob& job) { job.spec.resize(65537); }),
             "spec has 65537 bytes, more than 65536");
 }

@@ -9,47 +9,27 @@
 #include <vector>
 
 #include <absl/status/status.h>
-#include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 #include <gmock/gmock.h>
 
-#include "google/rpc/error_details.pb.h"
 #include "server/jobs/job_store.h"
+#include "server/status.h"
+#include "tests/server/jobs/made_up_work.h"
 #include "tests/server/jobs/store_home.h"
 
 namespace tet::test {
 
-/// ErrorInfo's reason; empty without one.
-inline std::string reason_of(const absl::Status& status) {
-  const auto bytes = status.GetPayload("type.googleapis.com/google.rpc.ErrorInfo");
-  google::rpc::ErrorInfo info;
-  if (!bytes || !info.ParseFromString(std::string(*bytes))) return "";
-  return info.reason();
-}
-
-/// Digests of made-up chunks; another salt stands for other bytes.
-inline std::vector<ChunkDigest> digests_of(ChunkRange range, char salt = 'a') {
-  std::vector<ChunkDigest> digests;
-  for (auto chunk = range.first; chunk < range.end; ++chunk) {
-    std::string digest = absl::StrCat(std::string(1, salt), chunk);
-    digest.resize(32, '.');
-    digests.push_back(digest);
-  }
-  return digests;
-}
-
-inline Plan plan_of(std::int64_t shards,
-                    std::int64_t chunks_each = 1,
-                    Phase phase = Phase::kMesh) {
-  Plan plan{phase, "header", {}};
-  for (std::int64_t i = 0; i < shards; ++i) {
-    plan.shards.push_back({i * chunks_each, (i + 1) * chunks_each});
-  }
-  return plan;
-}
-
 inline void sleep(absl::Duration time) { absl::SleepFor(time); }
+
+/// Eight threads, as eight processes would, open a store that nobody opened before.
+inline void open_at_once(const StoreHome& home) {
+  std::vector<std::thread> processes;
+  for (int i = 0; i < 8; ++i) {
+    processes.emplace_back([&] { EXPECT_NE(home.open({}), nullptr); });
+  }
+  for (std::thread& process : processes) process.join();
+}
 
 class JobStoreTest : public testing::TestWithParam<MakeHome> {
  protected:

@@ -21,9 +21,13 @@ inline PostgresServer& postgres_server() {
 
 class PostgresHome final : public StoreHome {
  public:
+  /// In a schema of its own, without tables.
   PostgresHome() : schema_("home" + std::to_string(++count())) {
     postgres_server().make_schema(schema_);
   }
+  /// In a schema that others had before and that was emptied: making tables takes longer than
+  /// most tests.
+  explicit PostgresHome(const std::string& used_schema) : schema_(used_schema) {}
 
   std::unique_ptr<JobStore> open(const SqlJobStore::Options& rules) const override {
     return open_with({.connection = connection(), .rules = rules});
@@ -36,6 +40,7 @@ class PostgresHome final : public StoreHome {
   std::vector<std::string> worker_arguments() const override {
     return {"postgres", connection()};
   }
+  const std::string& schema() const { return schema_; }
   std::string connection() const { return postgres_server().connection(schema_); }
 
  private:

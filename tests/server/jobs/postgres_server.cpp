@@ -15,10 +15,6 @@ namespace tet::test {
 
 namespace {
 
-// Without fsync, commits survive a killed server as well, though not a power cut: the tests do
-// the one and not the other, and need not wait for the disk.
-constexpr char kNoSync[] = "fsync=off";
-
 constexpr char kPrograms[] = "/usr/lib/postgresql/15/bin/";
 
 /// In the child only.
@@ -41,7 +37,7 @@ void give_to_postgres(const std::filesystem::path& folder) {
 
 }  // namespace
 
-PostgresServer::PostgresServer() {
+PostgresServer::PostgresServer(bool durable) : durable_(durable) {
   give_to_postgres(folder_.path());
   const pid_t initdb = spawn({std::string(kPrograms) + "initdb", "-D", folder_.file("data"),
                               "-U", "tetstream", "--auth=trust", "--encoding=UTF8",
@@ -80,9 +76,10 @@ void PostgresServer::start() {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (std::chrono::steady_clock::now() < end) {
     if (server_ <= 0 || ::waitpid(server_, nullptr, WNOHANG) == server_) {
-      server_ = spawn({std::string(kPrograms) + "postgres", "-D", folder_.file("data"), "-k",
-                       folder_.path().string(), "-c", "listen_addresses=", "-c",
-                       "max_connections=60", "-c", "shared_buffers=32MB", "-c", kNoSync});
+      server_ =
+          spawn({std::string(kPrograms) + "postgres", "-D", folder_.file("data"), "-k",
+                 folder_.path().string(), "-c", "listen_addresses=", "-c", "max_connections=60",
+                 "-c", "shared_buffers=32MB", "-c", durable_ ? "fsync=on" : "fsync=off"});
     }
     if (answers()) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -102,12 +99,17 @@ std::string PostgresServer::connection(const std::string& schema) const {
 }
 
 void PostgresServer::make_schema(const std::string& schema) const {
-  PGconn* connected = PQconnectdb(connection("public").c_str());
-  PGresult* made = PQexec(connected, ("CREATE SCHEMA " + schema).c_str());
-  const bool ok = PQresultStatus(made) == PGRES_COMMAND_OK;
-  PQclear(made);
+  run("public", "CREATE SCHEMA " + schema);
+}
+
+void PostgresServer::run(const std::string& schema, const std::string& sql) const {
+  PGconn* connected = PQconnectdb(connection(schema).c_str());
+  PGresult* result = PQexec(connected, sql.c_str());
+  const bool ok = PQresultStatus(result) == PGRES_COMMAND_OK;
+  const std::string message = PQerrorMessage(connected);
+  PQclear(result);
   PQfinish(connected);
-  if (!ok) throw std::runtime_error("cannot make the schema " + schema);
+  if (!ok) throw std::runtime_error(sql + ": " + message);
 }
 
 }  // namespace tet::test

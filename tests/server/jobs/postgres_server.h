@@ -15,14 +15,18 @@ namespace tet::test {
 /// to run as. Throws std::runtime_error if it does not come up.
 class PostgresServer {
  public:
-  PostgresServer();
+  /// Without `durable`, commits survive a killed server as well, though not a power cut: tests
+  /// do the one and not the other, and need not wait for the disk.
+  explicit PostgresServer(bool durable = false);
   ~PostgresServer();
   PostgresServer(const PostgresServer&) = delete;
   PostgresServer& operator=(const PostgresServer&) = delete;
 
-  /// For libpq; `schema` is the search path, made by make_schema.
+  /// For libpq; `schema` is the search path.
   std::string connection(const std::string& schema) const;
   void make_schema(const std::string& schema) const;
+  /// Runs statements in a schema. Throws std::runtime_error if one fails.
+  void run(const std::string& schema, const std::string& sql) const;
 
   /// kill -9 of the server and so of all it runs.
   void kill();
@@ -33,6 +37,7 @@ class PostgresServer {
   pid_t spawn(std::vector<std::string> arguments) const;
   bool answers() const;
 
+  const bool durable_;
   const TestFolder folder_;
   pid_t server_ = -1;
 };

@@ -31,17 +31,13 @@ TEST(PostgresJobStore, SaysWhyThereIsNoConnection) {
   const absl::Status status =
       open_postgres_job_store({.connection = "host=/nowhere user=x"}).status();
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
-  EXPECT_EQ(reason_of(status), "STORE_UNAVAILABLE");
+  EXPECT_EQ(reason_of(status), "JOB_STORE_UNAVAILABLE");
   EXPECT_THAT(std::string(status.message()), testing::HasSubstr("/nowhere"));
 }
 
 TEST(PostgresJobStore, ManyMayOpenANewStoreAtOnce) {
   const PostgresHome home;
-  std::vector<std::thread> servers;
-  for (int i = 0; i < 8; ++i) {
-    servers.emplace_back([&] { EXPECT_NE(home.open({}), nullptr); });
-  }
-  for (std::thread& server : servers) server.join();
+  open_at_once(home);
 }
 
 TEST(PostgresJobStore, RefusesTheSchemaOfALaterVersion) {
@@ -50,7 +46,7 @@ TEST(PostgresJobStore, RefusesTheSchemaOfALaterVersion) {
   query(home.connection(), "UPDATE schema_version SET version = 99");
   const absl::Status status =
       open_postgres_job_store({.connection = home.connection()}).status();
-  EXPECT_EQ(reason_of(status), "STORE_TOO_NEW") << status;
+  EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW") << status;
 }
 
 TEST(PostgresJobStore, ForgetsOldJobsByDroppingTheirPartitions) {

@@ -10,6 +10,11 @@ namespace {
 
 INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreTest, testing::Values(&make_sqlite_home));
 
+TEST(SqliteJobStore, ManyMayOpenANewStoreAtOnce) {
+  const SqliteHome home;
+  open_at_once(home);
+}
+
 TEST(SqliteJobStore, RefusesAFileOfALaterVersion) {
   const SqliteHome home;
   home.open({});
@@ -19,14 +24,14 @@ TEST(SqliteJobStore, RefusesAFileOfALaterVersion) {
   sqlite3_close(database);
   const absl::Status status = open_sqlite_job_store({.path = home.path()}).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
-  EXPECT_EQ(reason_of(status), "STORE_TOO_NEW");
+  EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW");
 }
 
 TEST(SqliteJobStore, RefusesAFileThatIsNoDatabase) {
   const TestFolder folder;
   const std::string path = folder.write("jobs.db", std::string(4096, 'x'));
   const absl::Status status = open_sqlite_job_store({.path = path}).status();
-  EXPECT_EQ(reason_of(status), "STORE_BROKEN");
+  EXPECT_EQ(reason_of(status), "JOB_STORE_BROKEN");
 }
 
 TEST(SqliteJobStore, PurgesWhatFinishedLongAgo) {

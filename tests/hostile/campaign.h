@@ -1,0 +1,45 @@
+// What becomes of many mutants.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <ostream>
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "tests/hostile/mutator.h"
+
+namespace tet::test {
+
+/// What a mutant is put through; ok when it was accepted.
+using Trial = std::function<absl::Status(const Mutant&)>;
+
+/// Counts and the slowest of a campaign.
+struct CampaignResult {
+  std::map<absl::StatusCode, std::uint64_t> outcomes;
+  std::uint64_t mutants = 0;
+  std::uint64_t unlike_seed = 0;       ///< mutants that differ from their seed at all
+  std::uint64_t accepted_changed = 0;  ///< those of them that were accepted
+  double seconds = 0;                  ///< of the trials, without making mutants
+  double slowest_seconds = 0;
+  std::uint64_t slowest = 0;     ///< the mutant that took it
+  std::uint64_t unexpected = 0;  ///< neither accepted nor refused as hostile files are
+};
+
+struct CampaignRange {
+  std::uint64_t first = 0, count = 0;
+};
+
+/// Puts mutants through `trial` one after the other; tells each unexpected outcome on `log`.
+/// `accepted` is called with each mutant that was changed and yet accepted.
+CampaignResult run_campaign(const Mutator& mutator,
+                            CampaignRange range,
+                            const Trial& trial,
+                            const std::function<void(std::uint64_t, const Mutant&)>& accepted,
+                            std::ostream& log);
+
+void print_result(const CampaignResult& result, std::ostream& out);
+
+}  // namespace tet::test

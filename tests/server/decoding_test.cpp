@@ -1,0 +1,102 @@
+// A server whose decoders crash, hang or are missing: what its callers see of it.
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/server/reason_of.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// TETSTREAM_TRIALS=1000 build/release/bin/decoding_test for a longer run.
+int trials() {
+  const char* const wanted = std::getenv("TETSTREAM_TRIALS");
+  return wanted == nullptr ? 60 : std::atoi(wanted);
+}
+
+class DecodingTest : public ServiceTest {
+ protected:
+  /// Decodes as it should but for grids named "crash" and "hang".
+  void start_with_hostile_decoder() {
+    config_.decoder = folder_.file("decoder.decode_but_for");
+    std::filesystem::create_symlink(HOSTILE_DECODER_PATH, config_.decoder);
+    config_.decode_seconds = 1;
+    start();
+  }
+
+  grpc::Status mesh(v1::MeshRequest request, const std::string& grid = "") {
+    request.set_grid_name(grid);
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, stream_of(request));
+    for (v1::MeshEvent event; reader->Read(&event);) continue;
+    return reader->Finish();
+  }
+
+  static grpc::Status expect_reason(const grpc::Status& status, const std::string& reason) {
+    EXPECT_EQ(reason_of(status), "tetstream/" + reason) << status.error_message();
+    EXPECT_THAT(status.error_message(), Not(HasSubstr("/store/")));
+    return status;
+  }
+};
+
+TEST_F(DecodingTest, CostsTheCrashedRequestAnErrorAndTheOthersNothing) {
+  start_with_hostile_decoder();
+  const v1::MeshRequest ball = mesh_of(ball_file(8));
+  std::atomic<int> crashes{0}, healthy{0}, failed{0};
+  std::thread hostile([&] {
+    for (; crashes < trials(); ++crashes) expect_reason(mesh(ball, "crash"), "DECODER_CRASHED");
+  });
+  for (int size = 9; crashes < trials(); size = size == 30 ? 9 : size + 1) {
+    mesh(mesh_of(ball_file(size))).ok() ? ++healthy : ++failed;
+  }
+  hostile.join();
+  std::printf("%d crashes beside %d meshes\n", crashes.load(), healthy.load());
+  EXPECT_GT(healthy, 0);
+  EXPECT_EQ(failed, 0);
+}
+
+TEST_F(DecodingTest, EndsADecodeThatHangs) {
+  start_with_hostile_decoder();
+  const v1::MeshRequest ball = mesh_of(ball_file(8));
+  const auto start = std::chrono::steady_clock::now();
+  const grpc::Status status = expect_reason(mesh(ball, "hang"), "DECODER_TIMEOUT");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
+  EXPECT_TRUE(mesh(ball).ok());
+}
+
+TEST_F(DecodingTest, EndsADecodeThatNobodyWaitsFor) {
+  config_.decoders = 1;
+  start_with_hostile_decoder();
+  v1::MeshRequest hang = mesh_of(ball_file(8));
+  hang.set_grid_name("hang");
+  grpc::ClientContext context;
+  const auto reader = meshes_->StreamMesh(&context, stream_of(hang));
+  std::this_thread::sleep_for(100ms);
+  context.TryCancel();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(mesh(mesh_of(ball_file(9))).ok());  // by the same, only process
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 900ms);
+}
+
+TEST_F(DecodingTest, IsUnavailableWithoutAProgram) {
+  config_.decoder = folder_.file("nothing");
+  start();
+  const v1::MeshRequest ball = mesh_of(ball_file(8));
+  const grpc::Status status = expect_reason(mesh(ball), "DECODER_UNAVAILABLE");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_TRUE(absl::IsUnavailable(client_->grid_info(ball.name(), never_).status()));
+}
+
+}  // namespace
+}  // namespace tet::test

@@ -1,0 +1,153 @@
+"""tetstreamd behind docker/haproxy.cfg, attacked over HTTP/2 while others use it.
+
+    TETSTREAM_BIN=build/release/bin python3 tests/server/proxy_attack_test.py
+"""
+
+import os
+import pathlib
+import resource
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+from h2_attacks import ATTACKS, PREFACE, Attacker
+from running_server import RunningServer, binaries, wait_until
+
+CONFIGURATION = pathlib.Path(__file__).parents[2] / "docker" / "haproxy.cfg"
+ATTACK_SECONDS = 1
+FILES = 256  # file descriptors of tetstreamd; as many as a flood would like to have
+MAX_RESIDENT_MB = 300
+
+
+def unused_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def resident_mb(process):
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text(encoding="ascii")
+    return int(status.split("VmRSS:")[1].split()[0]) / 1024
+
+
+def allow_files(server):
+    resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (FILES, FILES))
+
+
+class WithoutAProxy(unittest.TestCase):
+    def test_a_server_that_ran_out_of_files_ends_so_that_it_is_started_again(self):
+        with tempfile.TemporaryDirectory() as scratch, RunningServer(f"{scratch}/store") as server:
+            allow_files(server)
+            ATTACKS["connection_flood"](Attacker(server.address, 1))
+            self.assertEqual(server.process.wait(30), 3)
+            self.assertEqual(len(server.log("stopped_listening")), 1)
+
+
+class ProxyAttack(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.folder = pathlib.Path(scratch.name)
+        cls.grid = cls.folder / "sphere.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", "0.05", cls.grid], check=True)
+        cls.server = cls.start_server()
+        cls.start_proxy()
+        wait_until(lambda: cls.client("health").returncode == 0)
+
+    @classmethod
+    def start_server(cls):
+        """With few file descriptors, of which nothing must run out."""
+        server = RunningServer(cls.folder / "store")
+        cls.addClassCleanup(server.kill)
+        allow_files(server)
+        return server
+
+    @classmethod
+    def start_proxy(cls):
+        cls.address = f"127.0.0.1:{unused_port()}"
+        host, port = cls.server.metrics.rsplit(":", 1)
+        cls.proxy = subprocess.Popen(
+            ["haproxy", "-f", CONFIGURATION, "-db"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env={**os.environ, "TETSTREAM_PROXY_LISTEN": cls.address,
+                 "TETSTREAM_PROXY_SERVER": cls.server.address,
+                 "TETSTREAM_PROXY_HEALTH_HOST": host, "TETSTREAM_PROXY_HEALTH_PORT": port,
+                 "TETSTREAM_PROXY_STREAMS": str(FILES // 2), "TETSTREAM_PROXY_MAXCONN": "500"})
+
+        def stop():
+            cls.proxy.terminate()
+            cls.proxy.wait(10)
+
+        cls.addClassCleanup(stop)
+
+    @classmethod
+    def client(cls, command, *arguments):
+        return subprocess.run(
+            [binaries() / "tetstream", command, *arguments, "--server", cls.address],
+            capture_output=True, text=True, timeout=30, check=False)
+
+    def mesh(self):
+        return self.client("mesh", self.grid, "-o", self.folder / "mesh.vtu")
+
+    def test_healthy_traffic_goes_on_during_every_attack(self):
+        half_a_preface = self.connect_from("127.0.0.50")
+        half_a_preface.send(PREFACE[:10])
+        for number, (name, attack) in enumerate(ATTACKS.items()):
+            with self.subTest(attack=name):
+                attacker = Attacker(self.address, ATTACK_SECONDS, f"127.0.0.{100 + number}")
+                thread = threading.Thread(target=attack, args=(attacker,))
+                thread.start()
+                while thread.is_alive():
+                    result = self.mesh()
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                thread.join()
+                self.assertGreater(attacker.sent + attacker.connections, 0)
+                self.assert_both_live()
+        self.assertTrue(self.hangs_up(half_a_preface))
+
+    def test_a_client_that_does_not_read_stops_only_itself(self):
+        slow = subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.grid, "-o", self.folder / "slow.vtu",
+             "--spacing", "0.006", "--levels", "0", "--server", self.address],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(slow.wait)
+        self.addCleanup(slow.kill)
+        time.sleep(0.5)
+        slow.send_signal(19)  # SIGSTOP
+        for _ in range(3):
+            result = self.mesh()
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIsNone(slow.poll())
+
+    def test_an_address_that_asks_too_often_is_turned_away_and_others_are_not(self):
+        ATTACKS["rapid_reset"](Attacker(self.address, 2, "127.0.0.60"))
+        again = self.connect_from("127.0.0.60")
+        self.assertTrue(self.hangs_up(again))
+        self.assertEqual(self.mesh().returncode, 0)
+
+    def connect_from(self, source):
+        host, port = self.address.rsplit(":", 1)
+        connection = socket.create_connection((host, int(port)), 5, (source, 0))
+        self.addCleanup(connection.close)
+        return connection
+
+    @staticmethod
+    def hangs_up(connection):
+        connection.settimeout(10)
+        try:
+            return connection.recv(1) == b""
+        except ConnectionError:
+            return True
+
+    def assert_both_live(self):
+        for process in (self.server.process, self.proxy):
+            self.assertIsNone(process.poll())
+            self.assertLess(resident_mb(process), MAX_RESIDENT_MB)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
