@@ -8,7 +8,8 @@ namespace tet {
 
 /// In the order of the alphabet. A lint test holds this list, the sources and docs/errors.md
 /// together.
-// clang-format off: one a line, so that two that are added do not meet
+// One a line, so that two that are added do not meet.
+// clang-format off
 inline constexpr std::string_view kReasons[] = {
     "CANCELLED",
     "CHUNK_RANGE",
