@@ -28,7 +28,7 @@ class MeshReceiver;
 
 /// How often a broken call is taken up again.
 struct RetryPolicy {
-  int attempts = 7;  ///< in a row without any progress between them
+  int attempts = 8;  ///< in a row without any progress between them
   int attempts_once_known =
       12;                      ///< the same where a server has answered before: it may restart
   int first_backoff_ms = 100;  ///< doubled each time, up to max_backoff_ms

@@ -1,0 +1,74 @@
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "client/client_call.h"
+#include "google/rpc/error_details.pb.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+constexpr RetryPolicy kQuick{
+    .attempts = 3, .attempts_once_known = 5, .first_backoff_ms = 1, .max_backoff_ms = 2};
+
+absl::Status with_delay(absl::Status status, int milliseconds) {
+  google::rpc::RetryInfo info;
+  info.mutable_retry_delay()->set_seconds(milliseconds / 1000);
+  info.mutable_retry_delay()->set_nanos(milliseconds % 1000 * 1'000'000);
+  status.SetPayload("type.googleapis.com/google.rpc.RetryInfo",
+                    absl::Cord(info.SerializeAsString()));
+  return status;
+}
+
+class RetriesTest : public testing::Test {
+ protected:
+  int attempts(const absl::Status& status, RetryHint hint) {
+    Retries retries(kQuick, never_);
+    int attempts = 1;
+    while (retries.again(status, 0, hint)) ++attempts;
+    return attempts;
+  }
+
+  std::chrono::steady_clock::duration first_wait(const absl::Status& status,
+                                                 const Cancellation& cancellation,
+                                                 RetryHint hint) {
+    Retries retries(kQuick, cancellation);
+    const auto start = std::chrono::steady_clock::now();
+    retries.again(status, 0, hint);
+    return std::chrono::steady_clock::now() - start;
+  }
+
+  Cancellation never_;
+};
+
+TEST_F(RetriesTest, TakeUpWhatBrokeAndWhatTheServerAsksTo) {
+  EXPECT_EQ(attempts(absl::UnavailableError("gone"), {}), 3);
+  EXPECT_EQ(attempts(absl::ResourceExhaustedError("too large"), {}), 1);
+  EXPECT_EQ(attempts(with_delay(absl::ResourceExhaustedError("busy"), 1), {}), 3);
+}
+
+TEST_F(RetriesTest, AreMorePatientWithAServerThatAnsweredBefore) {
+  EXPECT_EQ(attempts(absl::UnavailableError("gone"), {.known = true}), 5);
+}
+
+TEST_F(RetriesTest, WaitAsLongAsTheServerAsksUnlessItIsAnothersTurn) {
+  const absl::Status busy = with_delay(absl::UnavailableError("busy"), 200);
+  EXPECT_GE(first_wait(busy, never_, {}), 200ms);
+  EXPECT_LT(first_wait(busy, never_, {.elsewhere = true}), 150ms);
+}
+
+TEST_F(RetriesTest, EndWithTheDeadline) {
+  const Cancellation soon(std::chrono::system_clock::now() + 50ms);
+  EXPECT_LT(first_wait(with_delay(absl::UnavailableError("busy"), 20'000), soon, {}), 5s);
+}
+
+TEST_F(ServiceTest, AClientOfSeveralServersUsesOneThatIsThere) {
+  start();
+  const auto client = MeshClient::connect("127.0.0.1:1," + server_->address(), kQuick);
+  const auto answer = client->capabilities(never_);
+  EXPECT_TRUE(answer.ok()) << answer.status();
+}
+
+}  // namespace
+}  // namespace tet::test
