@@ -38,6 +38,16 @@ PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
   return field;
 }
 
+/// Between two nodes thin walls are looked for voxel by voxel, so a brick takes as long as the
+/// spacing is wide.
+absl::Status check_spacing(const PhiField& field) {
+  constexpr double kMaxSpacingVoxels = 256;
+  if (field.spacing_voxels <= kMaxSpacingVoxels) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
+                      field.spacing_voxels, kMaxSpacingVoxels));
+}
+
 /// Both sides of a domain, or the inside alone, which must have an end.
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                                      const MeshRequest& request,
@@ -303,6 +313,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, *volume);
   if (!asked.ok()) return asked.status();
   const PhiField field = field_of(*volume, *asked);
+  if (auto status = check_spacing(field); !status.ok()) return status;
   const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
   if (!space.ok()) return space.status();
 
