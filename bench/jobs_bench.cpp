@@ -46,7 +46,7 @@ std::unique_ptr<JobStore> open(std::int64_t engine) {
 
 NewJob wanted(std::int64_t i = 0) {
   NewJob job;
-  job.client = absl::StrCat("client-", i % 10);
+  job.space = absl::StrCat("space-", i % 10);
   job.spec = std::string(300, 's');
   job.labels = {
       {"farm", "night"}

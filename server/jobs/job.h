@@ -31,9 +31,9 @@ using Labels = std::map<std::string, std::string>;
 
 /// What a client asks for.
 struct NewJob {
-  std::string client;  ///< whose turn it is among clients; 1 to 128 printable ASCII
+  std::string space;  ///< the namespace whose job it is; 1 to 128 printable ASCII
   std::string
-      request_id;  ///< unique within the client: asking twice makes one job; may be empty
+      request_id;  ///< unique within the namespace: asking twice makes one job; may be empty
   std::string display_name;                       ///< at most 256 bytes
   std::string spec;                               ///< what to mesh; opaque here, at most 64 KiB
   Labels labels;                                  ///< at most 32
@@ -45,7 +45,7 @@ struct NewJob {
 
 struct Job {
   std::string id;  ///< 24 lower-case hexadecimal digits; ids sort by time of creation
-  std::string client, display_name;
+  std::string space, display_name;
   std::string spec;    ///< empty in lists
   std::string header;  ///< what `Plan` brought; empty before the plan, and in lists
   Labels labels;
@@ -139,7 +139,7 @@ enum class JobChange : std::int64_t {
 /// One change of a job, with how the job stood after it.
 struct JobEvent {
   std::int64_t revision = 0;  ///< global, without gaps in time: a later event has a larger one
-  std::string job;
+  std::string job, space;
   std::int64_t version = 0;  ///< the job's
   JobChange change = JobChange::kCreated;
   JobState state = JobState::kQueued;

@@ -19,9 +19,11 @@ absl::Duration duration_from(std::int64_t us) {
 
 void add_event(SqlTransaction& t, const Job& job, JobChange change) {
   t.run(
-      "INSERT INTO events (revision, job_id, version, change, state, done_chunks, shard_count, "
-      "done_shards, dead_shards, time_us) VALUES (0, $1, $2, $3, $4, $5, $6, $7, $8, $9)",
-      {job.id, job.version, number_of(change), number_of(job.state), job.done_chunks,
+      "INSERT INTO events (revision, job_id, space, version, change, state, done_chunks, "
+      "shard_count, done_shards, dead_shards, time_us) VALUES (0, $1, $2, $3, $4, $5, $6, $7, "
+      "$8, "
+      "$9, $10)",
+      {job.id, job.space, job.version, number_of(change), number_of(job.state), job.done_chunks,
        job.shard_count, job.done_shards, job.dead_shards, t.now_us()});
 }
 
@@ -41,7 +43,7 @@ std::int64_t after_us(std::int64_t start_us, absl::Duration duration) {
 
 std::string select_jobs(JobColumns columns) {
   return absl::StrCat(
-      "SELECT id, client, display_name, labels, rank, max_attempts, state, phase, version, "
+      "SELECT id, space, display_name, labels, rank, max_attempts, state, phase, version, "
       "error, "
       "ttl_us, timeout_us, create_us, start_us, plan_us, finish_us, expire_us, stop_us, "
       "chunk_count, done_chunks, shard_count, done_shards, dead_shards, alarms, ",
@@ -58,7 +60,7 @@ JobRow job_row(const SqlRow& row) {
   const auto integer = [&] { return row.integer(column++); };
   const auto time = [&] { return from_us(row.integer(column++)); };
   job.id = row.text(column++);
-  job.client = row.text(column++);
+  job.space = row.text(column++);
   job.display_name = row.blob(column++);
   job.labels = decode_labels(row.text(column++));
   job.priority = -integer();
@@ -99,14 +101,14 @@ std::optional<JobRow> lock_job(SqlTransaction& t, const std::string& id) {
 void insert_job(SqlTransaction& t, const JobRow& row) {
   const Job& job = row.job;
   t.run(
-      "INSERT INTO jobs (id, client, display_name, spec, header, labels, rank, max_attempts, "
+      "INSERT INTO jobs (id, space, display_name, spec, header, labels, rank, max_attempts, "
       "state, phase, version, error, ttl_us, timeout_us, create_us, start_us, plan_us, "
       "finish_us, "
       "expire_us, stop_us, chunk_count, done_chunks, shard_count, done_shards, dead_shards, "
       "alarms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $5, $12, $13, $14, $15, "
       "$15, "
       "$15, $16, $16, 0, 0, $17, 0, 0, 0)",
-      {job.id, job.client, Blob{job.display_name}, Blob{job.spec}, Blob{},
+      {job.id, job.space, Blob{job.display_name}, Blob{job.spec}, Blob{},
        encode_labels(job.labels), -job.priority, job.max_attempts, number_of(job.state),
        number_of(row.phase), job.version, duration_us(row.ttl), duration_us(row.timeout),
        to_us(job.create_time), kNeverUs, row.expire_us, job.shard_count});

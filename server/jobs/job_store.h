@@ -25,7 +25,7 @@ struct CreatedJob {
 
 /// Everything that is set must hold.
 struct JobFilter {
-  std::string client = {};
+  std::string space = {};
   std::set<JobState> states = {};
   Labels labels = {};
   std::string name_prefix = {};  ///< of display_name
@@ -46,6 +46,7 @@ struct JobPage {
 
 struct WatchJobs {
   std::int64_t after_revision = 0;
+  std::string space = {};                      ///< empty watches all namespaces
   std::string job = {};                        ///< empty watches all
   std::int64_t limit = 1000;                   ///< 1 to 10,000 events
   absl::Duration wait = absl::ZeroDuration();  ///< for the first event
@@ -91,7 +92,7 @@ class JobStore {
 
   // --- for clients ---
 
-  /// Errors: kInvalidArgument (INVALID_FIELD), kAlreadyExists (REQUEST_ID_REUSED: the client
+  /// Errors: kInvalidArgument (INVALID_FIELD), kAlreadyExists (REQUEST_ID_REUSED: the namespace
   /// made another job under this request_id).
   virtual absl::StatusOr<CreatedJob> create(const NewJob& job) = 0;
   virtual absl::StatusOr<Job> get(const std::string& id) = 0;
@@ -124,8 +125,8 @@ class JobStore {
 
   // --- for workers ---
 
-  /// The highest priority first; within it, clients get equal shares of the leases; within a
-  /// client the oldest job first. Errors: kInvalidArgument (INVALID_FIELD).
+  /// The highest priority first; within it, namespaces get equal shares of the leases; within a
+  /// namespace the oldest job first. Errors: kInvalidArgument (INVALID_FIELD).
   virtual absl::StatusOr<std::vector<ShardLease>> claim(const ClaimShards& request) = 0;
   /// Grows with every commit that this process knows of.
   virtual std::uint64_t signal() = 0;

@@ -95,9 +95,9 @@ absl::Status check_labels(const Labels& labels) {
 }
 
 absl::Status check(const NewJob& job) {
-  if (job.client.empty()) return invalid_field("client is empty");
+  if (job.space.empty()) return invalid_field("namespace is empty");
   return first_error(
-      {check_text("client", job.client), check_text("request_id", job.request_id),
+      {check_text("namespace", job.space), check_text("request_id", job.request_id),
        check_size("display_name", job.display_name.size(), kMaxNameBytes),
        check_size("spec", job.spec.size(), kMaxSpecBytes), check_labels(job.labels),
        check_range("priority", job.priority, -kMaxPriority, kMaxPriority),
@@ -132,7 +132,7 @@ std::string fingerprint(const NewJob& job) {
     digest.add(absl::StrCat(text.size(), ":"));  // so that no two lists of fields look alike
     digest.add(text);
   };
-  add(job.client);
+  add(job.space);
   add(job.display_name);
   add(job.spec);
   add(encode_labels(job.labels));

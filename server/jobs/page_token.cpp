@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kIdDigits = 24;
 
 std::string digest_of(const JobFilter& filter) {
-  std::string text = absl::StrCat(filter.client, "\n", filter.name_prefix.size(), "\n",
+  std::string text = absl::StrCat(filter.space, "\n", filter.name_prefix.size(), "\n",
                                   filter.name_prefix, encode_labels(filter.labels));
   for (const JobState state : filter.states) absl::StrAppend(&text, " ", number_of(state));
   absl::StrAppend(&text, "\n", absl::FormatTime(filter.created_from), "\n",

@@ -26,12 +26,12 @@ CREATE TABLE counters (name TEXT COLLATE "C" PRIMARY KEY, value BIGINT NOT NULL)
 INSERT INTO counters VALUES ('revision', 0), ('compacted', 0);
 
 CREATE TABLE requests (
-  client TEXT COLLATE "C" NOT NULL, request_id TEXT COLLATE "C" NOT NULL,
-  job_id TEXT COLLATE "C" NOT NULL, fingerprint TEXT NOT NULL, PRIMARY KEY (client, request_id));
+  space TEXT COLLATE "C" NOT NULL, request_id TEXT COLLATE "C" NOT NULL,
+  job_id TEXT COLLATE "C" NOT NULL, fingerprint TEXT NOT NULL, PRIMARY KEY (space, request_id));
 CREATE INDEX requests_of_job ON requests (job_id);
 
 CREATE TABLE jobs (
-  id TEXT COLLATE "C" NOT NULL PRIMARY KEY, client TEXT COLLATE "C" NOT NULL,
+  id TEXT COLLATE "C" NOT NULL PRIMARY KEY, space TEXT COLLATE "C" NOT NULL,
   display_name BYTEA NOT NULL, spec BYTEA NOT NULL, header BYTEA NOT NULL, labels TEXT NOT NULL,
   rank BIGINT NOT NULL, max_attempts BIGINT NOT NULL, state BIGINT NOT NULL, phase BIGINT NOT NULL,
   version BIGINT NOT NULL, error BYTEA NOT NULL, ttl_us BIGINT NOT NULL,
@@ -50,14 +50,14 @@ CREATE TABLE jobs_default PARTITION OF jobs DEFAULT;
 CREATE TABLE queue (
   job_id TEXT COLLATE "C" NOT NULL, phase BIGINT NOT NULL, number BIGINT NOT NULL,
   first_chunk BIGINT NOT NULL, end_chunk BIGINT NOT NULL, rank BIGINT NOT NULL,
-  client TEXT COLLATE "C" NOT NULL, state BIGINT NOT NULL, token BIGINT NOT NULL,
+  space TEXT COLLATE "C" NOT NULL, state BIGINT NOT NULL, token BIGINT NOT NULL,
   worker TEXT NOT NULL, attempt BIGINT NOT NULL, lease_us BIGINT NOT NULL, due_us BIGINT NOT NULL,
   PRIMARY KEY (job_id, phase, number))
   WITH (autovacuum_vacuum_scale_factor = 0.02, autovacuum_analyze_scale_factor = 0.05);
-CREATE INDEX queue_ready ON queue (rank, client, job_id, phase, number) WHERE state = 0;
+CREATE INDEX queue_ready ON queue (rank, space, job_id, phase, number) WHERE state = 0;
 CREATE INDEX queue_ready_jobs ON queue (job_id) WHERE state = 0;
 CREATE INDEX queue_leased ON queue (lease_us) WHERE state = 1;
-CREATE INDEX queue_held ON queue (client) WHERE state = 1;
+CREATE INDEX queue_held ON queue (space) WHERE state = 1;
 CREATE INDEX queue_held_jobs ON queue (job_id) WHERE state = 1;
 CREATE INDEX queue_due ON queue (due_us) WHERE state = 2;
 
@@ -71,11 +71,12 @@ CREATE TABLE shards_default PARTITION OF shards DEFAULT;
 
 CREATE TABLE events (
   id BIGINT NOT NULL DEFAULT nextval('event_ids'), revision BIGINT NOT NULL,
-  job_id TEXT COLLATE "C" NOT NULL, version BIGINT NOT NULL, change BIGINT NOT NULL,
+  job_id TEXT COLLATE "C" NOT NULL, space TEXT COLLATE "C" NOT NULL, version BIGINT NOT NULL, change BIGINT NOT NULL,
   state BIGINT NOT NULL, done_chunks BIGINT NOT NULL, shard_count BIGINT NOT NULL,
   done_shards BIGINT NOT NULL, dead_shards BIGINT NOT NULL, time_us BIGINT NOT NULL)
   PARTITION BY RANGE (job_id);
 CREATE INDEX events_by_revision ON events (revision);
+CREATE INDEX events_of_space ON events (space, revision);
 CREATE INDEX events_of_job ON events (job_id, revision);
 CREATE INDEX events_new ON events (id) WHERE revision = 0;
 CREATE TABLE events_default PARTITION OF events DEFAULT;

@@ -22,7 +22,7 @@ std::string insert_shards(std::size_t count) {
   }
   return absl::StrCat("WITH new (n, a, b) AS (VALUES ", values,
                       ") INSERT INTO queue (job_id, phase, number, first_chunk, end_chunk, "
-                      "rank, client, state, "
+                      "rank, space, state, "
                       "token, worker, attempt, lease_us, due_us) SELECT $1, $2, n, a, b, $3, "
                       "$4, 0, 0, '', 0, 0, 0 "
                       "FROM new");
@@ -38,7 +38,7 @@ void add_to_queue(SqlTransaction& t,
   for (std::size_t begin = 0; begin < ranges.size(); begin += kRowsAtOnce) {
     const auto some = ranges.subspan(begin, std::min(kRowsAtOnce, ranges.size() - begin));
     std::vector<SqlValue> values = {row.job.id, number_of(phase), -row.job.priority,
-                                    row.job.client};
+                                    row.job.space};
     for (const ChunkRange& range : some) {
       values.emplace_back(first_number++);
       values.emplace_back(range.first);
@@ -107,10 +107,10 @@ std::int64_t bury_rest(SqlTransaction& t, const std::string& job, const absl::St
 
 void revive(SqlTransaction& t, const JobRow& row) {
   t.run(
-      "INSERT INTO queue (job_id, phase, number, first_chunk, end_chunk, rank, client, state, "
+      "INSERT INTO queue (job_id, phase, number, first_chunk, end_chunk, rank, space, state, "
       "token, worker, attempt, lease_us, due_us) SELECT job_id, phase, number, first_chunk, "
       "end_chunk, $2, $3, 0, 0, '', 0, 0, 0 FROM shards WHERE job_id = $1 AND outcome = 2",
-      {row.job.id, -row.job.priority, row.job.client});
+      {row.job.id, -row.job.priority, row.job.space});
   t.run("DELETE FROM shards WHERE job_id = $1 AND outcome = 2", {row.job.id});
 }
 

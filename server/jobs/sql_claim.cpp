@@ -1,4 +1,5 @@
-// The store for workers who look for work: claims, shared fairly among clients, and heartbeats.
+// The store for workers who look for work: claims, shared fairly among namespaces, and
+// heartbeats.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -14,14 +15,14 @@ namespace tet {
 
 namespace {
 
-// Clients with something ready at one rank: the index is stepped from one to the next.
-constexpr char kClientsOfRank[] =
-    "WITH RECURSIVE step (client) AS (SELECT min(client) FROM queue WHERE state = 0 AND rank = "
+// Namespaces with something ready at one rank: the index is stepped from one to the next.
+constexpr char kSpacesOfRank[] =
+    "WITH RECURSIVE step (space) AS (SELECT min(space) FROM queue WHERE state = 0 AND rank = "
     "$1 "
-    "UNION ALL SELECT (SELECT min(client) FROM queue WHERE state = 0 AND rank = $1 AND client "
+    "UNION ALL SELECT (SELECT min(space) FROM queue WHERE state = 0 AND rank = $1 AND space "
     "> "
-    "step.client) FROM step WHERE step.client IS NOT NULL) SELECT client FROM step WHERE "
-    "client "
+    "step.space) FROM step WHERE step.space IS NOT NULL) SELECT space FROM step WHERE "
+    "space "
     "IS NOT NULL";
 
 absl::Status check_lease(absl::Duration lease) {
@@ -52,7 +53,7 @@ void wake(SqlTransaction& t) {
       {t.now_us()});
 }
 
-/// One claim's transaction: rank by rank, each client's oldest shards.
+/// One claim's transaction: rank by rank, each namespace's oldest shards.
 class Claiming {
  public:
   Claiming(SqlTransaction& t, const ClaimShards& request)
@@ -74,7 +75,7 @@ class Claiming {
 
   void count_leases() {
     const auto counts =
-        t_.run("SELECT client, count(*) FROM queue WHERE state = 1 GROUP BY client");
+        t_.run("SELECT space, count(*) FROM queue WHERE state = 1 GROUP BY space");
     for (const SqlRow& row : counts.rows) held_[row.text(0)] = row.integer(1);
   }
 
@@ -88,30 +89,30 @@ class Claiming {
 
   void claim_rank(std::int64_t rank) {
     std::map<std::string, std::int64_t> held;
-    for (const SqlRow& row : t_.run(kClientsOfRank, {rank}).rows) {
+    for (const SqlRow& row : t_.run(kSpacesOfRank, {rank}).rows) {
       held[row.text(0)] = held_[row.text(0)];
     }
     while (room() > 0 && !held.empty()) {
-      for (const auto& [client, share] : share_out(room(), held)) {
-        const std::int64_t got = take(rank, client, share);
-        held[client] = held_[client] += got;
-        if (got < share) held.erase(client);
+      for (const auto& [space, share] : share_out(room(), held)) {
+        const std::int64_t got = take(rank, space, share);
+        held[space] = held_[space] += got;
+        if (got < share) held.erase(space);
       }
     }
   }
 
-  std::int64_t take(std::int64_t rank, const std::string& client, std::int64_t most) {
+  std::int64_t take(std::int64_t rank, const std::string& space, std::int64_t most) {
     const auto taken = t_.run(
         absl::StrCat(
             "WITH picked AS MATERIALIZED (SELECT job_id AS j, phase AS p, number AS n FROM "
             "queue "
-            "WHERE state = 0 AND rank = $1 AND client = $2 ORDER BY job_id, phase, number "
+            "WHERE state = 0 AND rank = $1 AND space = $2 ORDER BY job_id, phase, number "
             "LIMIT $3",
             t_.dialect().skip_locked(),
             ") UPDATE queue SET state = 1, token = $4, worker = $5, attempt = attempt + 1, "
             "lease_us = $6 FROM picked WHERE job_id = j AND phase = p AND number = n RETURNING "
             "job_id, phase, number, first_chunk, end_chunk, attempt"),
-        {rank, client, most, token_, request_.worker, expires_us_});
+        {rank, space, most, token_, request_.worker, expires_us_});
     for (const SqlRow& row : taken.rows) {
       const ShardKey key{row.text(0), static_cast<Phase>(row.integer(1)), row.integer(2)};
       leases_.push_back({
@@ -148,7 +149,7 @@ class Claiming {
   const ClaimShards& request_;
   const std::int64_t token_;  ///< one for the whole claim: no shard is claimed twice in it
   const std::int64_t expires_us_;
-  std::map<std::string, std::int64_t> held_;  ///< leases that each client has
+  std::map<std::string, std::int64_t> held_;  ///< leases that each namespace has
   std::vector<ShardLease> leases_;
 };
 

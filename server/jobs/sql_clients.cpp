@@ -28,7 +28,7 @@ std::string make_id(std::int64_t now_us) {
 JobRow new_row(const NewJob& wanted, std::int64_t now_us) {
   JobRow row;
   row.job.id = make_id(now_us);
-  row.job.client = wanted.client;
+  row.job.space = wanted.space;
   row.job.display_name = wanted.display_name;
   row.job.spec = wanted.spec;
   row.job.labels = wanted.labels;
@@ -48,17 +48,17 @@ JobRow new_row(const NewJob& wanted, std::int64_t now_us) {
 bool claim_request(SqlTransaction& t, const NewJob& wanted, const std::string& job) {
   if (wanted.request_id.empty()) return true;
   return t.run(
-              "INSERT INTO requests (client, request_id, job_id, fingerprint) VALUES ($1, $2, "
+              "INSERT INTO requests (space, request_id, job_id, fingerprint) VALUES ($1, $2, "
               "$3, $4) ON CONFLICT DO NOTHING",
-              {wanted.client, wanted.request_id, job, fingerprint(wanted)})
+              {wanted.space, wanted.request_id, job, fingerprint(wanted)})
              .changed == 1;
 }
 
 /// The job that the same request made. Errors: kAlreadyExists.
 absl::StatusOr<Job> job_of_request(SqlTransaction& t, const NewJob& wanted) {
   const auto found =
-      t.run("SELECT job_id, fingerprint FROM requests WHERE client = $1 AND request_id = $2",
-            {wanted.client, wanted.request_id});
+      t.run("SELECT job_id, fingerprint FROM requests WHERE space = $1 AND request_id = $2",
+            {wanted.space, wanted.request_id});
   if (found.rows.empty()) return store_unavailable("the job was deleted meanwhile");
   const std::string& id = found.rows[0].text(0);
   if (found.rows[0].text(1) != fingerprint(wanted)) {
@@ -97,7 +97,7 @@ void add_states(Where& where, const std::set<JobState>& states) {
 Where where_of(const JobFilter& filter) {
   Where where;
   add_states(where, filter.states);
-  if (!filter.client.empty()) where.add("client = $", filter.client);
+  if (!filter.space.empty()) where.add("space = $", filter.space);
   for (const auto& [key, value] : filter.labels) {
     where.add("replace(labels, $, '') <> labels", absl::StrCat("\n", key, "=", value, "\n"));
   }

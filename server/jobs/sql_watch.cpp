@@ -71,27 +71,32 @@ JobEvent event_of(const SqlRow& row) {
   JobEvent event;
   event.revision = row.integer(0);
   event.job = row.text(1);
-  event.version = row.integer(2);
-  event.change = static_cast<JobChange>(row.integer(3));
-  event.state = static_cast<JobState>(row.integer(4));
-  event.done_chunks = row.integer(5);
-  event.shard_count = row.integer(6);
-  event.done_shards = row.integer(7);
-  event.dead_shards = row.integer(8);
-  event.time = from_us(row.integer(9));
+  event.space = row.text(2);
+  event.version = row.integer(3);
+  event.change = static_cast<JobChange>(row.integer(4));
+  event.state = static_cast<JobState>(row.integer(5));
+  event.done_chunks = row.integer(6);
+  event.shard_count = row.integer(7);
+  event.done_shards = row.integer(8);
+  event.dead_shards = row.integer(9);
+  event.time = from_us(row.integer(10));
   return event;
 }
 
 SqlResult select_events(SqlTransaction& t, const WatchJobs& query, std::int64_t last) {
-  const std::string sql =
-      "SELECT revision, job_id, version, change, state, done_chunks, shard_count, done_shards, "
-      "dead_shards, time_us FROM events WHERE revision > $1 AND revision <= $2";
-  if (query.job.empty()) {
-    return t.run(absl::StrCat(sql, " ORDER BY revision LIMIT $3"),
-                 {query.after_revision, last, query.limit});
-  }
-  return t.run(absl::StrCat(sql, " AND job_id = $4 ORDER BY revision LIMIT $3"),
-               {query.after_revision, last, query.limit, query.job});
+  std::string sql =
+      "SELECT revision, job_id, space, version, change, state, done_chunks, shard_count, "
+      "done_shards, dead_shards, time_us FROM events WHERE revision > $1 AND revision <= $2";
+  std::vector<SqlValue> values = {query.after_revision, last, query.limit};
+  const auto only = [&](const char* column, const std::string& value) {
+    if (value.empty()) return;
+    values.emplace_back(value);
+    absl::StrAppend(&sql, " AND ", column, " = $", values.size());
+  };
+  only("job_id", query.job);
+  only("space", query.space);
+  absl::StrAppend(&sql, " ORDER BY revision LIMIT $3");
+  return t.run(sql, values);
 }
 
 bool job_exists(SqlTransaction& t, const std::string& id) {

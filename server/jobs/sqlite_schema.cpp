@@ -18,12 +18,12 @@ CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WI
 INSERT INTO counters VALUES ('token', 0), ('revision', 0), ('compacted', 0);
 
 CREATE TABLE requests (
-  client TEXT NOT NULL, request_id TEXT NOT NULL, job_id TEXT NOT NULL, fingerprint TEXT NOT NULL,
-  PRIMARY KEY (client, request_id)) STRICT, WITHOUT ROWID;
+  space TEXT NOT NULL, request_id TEXT NOT NULL, job_id TEXT NOT NULL, fingerprint TEXT NOT NULL,
+  PRIMARY KEY (space, request_id)) STRICT, WITHOUT ROWID;
 CREATE INDEX requests_of_job ON requests (job_id);
 
 CREATE TABLE jobs (
-  id TEXT NOT NULL PRIMARY KEY, client TEXT NOT NULL, display_name BLOB NOT NULL,
+  id TEXT NOT NULL PRIMARY KEY, space TEXT NOT NULL, display_name BLOB NOT NULL,
   spec BLOB NOT NULL, header BLOB NOT NULL, labels TEXT NOT NULL, rank INTEGER NOT NULL,
   max_attempts INTEGER NOT NULL, state INTEGER NOT NULL, phase INTEGER NOT NULL,
   version INTEGER NOT NULL, error BLOB NOT NULL, ttl_us INTEGER NOT NULL,
@@ -41,13 +41,13 @@ CREATE INDEX jobs_with_trouble ON jobs (id) WHERE dead_shards + alarms > 0;
 CREATE TABLE queue (
   job_id TEXT NOT NULL, phase INTEGER NOT NULL, number INTEGER NOT NULL,
   first_chunk INTEGER NOT NULL, end_chunk INTEGER NOT NULL, rank INTEGER NOT NULL,
-  client TEXT NOT NULL, state INTEGER NOT NULL, token INTEGER NOT NULL, worker TEXT NOT NULL,
+  space TEXT NOT NULL, state INTEGER NOT NULL, token INTEGER NOT NULL, worker TEXT NOT NULL,
   attempt INTEGER NOT NULL, lease_us INTEGER NOT NULL, due_us INTEGER NOT NULL,
   PRIMARY KEY (job_id, phase, number)) STRICT, WITHOUT ROWID;
-CREATE INDEX queue_ready ON queue (rank, client, job_id, phase, number) WHERE state = 0;
+CREATE INDEX queue_ready ON queue (rank, space, job_id, phase, number) WHERE state = 0;
 CREATE INDEX queue_ready_jobs ON queue (job_id) WHERE state = 0;
 CREATE INDEX queue_leased ON queue (lease_us) WHERE state = 1;
-CREATE INDEX queue_held ON queue (client) WHERE state = 1;
+CREATE INDEX queue_held ON queue (space) WHERE state = 1;
 CREATE INDEX queue_held_jobs ON queue (job_id) WHERE state = 1;
 CREATE INDEX queue_due ON queue (due_us) WHERE state = 2;
 
@@ -58,11 +58,12 @@ CREATE TABLE shards (
   digests BLOB NOT NULL, time_us INTEGER NOT NULL, PRIMARY KEY (job_id, phase, number)) STRICT;
 
 CREATE TABLE events (
-  id INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, job_id TEXT NOT NULL,
+  id INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, job_id TEXT NOT NULL, space TEXT NOT NULL,
   version INTEGER NOT NULL, change INTEGER NOT NULL, state INTEGER NOT NULL,
   done_chunks INTEGER NOT NULL, shard_count INTEGER NOT NULL, done_shards INTEGER NOT NULL,
   dead_shards INTEGER NOT NULL, time_us INTEGER NOT NULL) STRICT;
 CREATE INDEX events_by_revision ON events (revision);
+CREATE INDEX events_of_space ON events (space, revision);
 CREATE INDEX events_of_job ON events (job_id, revision);
 CREATE INDEX events_new ON events (id) WHERE revision = 0;
 )sql";

@@ -31,7 +31,7 @@ TEST_P(JobStoreTest, GivesBackWhatItWasGivenAlsoAfterARestart) {
   const std::string id = create(asked).id;
   store_ = home_->open(kRules);
   const Job job = store_->get(id).value();
-  EXPECT_EQ(job.client, "ana");
+  EXPECT_EQ(job.space, "ana");
   EXPECT_EQ(job.display_name, asked.display_name);
   EXPECT_EQ(job.spec, asked.spec);
   EXPECT_EQ(job.labels, asked.labels);
@@ -66,11 +66,11 @@ TEST_P(JobStoreTest, RefusesARequestIdThatMadeAnotherJob) {
   EXPECT_THAT(std::string(status.message()), HasSubstr(job.id));
 }
 
-TEST_P(JobStoreTest, KeepsTheRequestIdsOfClientsApart) {
+TEST_P(JobStoreTest, KeepsTheRequestIdsOfNamespacesApart) {
   NewJob asked = wanted("ana");
   asked.request_id = "7";
   create(asked);
-  asked.client = "bob";
+  asked.space = "bob";
   EXPECT_FALSE(store_->create(asked).value().existed);
 }
 
@@ -82,9 +82,9 @@ TEST_P(JobStoreTest, SaysWhatIsWrongWithAJob) {
     EXPECT_EQ(reason_of(status), "INVALID_FIELD");
     return std::string(status.message());
   };
-  EXPECT_EQ(message([](NewJob& job) { job.client = ""; }), "client is empty");
-  EXPECT_EQ(message([](NewJob& job) { job.client = "a\n"; }),
-            "client 'a\\n' is not printable ASCII");
+  EXPECT_EQ(message([](NewJob& job) { job.space = ""; }), "namespace is empty");
+  EXPECT_EQ(message([](NewJob& job) { job.space = "a\n"; }),
+            "namespace 'a\\n' is not printable ASCII");
   EXPECT_EQ(message([](NewJob& job) { job.priority = 101; }),
             "priority 101 is not from -100 to 100");
   EXPECT_EQ(message([](NewJob& job) { job.max_attempts = 0; }),
@@ -134,7 +134,7 @@ TEST_P(JobStoreTest, ListsWhatPassesAllOfTheFilter) {
   const auto list = [&](const JobFilter& filter) {
     return ids_of(store_->list({.filter = filter}).value().jobs);
   };
-  EXPECT_THAT(list({.client = "ana"}), ElementsAre(two.id, one.id));
+  EXPECT_THAT(list({.space = "ana"}), ElementsAre(two.id, one.id));
   EXPECT_THAT(list({
                   .states = {JobState::kCancelled, JobState::kFailed}
   }),
@@ -172,7 +172,7 @@ TEST_P(JobStoreTest, RefusesTokensThatAreNotOfThisList) {
   create();
   ListJobs query{.page_size = 1};
   query.page_token = store_->list(query).value().next_page_token;
-  query.filter.client = "ana";
+  query.filter.space = "ana";
   EXPECT_EQ(reason_of(store_->list(query).status()), "INVALID_FIELD");
   query.page_token = "no token";
   EXPECT_EQ(reason_of(store_->list(query).status()), "INVALID_FIELD");

@@ -197,7 +197,7 @@ TEST(PostgresKilled, LosesNothingThatWasAcknowledged) {
   std::set<std::string> ids;
   for (int i = 0; i < 60; ++i) {
     NewJob job;
-    job.client = "ana";
+    job.space = "ana";
     job.max_attempts = 100;
     job.request_id = absl::StrCat(i);
     auto created = store->create(job);
@@ -229,7 +229,7 @@ TEST_P(JobStoreRaces, TenThousandQueuedJobsAreNoBurden) {
   constexpr int kJobs = 10'000;
   const std::int64_t before = resident_bytes();
   in_threads(4, [&](JobStore& store, int i) {
-    NewJob job = wanted(absl::StrCat("client-", i));
+    NewJob job = wanted(absl::StrCat("space-", i));
     job.labels = {
         {"farm", "night"}
     };

@@ -96,7 +96,7 @@ class Simulation {
     // A client that got no answer asks again, with the same request id.
     if (unanswered_.empty() || chance(50)) {
       NewJob job;
-      job.client = chance(50) ? "ana" : "bob";
+      job.space = chance(50) ? "ana" : "bob";
       job.request_id = absl::StrCat(++requests_);
       job.priority = roll(3);
       job.max_attempts = 1 + roll(3);

@@ -35,9 +35,9 @@ class JobStoreTest : public testing::TestWithParam<MakeHome> {
  protected:
   JobStoreTest() : home_(GetParam()()), store_(home_->open(kRules)) {}
 
-  static NewJob wanted(const std::string& client = "ana") {
+  static NewJob wanted(const std::string& space = "ana") {
     NewJob job;
-    job.client = client;
+    job.space = space;
     return job;
   }
 

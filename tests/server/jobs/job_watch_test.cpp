@@ -46,6 +46,16 @@ TEST_P(JobStoreTest, GoesOnAfterTheRevisionThatWasSeenLast) {
   EXPECT_THAT(store_->watch({.after_revision = rest.revision}).value().events, IsEmpty());
 }
 
+TEST_P(JobStoreTest, TellsANamespaceOfItsOwnJobsOnly) {
+  create(wanted("ana"));
+  const Job job = create(wanted("bob"));
+  const EventPage page = store_->watch({.space = "bob"}).value();
+  ASSERT_EQ(page.events.size(), 1U);
+  EXPECT_EQ(page.events[0].job, job.id);
+  EXPECT_EQ(page.events[0].space, "bob");
+  EXPECT_EQ(page.revision, store_->revision().value());
+}
+
 TEST_P(JobStoreTest, DoesNotKnowRevisionsOfTheFuture) {
   create();
   EXPECT_EQ(reason_of(store_->watch({.after_revision = 1000}).status()), "REVISION_UNKNOWN");

@@ -112,8 +112,8 @@ TEST_P(JobStoreTest, GivesTheHighestPriorityThenTheOldest) {
   EXPECT_THAT(order, ElementsAre(overtakes.id, first.id, second.id));
 }
 
-TEST_P(JobStoreTest, GivesClientsEqualSharesWhoeverCameFirst) {
-  for (const char* client : {"ana", "bob", "eve"}) create(wanted(client));
+TEST_P(JobStoreTest, GivesNamespacesEqualSharesWhoeverCameFirst) {
+  for (const char* space : {"ana", "bob", "eve"}) create(wanted(space));
   const auto plans = claim(3);
   EXPECT_EQ(store_->set_plan(plans[0].id, plan_of(20)), absl::OkStatus());
   EXPECT_EQ(store_->set_plan(plans[1].id, plan_of(20)), absl::OkStatus());
@@ -121,7 +121,7 @@ TEST_P(JobStoreTest, GivesClientsEqualSharesWhoeverCameFirst) {
   std::map<std::string, int> held;
   for (int claims = 0; claims < 3; ++claims) {
     for (const ShardLease& lease : claim(4)) {
-      ++held[store_->get(lease.id.shard.job).value().client];
+      ++held[store_->get(lease.id.shard.job).value().space];
     }
   }
   EXPECT_EQ(held["ana"], 5);

@@ -13,7 +13,7 @@ INSTANTIATE_TEST_SUITE_P(Postgres, JobStoreTest, testing::Values(&make_postgres_
 
 NewJob wanted() {
   NewJob job;
-  job.client = "ana";
+  job.space = "ana";
   return job;
 }
 
@@ -87,7 +87,8 @@ TEST(PostgresJobStore, FindsChangesWithoutNotifications) {
   std::thread silent([&] {
     sleep(absl::Milliseconds(100));
     query(home.connection(),
-          "INSERT INTO events SELECT nextval('event_ids'), 0, job_id, 2, 9, 1, 0, 0, 0, 0, 0 "
+          "INSERT INTO events SELECT nextval('event_ids'), 0, job_id, space, 2, 9, 1, 0, 0, 0, "
+          "0, 0 "
           "FROM "
           "events");
   });

@@ -38,7 +38,7 @@ TEST(SqliteJobStore, PurgesWhatFinishedLongAgo) {
   const SqliteHome home;
   const auto store = home.open({});
   NewJob asked;
-  asked.client = "ana";
+  asked.space = "ana";
   const Job old = store->create(asked).value().job;
   store->cancel(old.id).value();
   const Job active = store->create(asked).value().job;
