@@ -16,8 +16,8 @@ LAYERS["server"] = [*CORE, "proto", "server"]
 LAYERS["client"] = [*CORE, "proto", "client"]
 
 # Outside library -> (how its includes look, the folders that may use it).
-NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support", "bench",
-           "tests/bench"]
+NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support",
+           "tests/hostile", "tests/fuzz", "bench", "tests/bench"]
 LIBRARIES = {
     "OpenVDB": (r"openvdb/", ["core/grid", "tests/core/grid", "tests/hostile", "tests/support",
                              "bench"]),

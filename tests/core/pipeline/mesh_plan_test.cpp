@@ -230,8 +230,8 @@ TEST(MeshPlan, RefusesAMeshOverTheBudgetWithBothNumbers) {
   expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted,
                  "the limit is 1000", {.max_tets = 1000});
   request.levels = 0;
-  expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted,
-                 "interior grading", {.max_tets = 1000});
+  expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted, "more levels",
+                 {.max_tets = 1000});
   request.spacing = 1e-4;
   expect_refusal(test::ball(20), request, absl::StatusCode::kResourceExhausted,
                  "larger spacing");
