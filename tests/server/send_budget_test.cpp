@@ -20,9 +20,19 @@ void ask(SendBudget& budget,
   budget.ask(who, client, [&](auto lease) { leases.push_back(std::move(lease)); });
 }
 
+/// Nobody waits any more when the test ends: what then comes back is given to nobody.
+struct Departure {
+  SendBudget& budget;
+  ~Departure() {
+    budget.leave(&kWho);
+    budget.leave(&kOther);
+  }
+};
+
 TEST(SendBudget, GrantsUntilItIsUsedUpAndThenWhatComesBack) {
   SendBudget budget(4 * kBlock, kBlock);
   Leases a, b, c;
+  const Departure departure{budget};
   for (int i = 0; i < 2; ++i) ask(budget, "a", a), ask(budget, "b", b);
   ask(budget, "c", c);
   EXPECT_EQ(budget.used_bytes(), 4 * kBlock);
@@ -34,6 +44,7 @@ TEST(SendBudget, GrantsUntilItIsUsedUpAndThenWhatComesBack) {
 TEST(SendBudget, LeavesHalfOfItToOtherClients) {
   SendBudget budget(8 * kBlock, kBlock);
   Leases greedy, modest;
+  const Departure departure{budget};
   for (int i = 0; i < 100; ++i) ask(budget, "greedy", greedy);
   EXPECT_EQ(greedy.size(), 4U);
   for (int i = 0; i < 4; ++i) ask(budget, "modest", modest);
@@ -44,6 +55,7 @@ TEST(SendBudget, LeavesHalfOfItToOtherClients) {
 TEST(SendBudget, ClientsTakeTurns) {
   SendBudget budget(2 * kBlock, kBlock);
   Leases a, b, c;
+  const Departure departure{budget};
   ask(budget, "a", a);
   ask(budget, "b", b);
   for (int i = 0; i < 50; ++i) ask(budget, "a", a);
@@ -57,6 +69,7 @@ TEST(SendBudget, ClientsTakeTurns) {
 TEST(SendBudget, KeepsOnlyWhatIsNeeded) {
   SendBudget budget(2 * kBlock, kBlock);
   Leases a;
+  const Departure departure{budget};
   ask(budget, "a", a);
   a.front()->shrink_to(10);
   EXPECT_EQ(budget.used_bytes(), 10U);
@@ -67,6 +80,7 @@ TEST(SendBudget, KeepsOnlyWhatIsNeeded) {
 TEST(SendBudget, ForgetsWhoeverLeaves) {
   SendBudget budget(2 * kBlock, kBlock);
   Leases a, gone;
+  const Departure departure{budget};
   ask(budget, "a", a);
   ask(budget, "a", gone, &kOther);
   budget.leave(&kOther);
@@ -79,6 +93,7 @@ TEST(SendBudget, TellsThatSomebodyIsKeptWaitingUnlessByItsOwnShare) {
   SendBudget budget(4 * kBlock, kBlock);
   const auto soon = SendBudget::Clock::now() + 1h;
   Leases a, b, c;
+  const Departure departure{budget};
   for (int i = 0; i < 3; ++i) ask(budget, "a", a);
   EXPECT_FALSE(budget.kept_waiting_since(soon)) << "a has its half";
   for (int i = 0; i < 2; ++i) ask(budget, "b", b);
