@@ -28,6 +28,7 @@ constexpr char kUpdateVariable[] = "TET_UPDATE_GOLDEN";
 // clang-format off
 constexpr std::string_view kNotTold[] = {
     "CANCELLED",
+    "CLIENT_STALLED",
     "DEADLINE_EXCEEDED",
     "DECODER_CRASHED",
     "DECODER_MEMORY",
@@ -35,7 +36,9 @@ constexpr std::string_view kNotTold[] = {
     "DECODER_TIMEOUT",
     "DECODER_UNAVAILABLE",
     "INTERNAL",
+    "QUOTA_EXCEEDED",
     "SCOPE_MISSING",
+    "SERVER_BUSY",
     "TOKEN_EXPIRED",
     "TOKEN_MISSING",
     "TOKEN_UNKNOWN",

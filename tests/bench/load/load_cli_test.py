@@ -230,7 +230,7 @@ class Live(OnAServer):
 
 class OneMeshAtATime(OnAServer):
     volumes = {"sphere": 0.02}
-    settings = ("--max-streams", "1")
+    settings = ("--max-streams", "1", "--max-queued", "0")
 
     def test_counts_what_the_server_refuses(self):
         self.assert_done(self.load_ball("--workers", "3", "--duration", "1s", "--warm-up", "0"))
