@@ -62,13 +62,15 @@ std::optional<Stallable::Clock::time_point> UploadStream::waiting_since() {
   return Clock::time_point(Clock::duration(start));
 }
 
-/// Where the message is all that is awaited, it is awaited no more: nobody else has a turn.
+/// Where the message is all that is awaited, it is awaited no more: nobody else has a turn. The
+/// piece before it is written by then, and is the client's to resume from.
 void UploadStream::give_up(std::chrono::seconds waited) {
   constexpr int kGivenUp = 1000;
   int only_a_message = 1;
   if (!awaited_.compare_exchange_strong(only_a_message, kGivenUp)) return;
   read_start_ = kNotReading;
-  finish(client_stalled("sent nothing", waited));
+  const absl::Status kept = end_piece();
+  finish(kept.ok() ? client_stalled("sent nothing", waited) : kept);
 }
 
 /// `go_on` runs next, on the pool, when as many events have happened.
