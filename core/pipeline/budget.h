@@ -16,6 +16,9 @@ namespace tet {
 /// that take as long.
 double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request);
 
+/// Bricks near the surface that can be kept while the mesh is counted.
+std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);
+
 // Each is OK or kResourceExhausted, with the value and the limit.
 
 /// A domain that even its coarsest leaves would fill with too many tets.
