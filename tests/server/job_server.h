@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -30,7 +31,8 @@ class JobServer {
  public:
   explicit JobServer(std::string program) : program_(std::move(program)) {}
 
-  /// A server that was running is killed first. Leases are of one second.
+  /// A server that was running is killed first. Leases are of one second unless `options` say
+  /// otherwise.
   void start(const std::vector<std::string>& options = {}) {
     kill();
     const std::string port_file = folder.file("port");
@@ -143,11 +145,13 @@ class JobServer {
   std::unique_ptr<Program> run(std::vector<std::string> arguments,
                                const std::vector<std::string>& options) {
     arguments.insert(arguments.begin(), program_);
-    for (const char* setting : {"--store", "", "--threads", "2", "--job-lease-seconds", "1"}) {
-      arguments.emplace_back(*setting == '\0' ? folder.file("store") : setting);
-    }
     arguments.insert(arguments.end(), options.begin(), options.end());
-    return std::make_unique<Program>(folder, arguments);
+    return std::make_unique<Program>(folder, arguments,
+                                     std::map<std::string, std::string>{
+                                         {            "TETSTREAM_STORE", folder.file("store")},
+                                         {          "TETSTREAM_THREADS",                  "2"},
+                                         {"TETSTREAM_JOB_LEASE_SECONDS",                  "1"}
+    });
   }
 
   void connect(const std::string& address) {
