@@ -11,7 +11,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
-#include "core/grid/domain.h"
+#include "core/field/domain.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
