@@ -218,6 +218,10 @@ ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
 }
 
+std::uint64_t MeshPlan::bytes() const noexcept {
+  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + positions_.size();
+}
+
 ComparedMesh MeshPlan::counted() const noexcept { return {impl_->mesh, impl_->field}; }
 
 ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
