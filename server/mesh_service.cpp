@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/chunk_stream.h"
+#include "server/mesh_stream.h"
 #include "server/request.h"
 #include "server/status.h"
 
@@ -144,7 +144,7 @@ grpc::ServerUnaryReactor* MeshService::EstimateMesh(grpc::CallbackServerContext*
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshService::StreamMesh(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
-  return ChunkStream::start(engine_, *context, *request);
+  return MeshStream::start(engine_, *context, *request);
 }
 
 }  // namespace tet
