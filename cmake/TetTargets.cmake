@@ -57,6 +57,9 @@ function(tet_executable name)
   target_link_libraries(${name} PRIVATE tet_flags ${ARG_DEPENDS})
 endfunction()
 
+# All that the tests with the label `fast` take: a sanitizer's build is short of time.
+add_custom_target(fast_tests)
+
 # In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
 # include file that ctest reads after the discovery.
 function(tet_test name)
@@ -75,4 +78,7 @@ function(tet_test name)
     "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${ARG_LABELS}\")\n"
     "endforeach()\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels_file})
+  if("fast" IN_LIST ARG_LABELS)
+    add_dependencies(fast_tests ${name})
+  endif()
 endfunction()

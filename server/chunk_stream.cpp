@@ -1,17 +1,14 @@
 #include "server/chunk_stream.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <string_view>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 #include <grpc/grpc.h>
 
-#include "proto/wire/checksum.h"
-#include "proto/wire/chunk_frame.h"
 #include "proto/wire/serialized.h"
+#include "server/mesh_events.h"
 #include "server/status.h"
 
 namespace tet {
@@ -27,13 +24,6 @@ absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
                        "MALFORMED");
   }
   return parse_stream_request(message);
-}
-
-std::uint32_t checksum_of(const ChunkColumns& columns) {
-  const auto text = [](std::span<const std::byte> bytes) {
-    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  };
-  return chunk_checksum(text(columns.positions), text(columns.tets), text(columns.regions));
 }
 
 }  // namespace
@@ -111,6 +101,7 @@ void ChunkStream::report_progress() {
 void ChunkStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
   if (!planned.ok()) return begin_chunks(planned.status());
   planned_ = *std::move(planned);
+  source_ = {planned_.plan, nullptr, order_.compact};
   if (order_.base_digest.empty()) return begin_chunks(absl::OkStatus());
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
@@ -123,7 +114,7 @@ void ChunkStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
 /// A base that is not what the client has, or not here any more, is no reason to fail.
 void ChunkStream::find_patches(const absl::StatusOr<PlannedMesh>& base) {
   if (base.ok() && base->mesh_id == order_.base_mesh_id) {
-    patch_ = MeshPatch::between(*base->plan, planned_.plan);
+    source_.patch = MeshPatch::between(*base->plan, planned_.plan);
   }
   begin_chunks(absl::OkStatus());
 }
@@ -161,17 +152,13 @@ absl::Status ChunkStream::check_range() {
                                                    " is not this mesh's, ", planned_.mesh_id)),
         "OTHER_MESH");
   }
-  const std::uint64_t count = chunk_count();
+  const std::uint64_t count = source_.chunk_count();
   end_ = order_.end_chunk == 0 ? count : order_.end_chunk;
   next_ = posted_ = order_.start_chunk;
   if (next_ <= end_ && end_ <= count) return absl::OkStatus();
   return with_reason(absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
                                                         " are not within the mesh's ", count)),
                      "CHUNK_RANGE");
-}
-
-std::uint64_t ChunkStream::chunk_count() const {
-  return patch_ ? patch_->patch_count() : planned_.plan->header().chunk_count;
 }
 
 /// Chunks made ahead: enough of all streams together to keep every thread busy, but two a
@@ -193,18 +180,19 @@ void ChunkStream::ask_for_block(std::uint64_t index) {
   engine_.send_budget.ask(
       this, call_.client(), [self = shared_from_this(), index](const Block& block) {
         self->engine_.activity.chunks_in_flight.fetch_add(1);
-        self->engine_.chunk_tasks.post(
-            self->call_.client(), [self, index, block] { self->make_chunk(index, block); });
+        self->engine_.chunk_tasks.post(self->call_.client(),
+                                       [self, index, block] { self->fill_slot(index, block); });
       });
 }
 
 // Only this task touches the slot until it is ready: nobody needs the lock while it is filled.
-void ChunkStream::make_chunk(std::uint64_t index, Block block) {
+void ChunkStream::fill_slot(std::uint64_t index, Block block) {
   Slot& slot = slot_of(index);
   const bool wanted = !watch_->cancellation.requested();
   if (wanted) {
-    order_.compact ? encode(index, slot, std::move(block))
-                   : fill(index, slot, std::move(block));
+    slot.made =
+        make_chunk(source_, index, {engine_.workspaces, engine_.blocks}, std::move(block));
+    engine_.activity.chunks_made.fetch_add(1);
   }
   engine_.activity.chunks_in_flight.fetch_sub(1);
   {
@@ -213,55 +201,6 @@ void ChunkStream::make_chunk(std::uint64_t index, Block block) {
     if (!wanted) end(client_gone(watch_->cancellation));
   }
   advance();
-}
-
-void ChunkStream::fill(std::uint64_t index, Slot& slot, Block block_lease) {
-  const MeshPlan& plan = *planned_.plan;
-  const ChunkExtent extent = patch_ ? patch_->extent(index) : plan.chunk(index);
-  const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
-  const ChunkFrame frame({size.positions, size.tets, size.regions});
-  const grpc::Slice slice = engine_.blocks.take(frame.block_bytes(), std::move(block_lease));
-  auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));
-  const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block)};
-
-  MeshWorkspace workspace = engine_.workspaces.take();
-  slot.quality = patch_ ? patch_->fill(index, workspace, columns)
-                        : plan.fill_chunk(index, workspace, columns);
-  engine_.workspaces.give_back(std::move(workspace));
-  const auto parts =
-      frame.write(block, {index, extent.first_vertex, extent.vertex_count, extent.first_tet,
-                          extent.tet_count, checksum_of(columns)});
-  const std::array<grpc::Slice, 3> slices = {slice.sub(parts[0].begin, parts[0].end),
-                                             slice.sub(parts[1].begin, parts[1].end),
-                                             slice.sub(parts[2].begin, parts[2].end)};
-  slot.message = grpc::ByteBuffer(slices.data(), size.regions == 0 ? 2 : 3);
-  slot.tets = extent.tet_count;
-  slot.bytes = size.total();
-  engine_.activity.chunks_made.fetch_add(1);
-}
-
-void ChunkStream::encode(std::uint64_t index, Slot& slot, Block block) {
-  const MeshPlan& plan = *planned_.plan;
-  const ChunkExtent extent = plan.chunk(index);
-  std::vector<std::byte> bytes;
-  MeshWorkspace workspace = engine_.workspaces.take();
-  plan.encode_chunk(index, workspace, bytes);
-  engine_.workspaces.give_back(std::move(workspace));
-
-  v1::MeshEvent event;
-  v1::MeshChunk& chunk = *event.mutable_chunk();
-  chunk.set_index(static_cast<std::int64_t>(index));
-  chunk.set_first_vertex(static_cast<std::int64_t>(extent.first_vertex));
-  chunk.set_vertex_count(static_cast<std::int64_t>(extent.vertex_count));
-  chunk.set_first_tet(static_cast<std::int64_t>(extent.first_tet));
-  chunk.set_tet_count(static_cast<std::int64_t>(extent.tet_count));
-  chunk.set_checksum(add_to_checksum(0, bytes));
-  chunk.set_compact(bytes.data(), bytes.size());
-  block->shrink_to(bytes.size());
-  slot.message = serialized(event, std::move(block));
-  slot.tets = extent.tet_count;
-  slot.bytes = bytes.size();
-  engine_.activity.chunks_made.fetch_add(1);
 }
 
 /// Takes one step if there is one to take. gRPC is called without the lock; `writing_` and
@@ -308,60 +247,22 @@ bool ChunkStream::prepare_message() {
   switch (phase_) {
     case Phase::kPlanning:
       if (!std::exchange(progress_due_, false)) return false;
-      outgoing_ = serialized(progress_event());
+      outgoing_ = serialized(progress_event(watch_->progress));
       return true;
     case Phase::kHeader:
-      outgoing_ = serialized(header_event());
+      outgoing_ = serialized(header_event(planned_, source_));
       return true;
     case Phase::kChunks:
       if (!slot_of(next_).ready) return false;
-      outgoing_.Swap(&slot_of(next_).message);
+      outgoing_.Swap(&slot_of(next_).made.event);
       return true;
     case Phase::kTrailer:
-      outgoing_ = serialized(trailer_event());
+      outgoing_ = serialized(trailer_event(source_, order_.start_chunk, end_, quality_));
       return true;
     case Phase::kEnded:
       break;
   }
   return false;
-}
-
-v1::MeshEvent ChunkStream::progress_event() const {
-  v1::MeshEvent event;
-  v1::MeshProgress& progress = *event.mutable_progress();
-  progress.set_done_bricks(static_cast<std::int64_t>(watch_->progress.done.load()));
-  progress.set_total_bricks(static_cast<std::int64_t>(watch_->progress.total.load()));
-  return event;
-}
-
-v1::MeshEvent ChunkStream::header_event() const {
-  v1::MeshEvent event;
-  v1::MeshHeader& header = *event.mutable_header();
-  to_proto(planned_.plan->header(), header);
-  header.set_mesh_id(planned_.mesh_id);
-  *header.mutable_canonical_request() = planned_.canonical;
-  if (patch_) {
-    to_proto(patch_->kept(), *header.mutable_kept());
-    header.mutable_kept()->set_patch_count(static_cast<std::int64_t>(patch_->patch_count()));
-  }
-  if (order_.compact) {
-    to_proto(planned_.plan->compact_frame().to_world, *header.mutable_lattice());
-  }
-  return event;
-}
-
-v1::MeshEvent ChunkStream::trailer_event() const {
-  v1::MeshEvent event;
-  v1::MeshTrailer& trailer = *event.mutable_trailer();
-  trailer.set_first_chunk(static_cast<std::int64_t>(order_.start_chunk));
-  trailer.set_end_chunk(static_cast<std::int64_t>(end_));
-  if (!order_.compact) to_proto(quality_, *trailer.mutable_quality());
-  const auto& boundary = planned_.plan->boundary();
-  if (boundary) to_proto(*boundary, *trailer.mutable_boundary());
-  const auto& improvement = planned_.plan->improvement();
-  if (improvement) to_proto(*improvement, *trailer.mutable_improvement());
-  to_proto(planned_.plan->thin_walls(), *trailer.mutable_thin_walls());
-  return event;
 }
 
 void ChunkStream::OnWriteDone(bool ok) {
@@ -384,7 +285,7 @@ void ChunkStream::after_write() {
   if (written_ == Phase::kChunks) after_chunk();
   if (next_ < end_) {
     phase_ = Phase::kChunks;
-  } else if (end_ == chunk_count()) {
+  } else if (end_ == source_.chunk_count()) {
     phase_ = Phase::kTrailer;
   } else {
     end(absl::OkStatus());
@@ -398,10 +299,10 @@ void ChunkStream::after_chunk() {
     engine_.calls.metrics().first_chunk(call_.seconds());
     call_.note("first_chunk_ms", 1e3 * call_.seconds());
   }
-  engine_.calls.metrics().chunk_sent(slot.tets, slot.bytes);
-  quality_.add(slot.quality);
-  tets_written_ += slot.tets;
-  bytes_written_ += slot.bytes;
+  engine_.calls.metrics().chunk_sent(slot.made.tets, slot.made.bytes);
+  quality_.add(slot.made.quality);
+  tets_written_ += slot.made.tets;
+  bytes_written_ += slot.made.bytes;
   slot.ready = false;
   ++next_;
   post_chunks();

@@ -12,7 +12,7 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "core/pipeline/mesh_patch.h"
+#include "server/chunk_maker.h"
 #include "server/mesh_engine.h"
 #include "server/request.h"
 
@@ -22,8 +22,7 @@ namespace tet {
 /// them in order. It never waits: each event (plan made, chunk made, message written, client
 /// gone) moves it one step, on whichever thread the event came.
 ///
-/// A chunk's columns are made in the memory they are sent from, within the protobuf bytes
-/// around them. At most `window` chunks are made and not yet taken by the transport, each in a
+/// At most `window` chunks are made and not yet taken by the transport, each in a
 /// block of the send budget, so a client that reads slowly holds that many blocks and nothing
 /// else. A client that reads nothing for too long loses its stream.
 ///
@@ -44,9 +43,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
   /// A chunk being made (`ready` is false) or waiting to be written.
   struct Slot {
-    grpc::ByteBuffer message;  ///< a MeshEvent
-    QualityStats quality;
-    std::uint64_t tets = 0, bytes = 0;
+    ChunkMessage made;
     bool ready = false;
   };
 
@@ -65,24 +62,18 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void plan_base(absl::StatusOr<PlannedMesh> planned);
   void find_patches(const absl::StatusOr<PlannedMesh>& base);
   void begin_chunks(const absl::Status& planned);
-  std::uint64_t chunk_count() const;
   void note_plan();
   absl::Status check_range();
   std::uint64_t window() const;
   void post_chunks();
   void ask_for_block(std::uint64_t index);
   using Block = std::shared_ptr<SendBudget::Lease>;
-  void make_chunk(std::uint64_t index, Block block);
-  void fill(std::uint64_t index, Slot& slot, Block block);
-  void encode(std::uint64_t index, Slot& slot, Block block);
+  void fill_slot(std::uint64_t index, Block block);
 
   void advance();
   void make_room();
   Step next_step();
   bool prepare_message();
-  v1::MeshEvent progress_event() const;
-  v1::MeshEvent header_event() const;
-  v1::MeshEvent trailer_event() const;
   void after_write();
   void after_chunk();
   void end(const absl::Status& status);
@@ -102,7 +93,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   Ticket ticket_;
   StreamOrder order_;
   PlannedMesh planned_;
-  std::shared_ptr<const MeshPatch> patch_;  ///< where parts of the client's mesh are kept
+  ChunkSource source_;  ///< with a patch where parts of the client's mesh are kept
   Phase phase_ = Phase::kPlanning;
   Phase written_ = Phase::kPlanning;  ///< phase of the message being written
   bool writing_ = false;

@@ -19,39 +19,30 @@ absl::Status retold(const absl::Status& status, std::string_view message) {
   return other;
 }
 
-const char* file_reason(absl::StatusCode code) {
-  switch (code) {
-    case absl::StatusCode::kNotFound:
-      return "GRID_NOT_IN_FILE";
-    case absl::StatusCode::kInvalidArgument:
-      return "UNREADABLE_FILE";
-    case absl::StatusCode::kFailedPrecondition:
-      return "NOT_MESHABLE";
-    case absl::StatusCode::kResourceExhausted:
-      return "LIMIT_EXCEEDED";
-    case absl::StatusCode::kCancelled:
-      return "CANCELLED";
-    case absl::StatusCode::kDeadlineExceeded:
-      return "DEADLINE_EXCEEDED";
-    default:
-      return "DISK";
-  }
-}
+/// What a failure without a reason of its own means where it happened.
+struct Reasons {
+  const char *not_found, *invalid, *precondition, *otherwise;
+};
+constexpr Reasons kOfFile{"GRID_NOT_IN_FILE", "UNREADABLE_FILE", "NOT_MESHABLE", "DISK"};
+constexpr Reasons kOfMesh{"INTERNAL", "INVALID_FIELD", "NOTHING_TO_MESH", "INTERNAL"};
 
-const char* mesh_reason(absl::StatusCode code) {
-  switch (code) {
+absl::Status with_reason_of(const absl::Status& status, const Reasons& reasons) {
+  if (has_reason(status)) return status;
+  switch (status.code()) {
+    case absl::StatusCode::kNotFound:
+      return with_reason(status, reasons.not_found);
     case absl::StatusCode::kInvalidArgument:
-      return "INVALID_FIELD";
+      return with_reason(status, reasons.invalid);
     case absl::StatusCode::kFailedPrecondition:
-      return "NOTHING_TO_MESH";
+      return with_reason(status, reasons.precondition);
     case absl::StatusCode::kResourceExhausted:
-      return "LIMIT_EXCEEDED";
+      return with_reason(status, "LIMIT_EXCEEDED");
     case absl::StatusCode::kCancelled:
-      return "CANCELLED";
+      return with_reason(status, "CANCELLED");
     case absl::StatusCode::kDeadlineExceeded:
-      return "DEADLINE_EXCEEDED";
+      return with_reason(status, "DEADLINE_EXCEEDED");
     default:
-      return "INTERNAL";
+      return with_reason(status, reasons.otherwise);
   }
 }
 
@@ -65,13 +56,11 @@ absl::Status about_file(const absl::Status& status,
       std::string(status.message()), {
                                          {std::string(path), name_of_grid(digest)}
   });
-  const absl::Status told = retold(status, message);
-  return has_reason(told) ? told : with_reason(told, file_reason(told.code()));
+  return with_reason_of(retold(status, message), kOfFile);
 }
 
 absl::Status about_mesh(const absl::Status& status) {
-  if (status.ok() || has_reason(status)) return status;
-  return with_reason(status, mesh_reason(status.code()));
+  return status.ok() ? status : with_reason_of(status, kOfMesh);
 }
 
 }  // namespace tet

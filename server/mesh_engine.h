@@ -4,14 +4,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
-#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "core/base/parallel.h"
 #include "core/decode/decoder_pool.h"
-#include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
 #include "server/config.h"
@@ -19,19 +16,9 @@
 #include "server/planner.h"
 #include "server/send_budget.h"
 #include "server/stall_watch.h"
+#include "server/workspace_pool.h"
 
 namespace tet {
-
-/// Scratch memory that tasks take turns with. Thread-safe.
-class WorkspacePool {
- public:
-  MeshWorkspace take();
-  void give_back(MeshWorkspace workspace);
-
- private:
-  std::mutex mutex_;
-  std::vector<MeshWorkspace> idle_;
-};
 
 /// What the server is doing, for logs and tests.
 struct Activity {

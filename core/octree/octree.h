@@ -12,8 +12,8 @@
 #include "core/base/brick_neighbours.h"
 #include "core/base/cancel.h"
 #include "core/base/types.h"
-#include "core/grid/find_bricks.h"
-#include "core/grid/phi_field.h"
+#include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
 
 namespace tet {
 

@@ -55,16 +55,21 @@ absl::Status check_inside_budget(const FoundBricks& found,
       levels, bytes, limits.max_plan_bytes));
 }
 
+std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits) {
+  return std::min<std::uint64_t>(kMaxSurfaceBricks,
+                                 limits.max_plan_bytes / survey_bytes_per_brick(rules));
+}
+
 absl::Status check_plan_budget(const FoundBricks& found,
                                const StuffingRules& rules,
                                const MeshLimits& limits) {
-  const std::uint64_t bricks = found.near_surface.size();
-  const std::uint64_t bytes = bricks * survey_bytes_per_brick(rules);
-  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  const std::size_t bricks = found.near_surface.size(),
+                    most = most_surface_bricks(rules, limits);
+  if (bricks <= most) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
-      "%d bricks of 8^3 cells lie near the surface, and counting them would take %d bytes; the "
-      "limit is %d. Use a larger spacing",
-      bricks, bytes, limits.max_plan_bytes));
+      "%d bricks of 8^3 cells lie near the surface in the box; the limit is %d, as many as the "
+      "memory for counting a mesh holds. Use a larger spacing or a smaller box",
+      bricks, most));
 }
 
 absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {

@@ -3,7 +3,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 #include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
@@ -15,6 +15,9 @@ namespace tet {
 /// work from short before any is done. Bricks of the inside count as the few surface bricks
 /// that take as long.
 double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request);
+
+/// Bricks near the surface that can be kept while the mesh is counted.
+std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);
 
 // Each is OK or kResourceExhausted, with the value and the limit.
 

@@ -11,7 +11,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
-#include "core/grid/domain.h"
+#include "core/field/domain.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -73,7 +73,10 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
                                       int levels,
                                       const MeshLimits& limits,
                                       const Cancellation& cancellation) {
-  absl::StatusOr<FoundBricks> found = find_bricks(field, cancellation);
+  // A domain may leave few of many.
+  const std::size_t most =
+      space.domain ? kMaxSurfaceBricks : most_surface_bricks(space.rules, limits);
+  absl::StatusOr<FoundBricks> found = find_bricks(field, most, cancellation);
   if (!found.ok()) return found;
   if (space.domain) keep_domain(*space.domain, *found);
   if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;

@@ -9,7 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/mesh_plan.h"
 #include "core/pipeline/thin_walls.h"

@@ -4,19 +4,14 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
-#include "proto/wire/sha256.h"
+#include "tests/server/held_stream.h"
+#include "tests/server/open_upload.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
 namespace {
 
 using testing::HasSubstr;
-
-std::string name_of(std::string_view bytes) {
-  Sha256 digest;
-  digest.add(bytes);
-  return name_of_grid(digest.finish_hex());
-}
 
 template <class Detail>
 bool has_detail(const grpc::Status& status) {
@@ -25,25 +20,6 @@ bool has_detail(const grpc::Status& status) {
   return std::any_of(rpc.details().begin(), rpc.details().end(),
                      [](const auto& detail) { return detail.template Is<Detail>(); });
 }
-
-/// A stream that is read as far as one event, and then no further.
-class HeldStream {
- public:
-  HeldStream(v1::MeshService::Stub& meshes, const v1::StreamMeshRequest& request)
-      : reader_(meshes.StreamMesh(&context_, request)) {
-    v1::MeshEvent event;
-    while (reader_->Read(&event) && !event.has_chunk()) {
-    }
-  }
-  void let_go() {
-    context_.TryCancel();
-    reader_->Finish();
-  }
-
- private:
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReader<v1::MeshEvent>> reader_;
-};
 
 class AdmissionServiceTest : public ServiceTest {
  protected:
@@ -63,22 +39,6 @@ class AdmissionServiceTest : public ServiceTest {
     *request.mutable_mesh() = mesh;
     v1::MeshHeader header;
     return meshes_->EstimateMesh(&context, request, &header);
-  }
-
-  /// Announces bytes and sends some of them, and no more.
-  struct OpenUpload {
-    grpc::ClientContext context;
-    v1::UploadGridResponse response;
-    std::unique_ptr<grpc::ClientWriter<v1::UploadGridRequest>> writer;
-  };
-  void begin_upload(OpenUpload& upload, const std::string& content, std::size_t sent) {
-    upload.writer = grids_->UploadGrid(&upload.context, &upload.response);
-    v1::UploadGridRequest message;
-    message.mutable_start()->set_name(name_of(content));
-    message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(content.size()));
-    upload.writer->Write(message);
-    message.mutable_data()->set_data(content.substr(0, sent));
-    upload.writer->Write(message);
   }
 };
 
@@ -139,27 +99,21 @@ TEST_F(AdmissionServiceTest, AClientOverItsOwnQuotaIsToldSo) {
   config_.max_client_uploads = 1;
   config_.max_client_upload_bytes = 1000;
   restart();
-  OpenUpload first, second;
-  begin_upload(first, std::string(600, 'a'), 100);
+  OpenUpload first(*grids_, grid_name_of("first"), 600);
   EXPECT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
-  begin_upload(second, std::string(600, 'b'), 100);
-  const grpc::Status one_too_many = second.writer->Finish();
+  const grpc::Status one_too_many = OpenUpload(*grids_, grid_name_of("second"), 600).wait();
   EXPECT_EQ(one_too_many.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_TRUE(has_detail<google::rpc::QuotaFailure>(one_too_many));
   EXPECT_THAT(one_too_many.error_message(), HasSubstr("2 is over the limit of 1"));
-  first.writer->WritesDone();
-  EXPECT_TRUE(first.writer->Finish().ok());
+  first.send(std::string(100, 'a'));
+  EXPECT_TRUE(first.finish().ok());
 
   // What is left of an upload goes on counting.
-  OpenUpload third;
-  begin_upload(third, std::string(901, 'c'), 100);
-  const grpc::Status too_large = third.writer->Finish();
+  const grpc::Status too_large = OpenUpload(*grids_, grid_name_of("third"), 901).wait();
   EXPECT_TRUE(has_detail<google::rpc::QuotaFailure>(too_large));
   EXPECT_THAT(too_large.error_message(), HasSubstr("1001 is over the limit of 1000"));
-  OpenUpload again;
-  begin_upload(again, std::string(900, 'd'), 900);
-  EXPECT_TRUE(again.writer->Finish().ok());
-  EXPECT_TRUE(again.response.complete());
+  const std::string rest(900, 'd');
+  EXPECT_TRUE(upload_text(*grids_, grid_name_of(rest), rest, 900).response.complete());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/error_details.h"
+#include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/token_book.h"
@@ -38,17 +39,9 @@ class NamespacesTest : public ServiceTest {
   v1::UploadGridResponse announce(const std::string& name,
                                   const std::string& grid,
                                   std::size_t size) {
-    grpc::ClientContext context;
-    context.AddMetadata("authorization", "Bearer secret-of-" + name);
-    v1::UploadGridResponse response;
-    const auto writer = grids_->UploadGrid(&context, &response);
-    v1::UploadGridRequest message;
-    message.mutable_start()->set_name(grid);
-    message.mutable_start()->set_size_bytes(static_cast<std::int64_t>(size));
-    writer->Write(message);
-    writer->WritesDone();
-    EXPECT_TRUE(writer->Finish().ok());
-    return response;
+    OpenUpload upload(*grids_, grid, size, "secret-of-" + name);
+    EXPECT_TRUE(upload.finish().ok());
+    return upload.response();
   }
 
   TokenBook tokens_{folder_};
@@ -101,18 +94,10 @@ TEST_F(NamespacesTest, TakeAllBytesOfAFileThatAnotherHas) {
 }
 
 TEST_F(NamespacesTest, LetOneUploadWhileAnotherDoes) {
-  grpc::ClientContext context;
-  context.AddMetadata("authorization", "Bearer secret-of-alice");
-  v1::UploadGridResponse response;
   const std::string path = ball_file(8);
-  const auto writer = grids_->UploadGrid(&context, &response);
-  v1::UploadGridRequest message;
-  message.mutable_start()->set_name(upload("bob", path));
-  message.mutable_start()->set_size_bytes(1000);
-  writer->Write(message);
+  OpenUpload alices(*grids_, upload("bob", path), 1000, "secret-of-alice");
   EXPECT_FALSE(upload("bob", path).empty());
-  context.TryCancel();
-  writer->Finish();
+  alices.cancel();
 }
 
 TEST_F(NamespacesTest, KeepNothingOfABaseThatAnotherHas) {

@@ -1,6 +1,7 @@
 // Which bricks of the lattice can hold a piece of the surface, and which lie inside.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,7 +9,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/types.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 
 namespace tet {
 
@@ -38,10 +39,14 @@ struct FoundBricks {
   double inside_cells = 0;
 };
 
+/// A brick near the surface costs about 2 KiB until the mesh is made.
+inline constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
+
 /// Looks at value ranges only, brick by brick; reads no samples. Parallel.
-/// Errors: kResourceExhausted, kFailedPrecondition (more space than can be looked at),
-/// kCancelled, kDeadlineExceeded.
+/// Errors: kResourceExhausted (more than `most_bricks` near the surface), kFailedPrecondition
+/// (more space than can be looked at), kCancelled, kDeadlineExceeded.
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
+                                        std::size_t most_bricks = kMaxSurfaceBricks,
                                         const Cancellation& cancellation = {});
 
 /// OK where the inside has an end: the background is outside. Error: kFailedPrecondition.

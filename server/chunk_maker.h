@@ -1,0 +1,47 @@
+// A chunk of a counted mesh, as the message that carries it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include "core/pipeline/mesh_patch.h"
+#include "core/pipeline/mesh_plan.h"
+#include "proto/wire/block_pool.h"
+#include "server/send_budget.h"
+#include "server/workspace_pool.h"
+
+namespace tet {
+
+/// What chunks are made from, and how they are written.
+struct ChunkSource {
+  std::shared_ptr<const MeshPlan> plan;
+  std::shared_ptr<const MeshPatch> patch;  ///< null: of the whole mesh
+  bool compact = false;
+
+  std::uint64_t chunk_count() const;
+};
+
+struct ChunkMessage {
+  grpc::ByteBuffer event;  ///< a MeshEvent
+  QualityStats quality;    ///< nothing of a compact chunk
+  std::uint64_t tets = 0;
+  std::uint64_t bytes = 0;  ///< of its columns, or of its compact form
+};
+
+/// Memory to make chunks with, and in.
+struct ChunkMemory {
+  WorkspacePool& workspaces;
+  BlockPool& blocks;
+};
+
+/// Makes chunk `index` < chunk_count(). A plain chunk's columns are made in the memory they are
+/// sent from, within the protobuf bytes around them. `held` lives as long as the message's
+/// bytes.
+ChunkMessage make_chunk(const ChunkSource& source,
+                        std::uint64_t index,
+                        ChunkMemory memory,
+                        std::shared_ptr<SendBudget::Lease> held);
+
+}  // namespace tet
