@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 #include "core/grid/surface_file.h"
 #include "core/grid/surface_to_volume.h"
 #include "core/grid/volume_builder.h"

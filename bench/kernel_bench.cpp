@@ -14,7 +14,7 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
 #include "core/octree/octree.h"

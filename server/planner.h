@@ -3,11 +3,8 @@
 
 #include <atomic>
 #include <functional>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <utility>
 
 #include <absl/status/statusor.h>
 
@@ -17,6 +14,7 @@
 #include "core/pipeline/mesh_plan.h"
 #include "server/grid_store.h"
 #include "server/large_plans.h"
+#include "server/plan_cache.h"
 #include "server/request.h"
 #include "server/volume_cache.h"
 
@@ -41,6 +39,13 @@ struct PlanningWatch {
 struct PlannerStats {
   CacheStats volumes;
   std::uint64_t hits = 0, misses = 0;
+  std::uint64_t plan_bytes = 0, plan_budget_bytes = 0;  ///< of plans held or in use
+};
+
+/// How much a planner may keep, bytes.
+struct PlannerMemory {
+  std::uint64_t volume_bytes = 0;
+  std::uint64_t plan_bytes = 0;
 };
 
 /// The threads that plans are made on.
@@ -61,7 +66,7 @@ class Planner {
   Planner(const PlannerThreads& threads,
           DecoderPool& decoders,
           GridStore& store,
-          std::uint64_t resident_bytes,
+          const PlannerMemory& memory,
           MeshLimits limits);
 
   /// Calls `done` on one of the threads. Errors: those of GridStore::acquire,
@@ -76,8 +81,6 @@ class Planner {
   PlannerStats stats() const;
 
  private:
-  using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
-
   /// A mesh to be planned.
   struct Job {
     std::string client;
@@ -93,19 +96,14 @@ class Planner {
 
   void plan_volume(Job job);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job);
-  std::shared_ptr<const MeshPlan> recall(const std::string& name);
-  std::shared_ptr<const MeshPlan> remember(const std::string& name,
-                                           std::shared_ptr<const MeshPlan> plan);
-  void forget();
 
   const PlannerThreads threads_;
   GridStore& store_;
   const MeshLimits limits_;
+  PlanCache plans_;  ///< the volumes let go of it
   VolumeCache volumes_;
   std::atomic<int> running_{0};
   std::atomic<std::uint64_t> hits_{0}, misses_{0};
-  std::mutex mutex_;
-  std::list<NamedPlan> recent_;  ///< most recently used first
 };
 
 }  // namespace tet

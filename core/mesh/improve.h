@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/base/cancel.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/star.h"
 #include "core/mesh/surface_projector.h"

@@ -7,7 +7,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 
 namespace tet {
 

@@ -12,8 +12,8 @@
 #include "core/base/brick_neighbours.h"
 #include "core/base/cancel.h"
 #include "core/base/types.h"
-#include "core/grid/find_bricks.h"
-#include "core/grid/phi_field.h"
+#include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
 
 namespace tet {
 
@@ -48,6 +48,10 @@ struct OctreeLevel {
 
   /// Adds empty bricks where `more` (sorted) has ones that are not there yet.
   void insert_bricks(const std::vector<BrickCoord>& more);
+
+  std::uint64_t bytes() const noexcept {
+    return all_heap_bytes(bricks, leaf, refined, inside) + index.bytes();
+  }
 };
 
 /// Leaves that cover the inside of a volume, or a domain, without overlap.

@@ -3,7 +3,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 #include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"

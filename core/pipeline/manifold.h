@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/stuffing/restored_nodes.h"
 #include "core/stuffing/stuffed_brick.h"
 

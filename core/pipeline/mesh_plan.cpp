@@ -11,7 +11,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
-#include "core/grid/domain.h"
+#include "core/field/domain.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -216,6 +216,10 @@ const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
 
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
+}
+
+std::uint64_t MeshPlan::bytes() const noexcept {
+  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + positions_.size();
 }
 
 ComparedMesh MeshPlan::counted() const noexcept { return {impl_->mesh, impl_->field}; }

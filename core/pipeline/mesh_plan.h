@@ -81,6 +81,9 @@ class MeshPlan {
   const std::optional<BoundaryTopology>& boundary() const noexcept;
   ChunkExtent chunk(std::uint64_t index) const noexcept;
 
+  /// Memory that the plan takes, without its volume's.
+  std::uint64_t bytes() const noexcept;
+
   /// Where the request asks for it: what the improvement did, and nothing otherwise.
   const std::optional<Improvement>& improvement() const noexcept { return improvement_; }
   /// Improves the whole mesh as this plan's chunks make it.

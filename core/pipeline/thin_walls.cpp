@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/base/brick_index.h"
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 
 namespace tet {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/base/brick_mask.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_edges.h"
 #include "core/stuffing/node_signs.h"

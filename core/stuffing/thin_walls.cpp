@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "core/grid/cell_signs.h"
+#include "core/field/cell_signs.h"
 
 namespace tet {
 namespace {

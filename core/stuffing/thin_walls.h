@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/base/brick_mask.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 
 namespace tet::test {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/lattice/bcc.h"
 
 namespace tet::test {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/stuffing/cut_points.h"
 #include "core/stuffing/warp.h"
 

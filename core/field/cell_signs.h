@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/brick_mask.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 
 namespace tet {
 

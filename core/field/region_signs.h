@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/types.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 #include "core/grid/volume.h"
 #include "core/grid/volume_reader.h"
 

@@ -1,4 +1,4 @@
-#include "core/grid/cell_signs.h"
+#include "core/field/cell_signs.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/types.h"
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 
 namespace tet {
 

@@ -1,4 +1,4 @@
-#include "core/grid/find_bricks.h"
+#include "core/field/find_bricks.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,7 +13,7 @@
 
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
-#include "core/grid/region_signs.h"
+#include "core/field/region_signs.h"
 
 namespace tet {
 namespace {

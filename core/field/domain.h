@@ -6,8 +6,8 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/types.h"
-#include "core/grid/find_bricks.h"
-#include "core/grid/phi_field.h"
+#include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
 
 namespace tet {
 

@@ -1,4 +1,4 @@
-#include "core/grid/phi_field.h"
+#include "core/field/phi_field.h"
 
 #include <cmath>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "core/grid/region_signs.h"
+#include "core/field/region_signs.h"
 
 #include "core/base/parallel.h"
 

@@ -1,4 +1,4 @@
-#include "core/grid/domain.h"
+#include "core/field/domain.h"
 
 #include <algorithm>
 #include <array>
