@@ -36,8 +36,8 @@ class FolderLock {
 };
 
 /// Chunks under the SHA-256 of their files, and one file for each shard that was made: its
-/// chunks' digests. Files appear whole or not at all, and survive a power cut once they were
-/// put.
+/// chunks' digests. Files appear whole or not at all; a shard's, and all chunks that were put
+/// before it, survive a power cut.
 ///
 /// Thread safety: every member may be called from any thread, and from any process that shares
 /// the folder.

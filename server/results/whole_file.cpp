@@ -1,5 +1,6 @@
 #include "server/results/whole_file.h"
 
+#include <cstdio>
 #include <fcntl.h>
 #include <random>
 #include <system_error>
@@ -52,17 +53,20 @@ absl::Status write_whole(const fs::path& path,
   absl::Status status = file.status();
   if (status.ok()) status = write(*file);
   if (status.ok()) status = file->sync();
-  if (status.ok()) status = move_file(beside, path);
+  if (status.ok() && ::rename(beside.c_str(), path.c_str()) != 0) {
+    status = disk_error("cannot move", beside);
+  }
   std::error_code ignored;
   if (!status.ok()) fs::remove(beside, ignored);
   return status;
 }
 
 absl::Status write_checked(const fs::path& path, std::string_view text) {
-  return write_whole(path, [&](File& file) {
+  const absl::Status written = write_whole(path, [&](File& file) {
     const absl::Status status = file.write_at(0, text);
     return status.ok() ? file.write_at(text.size(), digest_of(text)) : status;
   });
+  return written.ok() ? sync_folder(path.parent_path()) : written;
 }
 
 std::optional<std::string> read_checked(const fs::path& path) {

@@ -13,12 +13,13 @@
 
 namespace tet {
 
-/// Writes a file beside `path` and renames it; durable when it returns OK. On failure nothing
-/// is left. Errors: those of `write`, and the disk's.
+/// Writes a file beside `path` and renames it. On failure nothing is left. Its bytes are
+/// durable when it returns OK; its name is once write_checked has written to the same folder,
+/// so that many files share one flush of it. Errors: those of `write`, and the disk's.
 absl::Status write_whole(const std::filesystem::path& path,
                          const std::function<absl::Status(File&)>& write);
 
-/// The same for text, which its SHA-256 follows.
+/// Writes text, which its SHA-256 follows; durable, name and all, when it returns OK.
 absl::Status write_checked(const std::filesystem::path& path, std::string_view text);
 /// What write_checked wrote there; nothing where there is none or it is damaged.
 std::optional<std::string> read_checked(const std::filesystem::path& path);
