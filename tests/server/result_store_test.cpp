@@ -103,6 +103,7 @@ TEST_F(ResultStoreTest, EvictsWhatWasUsedLeastAndNothingInUse) {
   constexpr std::uint64_t kBudget = 10'000;
   const auto store = open(kBudget);
   const std::string large(6000, 'x');
+  ASSERT_TRUE(store->reserve(large.size()).ok());
   ASSERT_TRUE(use(*store, kMesh)->put_chunk(chunk_of(large)).ok());
   const auto used = use(*store, kOther);
   ASSERT_TRUE(used->put_chunk(chunk_of("small")).ok());
