@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
-#include <sstream>
+#include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -33,23 +33,34 @@ std::string random_id() {
   return absl::StrFormat("%08x%08x%08x%08x", random(), random(), random(), random());
 }
 
+constexpr std::string_view kBegin = R"({"submission":)";
+
+absl::Status not_a_journal(const std::string& path) {
+  return absl::FailedPreconditionError(absl::StrCat(path, " is not a journal"));
+}
+
 /// The lines that were written to their ends, and how many bytes they take.
 struct WholeLines {
   std::vector<Json> lines;
   std::size_t bytes = 0;
 };
 
+/// Whether text begins as a journal does, as far as it goes.
+bool begins_a_journal(std::string_view text) {
+  return text.substr(0, kBegin.size()) == kBegin.substr(0, text.size());
+}
+
 absl::StatusOr<WholeLines> read_lines(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return io_error("read", path);
   WholeLines whole;
   std::string line;
-  while (std::getline(file, line) && !file.eof()) {
+  while (std::getline(file, line)) {
+    if (whole.lines.empty() && !begins_a_journal(line)) return not_a_journal(path);
+    if (file.eof()) break;
     Json json = Json::parse(line, nullptr, false);
-    if (!json.is_object()) {
-      return absl::FailedPreconditionError(
-          absl::StrCat(path, ":", whole.lines.size() + 1, " is not a line of a journal"));
-    }
+    if (!json.is_object())
+      return not_a_journal(absl::StrCat(path, ":", whole.lines.size() + 1));
     whole.bytes += line.size() + 1;
     whole.lines.push_back(std::move(json));
   }
@@ -94,9 +105,6 @@ absl::Status Journal::read(const std::string& server) {
     return io_error("write", path_);
   if (whole->lines.empty()) return begin(server);
   submission_ = text_at(whole->lines.front(), "submission");
-  if (submission_.empty()) {
-    return absl::FailedPreconditionError(absl::StrCat(path_, " is not a journal"));
-  }
   if (const auto of = text_at(whole->lines.front(), "server"); of != server) {
     return absl::FailedPreconditionError(
         absl::StrCat("the journal ", path_, " is of what was submitted to ", of));

@@ -5,13 +5,22 @@
 
 import filecmp
 import json
+import pathlib
 import shutil
 import signal
 import unittest
 
-from command_case import CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, unused_port
+from command_case import (
+    CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, unused_port, wait_until)
 from cutting_link import CuttingLink
 from job_case import JobTest
+
+
+def catches(process, signal_number):
+    """Whether it has begun to handle the signal."""
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt"))
+    return int(caught.split()[1], 16) >> (signal_number - 1) & 1 == 1
 
 
 class JobUsage(CommandTest):
@@ -306,8 +315,7 @@ class JobQueue(JobTest):
         self.assert_fails(self.job("wait", name, "--patience", "200ms"), SERVER, "deadline")
         for command in (("wait", name), ("watch",)):
             process = self.start_job_command(*command)
-            with self.assertRaises(Exception):
-                process.wait(1)
+            wait_until(lambda: catches(process, signal.SIGINT))
             process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=30)
             self.assertEqual(process.returncode, 130, errors)
