@@ -88,9 +88,7 @@ TEST(PostgresJobStore, FindsChangesWithoutNotifications) {
     sleep(absl::Milliseconds(100));
     query(home.connection(),
           "INSERT INTO events SELECT nextval('event_ids'), 0, job_id, space, 2, 9, 1, 0, 0, 0, "
-          "0, 0 "
-          "FROM "
-          "events");
+          "0, 0, 0 FROM events");
   });
   const auto page = store->watch({.after_revision = revision, .wait = absl::Seconds(10)});
   EXPECT_EQ(page.value().events.size(), 1U);
