@@ -117,8 +117,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   limits.set_max_resident_bytes(static_cast<std::int64_t>(config.resident_bytes));
   limits.set_max_client_meshes(static_cast<std::int32_t>(config.max_client_streams));
   limits.set_max_client_uploads(static_cast<std::int32_t>(config.max_client_uploads));
-  limits.set_max_client_upload_bytes(
-      static_cast<std::int64_t>(config.max_client_upload_bytes));
+  limits.set_max_client_upload_bytes(static_cast<std::int64_t>(config.max_client_upload_bytes));
   limits.set_stall_seconds(static_cast<std::int32_t>(config.stall_seconds));
 }
 
