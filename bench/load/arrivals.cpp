@@ -35,15 +35,21 @@ std::size_t RateProfile::step_at(double seconds) const {
   return step;
 }
 
-Arrivals::Arrivals(RateProfile profile, ArrivalProcess process, std::uint64_t seed)
-    : profile_(std::move(profile)), process_(process), random_(seed) {}
+Arrivals::Arrivals(RateProfile profile,
+                   ArrivalProcess process,
+                   std::uint64_t seed,
+                   std::size_t burst)
+    : profile_(std::move(profile)), process_(process), random_(seed), burst_(burst) {}
 
 std::optional<Arrival> Arrivals::next() {
-  // An exponential gap before each, or a gap of one after each, so that both begin at once.
-  if (process_ == ArrivalProcess::kPoisson) requests_ -= std::log1p(-uniform_number(random_));
+  // An exponential gap before each, or an even one after each, so that both begin at once.
+  const auto gap = static_cast<double>(burst_);
+  const bool poisson = process_ == ArrivalProcess::kPoisson;
+  if (poisson && in_burst_ == 0) requests_ -= gap * std::log1p(-uniform_number(random_));
   if (requests_ >= profile_.expected_requests()) return std::nullopt;
   const double seconds = profile_.time_of(requests_);
-  if (process_ == ArrivalProcess::kConstant) requests_ += 1;
+  in_burst_ = (in_burst_ + 1) % burst_;
+  if (!poisson && in_burst_ == 0) requests_ += gap;
   return Arrival{seconds, profile_.step_at(seconds)};
 }
 

@@ -54,10 +54,14 @@ struct Arrival {
 /// The arrivals of a profile, in order. The same seed gives the same ones.
 ///
 /// Both processes run at rate 1 and are then stretched by the profile (time rescaling), which
-/// leaves a Poisson process Poisson under any rate.
+/// leaves a Poisson process Poisson under any rate. With a burst of n, n requests arrive at
+/// once wherever one would, and a n-th as often.
 class Arrivals {
  public:
-  Arrivals(RateProfile profile, ArrivalProcess process, std::uint64_t seed);
+  Arrivals(RateProfile profile,
+           ArrivalProcess process,
+           std::uint64_t seed,
+           std::size_t burst = 1);
 
   /// Nothing once the profile is over.
   std::optional<Arrival> next();
@@ -66,6 +70,7 @@ class Arrivals {
   RateProfile profile_;
   ArrivalProcess process_;
   std::mt19937_64 random_;
+  std::size_t burst_, in_burst_ = 0;
   double requests_ = 0;  ///< where the process of rate 1 is
 };
 

@@ -47,6 +47,10 @@ void describe_arrivals(CLI::App& app, LoadArguments& arguments) {
       ->group("Load")
       ->capture_default_str()
       ->check(CLI::IsMember({"poisson", "constant"}));
+  app.add_option("--burst", arguments.burst, "So many requests fall due at once, as of a batch")
+      ->group("Load")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
   app.add_option("--duration", arguments.duration,
                  "How long each step is measured, e.g. 500ms, 30s, 2m [30s; 10s for a trial]")
       ->group("Load");
@@ -158,6 +162,7 @@ absl::StatusOr<LoadPlan> understand_plan(const LoadArguments& arguments) {
   for (const double rate : rates) plan.steps.push_back({rate, to_seconds(duration)});
   plan.process =
       arguments.arrivals == "poisson" ? ArrivalProcess::kPoisson : ArrivalProcess::kConstant;
+  plan.burst = arguments.burst;
   plan.workers = arguments.workers;
   plan.max_outstanding = std::max(arguments.max_outstanding, arguments.workers);
   plan.max_queued = arguments.max_queued;

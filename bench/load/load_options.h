@@ -27,7 +27,7 @@ struct LoadArguments {
   MixArguments mix;
   std::string mix_file;
   std::string rate, arrivals = "poisson", duration, warm_up, timeout, drain = "10s";
-  std::size_t workers = 0;
+  std::size_t workers = 0, burst = 1;
   std::size_t max_outstanding = 256, max_queued = 10000;
   std::uint64_t seed = 1;
   std::vector<std::string> targets;

@@ -15,6 +15,7 @@ struct LoadPlan {
   /// Open loop: each step of the profile in turn. The warm-up runs at the first step's rate.
   std::vector<RateStep> steps;
   ArrivalProcess process = ArrivalProcess::kPoisson;
+  std::size_t burst = 1;  ///< so many arrive at once; the rate is still that of requests
   /// Closed loop when not 0: so many callers who each ask again when they were answered, for
   /// the time of the (only) step.
   std::size_t workers = 0;

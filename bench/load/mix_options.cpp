@@ -49,6 +49,8 @@ std::string label_of(const MixArguments& arguments, const std::string& grid) {
                           (*arguments.vary_iso)[1]);
   }
   if (arguments.fresh) label += " --fresh";
+  if (arguments.job) label += " --job";
+  if (arguments.skip_cache) label += " --skip-cache";
   return label;
 }
 
@@ -59,6 +61,9 @@ absl::Status check(const MixArguments& arguments) {
   }
   if (arguments.vary_iso && arguments.request.request.iso) {
     return absl::InvalidArgumentError("--iso and --vary-iso exclude each other");
+  }
+  if (arguments.skip_cache && !arguments.job) {
+    return absl::InvalidArgumentError("--skip-cache is for jobs: add --job");
   }
   return absl::OkStatus();
 }
@@ -81,6 +86,8 @@ absl::StatusOr<MixEntry> prepare_entry(const MixArguments& arguments,
   const auto header = client.estimate(entry.message, interruption);
   if (!header.ok()) return header.status();
   entry.tet_count = header->tet_count();
+  entry.kind = arguments.job ? RequestKind::kJob : RequestKind::kStream;
+  entry.skip_cache = arguments.skip_cache;
   entry.fresh = arguments.fresh;
   if (entry.fresh) entry.message.set_spacing(header->canonical_request().spacing());
   if (arguments.vary_iso) entry.iso = {(*arguments.vary_iso)[0], (*arguments.vary_iso)[1]};
@@ -111,6 +118,10 @@ void describe_mix(CLI::App& app, MixArguments& arguments) {
       ->type_name("LOW HIGH");
   app.add_flag("--fresh", arguments.fresh,
                "Ask for a mesh that the server has not planned before, each time");
+  app.add_flag("--job", arguments.job,
+               "Submit a batch job, wait for it and read its result, instead of a stream");
+  app.add_flag("--skip-cache", arguments.skip_cache,
+               "Make a job's mesh even where its result is stored");
   app.add_option("--weight", arguments.weight,
                  "How often, compared to the others of a mix [1]");
 }

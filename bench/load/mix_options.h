@@ -26,6 +26,7 @@ struct MixArguments {
   RequestArguments request;
   std::optional<std::array<double, 2>> vary_iso;
   bool fresh = false;
+  bool job = false, skip_cache = false;
   double weight = 1;
 };
 

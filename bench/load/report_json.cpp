@@ -70,12 +70,14 @@ Json mix_json(const std::vector<MixEntry>& mix) {
   Json json = Json::array();
   for (const MixEntry& entry : mix) {
     Json one{
-        {  "label",                 entry.label},
-        { "weight",                entry.weight},
-        {"request", message_json(entry.message)},
-        {   "tets",             entry.tet_count},
-        {  "fresh",                 entry.fresh}
+        {  "label",                                        entry.label},
+        { "weight",                                       entry.weight},
+        {"request",                        message_json(entry.message)},
+        {   "tets",                                    entry.tet_count},
+        {  "fresh",                                        entry.fresh},
+        {   "kind", entry.kind == RequestKind::kJob ? "job" : "stream"}
     };
+    if (entry.kind == RequestKind::kJob) one["skip_cache"] = entry.skip_cache;
     if (entry.iso) one["iso_range"] = {entry.iso->low, entry.iso->high};
     json.push_back(std::move(one));
   }
@@ -90,6 +92,7 @@ Json plan_json(const LoadPlan& plan) {
   } else {
     json["mode"] = "open";
     json["arrivals"] = plan.process == ArrivalProcess::kPoisson ? "poisson" : "constant";
+    json["burst"] = plan.burst;
   }
   json["steps"] = Json::array();
   for (const RateStep& step : plan.steps) {

@@ -73,11 +73,14 @@ def plan_text(plan):
         return f"{plan['workers']} workers, back to back"
     rates = [step["per_second"] for step in plan["steps"]]
     steps = f"{short(rates[0])}" if len(rates) == 1 else f"{short(rates[0])} to {short(rates[-1])}"
-    return f"{steps}/s, {plan['arrivals']}"
+    at_once = f", {plan['burst']} at once" if plan.get("burst", 1) > 1 else ""
+    return f"{steps}/s, {plan['arrivals']}{at_once}"
 
 
-def table(parent, header, rows):
-    """`rows` are lists of cells; the first cell of each has the run's colour."""
+def table(parent, header, rows, owners=None):
+    """`rows` are lists of cells; the first has the colour of the run that the row is of: the one of
+    the same number, unless `owners` has it.
+    """
     whole = add(add(parent, "div", class_="wide"), "table")
     line = add(add(whole, "thead"), "tr")
     for cell in header:
@@ -86,7 +89,8 @@ def table(parent, header, rows):
     for index, row in enumerate(rows):
         line = add(body, "tr")
         first = add(line, "td")
-        add(first, "span", class_="key", style=f"background:{colour(index)}").tail = row[0]
+        ink = colour(owners[index] if owners else index)
+        add(first, "span", class_="key", style=f"background:{ink}").tail = row[0]
         for cell in row[1:]:
             add(line, "td", str(cell))
 
@@ -145,6 +149,24 @@ def step_points(run):
     points = [(step["per_second"], step["latency_ms"]["whole"]["p99"], False)
               for step in run["by_step"] if step["latency_ms"]["whole"]["count"]]
     return [point for point in points if point[1] > 0]
+
+
+def kinds(body, runs):
+    """Where a mix had several kinds of requests, streams and jobs for instance: each by itself."""
+    if all(len(run["by_request"]) < 2 for run in runs):
+        return
+    add(body, "h2", "Each kind of request, ms")
+    header = ["run", "request", "done", "failed", "first chunk p50", "p99", "whole p50", "p99"]
+    rows, owners = [], []
+    for index, run in enumerate(runs):
+        for kind in run["by_request"]:
+            latency = kind["latency_ms"]
+            rows.append([run["name"], kind["label"], kind["requests"]["done"],
+                         kind["requests"]["failed"],
+                         *(told_ms(latency[part], key) for part in ("first_chunk", "whole")
+                           for key in ("p50", "p99"))])
+            owners.append(index)
+    table(body, header, rows, owners)
 
 
 def rate_steps(body, runs):
@@ -218,7 +240,7 @@ def page(runs):
     add(head, "style", STYLE)
     body = add(html, "body")
     add(body, "h1", "tetstream under load")
-    for section in (overview, latencies, rate_steps, throughput, outcomes, notes):
+    for section in (overview, latencies, kinds, rate_steps, throughput, outcomes, notes):
         section(body, runs)
     # Text of a script is not escaped; these are the letters that could end it.
     figures = json.dumps(runs).replace("<", "\\u003c").replace("&", "\\u0026")

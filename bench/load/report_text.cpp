@@ -172,8 +172,9 @@ std::string describe_plan(const LoadPlan& plan) {
     return absl::StrCat(plan.workers, plan.workers == 1 ? " worker" : " workers",
                         " back to back", times);
   }
-  const std::string process =
-      plan.process == ArrivalProcess::kPoisson ? "Poisson arrivals at " : "even arrivals at ";
+  const std::string process = absl::StrCat(
+      plan.process == ArrivalProcess::kPoisson ? "Poisson arrivals " : "even arrivals ",
+      plan.burst > 1 ? absl::StrCat("of ", plan.burst, " at once ") : "", "at ");
   const std::string first = show_rate(plan.steps.front().per_second);
   if (plan.steps.size() == 1) return absl::StrCat(process, first, times);
   return absl::StrCat(process, first, " to ", show_rate(plan.steps.back().per_second), " in ",

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/load/request_sender.h"
 #include "tetstream/v1/meshes.pb.h"
 
 namespace tet::load {
@@ -26,6 +27,8 @@ struct MixEntry {
   /// must be set, grows by 1e-12 of itself each time.
   bool fresh = false;
   std::int64_t tet_count = 0;  ///< of the message as it is
+  RequestKind kind = RequestKind::kStream;
+  bool skip_cache = false;  ///< of jobs
 };
 
 /// Draws requests at random. Not thread-safe.

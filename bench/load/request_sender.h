@@ -14,6 +14,12 @@
 
 namespace tet::load {
 
+/// What a request asks for its mesh with.
+enum class RequestKind : std::uint8_t {
+  kStream,  ///< StreamMesh
+  kJob,     ///< a batch job: made, waited for, and its result read
+};
+
 /// One request of a run.
 struct LoadRequest {
   TimePoint intended;                ///< when it is due: latencies count from here
@@ -21,13 +27,16 @@ struct LoadRequest {
   std::size_t entry = 0;             ///< of the mix
   std::size_t step = 0;              ///< of the rate profile
   bool measured = true;              ///< false while warming up
+  RequestKind kind = RequestKind::kStream;
+  bool skip_cache = false;  ///< of a job: made even if its result is stored
   tetstream::v1::MeshRequest message;
 };
 
 /// How a request ended.
 struct Outcome {
   TimePoint sent, ended;
-  std::optional<TimePoint> header, first_chunk;
+  std::optional<TimePoint> header;  ///< came; of a job: the server keeps it from now on
+  std::optional<TimePoint> first_chunk;
   absl::Status status;
   std::uint64_t tets = 0, bytes = 0;  ///< of the chunks that came
 };

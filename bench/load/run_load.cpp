@@ -99,7 +99,7 @@ class Run {
 
  private:
   void offer_arrivals() {
-    Arrivals arrivals(profile_, plan_.process, plan_.seed);
+    Arrivals arrivals(profile_, plan_.process, plan_.seed, plan_.burst);
     while (const std::optional<Arrival> arrival = arrivals.next()) {
       const TimePoint due = start_ + from_seconds(arrival->seconds);
       if (!wait_until(due)) return;
@@ -125,6 +125,8 @@ class Run {
     request.intended = due;
     if (plan_.timeout) request.give_up = due + *plan_.timeout;
     request.entry = drawn.entry;
+    request.kind = mix_.entries()[drawn.entry].kind;
+    request.skip_cache = mix_.entries()[drawn.entry].skip_cache;
     const std::size_t warm_up_steps = profile_.steps().size() - plan_.steps.size();
     request.measured = step >= warm_up_steps;
     request.step = request.measured ? step - warm_up_steps : 0;

@@ -173,7 +173,7 @@ class JobSubmit(JobTest):
 class JobResults(JobTest):
     """Jobs that are done, and what is made of them."""
 
-    volumes = {"sphere": 0.05, "torus": 0.02}
+    volumes = {"sphere": 0.08, "torus": 0.04}
 
     def mesh_here(self, path, *arguments):
         self.assert_done(self.tetstream("mesh", *arguments, "-o", path))

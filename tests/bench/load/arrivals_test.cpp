@@ -53,6 +53,23 @@ TEST(Arrivals, AreEvenlySpacedWhenConstant) {
   }
 }
 
+TEST(Arrivals, ComeInBurstsAtTheSameRateOfRequests) {
+  const RateProfile profile({
+      {50, 2}
+  });
+  for (const auto process : {ArrivalProcess::kConstant, ArrivalProcess::kPoisson}) {
+    const std::vector<Arrival> all = all_of(Arrivals(profile, process, 1, 10));
+    ASSERT_FALSE(all.empty());
+    EXPECT_EQ(all.size() % 10, 0);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_EQ(all[i].seconds, all[i - i % 10].seconds);
+    }
+  }
+  const std::vector<Arrival> even = all_of(Arrivals(profile, ArrivalProcess::kConstant, 1, 10));
+  EXPECT_EQ(even.size(), 100u);
+  EXPECT_NEAR(even[10].seconds, 0.2, 1e-12);
+}
+
 TEST(Arrivals, HaveAPoissonProcessesMeanAndVariance) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     const std::vector<Arrival> all =

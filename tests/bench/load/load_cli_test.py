@@ -155,6 +155,22 @@ class Live(OnAServer):
         self.assertEqual(sum(by_request), report["requests"]["offered"])
         self.assertEqual(max(by_request), by_request[0])
 
+    def test_mixes_streams_and_jobs(self):
+        ball = self.inputs / "sphere.vdb"
+        mix = self.out / "mix.txt"
+        mix.write_text(f"--weight 2 {ball}\n--weight 1 {ball} --job --fresh\n{ball} --job\n")
+        self.assert_done(self.load("--mix", mix, "--server", self.address, "--json",
+                                   self.out / "load.json", "--rate", "20", "--duration", "1s",
+                                   "--warm-up", "0", "--check", "--drain", "60s"))
+        report = self.report()
+        self.assertEqual([entry["kind"] for entry in report["mix"]], ["stream", "job", "job"])
+        self.assertEqual(report["requests"]["done"], report["requests"]["offered"],
+                         [report["requests"], report["errors"]])
+        for entry in report["by_request"]:
+            self.assertGreater(entry["requests"]["done"], 0)
+            self.assertLessEqual(entry["latency_ms"]["header"]["max"],
+                                 entry["latency_ms"]["first_chunk"]["max"])
+
     def test_exits_with_1_when_a_target_is_missed(self):
         target = ("--rate", "20", "--duration", "300ms", "--warm-up", "0", "--target")
         self.assert_done(self.load_ball(*target, "p99=60s"))

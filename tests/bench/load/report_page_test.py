@@ -81,6 +81,21 @@ class ReportPage(OnAServer):
         self.assertEqual(page.count("svg"), 8)
         self.assertEqual(page.count("polyline"), 3 * 2 + 2)
 
+    def test_shows_streams_and_jobs_of_a_mix_by_themselves(self):
+        ball = self.inputs / "sphere.vdb"
+        (self.out / "mix").write_text(f"{ball}\n{ball} --job\n")
+        self.assert_done(self.load(
+            "--mix", self.out / "mix", "--server", self.address, "--json", self.out / "a.json",
+            "--warm-up", "0", "--quiet", "--rate", "40", "--burst", "4", "--duration", "500ms"))
+        self.assert_done(render(self.out / "a.json", "-o", self.out / "page.html"))
+        cells = Page((self.out / "page.html").read_text()).texts["td"]
+        report = json.loads((self.out / "a.json").read_text())
+        for kind in report["by_request"]:
+            self.assertIn(kind["label"], cells)
+            self.assertIn(f"{kind['latency_ms']['whole']['p99']:.4g}", cells)
+        self.assertIn("40/s, poisson, 4 at once", cells)
+        self.assertEqual(report["requests"]["offered"] % 4, 0)
+
     def test_needs_nothing_but_itself(self):
         self.run_load("a.json", "--rate", "20", "--duration", "300ms")
         self.assert_done(render(self.out / "a.json", "-o", self.out / "page.html"))
