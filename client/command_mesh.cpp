@@ -1,4 +1,4 @@
-// `tetstream mesh`: a volume or a closed surface in, a mesh file out.
+// `tetstream mesh`: a volume, a closed surface or a scene in, a mesh file out.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -16,6 +16,7 @@
 #include "client/mesh_report.h"
 #include "client/read_grids.h"
 #include "client/request_options.h"
+#include "client/scene_input.h"
 #include "client/server_options.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
@@ -40,6 +41,8 @@ Examples:
       a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
       a closed surface; it becomes a level set with voxels of 0.1 first
+  tetstream mesh part.json -o part.vtu --spacing 0.05
+      a scene: solids as formulas, put together; docs/scenes.md
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
@@ -55,7 +58,7 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
   app.footer(kExamples);
   app.add_option("INPUT", options.input,
-                 "A .vdb volume, or a closed .obj, .stl or .ply surface")
+                 "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
       ->required();
   app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
       ->required();
@@ -72,21 +75,28 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   describe_server(app, arguments.server);
 }
 
+/// Scenes have neither grids nor voxels.
+absl::Status check_scene_options(const MeshOptions& options) {
+  if (!options.grid.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", options.grid, ": a scene has no grids"));
+  }
+  if (options.voxel) {
+    return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_input(const MeshOptions& options) {
   if (is_surface_file(options.input)) {
     if (options.grid.empty()) return absl::OkStatus();
     return absl::InvalidArgumentError(
         absl::StrCat("--grid ", options.grid, ": a surface file has no grids"));
   }
-  const std::string name = absl::AsciiStrToLower(options.input);
-  if (absl::EndsWith(name, ".json")) {
+  if (is_scene_file(options.input)) return check_scene_options(options);
+  if (!absl::EndsWith(absl::AsciiStrToLower(options.input), ".vdb")) {
     return absl::InvalidArgumentError(absl::StrCat(
-        options.input,
-        " is a scene; scenes cannot be meshed yet, only .vdb, .obj, .stl and .ply"));
-  }
-  if (!absl::EndsWith(name, ".vdb")) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the input ", options.input, " must end in .vdb, .obj, .stl or .ply"));
+        "the input ", options.input, " must end in .vdb, .obj, .stl, .ply or .json"));
   }
   if (options.voxel) {
     return absl::InvalidArgumentError(

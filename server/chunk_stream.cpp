@@ -51,7 +51,7 @@ void ChunkStream::begin(const grpc::ByteBuffer& request) {
     end(status);
     return advance();
   }
-  call_.note("grid", order->mesh.digest);
+  if (!order->mesh.digest.empty()) call_.note("grid", order->mesh.digest);
   order_ = *std::move(order);
   order_.mesh.space = call_.space();
   call_.on_cut([weak = weak_from_this()] {

@@ -12,12 +12,15 @@
 
 #include "core/base/parallel.h"
 #include "core/field/region_signs.h"
+#include "core/scene/scene.h"
 
 namespace tet {
 namespace {
 
 /// Looking at a region costs microseconds; more than this many are a claim, not a grid.
 constexpr std::size_t kMaxRegions = std::size_t{1} << 22;
+/// A brick near the surface costs about 2 KiB until the mesh is made.
+constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
 constexpr int kRegionBricks = Region::kEdgeBricks;
 
 BrickCoord steps_from(BrickCoord region, BrickCoord steps) {
@@ -150,17 +153,6 @@ BrickBox lattice_box(const PhiField& field, const BrickBox& box, int reach) {
   };
 }
 
-/// A brick near the surface costs about 2 KiB until the mesh is made.
-constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
-
-absl::Status check_surface_bricks(double bricks) {
-  if (bricks <= static_cast<double>(kMaxSurfaceBricks)) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrFormat(
-      "the surface would pass through about %.3g bricks of 8^3 cells; the limit is %d. Use a "
-      "larger spacing",
-      bricks, kMaxSurfaceBricks));
-}
-
 /// How many lattice bricks a voxel brick meets at most, reaching out by its halo.
 double lattice_bricks_per_brick(const PhiField& field) {
   constexpr double kReach = 8 + 2;  // voxels, and as many cells
@@ -180,11 +172,6 @@ FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
     found.inside.push_back(lattice_box(field, box, 1));
   }
   return found;
-}
-
-double bricks_in(const BrickBox& box) {
-  return (box.max.x - box.min.x + 1.0) * (box.max.y - box.min.y + 1.0) *
-         (box.max.z - box.min.z + 1.0);
 }
 
 double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks) {
@@ -218,7 +205,16 @@ FoundBricks scan_regions(const PhiField& field,
 
 }  // namespace
 
+absl::Status check_surface_bricks(double bricks) {
+  if (bricks <= static_cast<double>(kMaxSurfaceBricks)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "the surface would pass through about %.3g bricks of 8^3 cells; the limit is %d. Use a "
+      "larger spacing",
+      bricks, kMaxSurfaceBricks));
+}
+
 absl::Status check_inside_ends(const PhiField& field) {
+  if (field.scene != nullptr) return check_ends(*field.scene);
   if (!(field.phi(field.volume->background) < 0)) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
       "the background value %g is inside at iso %g, so the inside has no end; choose another "

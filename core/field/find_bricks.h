@@ -17,6 +17,11 @@ struct BrickBox {
   BrickCoord min, max;
 };
 
+inline double bricks_in(const BrickBox& box) noexcept {
+  return (box.max.x - box.min.x + 1.0) * (box.max.y - box.min.y + 1.0) *
+         (box.max.z - box.min.z + 1.0);
+}
+
 /// Calls `visit(brick)` for each brick of a box.
 template <class Visit>
 void for_each_brick(const BrickBox& box, const Visit& visit) {
@@ -38,13 +43,17 @@ struct FoundBricks {
   double inside_cells = 0;
 };
 
-/// Looks at value ranges only, brick by brick; reads no samples. Parallel.
+/// Of a volume. Looks at value ranges only, brick by brick; reads no samples. Parallel.
 /// Errors: kResourceExhausted, kFailedPrecondition (more space than can be looked at),
 /// kCancelled, kDeadlineExceeded.
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
                                         const Cancellation& cancellation = {});
 
-/// OK where the inside has an end: the background is outside. Error: kFailedPrecondition.
+/// OK, or kResourceExhausted where so many bricks near the surface are too many to keep.
+absl::Status check_surface_bricks(double bricks);
+
+/// OK where the inside has an end: the background is outside, and no part of a scene goes on
+/// for ever. Errors: kFailedPrecondition (of a volume), those of check_ends (of a scene).
 absl::Status check_inside_ends(const PhiField& field);
 
 /// Leaves only what a mesh of both sides of `domain` needs: bricks near the surface in it and

@@ -4,17 +4,17 @@
 #include <absl/status/status.h>
 
 #include "core/field/find_bricks.h"
-#include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/pipeline/mesh_input.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
 
-/// About how many bricks planning looks at, from a few of the volume's numbers: to tell long
+/// About how many bricks planning looks at, from a few of the input's numbers: to tell long
 /// work from short before any is done. Bricks of the inside count as the few surface bricks
 /// that take as long.
-double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request);
+double estimate_bricks_to_plan(const MeshInput& input, const MeshRequest& request);
 
 // Each is OK or kResourceExhausted, with the value and the limit.
 

@@ -12,6 +12,7 @@
 
 #include "core/base/check.h"
 #include "core/field/domain.h"
+#include "core/field/find_scene_bricks.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -27,8 +28,12 @@ namespace {
 /// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
 constexpr double kMaxFloat32Extent = 4096;
 
-PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
+PhiField field_of(const MeshInput& input, const CanonicalRequest& request) {
   PhiField field;
+  field.scene = scene_of(input);
+  field.spacing_voxels = request.spacing;
+  if (field.scene != nullptr) return field;
+  const Volume& volume = *volume_of(input);
   field.volume = &volume;
   field.iso = static_cast<float>(request.iso);
   const double ratio = request.spacing / volume.transform.voxel_size;
@@ -42,7 +47,8 @@ PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
 /// spacing is wide.
 absl::Status check_spacing(const PhiField& field) {
   constexpr double kMaxSpacingVoxels = 256;
-  if (field.spacing_voxels <= kMaxSpacingVoxels) return absl::OkStatus();
+  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
+    return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
                       field.spacing_voxels, kMaxSpacingVoxels));
@@ -73,7 +79,9 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
                                       int levels,
                                       const MeshLimits& limits,
                                       const Cancellation& cancellation) {
-  absl::StatusOr<FoundBricks> found = find_bricks(field, cancellation);
+  absl::StatusOr<FoundBricks> found = field.scene != nullptr
+                                          ? find_scene_bricks(field, space.domain, cancellation)
+                                          : find_bricks(field, cancellation);
   if (!found.ok()) return found;
   if (space.domain) keep_domain(*space.domain, *found);
   if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
@@ -114,7 +122,7 @@ VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
   return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
 }
 
-/// Why there is no mesh, though the volume and the request are fine.
+/// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
   if (stuffing_rules(asked.preset).both_sides) {
     return absl::FailedPreconditionError(absl::StrFormat(
@@ -148,7 +156,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& pla
 }  // namespace
 
 struct MeshPlan::Impl {
-  std::shared_ptr<const Volume> volume;
+  MeshInput input;
   PhiField field;
   CountedMesh mesh;
   MeshHeader header;
@@ -305,14 +313,14 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(MeshInput input,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
                                                           MeshProgress* progress) {
-  const absl::StatusOr<CanonicalRequest> asked = canonical(request, *volume);
+  const absl::StatusOr<CanonicalRequest> asked = canonical(request, input);
   if (!asked.ok()) return asked.status();
-  const PhiField field = field_of(*volume, *asked);
+  const PhiField field = field_of(input, *asked);
   if (auto status = check_spacing(field); !status.ok()) return status;
   const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
   if (!space.ok()) return space.status();
@@ -340,7 +348,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, *asked, thin_walls, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, boundary, {}, {}, {}});
+      MeshPlan::Impl{std::move(input), field, std::move(mesh), header, boundary, {}, {}, {}});
   impl->thin_walls = std::move(thin_walls);
   impl->place_in_world(request, space->domain);
   impl->cut_into_chunks(limits.chunk_bytes);
