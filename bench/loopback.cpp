@@ -16,6 +16,7 @@ Config config_in(const std::string& store) {
   Config config;
   config.listen = "127.0.0.1:0";
   config.store = store;
+  config.jobs = "off";
   config.store_bytes = std::uint64_t{1} << 30;  // what benchmarks upload pushes older out
   return config;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <random>
@@ -12,6 +11,8 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "client/io_error.h"
+
 namespace tet {
 namespace {
 
@@ -19,26 +20,6 @@ namespace fs = std::filesystem;
 
 /// Linux writes at most 2 GiB at a time; smaller pieces also let a signal handler be noticed.
 constexpr std::size_t kMaxWriteBytes = std::size_t{64} << 20;
-
-absl::Status io_error(const char* what, const std::string& path) {
-  const int error = errno;
-  const std::string message = absl::StrCat("cannot ", what, " ", path, ": ", strerror(error));
-  switch (error) {
-    case ENOENT:
-    case ENOTDIR:
-      return absl::NotFoundError(message);
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return absl::PermissionDeniedError(message);
-    case ENOSPC:
-    case EDQUOT:
-    case EFBIG:
-      return absl::ResourceExhaustedError(message);
-    default:
-      return absl::FailedPreconditionError(message);
-  }
-}
 
 /// The absolute path of the file behind a symbolic link, or of the path itself.
 std::string link_target(const std::string& path) {
@@ -54,6 +35,8 @@ std::string temporary_name(const fs::path& path) {
   return path.parent_path() / absl::StrCat(".tetstream.", suffix, ".tmp");
 }
 
+}  // namespace
+
 absl::Status sync_directory_of(const std::string& path) {
   const std::string directory = fs::path(path).parent_path();
   const int descriptor = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -65,8 +48,6 @@ absl::Status sync_directory_of(const std::string& path) {
   close(descriptor);
   return status;
 }
-
-}  // namespace
 
 absl::StatusOr<AtomicFile> AtomicFile::create(const std::string& path) {
   std::string target = link_target(path);

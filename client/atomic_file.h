@@ -45,6 +45,9 @@ class AtomicFile {
   int descriptor_ = -1;
 };
 
+/// So that the name of a file that was just made survives a power cut.
+absl::Status sync_directory_of(const std::string& path);
+
 /// Whether `path` could be created now: says so before hours of work, not after.
 absl::Status check_can_create(const std::string& path);
 

@@ -22,5 +22,6 @@ Command add_mesh_command(CLI::App& app);
 Command add_info_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);
 Command add_health_command(CLI::App& app);
+Command add_job_command(CLI::App& app);
 
 }  // namespace tet

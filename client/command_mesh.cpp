@@ -5,13 +5,12 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
-#include <absl/strings/ascii.h>
-#include <absl/strings/match.h>
-#include <absl/strings/str_cat.h>
-#include <absl/strings/str_format.h>
 
+#include "client/atomic_file.h"
 #include "client/command.h"
+#include "client/finish_mesh.h"
 #include "client/mesh_file.h"
+#include "client/mesh_input.h"
 #include "client/mesh_maker.h"
 #include "client/mesh_report.h"
 #include "client/read_grids.h"
@@ -19,7 +18,6 @@
 #include "client/scene_input.h"
 #include "client/server_options.h"
 #include "client/stopwatch.h"
-#include "client/surface_input.h"
 
 namespace tet {
 namespace {
@@ -87,24 +85,6 @@ absl::Status check_scene_options(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
-absl::Status check_input(const MeshOptions& options) {
-  if (is_surface_file(options.input)) {
-    if (options.grid.empty()) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        absl::StrCat("--grid ", options.grid, ": a surface file has no grids"));
-  }
-  if (is_scene_file(options.input)) return check_scene_options(options);
-  if (!absl::EndsWith(absl::AsciiStrToLower(options.input), ".vdb")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the input ", options.input, " must end in .vdb, .obj, .stl, .ply or .json"));
-  }
-  if (options.voxel) {
-    return absl::InvalidArgumentError(
-        "--voxel is for surfaces; use --spacing to mesh a .vdb at another size");
-  }
-  return absl::OkStatus();
-}
-
 absl::Status check_encoding(const MeshOptions& options) {
   if (!options.compact) return absl::OkStatus();
   if (options.server.empty()) {
@@ -125,7 +105,9 @@ absl::Status check_trust(const MeshOptions& options) {
 
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
-  absl::Status status = check_input(options);
+  absl::Status status = is_scene_file(options.input)
+                            ? check_scene_options(options)
+                            : check_mesh_input({options.input, options.grid, options.voxel});
   if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = check_trust(options);
   if (status.ok()) status = mesh_format_of(options.output).status();
@@ -154,19 +136,6 @@ absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
                                 : make_mesh_on_server(options, bar, interruption);
 }
 
-absl::Status write_mesh(const MeshOptions& options,
-                        MadeMesh& made,
-                        ProgressBar& bar,
-                        const Cancellation& interruption) {
-  const Stopwatch watch;
-  bar.begin("writing");
-  const WriteControl control{.cancellation = &interruption,
-                             .progress = [&](double fraction) { bar.update(fraction, 1); }};
-  absl::Status status = write_mesh_file(options.output, made.mesh, control);
-  made.stages.push_back({"writing", watch.seconds()});
-  return status;
-}
-
 absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
   const Stopwatch watch;
   const absl::StatusOr<MeshOptions> options = understand(arguments);
@@ -178,7 +147,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     ProgressBar bar;
     made = make_mesh(*options, bar, interruption);
     if (!made.ok()) return made.status();
-    if (auto status = write_mesh(*options, *made, bar, interruption); !status.ok())
+    if (auto status = write_made_mesh(options->output, *made, bar, interruption); !status.ok())
       return status;
   }
   const double seconds = watch.seconds();

@@ -1,7 +1,6 @@
 #include "client/error_details.h"
 
 #include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
 
 namespace tet {
 
@@ -29,17 +28,25 @@ void add_request_id(const grpc::ClientContext& context, absl::Status& status) {
   status.SetPayload(url_of<google::rpc::RequestInfo>(), absl::Cord(info.SerializeAsString()));
 }
 
+void add_details(const google::rpc::Status& from, absl::Status& status) {
+  for (const auto& detail : from.details()) {
+    status.SetPayload(detail.type_url(), absl::Cord(detail.value()));
+  }
+}
+
 }  // namespace
+
+absl::Status to_absl(const google::rpc::Status& status) {
+  absl::Status ours(static_cast<absl::StatusCode>(status.code()), status.message());
+  if (!ours.ok()) add_details(status, ours);
+  return ours;
+}
 
 absl::Status to_absl(const grpc::Status& status, const grpc::ClientContext& context) {
   absl::Status ours(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
   if (ours.ok()) return ours;
   google::rpc::Status details;
-  if (details.ParseFromString(status.error_details())) {
-    for (const auto& detail : details.details()) {
-      ours.SetPayload(detail.type_url(), absl::Cord(detail.value()));
-    }
-  }
+  if (details.ParseFromString(status.error_details())) add_details(details, ours);
   add_request_id(context, ours);
   return ours;
 }

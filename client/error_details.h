@@ -9,12 +9,17 @@
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
 
+#include "google/rpc/status.pb.h"
+
 namespace tet {
 
 /// The server's status as ours, with its details as payloads (by their type's URL), and the id
 /// under which the call is in the server's log if it answered. `context` is the call's, which
 /// has ended.
 absl::Status to_absl(const grpc::Status& status, const grpc::ClientContext& context);
+
+/// The same of a failure that is part of an answer.
+absl::Status to_absl(const google::rpc::Status& status);
 
 /// The ErrorInfo's reason; empty when the server gave none.
 std::string reason_of_failure(const absl::Status& status);

@@ -23,6 +23,7 @@ Examples:
   tetstream mesh bunny.vdb -o bunny.vtu         mesh it in this process
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447
   tetstream convert part.stl part.vdb --voxel 0.5
+  tetstream job submit *.vdb --server farm:7447  meshes for later; `tetstream job --help`
   tetstream mesh --help                         all options, with examples
 
 Exit codes:
@@ -43,7 +44,8 @@ std::vector<NamedCommand> add_commands(CLI::App& app) {
   return {add("mesh", "Mesh a .vdb grid or a closed surface", add_mesh_command),
           add("info", "List the grids of a .vdb file", add_info_command),
           add("convert", "Make a .vdb level set of a surface", add_convert_command),
-          add("health", "Ask a server whether it is serving", add_health_command)};
+          add("health", "Ask a server whether it is serving", add_health_command),
+          add("job", "Meshes made while nobody waits: submit, follow, fetch", add_job_command)};
 }
 
 /// With the name of the call in the server's log, where there is one.

@@ -33,14 +33,14 @@ absl::StatusOr<Volume> read_grid(const MeshOptions& options,
 
 /// Takes what was read.
 template <class Input>
-absl::StatusOr<MeshInput> shared(absl::StatusOr<Input> read) {
+absl::StatusOr<Shape> shared(absl::StatusOr<Input> read) {
   if (!read.ok()) return read.status();
   return std::make_shared<const Input>(*std::move(read));
 }
 
-absl::StatusOr<MeshInput> read_input(const MeshOptions& options,
-                                     ProgressBar& bar,
-                                     const Cancellation& interruption) {
+absl::StatusOr<Shape> read_input(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
   bar.begin("reading");
   return is_scene_file(options.input) ? shared(read_scene(options.input))
                                       : shared(read_grid(options, bar, interruption));
@@ -53,7 +53,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
                                         const Cancellation& interruption) {
   Stopwatch watch;
   TaskPool pool(options.threads);
-  absl::StatusOr<MeshInput> input = absl::UnknownError("not read");
+  absl::StatusOr<Shape> input = absl::UnknownError("not read");
   pool.run([&] { input = read_input(options, bar, interruption); });
   if (!input.ok()) return input.status();
   const double reading_seconds = watch.lap();

@@ -1,76 +1,31 @@
-#include <filesystem>
 #include <optional>
-#include <stdlib.h>
 #include <utility>
 
 #include "client/error_details.h"
+#include "client/finish_mesh.h"
 #include "client/mesh_client.h"
+#include "client/mesh_input.h"
 #include "client/mesh_maker.h"
 #include "client/request_options.h"
 #include "client/scene_input.h"
 #include "client/stopwatch.h"
-#include "client/surface_input.h"
 
 namespace tet {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A directory of our own that is gone with us.
-class ScratchDirectory {
- public:
-  ScratchDirectory() {
-    path_ = (fs::temp_directory_path() / "tetstream.XXXXXX").string();
-    made_ = mkdtemp(path_.data()) != nullptr;
-  }
-  ~ScratchDirectory() {
-    std::error_code ignored;
-    if (made_) fs::remove_all(path_, ignored);
-  }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
-
-  std::string file(const std::string& name) const { return fs::path(path_) / name; }
-
- private:
-  std::string path_;
-  bool made_ = false;
-};
-
-absl::Status convert_surface(const MeshOptions& options,
-                             const std::string& vdb_path,
-                             ProgressBar& bar) {
-  bar.begin("reading");
-  absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
-  if (!input.ok()) return input.status();
-  const absl::StatusOr<ConversionReport> report =
-      surface_to_vdb(input->surface, input->voxel_size, vdb_path);
-  if (!report.ok()) return report.status();
-  bar.say(options.input + ": " + describe_conversion(*report, input->voxel_size));
-  return absl::OkStatus();
-}
-
-/// The stored file's name. A surface goes up as the level set it becomes here.
-absl::StatusOr<std::string> upload_input(MeshClient& client,
-                                         const MeshOptions& options,
-                                         ProgressBar& bar,
-                                         const Cancellation& interruption) {
-  std::string path = options.input;
-  std::optional<ScratchDirectory> scratch;
-  if (is_surface_file(path)) {
-    path = scratch.emplace().file("surface.vdb");
-    absl::Status status = convert_surface(options, path, bar);
-    if (!status.ok()) return status;
-  }
+absl::StatusOr<std::string> upload(MeshClient& client,
+                                   const MeshOptions& options,
+                                   ProgressBar& bar,
+                                   const Cancellation& interruption) {
   bar.begin("uploading", "B");
-  const ClientProgress progress{.upload =
-                                    [&](std::uint64_t done, std::uint64_t total) {
-                                      bar.update(static_cast<double>(done),
-                                                 static_cast<double>(total));
-                                    },
-                                .planning = {},
-                                .tets = {}};
-  return client.upload_file(path, progress, interruption);
+  const UploadWatch watch{.bytes =
+                              [&](std::uint64_t done, std::uint64_t total) {
+                                bar.update(static_cast<double>(done),
+                                           static_cast<double>(total));
+                              },
+                          .say = [&](const std::string& line) { bar.say(line); }};
+  return upload_input(client, {options.input, options.grid, options.voxel}, watch,
+                      interruption);
 }
 
 /// The request for the input, once the server has what it needs of it.
@@ -85,7 +40,7 @@ absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
     *request.mutable_scene() = *std::move(scene);
     return request;
   }
-  const absl::StatusOr<std::string> name = upload_input(client, options, bar, interruption);
+  const absl::StatusOr<std::string> name = upload(client, options, bar, interruption);
   if (!name.ok()) return name.status();
   return wire_request(options.request, *name, options.grid);
 }
@@ -140,12 +95,7 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
       client.stream_mesh(*request, stream.callbacks(), interruption,
                          options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   if (!streamed.ok()) return streamed.status();
-  return MadeMesh{.mesh = std::move(streamed->mesh),
-                  .quality = streamed->quality,
-                  .boundary = streamed->boundary,
-                  .improvement = streamed->improvement,
-                  .thin_walls = std::move(streamed->thin_walls),
-                  .stages = stream.stages(uploading_seconds)};
+  return made_of(*std::move(streamed), stream.stages(uploading_seconds));
 }
 
 }  // namespace

@@ -1,98 +1,20 @@
 #include "client/mesh_client.h"
 
-#include <atomic>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_split.h>
 
-#include "client/channel.h"
-#include "client/client_call.h"
+#include "client/connection.h"
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
-#include "client/raw_call.h"
+#include "client/receive_mesh.h"
 #include "client/upload.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/wire/serialized.h"
-#include "proto/wire/transport.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet {
-
-namespace {
-
-void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
-          std::uint64_t done,
-          std::uint64_t total) {
-  if (listener) listener(done, total);
-}
-
-}  // namespace
-
-/// One of the servers that may answer.
-struct MeshClient::Server {
-  explicit Server(ServerChannel opened) : channel(std::move(opened)) {}
-
-  const ServerChannel channel;
-  v1::GridService::Stub grids{channel.channel()};
-  v1::MeshService::Stub meshes{channel.channel()};
-  grpc::health::v1::Health::Stub health{channel.channel()};
-};
-
-struct MeshClient::Connection {
-  Connection(std::vector<ServerChannel> channels, RetryPolicy retry_policy)
-      : retry(retry_policy) {
-    for (ServerChannel& channel : channels) {
-      servers.push_back(std::make_unique<Server>(std::move(channel)));
-    }
-  }
-
-  /// The server that answered last, until it cannot be reached.
-  Server& server() { return *servers[turn.load() % servers.size()]; }
-
-  /// Whether a call that failed at `failed` is worth another attempt; then, if that one cannot
-  /// be reached, at the next server.
-  bool again(Retries& retries,
-             const Server& failed,
-             const absl::Status& status,
-             std::uint64_t progress) {
-    const bool elsewhere = servers.size() > 1 && absl::IsUnavailable(status);
-    // Of several calls that failed at one server only the first turns to the next.
-    if (std::size_t now = turn.load();
-        elsewhere && servers[now % servers.size()].get() == &failed) {
-      turn.compare_exchange_strong(now, now + 1);
-    }
-    return retries.again(status, progress, {elsewhere, known.load()});
-  }
-
-  /// One unary call, tried again while the server is not to be reached.
-  template <class Stub, class Request, class Response>
-  absl::StatusOr<Response> call(Stub Server::*stub,
-                                grpc::Status (Stub::*method)(grpc::ClientContext*,
-                                                             const Request&,
-                                                             Response*),
-                                const Request& request,
-                                const Cancellation& cancellation) {
-    for (Retries retries(retry, cancellation);;) {
-      Response response;
-      Server& asked = server();
-      ClientCall attempt(asked.channel, cancellation);
-      const auto status =
-          attempt.result(((asked.*stub).*method)(&attempt.context(), request, &response));
-      if (status.ok()) {
-        known.store(true);
-        return response;
-      }
-      if (!again(retries, asked, status, 0)) return status;
-    }
-  }
-
-  const RetryPolicy retry;
-  std::vector<std::unique_ptr<Server>> servers;
-  std::atomic<std::size_t> turn{0};
-  std::atomic<bool> known{false};  ///< a call has succeeded
-};
 
 std::unique_ptr<MeshClient> MeshClient::connect(const std::string& address, RetryPolicy retry) {
   return *connect(address, {}, retry);  // which only files and tokens can make fail
@@ -101,17 +23,12 @@ std::unique_ptr<MeshClient> MeshClient::connect(const std::string& address, Retr
 absl::StatusOr<std::unique_ptr<MeshClient>> MeshClient::connect(const std::string& address,
                                                                 const ChannelOptions& options,
                                                                 RetryPolicy retry) {
-  std::vector<ServerChannel> channels;
-  for (const auto one : absl::StrSplit(address, ',')) {
-    auto channel = open_channel(std::string(one), options);
-    if (!channel.ok()) return channel.status();
-    channels.push_back(*std::move(channel));
-  }
-  return std::unique_ptr<MeshClient>(
-      new MeshClient(std::make_unique<Connection>(std::move(channels), retry)));
+  auto connection = Connection::open(address, options, retry);
+  if (!connection.ok()) return connection.status();
+  return std::make_unique<MeshClient>(*std::move(connection));
 }
 
-MeshClient::MeshClient(std::unique_ptr<Connection> connection)
+MeshClient::MeshClient(std::shared_ptr<Connection> connection)
     : connection_(std::move(connection)) {}
 
 MeshClient::~MeshClient() = default;
@@ -119,26 +36,25 @@ MeshClient::~MeshClient() = default;
 absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
                                                     const ClientProgress& progress,
                                                     const Cancellation& cancellation) {
-  const auto grids = &Server::grids;
   const auto file = name_file(path, cancellation);
   if (!file.ok()) return file.status();
   v1::FindMissingGridsRequest find;
   find.add_names(file->name);
   const auto missing =
-      connection_->call(grids, &v1::GridService::Stub::FindMissingGrids, find, cancellation);
+      connection_->call(&v1::GridService::Stub::FindMissingGrids, find, cancellation);
   if (!missing.ok()) return missing.status();
   if (missing->missing_names().empty()) return file->name;
 
   v1::GetUploadStatusRequest ask;
   ask.set_name(file->name);
-  for (Retries retries(connection_->retry, cancellation);;) {
+  for (Retries retries = connection_->begin(cancellation);;) {
     const auto state =
-        connection_->call(grids, &v1::GridService::Stub::GetUploadStatus, ask, cancellation);
+        connection_->call(&v1::GridService::Stub::GetUploadStatus, ask, cancellation);
     if (!state.ok()) return state.status();
     if (state->complete()) return file->name;
     const auto offset = static_cast<std::uint64_t>(state->committed_size());
-    const Server& server = connection_->server();
-    const auto status = upload_from(server.channel, *file, offset, progress, cancellation);
+    const ServerChannel& server = connection_->server();
+    const auto status = upload_from(server, *file, offset, progress, cancellation);
     if (status.ok()) return file->name;
     if (!connection_->again(retries, server, status, offset)) return status;
   }
@@ -149,8 +65,7 @@ absl::StatusOr<std::vector<v1::GridFile>> MeshClient::list_grids(
   std::vector<v1::GridFile> files;
   v1::ListGridsRequest request;
   do {
-    auto page = connection_->call(&Server::grids, &v1::GridService::Stub::ListGrids, request,
-                                  cancellation);
+    auto page = connection_->call(&v1::GridService::Stub::ListGrids, request, cancellation);
     if (!page.ok()) return page.status();
     for (v1::GridFile& file : *page->mutable_files()) files.push_back(std::move(file));
     request.set_page_token(page->next_page_token());
@@ -162,12 +77,11 @@ absl::StatusOr<v1::GridFile> MeshClient::grid_info(const std::string& name,
                                                    const Cancellation& cancellation) {
   v1::GetGridInfoRequest request;
   request.set_name(name);
-  return connection_->call(&Server::grids, &v1::GridService::Stub::GetGridInfo, request,
-                           cancellation);
+  return connection_->call(&v1::GridService::Stub::GetGridInfo, request, cancellation);
 }
 
 absl::StatusOr<v1::Capabilities> MeshClient::capabilities(const Cancellation& cancellation) {
-  return connection_->call(&Server::meshes, &v1::MeshService::Stub::GetCapabilities,
+  return connection_->call(&v1::MeshService::Stub::GetCapabilities,
                            v1::GetCapabilitiesRequest(), cancellation);
 }
 
@@ -175,8 +89,7 @@ absl::StatusOr<v1::MeshHeader> MeshClient::estimate(const v1::MeshRequest& reque
                                                     const Cancellation& cancellation) {
   v1::EstimateMeshRequest message;
   *message.mutable_mesh() = request;
-  return connection_->call(&Server::meshes, &v1::MeshService::Stub::EstimateMesh, message,
-                           cancellation);
+  return connection_->call(&v1::MeshService::Stub::EstimateMesh, message, cancellation);
 }
 
 absl::Status MeshClient::check_health(const std::string& service,
@@ -184,8 +97,8 @@ absl::Status MeshClient::check_health(const std::string& service,
   using grpc::health::v1::HealthCheckResponse;
   grpc::health::v1::HealthCheckRequest request;
   request.set_service(service);
-  const auto health = connection_->call(&Server::health, &grpc::health::v1::Health::Stub::Check,
-                                        request, cancellation);
+  const auto health =
+      connection_->call(&grpc::health::v1::Health::Stub::Check, request, cancellation);
   if (!health.ok()) return health.status();
   if (health->status() == HealthCheckResponse::SERVING) return absl::OkStatus();
   return absl::UnavailableError(
@@ -194,33 +107,13 @@ absl::Status MeshClient::check_health(const std::string& service,
 
 namespace {
 
-/// One stream, from the first chunk that is missing on.
-absl::Status receive(const ServerChannel& channel,
-                     v1::StreamMeshRequest message,
-                     const ClientProgress& progress,
-                     const Cancellation& cancellation,
-                     MeshReceiver& receiver) {
-  message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
-  message.set_expected_mesh_id(receiver.mesh_id());
-  ClientCall call(channel, cancellation);
-  RawCall stream(channel.channel(), call.context(), v1::MeshService::service_full_name(),
-                 "StreamMesh");
-  stream.write_last(serialized(message));
-  absl::Status taken;
-  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {
-    taken = receiver.take(event);
-    if (const auto& planning = receiver.planning()) {
-      tell(progress.planning, static_cast<std::uint64_t>(planning->done_bricks()),
-           static_cast<std::uint64_t>(planning->total_bricks()));
-    } else {
-      tell(progress.tets, receiver.tets_received(), receiver.tet_count());
-    }
-  }
-  if (!taken.ok()) call.context().TryCancel();
-  const absl::Status ended = call.result(stream.finish());
-  if (!taken.ok()) return taken;
-  if (!ended.ok() || receiver.complete()) return ended;
-  return absl::UnavailableError("the stream ended before the mesh was whole");
+MeshCall stream_call(v1::StreamMeshRequest message) {
+  auto request = [message = std::move(message)](const MeshReceiver& receiver) mutable {
+    message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
+    message.set_expected_mesh_id(receiver.mesh_id());
+    return serialized(message);
+  };
+  return {v1::MeshService::service_full_name(), "StreamMesh", std::move(request)};
 }
 
 }  // namespace
@@ -232,7 +125,8 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
   v1::StreamMeshRequest message;
   *message.mutable_mesh() = request;
   message.set_encoding(encoding);
-  return receive_mesh(std::move(message), MeshReceiver(), progress, cancellation);
+  return receive_mesh(*connection_, stream_call(std::move(message)), MeshReceiver(), progress,
+                      cancellation);
 }
 
 absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,
@@ -243,19 +137,8 @@ absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& requ
   *message.mutable_mesh() = request;
   message.set_base_mesh_id(earlier.mesh_id);
   message.set_base_name(earlier.canonical_request.name());
-  return receive_mesh(std::move(message), MeshReceiver(&earlier.mesh), progress, cancellation);
-}
-
-absl::StatusOr<StreamedMesh> MeshClient::receive_mesh(v1::StreamMeshRequest message,
-                                                      MeshReceiver receiver,
-                                                      const ClientProgress& progress,
-                                                      const Cancellation& cancellation) {
-  for (Retries retries(connection_->retry, cancellation);;) {
-    const Server& server = connection_->server();
-    const auto status = receive(server.channel, message, progress, cancellation, receiver);
-    if (receiver.complete()) return std::move(receiver).finish(cancellation);
-    if (!connection_->again(retries, server, status, receiver.next_chunk())) return status;
-  }
+  return receive_mesh(*connection_, stream_call(std::move(message)),
+                      MeshReceiver(&earlier.mesh), progress, cancellation);
 }
 
 }  // namespace tet

@@ -24,7 +24,7 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
-class MeshReceiver;
+class Connection;
 
 /// How often a broken call is taken up again.
 struct RetryPolicy {
@@ -74,6 +74,8 @@ class MeshClient {
   static absl::StatusOr<std::unique_ptr<MeshClient>> connect(const std::string& address,
                                                              const ChannelOptions& options,
                                                              RetryPolicy retry = {});
+  /// Shares a connection that others have too.
+  explicit MeshClient(std::shared_ptr<Connection> connection);
   ~MeshClient();
 
   /// Stores a file unless it is stored, going on where an earlier upload of it ended; returns
@@ -111,14 +113,7 @@ class MeshClient {
                                            const Cancellation& cancellation);
 
  private:
-  absl::StatusOr<StreamedMesh> receive_mesh(v1::StreamMeshRequest message,
-                                            MeshReceiver receiver,
-                                            const ClientProgress& progress,
-                                            const Cancellation& cancellation);
-  struct Server;
-  struct Connection;
-  explicit MeshClient(std::unique_ptr<Connection> connection);
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<Connection> connection_;
 };
 
 }  // namespace tet

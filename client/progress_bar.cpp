@@ -75,10 +75,11 @@ void ProgressBar::update(double done, double total) {
   if (lock.owns_lock() && Clock::now() - last_drawn_ >= kRedrawInterval) draw(done, total);
 }
 
-void ProgressBar::say(const std::string& line) {
+void ProgressBar::say(const std::string& line, std::FILE* to) {
   const std::lock_guard lock(mutex_);
   erase();
-  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fprintf(to, "%s\n", line.c_str());
+  std::fflush(to);
 }
 
 void ProgressBar::draw(double done, double total) {

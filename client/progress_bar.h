@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdio>
 #include <mutex>
 #include <string>
 
@@ -23,7 +24,7 @@ class ProgressBar {
   void update(double done, double total);
 
   /// A line for the reader that stays, terminal or not; the bar goes on below it.
-  void say(const std::string& line);
+  void say(const std::string& line, std::FILE* to = stderr);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -57,22 +57,39 @@ function(tet_executable name)
   target_link_libraries(${name} PRIVATE tet_flags ${ARG_DEPENDS})
 endfunction()
 
-# In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
-# include file that ctest reads after the discovery.
+# All that the tests with the label `fast` take: a sanitizer's build is short of time.
+add_custom_target(fast_tests)
+
+# ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
+# most of their tests take. Without it each test is a ctest of its own.
 function(tet_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
   tet_executable(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} GTest::gmock_main)
   # Tests spend their time in our libraries; optimising the tests themselves costs minutes.
   target_compile_options(${name} PRIVATE -O1)
+  if(ARG_ONE_PROCESS)
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  else()
+    tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}")
+  endif()
+  if("fast" IN_LIST ARG_LABELS)
+    add_dependencies(fast_tests ${name})
+  endif()
+endfunction()
+
+# In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
+# include file that ctest reads after the discovery.
+function(tet_discover_tests name timeout labels)
   gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+    PROPERTIES TIMEOUT ${timeout})
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
   file(WRITE ${labels_file}
     "foreach(test IN LISTS ${name}_tests)\n"
-    "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${ARG_LABELS}\")\n"
+    "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${labels}\")\n"
     "endforeach()\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels_file})
 endfunction()

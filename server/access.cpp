@@ -30,7 +30,17 @@ const MethodScope kMethodScopes[] = {
     {      "UploadGrid", Scope::kGridsWrite},
     {    "EstimateMesh",       Scope::kMesh},
     {      "StreamMesh",       Scope::kMesh},
-    { "GetCapabilities",       std::nullopt}
+    { "GetCapabilities",       std::nullopt},
+    {       "CreateJob",  Scope::kJobsWrite},
+    {          "GetJob",   Scope::kJobsRead},
+    {        "ListJobs",   Scope::kJobsRead},
+    {       "WatchJobs",   Scope::kJobsRead},
+    {         "WaitJob",   Scope::kJobsRead},
+    {       "CancelJob",  Scope::kJobsWrite},
+    {        "RetryJob",  Scope::kJobsWrite},
+    {       "DeleteJob",  Scope::kJobsWrite},
+    {  "ListDeadShards",   Scope::kJobsRead},
+    {   "ReadJobResult",   Scope::kJobsRead}
 };
 
 absl::Status unauthenticated(const char* message, const char* reason) {

@@ -17,70 +17,55 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
-absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
-  v1::StreamMeshRequest message;
-  if (!deserialize(request, message)) {
-    return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
-                       "MALFORMED");
-  }
-  return parse_stream_request(message);
-}
-
 }  // namespace
 
+ChunkStream::ChunkStream(MeshEngine& engine,
+                         grpc::CallbackServerContext& context,
+                         std::string method)
+    : engine_(engine),
+      context_(context),
+      call_(engine.calls, context, std::move(method)),
+      watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
+
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
-    MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
-  const std::shared_ptr<ChunkStream> stream(new ChunkStream(engine, context));
+    const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed) {
   stream->self_ = stream;
-  engine.stalls.add(stream);
-  stream->begin(request);
+  stream->engine_.stalls.add(stream);
+  stream->begin(parsed);
   return stream.get();
 }
 
-ChunkStream::ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context)
-    : engine_(engine),
-      context_(context),
-      call_(engine.calls, context, "StreamMesh"),
-      watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
-
-void ChunkStream::begin(const grpc::ByteBuffer& request) {
-  auto order = parse(request);
-  const absl::Status admitted = call_.admission();
-  const absl::Status status = admitted.ok() ? order.status() : admitted;
+void ChunkStream::begin(const absl::Status& parsed) {
+  const absl::Status may_call = call_.admission();
+  const absl::Status status = may_call.ok() ? parsed : may_call;
   if (!status.ok()) {
     end(status);
     return advance();
   }
-  if (!order->mesh.digest.empty()) call_.note("grid", order->mesh.digest);
-  order_ = *std::move(order);
-  order_.mesh.space = call_.space();
+  admitted();
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->cut();
   });
-  watch_progress();
   place_ = engine_.admit(call_, watch_->cancellation.deadline(),
                          [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
-                           self->plan(std::move(ticket));
+                           self->enter(std::move(ticket));
                          });
 }
 
-void ChunkStream::plan(absl::StatusOr<Ticket> ticket) {
-  if (!ticket.ok()) return begin_chunks(ticket.status());
+void ChunkStream::enter(absl::StatusOr<Ticket> ticket) {
+  if (!ticket.ok()) return begin_chunks(ticket.status(), 0, 0);
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
     ticket_ = *std::move(ticket);
   }
-  engine_.planner.plan(call_.client(), order_.mesh, watch_,
-                       [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned) {
-                         self->plan_base(std::move(planned));
-                       });
+  open();
 }
 
 // Each interval has an alarm of its own: one cannot be set again from within its own callback.
 void ChunkStream::watch_progress() {
   const std::lock_guard lock(mutex_);
-  if (phase_ != Phase::kPlanning) return;
+  if (phase_ != Phase::kOpening) return;
   const auto next = std::chrono::system_clock::now() + kProgressInterval;
   progress_timer_ = std::make_unique<grpc::Alarm>();
   progress_timer_->Set(next, [self = shared_from_this()](bool fired) {
@@ -97,34 +82,14 @@ void ChunkStream::report_progress() {
   watch_progress();
 }
 
-/// Only this task touches the plan until there are chunks: nobody needs the lock.
-void ChunkStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
-  if (!planned.ok()) return begin_chunks(planned.status());
-  planned_ = *std::move(planned);
-  source_ = {planned_.plan, nullptr, order_.compact};
-  if (order_.base_digest.empty()) return begin_chunks(absl::OkStatus());
-  MeshOrder base = order_.mesh;
-  base.digest = order_.base_digest;
-  engine_.planner.plan(call_.client(), std::move(base), watch_,
-                       [self = shared_from_this()](absl::StatusOr<PlannedMesh> planned_base) {
-                         self->find_patches(planned_base);
-                       });
-}
-
-/// A base that is not what the client has, or not here any more, is no reason to fail.
-void ChunkStream::find_patches(const absl::StatusOr<PlannedMesh>& base) {
-  if (base.ok() && base->mesh_id == order_.base_mesh_id) {
-    source_.patch = MeshPatch::between(*base->plan, planned_.plan);
-  }
-  begin_chunks(absl::OkStatus());
-}
-
-void ChunkStream::begin_chunks(const absl::Status& planned) {
+void ChunkStream::begin_chunks(const absl::Status& opened,
+                               std::uint64_t start,
+                               std::uint64_t end_chunk) {
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
-    note_plan();
-    const absl::Status status = planned.ok() ? check_range() : planned;
+    note_opening();
+    const absl::Status status = opened.ok() ? set_range(start, end_chunk) : opened;
     if (!status.ok()) {
       end(status);
     } else {
@@ -137,24 +102,11 @@ void ChunkStream::begin_chunks(const absl::Status& planned) {
   advance();
 }
 
-/// How long planning took, and what of.
-void ChunkStream::note_plan() {
-  engine_.calls.metrics().planned(call_.seconds());
-  call_.note("plan_ms", 1e3 * call_.seconds());
-  if (planned_.plan != nullptr) call_.note("mesh_id", planned_.mesh_id);
-}
-
 /// Settles which chunks to send.
-absl::Status ChunkStream::check_range() {
-  if (!order_.expected_mesh_id.empty() && order_.expected_mesh_id != planned_.mesh_id) {
-    return with_reason(
-        absl::FailedPreconditionError(absl::StrCat("expected_mesh_id ", order_.expected_mesh_id,
-                                                   " is not this mesh's, ", planned_.mesh_id)),
-        "OTHER_MESH");
-  }
-  const std::uint64_t count = source_.chunk_count();
-  end_ = order_.end_chunk == 0 ? count : order_.end_chunk;
-  next_ = posted_ = order_.start_chunk;
+absl::Status ChunkStream::set_range(std::uint64_t start, std::uint64_t end_chunk) {
+  const std::uint64_t count = chunk_count();
+  end_ = end_chunk == 0 ? count : end_chunk;
+  first_ = next_ = posted_ = start;
   if (next_ <= end_ && end_ <= count) return absl::OkStatus();
   return with_reason(absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
                                                         " are not within the mesh's ", count)),
@@ -188,17 +140,19 @@ void ChunkStream::ask_for_block(std::uint64_t index) {
 // Only this task touches the slot until it is ready: nobody needs the lock while it is filled.
 void ChunkStream::fill_slot(std::uint64_t index, Block block) {
   Slot& slot = slot_of(index);
-  const bool wanted = !watch_->cancellation.requested();
-  if (wanted) {
-    slot.made =
-        make_chunk(source_, index, {engine_.workspaces, engine_.blocks}, std::move(block));
-    engine_.activity.chunks_made.fetch_add(1);
+  absl::Status status = absl::OkStatus();
+  if (watch_->cancellation.requested()) {
+    status = client_gone(watch_->cancellation);
+  } else if (auto made = make(index, std::move(block)); made.ok()) {
+    slot.made = *std::move(made);
+  } else {
+    status = made.status();
   }
   engine_.activity.chunks_in_flight.fetch_sub(1);
   {
     const std::lock_guard lock(mutex_);
-    slot.ready = wanted;
-    if (!wanted) end(client_gone(watch_->cancellation));
+    slot.ready = status.ok();
+    if (!status.ok()) end(status);
   }
   advance();
 }
@@ -231,7 +185,7 @@ ChunkStream::Step ChunkStream::next_step() {
     finished_ = true;
     progress_timer_.reset();
     call_.note("tets", tets_written_);
-    call_.note("chunks", next_ - std::min(next_, order_.start_chunk));
+    call_.note("chunks", next_ - first_);
     call_.note("bytes_out", bytes_written_);
     return Step::kFinish;
   }
@@ -245,19 +199,19 @@ ChunkStream::Step ChunkStream::next_step() {
 /// The message to be written now, if there is one, becomes `outgoing_`.
 bool ChunkStream::prepare_message() {
   switch (phase_) {
-    case Phase::kPlanning:
+    case Phase::kOpening:
       if (!std::exchange(progress_due_, false)) return false;
       outgoing_ = serialized(progress_event(watch_->progress));
       return true;
     case Phase::kHeader:
-      outgoing_ = serialized(header_event(planned_, source_));
+      outgoing_ = serialized(header());
       return true;
     case Phase::kChunks:
       if (!slot_of(next_).ready) return false;
       outgoing_.Swap(&slot_of(next_).made.event);
       return true;
     case Phase::kTrailer:
-      outgoing_ = serialized(trailer_event(source_, order_.start_chunk, end_, quality_));
+      outgoing_ = serialized(trailer(first_, end_, quality_));
       return true;
     case Phase::kEnded:
       break;
@@ -280,12 +234,12 @@ void ChunkStream::OnWriteDone(bool ok) {
 }
 
 void ChunkStream::after_write() {
-  if (written_ == Phase::kPlanning) return;
+  if (written_ == Phase::kOpening) return;
   if (written_ == Phase::kTrailer) return end(absl::OkStatus());
   if (written_ == Phase::kChunks) after_chunk();
   if (next_ < end_) {
     phase_ = Phase::kChunks;
-  } else if (end_ == source_.chunk_count()) {
+  } else if (end_ == chunk_count()) {
     phase_ = Phase::kTrailer;
   } else {
     end(absl::OkStatus());
@@ -295,7 +249,7 @@ void ChunkStream::after_write() {
 /// Counts the chunk that was written and reuses its slot.
 void ChunkStream::after_chunk() {
   Slot& slot = slot_of(next_);
-  if (next_ == order_.start_chunk) {
+  if (next_ == first_) {
     engine_.calls.metrics().first_chunk(call_.seconds());
     call_.note("first_chunk_ms", 1e3 * call_.seconds());
   }

@@ -1,13 +1,15 @@
-// One StreamMesh call: a mesh sent while it is made.
+// A call that sends a mesh's chunks in order, whatever they come from.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
 #include <grpcpp/alarm.h>
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
@@ -18,27 +20,55 @@
 
 namespace tet {
 
-/// The reactor of one stream: plans, then keeps a few chunks being made on the pool and writes
-/// them in order. It never waits: each event (plan made, chunk made, message written, client
-/// gone) moves it one step, on whichever thread the event came.
+/// The reactor of one stream: opens what it sends, then keeps a few chunks being made on the
+/// pool and writes them in order. It never waits: each event (opened, chunk made, message
+/// written, client gone) moves it one step, on whichever thread the event came.
 ///
-/// At most `window` chunks are made and not yet taken by the transport, each in a
-/// block of the send budget, so a client that reads slowly holds that many blocks and nothing
-/// else. A client that reads nothing for too long loses its stream.
+/// At most `window` chunks are made and not yet taken by the transport, each in a block of the
+/// send budget, so a client that reads slowly holds that many blocks and nothing else. A client
+/// that reads nothing for too long loses its stream.
 ///
 /// Lives until gRPC is done with it and the last task that refers to it has run.
-class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
-                          public Stallable,
-                          public std::enable_shared_from_this<ChunkStream> {
- public:
-  /// Begins the call; what it returns is for gRPC.
-  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(MeshEngine& engine,
-                                                           grpc::CallbackServerContext& context,
-                                                           const grpc::ByteBuffer& request);
+class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
+                    public Stallable,
+                    public std::enable_shared_from_this<ChunkStream> {
+ protected:
+  using Block = std::shared_ptr<SendBudget::Lease>;
+
+  ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context, std::string method);
+
+  /// Begins the call, whose request was read with `parsed`; what it returns is for gRPC.
+  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(
+      const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed);
+
+  /// The call was admitted, and not yet as a mesh.
+  virtual void admitted() {}
+  /// Finds out what is sent, then calls `begin_chunks`, on any thread.
+  virtual void open() = 0;
+  /// Notes for the log how that ended; with the lock.
+  virtual void note_opening() {}
+
+  // Of a stream that is open; on any thread.
+  virtual std::uint64_t chunk_count() const = 0;
+  virtual v1::MeshEvent header() const = 0;
+  virtual absl::StatusOr<ChunkMessage> make(std::uint64_t index, Block block) = 0;
+  virtual v1::MeshEvent trailer(std::uint64_t first,
+                                std::uint64_t end,
+                                const QualityStats& quality) const = 0;
+
+  /// Sends chunks [start, end), or up to the last where `end` is 0; or ends the call.
+  void begin_chunks(const absl::Status& opened, std::uint64_t start, std::uint64_t end);
+  /// Tells the client every now and then how far opening is.
+  void watch_progress();
+
+  MeshEngine& engine_;
+  grpc::CallbackServerContext& context_;  ///< there until gRPC is done
+  Call call_;
+  std::shared_ptr<PlanningWatch> watch_;
 
  private:
   /// What is written next.
-  enum class Phase { kPlanning, kHeader, kChunks, kTrailer, kEnded };
+  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kEnded };
   enum class Step { kWait, kWrite, kFinish };
 
   /// A chunk being made (`ready` is false) or waiting to be written.
@@ -47,27 +77,19 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
     bool ready = false;
   };
 
-  ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context);
-
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
   void OnDone() override;
   std::optional<Stallable::Clock::time_point> waiting_since() override;
   void give_up(std::chrono::seconds waited) override;
 
-  void begin(const grpc::ByteBuffer& request);
-  void plan(absl::StatusOr<Ticket> ticket);
-  void watch_progress();
+  void begin(const absl::Status& parsed);
+  void enter(absl::StatusOr<Ticket> ticket);
   void report_progress();
-  void plan_base(absl::StatusOr<PlannedMesh> planned);
-  void find_patches(const absl::StatusOr<PlannedMesh>& base);
-  void begin_chunks(const absl::Status& planned);
-  void note_plan();
-  absl::Status check_range();
+  absl::Status set_range(std::uint64_t start, std::uint64_t end);
   std::uint64_t window() const;
   void post_chunks();
   void ask_for_block(std::uint64_t index);
-  using Block = std::shared_ptr<SendBudget::Lease>;
   void fill_slot(std::uint64_t index, Block block);
 
   void advance();
@@ -81,21 +103,14 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
   Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
 
-  MeshEngine& engine_;
-  grpc::CallbackServerContext& context_;  ///< there until gRPC is done
-  Call call_;
-  std::shared_ptr<PlanningWatch> watch_;
   std::shared_ptr<ChunkStream> self_;  ///< until gRPC is done
   Admission::Place place_ = 0;         ///< in the queue; 0: in none
 
   std::mutex mutex_;  ///< guards all below
   std::unique_ptr<grpc::Alarm> progress_timer_;
   Ticket ticket_;
-  StreamOrder order_;
-  PlannedMesh planned_;
-  ChunkSource source_;  ///< with a patch where parts of the client's mesh are kept
-  Phase phase_ = Phase::kPlanning;
-  Phase written_ = Phase::kPlanning;  ///< phase of the message being written
+  Phase phase_ = Phase::kOpening;
+  Phase written_ = Phase::kOpening;  ///< phase of the message being written
   bool writing_ = false;
   Stallable::Clock::time_point write_start_{};
   bool cancelling_ = false;  ///< the call may not finish now
@@ -104,6 +119,7 @@ class ChunkStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   absl::Status status_;        ///< how the call ends
   grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
   std::vector<Slot> slots_;    ///< chunk i in slot i % size
+  std::uint64_t first_ = 0;    ///< chunk that the stream begins with
   std::uint64_t next_ = 0;     ///< chunk to be written next
   std::uint64_t posted_ = 0;   ///< chunk to be posted next
   std::uint64_t end_ = 0;      ///< one past the last chunk

@@ -21,10 +21,16 @@ struct Config {
   std::string store = "tetstream-store";
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
   std::uint64_t resident_bytes = std::uint64_t{4} << 30;
+  std::uint64_t plan_bytes = std::uint64_t{8} << 30;
   std::string decoder;
   std::uint64_t decoders = 0;
   std::uint64_t decode_seconds = 120;
   std::uint64_t threads = 0;
+  std::string jobs;
+  std::uint64_t job_workers = 2;
+  std::uint64_t job_lease_seconds = 30;
+  std::uint64_t job_keep_hours = 168;
+  std::uint64_t result_bytes = std::uint64_t{64} << 30;
   std::uint64_t max_streams = 64;
   std::uint64_t max_tets = 4'000'000'000;
   std::uint64_t max_request_bytes = std::uint64_t{4} << 20;

@@ -26,11 +26,6 @@ void log_disk_error(std::string_view action,
   log_event(spdlog::level::err, "disk_error", fields);
 }
 
-absl::Status sync_folder(const std::filesystem::path& path) {
-  absl::StatusOr<File> folder = File::open(path, O_RDONLY | O_DIRECTORY);
-  return folder.ok() ? folder->sync() : folder.status();
-}
-
 }  // namespace
 
 absl::Status disk_error(std::string_view action, const std::filesystem::path& path) {
@@ -105,6 +100,11 @@ void File::begin_flush(std::uint64_t offset, std::uint64_t size) noexcept {
 absl::Status File::sync() {
   if (::fdatasync(descriptor_) == 0) return absl::OkStatus();
   return disk_error("cannot flush", path_);
+}
+
+absl::Status sync_folder(const std::filesystem::path& path) {
+  absl::StatusOr<File> folder = File::open(path, O_RDONLY | O_DIRECTORY);
+  return folder.ok() ? folder->sync() : folder.status();
 }
 
 absl::Status make_folder(const std::filesystem::path& path) {

@@ -54,6 +54,9 @@ class File {
 /// Makes a directory and those above it, durably.
 absl::Status make_folder(const std::filesystem::path& path);
 
+/// Returns once the names in a directory would survive a power cut.
+absl::Status sync_folder(const std::filesystem::path& path);
+
 /// Renames within one file system, atomically and durably.
 absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to);
 

@@ -77,6 +77,26 @@ absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
   return store;
 }
 
+absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open_beside_server(const fs::path& root) {
+  std::error_code ignored;
+  if (fs::is_directory(root, ignored)) {
+    return std::unique_ptr<GridStore>(new GridStore(root, std::nullopt, 0));
+  }
+  return absl::NotFoundError(absl::StrCat("there is no store ", root.string(),
+                                          ": it is the folder of the server's --store"));
+}
+
+/// What the server has of a file now.
+void GridStore::look_again(const GridKey& key) {
+  const auto file = inspect(grid_path(key));
+  if (!file) {
+    grids_.erase(key);
+  } else if (!grids_.contains(key)) {
+    auto grid = std::make_shared<StoredGrid>(StoredGrid{key, file->path, file->size_bytes});
+    grids_[key] = Entry{std::move(grid), file->last_use};
+  }
+}
+
 absl::Status GridStore::scan() {
   absl::Status status = scan_space(std::string(kDefaultSpace));
   std::error_code none;  // no such folder: no other namespaces
@@ -134,6 +154,7 @@ bool GridStore::touch(const GridKey& key) {
 
 absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
   const std::lock_guard lock(mutex_);
+  if (!lock_) look_again(key);
   const auto found = grids_.find(key);
   if (found == grids_.end()) return not_stored(key.digest);
   use(found->second);

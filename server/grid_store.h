@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -82,6 +83,11 @@ class GridStore {
   static absl::StatusOr<std::unique_ptr<GridStore>> open(const std::filesystem::path& root,
                                                          std::uint64_t budget_bytes);
 
+  /// The directory of a server, perhaps on another host: to read from, and nothing else, but
+  /// for what is found damaged. Errors: kNotFound (no such directory).
+  static absl::StatusOr<std::unique_ptr<GridStore>> open_beside_server(
+      const std::filesystem::path& root);
+
   /// Whether the file is stored; if so it counts as just used.
   bool touch(const GridKey& key);
 
@@ -124,12 +130,15 @@ class GridStore {
     std::string sender = {};  ///< see Uploader; empty after a restart
   };
 
-  GridStore(std::filesystem::path root, StoreLock lock, std::uint64_t budget_bytes)
+  GridStore(std::filesystem::path root,
+            std::optional<StoreLock> lock,
+            std::uint64_t budget_bytes)
       : root_(std::move(root)), lock_(std::move(lock)), budget_bytes_(budget_bytes) {}
 
   std::filesystem::path folder_of(std::string_view space) const;
   std::filesystem::path grid_path(const GridKey& key) const;
   std::filesystem::path part_path(const GridKey& key) const;
+  void look_again(const GridKey& key);
   absl::Status scan();
   absl::Status scan_space(const std::string& space);
   void use(Entry& entry);
@@ -145,7 +154,8 @@ class GridStore {
   absl::Status keep(const GridKey& key, std::uint64_t size_bytes);
 
   const std::filesystem::path root_;
-  const StoreLock lock_;
+  const std::optional<StoreLock>
+      lock_;  ///< none beside a server, which comes and goes with files
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
   StoreStats gone_;  ///< only what is counted since the store was opened

@@ -20,6 +20,7 @@
 #include "server/logging.h"
 #include "server/server.h"
 #include "server/token_file.h"
+#include "server/worker_process.h"
 
 namespace {
 
@@ -31,6 +32,8 @@ constexpr char kAbout[] =
     "config file, else its default; --print-config shows the outcome, as a config file.\n\n"
     "  tetstreamd --store /var/lib/tetstream --store-bytes 200GiB\n"
     "  TETSTREAM_THREADS=8 tetstreamd --config /etc/tetstream.toml --print-config\n\n"
+    "`tetstreamd worker` serves nobody: it does batch jobs for the servers whose --store and\n"
+    "--jobs it is given.\n\n"
     "SIGTERM and SIGINT let running calls finish for --drain-seconds. Exit codes: 0 done, 1 a\n"
     "setting was refused, 2 usage, 3 the server could not start.";
 
@@ -38,6 +41,7 @@ struct CommandLine {
   std::map<std::string, std::string> given;  ///< by setting key
   std::string config_file;
   bool print_config = false;
+  bool worker = false;
   std::string new_token;
 };
 
@@ -45,6 +49,9 @@ void declare_options(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", "tetstreamd " TETSTREAM_VERSION);
   app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
       ->envname("TETSTREAM_CONFIG");
+  app.add_subcommand("worker", "do batch jobs for servers that share --store and --jobs")
+      ->fallthrough()
+      ->callback([&line] { line.worker = true; });
   app.add_flag("--print-config", line.print_config, "print the settings as TOML and exit");
   app.add_option("--new-token", line.new_token,
                  "make a token for NAME: print it to stderr, its entry of --tokens to stdout")
@@ -149,6 +156,29 @@ int serve(const tet::Config& config) {
   return tet::stopped_listening() ? kFailed : kDone;
 }
 
+int work(const tet::Config& config) {
+  raise_file_limit();
+  const sigset_t signals = hold_signals();
+  std::signal(SIGXFSZ, SIG_IGN);
+  auto worker = tet::WorkerProcess::start(config);
+  if (!worker.ok()) return cannot_start(worker.status());
+  tet::log_event(
+      spdlog::level::info, "working",
+      {
+          {"metrics", (*worker)->metrics_address()},
+          {"version",            TETSTREAM_VERSION}
+  });
+  int signal = 0;
+  sigwait(&signals, &signal);
+  tet::log_event(spdlog::level::info, "draining",
+                 {
+                     {"signal", signal}
+  });
+  worker->reset();
+  tet::log_event(spdlog::level::info, "stopped");
+  return kDone;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,5 +201,5 @@ int main(int argc, char** argv) {
     return kDone;
   }
   tet::start_logging(config.log_level);
-  return serve(config);
+  return line.worker ? work(config) : serve(config);
 }

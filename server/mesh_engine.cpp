@@ -27,6 +27,7 @@ constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
 MeshLimits mesh_limits(const Config& config) {
   MeshLimits limits;
   limits.max_tets = config.max_tets;
+  limits.max_plan_bytes = std::min(limits.max_plan_bytes, config.plan_bytes);
   limits.kept_geometry_bytes = kKeptGeometryBytes;
   return limits;
 }
@@ -48,7 +49,11 @@ MeshEngine::MeshEngine(const Config& server_config,
       calls(call_registry),
       blocks(kBlockBytes, kIdleBlocks),
       send_budget(config.send_bytes, kBlockBytes),
-      planner({pool, large}, decoders, store, config.resident_bytes, mesh_limits(config)),
+      planner({pool, large},
+              decoders,
+              store,
+              {config.resident_bytes, config.plan_bytes},
+              mesh_limits(config)),
       pool(static_cast<int>(config.threads)),
       large(static_cast<int>(config.threads), kLargePlansAtOnce),
       decoders(decoder_settings(config)) {}

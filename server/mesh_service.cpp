@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/chunk_stream.h"
+#include "server/mesh_stream.h"
 #include "server/request.h"
 #include "server/status.h"
 
@@ -115,6 +115,10 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   limits.set_max_request_bytes(static_cast<std::int64_t>(config.max_request_bytes));
   limits.set_max_store_bytes(static_cast<std::int64_t>(config.store_bytes));
   limits.set_max_resident_bytes(static_cast<std::int64_t>(config.resident_bytes));
+  limits.set_max_client_meshes(static_cast<std::int32_t>(config.max_client_streams));
+  limits.set_max_client_uploads(static_cast<std::int32_t>(config.max_client_uploads));
+  limits.set_max_client_upload_bytes(static_cast<std::int64_t>(config.max_client_upload_bytes));
+  limits.set_stall_seconds(static_cast<std::int32_t>(config.stall_seconds));
 }
 
 }  // namespace
@@ -139,7 +143,7 @@ grpc::ServerUnaryReactor* MeshService::EstimateMesh(grpc::CallbackServerContext*
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshService::StreamMesh(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
-  return ChunkStream::start(engine_, *context, *request);
+  return MeshStream::start(engine_, *context, *request);
 }
 
 }  // namespace tet

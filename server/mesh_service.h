@@ -6,7 +6,7 @@
 
 namespace tet {
 
-/// The generated service, but StreamMesh in bytes: ChunkStream writes its messages itself.
+/// The generated service, but StreamMesh in bytes: MeshStream writes its messages itself.
 using RawStreamService = v1::MeshService::WithCallbackMethod_GetCapabilities<
     v1::MeshService::WithCallbackMethod_EstimateMesh<
         v1::MeshService::WithRawCallbackMethod_StreamMesh<v1::MeshService::Service>>>;

@@ -1,7 +1,5 @@
 #include "server/planner.h"
 
-#include <algorithm>
-
 #include <absl/strings/str_cat.h>
 
 #include "core/decode/decode_file.h"
@@ -14,10 +12,6 @@
 namespace tet {
 
 namespace {
-// Enough for the streams that are likely to come back; each may hold a volume in memory,
-// and the positions of an improved mesh.
-constexpr std::size_t kRecentPlans = 4;
-
 // A tenth of a second or so of one core.
 constexpr double kLargePlanBricks = 4096;
 
@@ -46,15 +40,16 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
 Planner::Planner(const PlannerThreads& threads,
                  DecoderPool& decoders,
                  GridStore& store,
-                 std::uint64_t resident_bytes,
+                 const PlannerMemory& memory,
                  MeshLimits limits)
     : threads_(threads),
       store_(store),
       limits_(limits),
-      volumes_(
-          threads.pool, resident_bytes, loader(threads.pool, decoders, resident_bytes), [this] {
-            forget();
-          }) {}
+      plans_(memory.plan_bytes),
+      volumes_(threads.pool,
+               memory.volume_bytes,
+               loader(threads.pool, decoders, memory.volume_bytes),
+               [this] { plans_.forget(); }) {}
 
 void Planner::plan(const std::string& client,
                    MeshOrder order,
@@ -62,7 +57,7 @@ void Planner::plan(const std::string& client,
                    Done done) {
   Job job{client, std::move(order), std::move(watch), std::move(done)};
   if (job.order.scene == nullptr) return plan_grid(std::move(job));
-  job.input = job.order.scene;
+  job.shape = job.order.scene;
   threads_.pool.post([this, job = std::move(job)] { plan_input(job); });
 }
 
@@ -83,19 +78,19 @@ void Planner::plan_grid(Job job) {
       if (absl::IsDataLoss(volume.status())) store_.set_aside(job.grid);
       return job.done(about_file(volume.status(), file.key.digest, file.path.string()));
     }
-    job.input = *volume;
+    job.shape = *volume;
     plan_input(std::move(job));
   });
 }
 
 /// On the pool.
 void Planner::plan_input(Job job) {
-  const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.input, nullptr));
+  const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
   job.name = absl::StrCat(job.order.space, " ", mesh_id);
-  auto plan = recall(job.name);
+  auto plan = plans_.recall(job.name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return job.done(job.planned(std::move(plan)));
-  const bool large = estimate_bricks_to_plan(job.input, job.order.request) > kLargePlanBricks;
+  const bool large = estimate_bricks_to_plan(job.shape, job.order.request) > kLargePlanBricks;
   const std::string client = job.client;
   auto work = [this, job = std::move(job)] {
     auto made = make_plan(job);
@@ -106,7 +101,7 @@ void Planner::plan_input(Job job) {
 }
 
 PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
-  v1::MeshRequest canonical = canonical_request(order, input, &plan->header());
+  v1::MeshRequest canonical = canonical_request(order, shape, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
   return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
 }
@@ -114,40 +109,19 @@ PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
 absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& job) {
   // Much may have happened while it waited.
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
-  if (auto plan = recall(job.name)) return plan;
+  if (auto plan = plans_.recall(job.name)) return plan;
   running_.fetch_add(1);
-  auto plan = plan_mesh(job.input, job.order.request, limits_, job.watch->cancellation,
+  auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
                         &job.watch->progress);
   running_.fetch_sub(1);
   give_back_free_memory();
   if (!plan.ok()) return plan.status();
-  return remember(job.name, *std::move(plan));
+  return plans_.remember(job.name, *std::move(plan));
 }
 
-PlannerStats Planner::stats() const { return {volumes_.stats(), hits_.load(), misses_.load()}; }
-
-std::shared_ptr<const MeshPlan> Planner::recall(const std::string& name) {
-  const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(recent_.begin(), recent_.end(),
-                                  [&](const NamedPlan& plan) { return plan.first == name; });
-  if (found == recent_.end()) return nullptr;
-  recent_.splice(recent_.begin(), recent_, found);
-  return recent_.front().second;
-}
-
-/// Where another stream has made the same plan meanwhile, that one is held and this one is not.
-std::shared_ptr<const MeshPlan> Planner::remember(const std::string& name,
-                                                  std::shared_ptr<const MeshPlan> plan) {
-  if (auto made = recall(name)) return made;
-  const std::lock_guard lock(mutex_);
-  recent_.emplace_front(name, std::move(plan));
-  if (recent_.size() > kRecentPlans) recent_.pop_back();
-  return recent_.front().second;
-}
-
-void Planner::forget() {
-  const std::lock_guard lock(mutex_);
-  recent_.clear();
+PlannerStats Planner::stats() const {
+  return {volumes_.stats(), hits_.load(), misses_.load(), plans_.bytes(),
+          plans_.budget_bytes()};
 }
 
 }  // namespace tet

@@ -4,11 +4,8 @@
 
 #include <atomic>
 #include <functional>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <utility>
 
 #include <absl/status/statusor.h>
 
@@ -18,6 +15,7 @@
 #include "core/pipeline/mesh_plan.h"
 #include "server/grid_store.h"
 #include "server/large_plans.h"
+#include "server/plan_cache.h"
 #include "server/request.h"
 #include "server/volume_cache.h"
 
@@ -42,6 +40,13 @@ struct PlanningWatch {
 struct PlannerStats {
   CacheStats volumes;
   std::uint64_t hits = 0, misses = 0;
+  std::uint64_t plan_bytes = 0, plan_budget_bytes = 0;  ///< of plans held or in use
+};
+
+/// How much a planner may keep, bytes.
+struct PlannerMemory {
+  std::uint64_t volume_bytes = 0;
+  std::uint64_t plan_bytes = 0;
 };
 
 /// The threads that plans are made on.
@@ -51,7 +56,7 @@ struct PlannerThreads {
 };
 
 /// Plans meshes and remembers the last few, so that a resumed stream starts at once. Plans that
-/// look long from the input's numbers are made apart from short ones.
+/// look long from the shape's numbers are made apart from short ones.
 ///
 /// Thread safety: any thread may call any member. The pools are not used before the first
 /// `plan`; their tasks must have ended before the planner is destroyed.
@@ -62,7 +67,7 @@ class Planner {
   Planner(const PlannerThreads& threads,
           DecoderPool& decoders,
           GridStore& store,
-          std::uint64_t resident_bytes,
+          const PlannerMemory& memory,
           MeshLimits limits);
 
   /// Calls `done` on one of the threads. Errors: those of GridStore::acquire,
@@ -77,8 +82,6 @@ class Planner {
   PlannerStats stats() const;
 
  private:
-  using NamedPlan = std::pair<std::string, std::shared_ptr<const MeshPlan>>;
-
   /// A mesh to be planned.
   struct Job {
     std::string client;
@@ -86,7 +89,7 @@ class Planner {
     std::shared_ptr<PlanningWatch> watch;
     Done done;
     GridLease grid = nullptr;  ///< null where there is a scene
-    MeshInput input = {};
+    Shape shape = {};
     std::string name = {};  ///< of the plan
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
@@ -95,19 +98,14 @@ class Planner {
   void plan_grid(Job job);
   void plan_input(Job job);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job);
-  std::shared_ptr<const MeshPlan> recall(const std::string& name);
-  std::shared_ptr<const MeshPlan> remember(const std::string& name,
-                                           std::shared_ptr<const MeshPlan> plan);
-  void forget();
 
   const PlannerThreads threads_;
   GridStore& store_;
   const MeshLimits limits_;
+  PlanCache plans_;  ///< the volumes let go of it
   VolumeCache volumes_;
   std::atomic<int> running_{0};
   std::atomic<std::uint64_t> hits_{0}, misses_{0};
-  std::mutex mutex_;
-  std::list<NamedPlan> recent_;  ///< most recently used first
 };
 
 }  // namespace tet

@@ -229,17 +229,17 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
 }
 
 v1::MeshRequest canonical_request(const MeshOrder& order,
-                                  const MeshInput& input,
+                                  const Shape& shape,
                                   const MeshHeader* header) {
   v1::MeshRequest canonical;
-  if (const Volume* volume = volume_of(input)) {
+  if (const Volume* volume = volume_of(shape)) {
     canonical.set_name(name_of_grid(order.digest));
     canonical.set_grid_name(volume->name);
-    canonical.set_iso(order.request.iso.value_or(default_iso(input)));
+    canonical.set_iso(order.request.iso.value_or(default_iso(shape)));
   } else {
     *canonical.mutable_scene() = order.scene_message;
   }
-  canonical.set_spacing(order.request.spacing.value_or(default_spacing(input)));
+  canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());

@@ -13,8 +13,8 @@
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/splice.h"
-#include "core/pipeline/mesh_input.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/shape.h"
 #include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
@@ -50,9 +50,9 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
 
 /// The request with every default filled in, but for a box: without one it is the
-/// input's extent. `coordinates` stays unset only if `header` is null.
+/// shape's extent. `coordinates` stays unset only if `header` is null.
 v1::MeshRequest canonical_request(const MeshOrder& order,
-                                  const MeshInput& input,
+                                  const Shape& shape,
                                   const MeshHeader* header);
 
 /// A mesh's name: the same for the same bytes. SHA-256 over digest or scene, canonical

@@ -16,6 +16,7 @@
 #include "server/access.h"
 #include "server/grid_service.h"
 #include "server/heartbeat.h"
+#include "server/jobs_in_server.h"
 #include "server/logging.h"
 #include "server/mesh_service.h"
 #include "server/metrics_port.h"
@@ -103,6 +104,7 @@ struct Server::Parts {
         access(std::move(who)),
         store(std::move(grid_store)) {}
 
+  absl::Status open_jobs();
   bool listen();
   absl::Status open_metrics();
   std::string metrics_text() const;
@@ -121,6 +123,7 @@ struct Server::Parts {
                         admission.expire(Admission::Clock::now());
                         engine.check_stalls();
                       }};
+  std::unique_ptr<JobsInServer> jobs;  ///< null where they are off
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsPort> metrics;
   int port = 0;
@@ -157,6 +160,14 @@ ChannelArguments channel_arguments(const Config& config) {
 
 }  // namespace
 
+absl::Status Server::Parts::open_jobs() {
+  auto opened = JobsAtWork::open(config, engine);
+  if (opened.ok() && *opened != nullptr) {
+    jobs = std::make_unique<JobsInServer>(*std::move(opened), engine, *store);
+  }
+  return opened.status();
+}
+
 bool Server::Parts::listen() {
   grpc::ServerBuilder builder;
   for (const auto& [name, value] : channel_arguments(config)) {
@@ -171,6 +182,7 @@ bool Server::Parts::listen() {
   if (!serves_reflection(config)) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);
+  if (jobs != nullptr) builder.RegisterService(&jobs->service);
   server = builder.BuildAndStart();
   return server != nullptr && port != 0;
 }
@@ -187,6 +199,9 @@ absl::Status Server::Parts::open_metrics() {
 std::string Server::Parts::metrics_text() const {
   return calls.metrics().text([this] {
     std::vector<Reading> readings = read_server(engine, *store);
+    if (jobs != nullptr) {
+      for (Reading& reading : jobs->work->readings()) readings.push_back(std::move(reading));
+    }
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
   });
@@ -207,6 +222,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (!store.ok()) return store.status();
   auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(store));
   parts->tls = *std::move(tls);
+  if (const absl::Status opened = parts->open_jobs(); !opened.ok()) return opened;
   if (!parts->listen()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
   }
@@ -242,6 +258,7 @@ void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
   parts_->admission.drain();
   set_readiness(*parts_->server, false);
+  if (parts_->jobs != nullptr) parts_->jobs->work->worker.stop();
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {
     log_event(spdlog::level::warn, "cancelling",

@@ -48,6 +48,11 @@ void add_plans(const PlannerStats& plans, std::vector<Reading>& readings) {
       gauge("tetstream_resident_grids", "Grids in memory.", plans.volumes.grids));
   readings.push_back(gauge("tetstream_resident_budget_bytes", "The setting resident_bytes.",
                            plans.volumes.budget_bytes));
+  readings.push_back(gauge("tetstream_plan_bytes",
+                           "Bytes of counted meshes in memory: in use, and the last few.",
+                           plans.plan_bytes));
+  readings.push_back(
+      gauge("tetstream_plan_budget_bytes", "The setting plan_bytes.", plans.plan_budget_bytes));
   constexpr char kLookups[] = "tetstream_plan_lookups_total";
   constexpr char kHelp[] = "Plans asked for, by whether one was kept.";
   readings.push_back(counter(kLookups, kHelp, plans.hits,

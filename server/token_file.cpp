@@ -125,6 +125,10 @@ std::string_view name_of(Scope scope) noexcept {
       return "grids.write";
     case Scope::kMesh:
       return "mesh";
+    case Scope::kJobsRead:
+      return "jobs.read";
+    case Scope::kJobsWrite:
+      return "jobs.write";
   }
   return "";
 }
@@ -158,7 +162,8 @@ absl::StatusOr<NewToken> make_token(const std::string& name) {
   digest.add(token.text);
   token.entry = absl::StrFormat(
       "[[token]]\nname = \"%s\"\nsha256 = \"%s\"\n"
-      "scopes = [\"grids.read\", \"grids.write\", \"mesh\"]\nnamespace = \"%s\"\n",
+      "scopes = [\"grids.read\", \"grids.write\", \"mesh\", \"jobs.read\", "
+      "\"jobs.write\"]\nnamespace = \"%s\"\n",
       name, digest.finish_hex(), name);
   return token;
 }

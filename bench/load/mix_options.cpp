@@ -10,22 +10,16 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/strip.h>
 
-#include "proto/wire/sha256.h"
+#include "client/mesh_input.h"
 
 namespace tet::load {
 namespace {
-
-/// The name of a stored file that the text is or names by its digest; empty if it is a path.
-std::string stored_name(const std::string& text) {
-  if (is_sha256_hex(text)) return name_of_grid(text);
-  return digest_of_name(text).empty() ? "" : text;
-}
 
 absl::StatusOr<std::string> store_grid(const std::string& grid,
                                        MeshClient& client,
                                        ProgressBar& bar,
                                        const Cancellation& interruption) {
-  if (std::string name = stored_name(grid); !name.empty()) return name;
+  if (std::string name = stored_grid_name(grid); !name.empty()) return name;
   bar.begin("uploading", "B");
   const ClientProgress progress{.upload =
                                     [&](std::uint64_t done, std::uint64_t total) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/heap_bytes.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -21,6 +22,9 @@ class BrickIndex {
 
   /// The brick's place in the list, or kNoBrick.
   std::uint32_t find(BrickCoord brick) const noexcept;
+
+  /// Memory it takes, beside the list.
+  std::uint64_t bytes() const noexcept { return heap_bytes(slots_); }
 
  private:
   std::span<const BrickCoord> bricks_;

@@ -5,11 +5,13 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <mutex>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
 #include "core/field/region_signs.h"
 #include "core/scene/scene.h"
@@ -17,10 +19,9 @@
 namespace tet {
 namespace {
 
-/// Looking at a region costs microseconds; more than this many are a claim, not a grid.
-constexpr std::size_t kMaxRegions = std::size_t{1} << 22;
-/// A brick near the surface costs about 2 KiB until the mesh is made.
-constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
+/// Looking at a region costs microseconds, and a tile that claims many costs its file nothing;
+/// as many as this are a solid cube of 13,000^3 voxels.
+constexpr std::size_t kMaxTileRegions = std::size_t{1} << 20;
 constexpr int kRegionBricks = Region::kEdgeBricks;
 
 BrickCoord steps_from(BrickCoord region, BrickCoord steps) {
@@ -37,7 +38,11 @@ struct RegionCube {
       : min{cube.min.x / kBrickEdge, cube.min.y / kBrickEdge, cube.min.z / kBrickEdge},
         edge(cube.edge / (kRegionBricks * kBrickEdge)) {}
 
-  double regions() const noexcept { return std::pow(edge, 3); }
+  bool single() const noexcept { return edge == 1; }
+  /// Its outermost regions and all that touch one, but for what touches a single region.
+  double regions_around() const noexcept {
+    return single() ? 1 : std::pow(edge + 2, 3) - std::pow(edge - 2, 3);
+  }
   /// Those that touch nothing beyond the cube; where there are none its ends are crossed.
   BrickBox deep() const noexcept {
     const BrickCoord last = steps_from(min, {edge - 1, edge - 1, edge - 1});
@@ -48,18 +53,12 @@ struct RegionCube {
   }
 };
 
-void sort_unique(std::vector<BrickCoord>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
-}
-
-absl::Status check_cubes(const std::vector<ConstantCube>& cubes) {
-  double regions = 0;
-  for (const ConstantCube& cube : cubes) regions += RegionCube(cube).regions();
-  if (regions <= static_cast<double>(kMaxRegions)) return absl::OkStatus();
+absl::Status check_tile_regions(double regions) {
+  if (regions <= static_cast<double>(kMaxTileRegions)) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
-      "the grid's constant tiles cover %.0f regions of 128^3 voxels; at most %d can be meshed",
-      regions, kMaxRegions));
+      "the grid's constant tiles make %.0f regions of 128^3 voxels to look at; at most %d can "
+      "be meshed",
+      regions, kMaxTileRegions));
 }
 
 /// A cube's outermost regions and all that touch one. What lies deeper sees the cube alone.
@@ -75,21 +74,43 @@ void add_around(const RegionCube& cube, std::vector<BrickCoord>& regions) {
   });
 }
 
+/// Regions that constant cubes give reason to look at; sorted, unique.
+absl::StatusOr<std::vector<BrickCoord>> regions_of_cubes(
+    const std::vector<ConstantCube>& cubes) {
+  double claimed = 0;
+  std::vector<BrickCoord> single, around_large;
+  for (const ConstantCube& constant : cubes) {
+    const RegionCube cube(constant);
+    claimed += cube.regions_around();
+    if (auto status = check_tile_regions(claimed); !status.ok()) return status;
+    if (cube.single()) {
+      single.push_back(cube.min);
+    } else {
+      add_around(cube, around_large);
+    }
+  }
+  sort_unique(single);
+  sort_unique(around_large);
+  std::vector<BrickCoord> regions;
+  std::ranges::set_union(with_neighbours(single, kRegionBricks), around_large,
+                         std::back_inserter(regions));
+  if (auto status = check_tile_regions(static_cast<double>(regions.size())); !status.ok()) {
+    return status;
+  }
+  return regions;
+}
+
 /// Regions in which there may be both signs, or one, and nothing else that they lie deep in;
 /// sorted, unique.
 absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
-  if (auto status = check_cubes(field.volume->cubes); !status.ok()) return status;
+  const auto of_cubes = regions_of_cubes(field.volume->cubes);
+  if (!of_cubes.ok()) return of_cubes.status();
+  std::vector<BrickCoord> with_bricks;
+  for (const Region& region : field.volume->regions) with_bricks.push_back(region.min);
+  sort_unique(with_bricks);
   std::vector<BrickCoord> regions;
-  const BrickBox touching{
-      {-1, -1, -1},
-      { 1,  1,  1}
-  };
-  for (const Region& region : field.volume->regions) {
-    for_each_brick(touching,
-                   [&](BrickCoord at) { regions.push_back(steps_from(region.min, at)); });
-  }
-  for (const ConstantCube& cube : field.volume->cubes) add_around(RegionCube(cube), regions);
-  sort_unique(regions);
+  std::ranges::set_union(with_neighbours(with_bricks, kRegionBricks), *of_cubes,
+                         std::back_inserter(regions));
   return regions;
 }
 
@@ -183,6 +204,7 @@ double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks
 /// Looks at regions side by side, and gives up when there is more surface than can be kept.
 FoundBricks scan_regions(const PhiField& field,
                          const std::vector<BrickCoord>& regions,
+                         std::size_t most_bricks,
                          const Cancellation& cancellation) {
   const std::vector<RegionSigns> of_regions = signs_of_regions(field);
   FoundBricks found;
@@ -198,19 +220,20 @@ FoundBricks scan_regions(const PhiField& field,
     found.near_surface.insert(found.near_surface.end(), mine.near_surface.begin(),
                               mine.near_surface.end());
     found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
-    too_many = found.near_surface.size() > kMaxSurfaceBricks;
+    too_many = found.near_surface.size() > most_bricks;
   });
   return found;
 }
 
 }  // namespace
 
-absl::Status check_surface_bricks(double bricks) {
-  if (bricks <= static_cast<double>(kMaxSurfaceBricks)) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrFormat(
-      "the surface would pass through about %.3g bricks of 8^3 cells; the limit is %d. Use a "
-      "larger spacing",
-      bricks, kMaxSurfaceBricks));
+absl::Status check_surface_bricks(double bricks, std::size_t most) {
+  if (bricks <= static_cast<double>(most)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("about %.3g bricks of 8^3 cells or more lie near the surface; the limit "
+                      "is %d, as many as "
+                      "the memory for counting a mesh holds. Use a larger spacing",
+                      bricks, most));
 }
 
 absl::Status check_inside_ends(const PhiField& field) {
@@ -232,22 +255,26 @@ void keep_domain(const BrickBox& domain, FoundBricks& found) {
 }
 
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
+                                        std::size_t most_bricks,
                                         const Cancellation& cancellation) {
   const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
   if (!regions.ok()) return regions.status();
-  FoundBricks found = scan_regions(field, *regions, cancellation);
+  // At other spacings, a brick found is as many as it meets at most: too many to refuse by.
+  const std::size_t most_seen = field.at_voxels() ? most_bricks : kMaxSurfaceBricks;
+  FoundBricks found = scan_regions(field, *regions, most_seen, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   const double seen = static_cast<double>(found.near_surface.size());
   const double per_brick = field.at_voxels() ? 1 : lattice_bricks_per_brick(field);
-  if (auto status = check_surface_bricks(seen * per_brick); !status.ok()) return status;
+  if (auto status = check_surface_bricks(seen * per_brick, most_seen); !status.ok())
+    return status;
   for (const BrickBox& box : deep_inside(field)) found.inside.push_back(box);
   const double inside_cells = cells_in(field, found.inside);
   if (!field.at_voxels()) found = at_lattice(field, found);
   found.inside_cells = inside_cells;
   sort_unique(found.near_surface);
   const auto bricks = static_cast<double>(found.near_surface.size());
-  if (auto status = check_surface_bricks(bricks); !status.ok()) return status;
+  if (auto status = check_surface_bricks(bricks, most_bricks); !status.ok()) return status;
   return found;
 }
 

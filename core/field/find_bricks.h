@@ -1,6 +1,7 @@
 // Which bricks of the lattice can hold a piece of the surface, and which lie inside.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -43,14 +44,18 @@ struct FoundBricks {
   double inside_cells = 0;
 };
 
+/// A brick near the surface costs about 2 KiB until the mesh is made.
+inline constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
+
 /// Of a volume. Looks at value ranges only, brick by brick; reads no samples. Parallel.
-/// Errors: kResourceExhausted, kFailedPrecondition (more space than can be looked at),
-/// kCancelled, kDeadlineExceeded.
+/// Errors: kResourceExhausted (more than `most_bricks` near the surface), kFailedPrecondition
+/// (more space than can be looked at), kCancelled, kDeadlineExceeded.
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
+                                        std::size_t most_bricks = kMaxSurfaceBricks,
                                         const Cancellation& cancellation = {});
 
 /// OK, or kResourceExhausted where so many bricks near the surface are too many to keep.
-absl::Status check_surface_bricks(double bricks);
+absl::Status check_surface_bricks(double bricks, std::size_t most);
 
 /// OK where the inside has an end: the background is outside, and no part of a scene goes on
 /// for ever. Errors: kFailedPrecondition (of a volume), those of check_ends (of a scene).

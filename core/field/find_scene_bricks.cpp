@@ -156,24 +156,27 @@ double bricks_of_surface(const CubeLevel& level) {
 
 /// Refuses early what is going to be too much. Where the surface is small in its cubes the
 /// guess is high, most so for a few spacings in a large cube: hence the slack.
-absl::Status check_cubes(const CubeLevel& level) {
+absl::Status check_cubes(const CubeLevel& level, std::size_t most) {
   const double bricks = bricks_of_surface(level);
   const double slack = level.edge == 1 ? 1 : 2.0 * level.edge;
-  return check_surface_bricks(bricks / slack).ok() ? absl::OkStatus()
-                                                   : check_surface_bricks(bricks);
+  return check_surface_bricks(bricks / slack, most).ok() ? absl::OkStatus()
+                                                         : check_surface_bricks(bricks, most);
 }
 
 /// The next finer level; adds what lies inside. Gives up when there is more than can be kept.
 absl::StatusOr<CubeLevel> refine(const PhiField& field,
                                  const CubeLevel& level,
                                  const BrickBox& within,
+                                 std::size_t most,
                                  const Cancellation& cancellation,
                                  FoundBricks& found) {
   constexpr std::size_t kCubesOfGroup = 32;
   const std::size_t cubes = level.cubes.size();
   std::vector<CubeFindings> findings((cubes + kCubesOfGroup - 1) / kCubesOfGroup);
   std::atomic<std::size_t> kept = 0;
-  const auto too_many = [&] { return !check_surface_bricks(static_cast<double>(kept)).ok(); };
+  const auto too_many = [&] {
+    return !check_surface_bricks(static_cast<double>(kept), most).ok();
+  };
   for_each_index(findings.size(), [&](std::size_t group) {
     if (cancellation.requested() || too_many()) return;
     CubeScan scan(field);
@@ -186,8 +189,8 @@ absl::StatusOr<CubeLevel> refine(const PhiField& field,
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   // How many there were when it gave up depends on the threads; what was expected does not.
   if (too_many()) {
-    const absl::Status status = check_surface_bricks(bricks_of_surface(level));
-    return status.ok() ? check_surface_bricks(64.0 * static_cast<double>(cubes)) : status;
+    const absl::Status status = check_surface_bricks(bricks_of_surface(level), most);
+    return status.ok() ? check_surface_bricks(64.0 * static_cast<double>(cubes), most) : status;
   }
   CubeLevel finer{level.edge / kParts, {}};
   for (const CubeFindings& one : findings) {
@@ -230,6 +233,7 @@ BrickBox with_upper_faces(const BrickBox& domain) {
 
 absl::StatusOr<FoundBricks> find_scene_bricks(const PhiField& field,
                                               const std::optional<BrickBox>& domain,
+                                              std::size_t most_bricks,
                                               const Cancellation& cancellation) {
   const absl::StatusOr<BrickBox> reached =
       domain ? with_upper_faces(*domain) : mesh_domain(field, std::nullopt);
@@ -237,10 +241,11 @@ absl::StatusOr<FoundBricks> find_scene_bricks(const PhiField& field,
   FoundBricks found;
   CubeLevel level = covering(*reached);
   while (level.edge > 1) {
-    absl::StatusOr<CubeLevel> finer = refine(field, level, *reached, cancellation, found);
+    absl::StatusOr<CubeLevel> finer =
+        refine(field, level, *reached, most_bricks, cancellation, found);
     if (!finer.ok()) return finer.status();
     level = *std::move(finer);
-    if (auto status = check_cubes(level); !status.ok()) return status;
+    if (auto status = check_cubes(level, most_bricks); !status.ok()) return status;
   }
   if (auto status = sort_bricks(field, level, cancellation, found); !status.ok()) return status;
   for (const BrickBox& box : found.inside) found.inside_cells += kBrickCells * bricks_in(box);

@@ -7,17 +7,13 @@
 #include <iterator>
 #include <numbers>
 
+#include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
 #include "core/octree/domain_cells.h"
 #include "core/scene/scene_evaluator.h"
 
 namespace tet {
 namespace {
-
-void sort_unique(std::vector<BrickCoord>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
-}
 
 BrickCoord parent_of(BrickCoord brick) noexcept {
   return {brick.x >> 1, brick.y >> 1, brick.z >> 1};

@@ -48,6 +48,10 @@ struct OctreeLevel {
 
   /// Adds empty bricks where `more` (sorted) has ones that are not there yet.
   void insert_bricks(const std::vector<BrickCoord>& more);
+
+  std::uint64_t bytes() const noexcept {
+    return all_heap_bytes(bricks, leaf, refined, inside) + index.bytes();
+  }
 };
 
 /// Leaves that cover the inside of a volume, or a domain, without overlap.

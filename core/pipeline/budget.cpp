@@ -43,15 +43,15 @@ BrickEstimate estimate_bricks(const Volume& volume, double spacing) {
 
 }  // namespace
 
-double estimate_bricks_to_plan(const MeshInput& input, const MeshRequest& request) {
+double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
   // Counting a brick of the inside takes about this part of surveying one near the surface.
   constexpr double kInsideCost = 1.0 / 32;
   // Improving takes as long as so many surveys.
   constexpr double kImprovement = 10;
-  const double spacing = request.spacing.value_or(default_spacing(input));
-  const Scene* scene = scene_of(input);
+  const double spacing = request.spacing.value_or(default_spacing(shape));
+  const Scene* scene = scene_of(shape);
   const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)
-                                                  : estimate_bricks(*volume_of(input), spacing);
+                                                  : estimate_bricks(*volume_of(shape), spacing);
   const double bricks = request.levels == 0 ? surface + kInsideCost * inside : surface;
   return request.improve ? kImprovement * bricks : bricks;
 }
@@ -80,16 +80,21 @@ absl::Status check_inside_budget(const FoundBricks& found,
       levels, bytes, limits.max_plan_bytes));
 }
 
+std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits) {
+  return std::min<std::uint64_t>(kMaxSurfaceBricks,
+                                 limits.max_plan_bytes / survey_bytes_per_brick(rules));
+}
+
 absl::Status check_plan_budget(const FoundBricks& found,
                                const StuffingRules& rules,
                                const MeshLimits& limits) {
-  const std::uint64_t bricks = found.near_surface.size();
-  const std::uint64_t bytes = bricks * survey_bytes_per_brick(rules);
-  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  const std::size_t bricks = found.near_surface.size(),
+                    most = most_surface_bricks(rules, limits);
+  if (bricks <= most) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
-      "%d bricks of 8^3 cells lie near the surface, and counting them would take %d bytes; the "
-      "limit is %d. Use a larger spacing",
-      bricks, bytes, limits.max_plan_bytes));
+      "%d bricks of 8^3 cells lie near the surface in the box; the limit is %d, as many as the "
+      "memory for counting a mesh holds. Use a larger spacing or a smaller box",
+      bricks, most));
 }
 
 absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {

@@ -190,6 +190,15 @@ bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
   return stuffed_[brick] < kAllInside;
 }
 
+std::uint64_t CountedMesh::bytes() const noexcept {
+  std::uint64_t bytes = survey_.bytes() + all_heap_bytes(stuffed_, first_vertex_, first_tet_);
+  for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();
+  for (const LevelNodes& nodes : nodes_) {
+    bytes += all_heap_bytes(nodes.used, nodes.corner, nodes.centre, nodes.first_vertex);
+  }
+  return bytes;
+}
+
 BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept {
   const BrickCoord b = tree_.levels[0].bricks[brick];
   BrickNeighbourhood bricks;

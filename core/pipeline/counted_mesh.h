@@ -79,6 +79,9 @@ class CountedMesh {
   /// What the survey kept of a finest brick: see MeshStructure::stuffed.
   std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
   const Survey& survey() const noexcept { return survey_; }
+  /// Memory it takes.
+  std::uint64_t bytes() const noexcept;
+
   /// True when a finest brick has warped nodes or cut points in reach.
   bool touches_surface(std::size_t brick) const noexcept;
 

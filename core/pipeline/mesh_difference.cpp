@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
 #include "core/pipeline/survey.h"
 #include "core/stuffing/brick_geometry.h"
@@ -127,24 +128,6 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
     }
   }
   return same;
-}
-
-void sort_unique(std::vector<BrickCoord>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
-}
-
-/// The bricks and the 26 around each: whose tets may read one of them.
-std::vector<BrickCoord> with_neighbours(std::span<const BrickCoord> bricks) {
-  std::vector<BrickCoord> around;
-  around.reserve(27 * bricks.size());
-  for (const BrickCoord b : bricks) {
-    for (int o = 0; o < 27; ++o) {
-      around.push_back({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1});
-    }
-  }
-  sort_unique(around);
-  return around;
 }
 
 void add_run(std::vector<KeptRun>& runs, const KeptRun& run) {

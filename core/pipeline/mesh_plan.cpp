@@ -28,12 +28,12 @@ namespace {
 /// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
 constexpr double kMaxFloat32Extent = 4096;
 
-PhiField field_of(const MeshInput& input, const CanonicalRequest& request) {
+PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
   PhiField field;
-  field.scene = scene_of(input);
+  field.scene = scene_of(shape);
   field.spacing_voxels = request.spacing;
   if (field.scene != nullptr) return field;
-  const Volume& volume = *volume_of(input);
+  const Volume& volume = *volume_of(shape);
   field.volume = &volume;
   field.iso = static_cast<float>(request.iso);
   const double ratio = request.spacing / volume.transform.voxel_size;
@@ -79,9 +79,12 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
                                       int levels,
                                       const MeshLimits& limits,
                                       const Cancellation& cancellation) {
-  absl::StatusOr<FoundBricks> found = field.scene != nullptr
-                                          ? find_scene_bricks(field, space.domain, cancellation)
-                                          : find_bricks(field, cancellation);
+  // A domain may leave few of many.
+  const std::size_t most =
+      space.domain ? kMaxSurfaceBricks : most_surface_bricks(space.rules, limits);
+  absl::StatusOr<FoundBricks> found =
+      field.scene != nullptr ? find_scene_bricks(field, space.domain, most, cancellation)
+                             : find_bricks(field, most, cancellation);
   if (!found.ok()) return found;
   if (space.domain) keep_domain(*space.domain, *found);
   if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
@@ -156,7 +159,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& pla
 }  // namespace
 
 struct MeshPlan::Impl {
-  MeshInput input;
+  Shape shape;
   PhiField field;
   CountedMesh mesh;
   MeshHeader header;
@@ -221,6 +224,10 @@ const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
 
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
+}
+
+std::uint64_t MeshPlan::bytes() const noexcept {
+  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + positions_.size();
 }
 
 ComparedMesh MeshPlan::counted() const noexcept { return {impl_->mesh, impl_->field}; }
@@ -313,14 +320,14 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(MeshInput input,
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
                                                           MeshProgress* progress) {
-  const absl::StatusOr<CanonicalRequest> asked = canonical(request, input);
+  const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();
-  const PhiField field = field_of(input, *asked);
+  const PhiField field = field_of(shape, *asked);
   if (auto status = check_spacing(field); !status.ok()) return status;
   const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
   if (!space.ok()) return space.status();
@@ -348,7 +355,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(MeshInput input,
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, *asked, thin_walls, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(input), field, std::move(mesh), header, boundary, {}, {}, {}});
+      MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}});
   impl->thin_walls = std::move(thin_walls);
   impl->place_in_world(request, space->domain);
   impl->cut_into_chunks(limits.chunk_bytes);

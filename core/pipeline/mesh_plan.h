@@ -19,8 +19,8 @@
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
-#include "core/pipeline/mesh_input.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/shape.h"
 #include "core/pipeline/thin_walls.h"
 
 namespace tet {
@@ -65,7 +65,7 @@ struct BrickRange {
   std::size_t begin = 0, end = 0;
 };
 
-/// The counted mesh of one (input, request). Immutable: any thread may call any member.
+/// The counted mesh of one (shape, request). Immutable: any thread may call any member.
 class MeshPlan {
  public:
   struct Impl;
@@ -81,6 +81,9 @@ class MeshPlan {
   const std::optional<BoundaryTopology>& boundary() const noexcept;
   ChunkExtent chunk(std::uint64_t index) const noexcept;
 
+  /// Memory that the plan takes, without its volume's.
+  std::uint64_t bytes() const noexcept;
+
   /// Where the request asks for it: what the improvement did, and nothing otherwise.
   const std::optional<Improvement>& improvement() const noexcept { return improvement_; }
   /// Improves the whole mesh as this plan's chunks make it.
@@ -89,7 +92,7 @@ class MeshPlan {
   std::shared_ptr<const MeshPlan> with_positions(ByteBuffer positions,
                                                  const Improvement& improvement) const;
 
-  /// Makes one chunk. Its bytes depend on (input, request, index) alone.
+  /// Makes one chunk. Its bytes depend on (shape, request, index) alone.
   ///
   /// The columns have exactly the chunk's ChunkSizes. Returns the chunk's own statistics.
   QualityStats fill_chunk(std::uint64_t index,
@@ -103,7 +106,7 @@ class MeshPlan {
                            MeshWorkspace& workspace,
                            ChunkColumns columns) const noexcept;
 
-  /// Appends one chunk as its compact encoding, which depends on (input, request, index) alone
+  /// Appends one chunk as its compact encoding, which depends on (shape, request, index) alone
   /// too. Not for an improved mesh, whose positions no rule implies.
   void encode_chunk(std::uint64_t index,
                     MeshWorkspace& workspace,
@@ -121,10 +124,10 @@ class MeshPlan {
 /// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null. A request
 /// to improve the mesh makes the whole of it here once, and keeps the improved positions.
 ///
-/// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the input has no
+/// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
 /// kCancelled, kDeadlineExceeded.
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(MeshInput input,
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,

@@ -45,14 +45,14 @@ absl::Status check_scene_request(const MeshRequest& request, const Scene& scene)
 
 }  // namespace
 
-double default_spacing(const MeshInput& input) {
+double default_spacing(const Shape& shape) {
   constexpr double kParts = 128;
-  if (const Scene* scene = scene_of(input)) return longest_extent(*scene) / kParts;
-  return volume_of(input)->transform.voxel_size;
+  if (const Scene* scene = scene_of(shape)) return longest_extent(*scene) / kParts;
+  return volume_of(shape)->transform.voxel_size;
 }
 
-double default_iso(const MeshInput& input) {
-  const Volume* volume = volume_of(input);
+double default_iso(const Shape& shape) {
+  const Volume* volume = volume_of(shape);
   return volume != nullptr && volume->kind == VolumeKind::kFogVolume ? kFogIso : 0;
 }
 
@@ -102,17 +102,17 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
   return {};
 }
 
-absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const MeshInput& input) {
-  if (const Scene* scene = scene_of(input)) {
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
+  if (const Scene* scene = scene_of(shape)) {
     if (auto status = check_scene_request(request, *scene); !status.ok()) return status;
   }
   CanonicalRequest out;
-  out.spacing = request.spacing.value_or(default_spacing(input));
+  out.spacing = request.spacing.value_or(default_spacing(shape));
   if (!(out.spacing > 0) || !std::isfinite(out.spacing)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("spacing %g is not a positive number", out.spacing));
   }
-  out.iso = request.iso.value_or(default_iso(input));
+  out.iso = request.iso.value_or(default_iso(shape));
   if (!std::isfinite(static_cast<float>(out.iso))) {
     return absl::InvalidArgumentError(absl::StrFormat("iso %g is not a finite float", out.iso));
   }

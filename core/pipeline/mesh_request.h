@@ -10,7 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/mesh/tet_mesh.h"
-#include "core/pipeline/mesh_input.h"
+#include "core/pipeline/shape.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
@@ -29,9 +29,8 @@ inline constexpr int kMaxLevels = 24;
 struct MeshRequest {
   /// World units; unless given the grid's voxel size, or a scene's longest extent / 128.
   std::optional<double> spacing;
-  std::optional<double>
-      iso;                  ///< of grids; 0 for level sets and 0.5 for fog volumes unless given
-  int levels = kMaxLevels;  ///< octree levels above the finest; 0 is the uniform mesh
+  std::optional<double> iso;  ///< of grids; unless given 0 for level sets, 0.5 for fog volumes
+  int levels = kMaxLevels;    ///< octree levels above the finest; 0 is the uniform mesh
   Preset preset = Preset::kDefault;
   /// World units; both sides only. What is meshed, rounded outward (see domain.h); all that the
   /// grid stores or the scene reaches unless given.
@@ -73,11 +72,11 @@ struct CanonicalRequest {
 };
 
 /// What a request without them means. No spacing is 0: a scene without an end has none.
-double default_spacing(const MeshInput& input);
-double default_iso(const MeshInput& input);
+double default_spacing(const Shape& shape);
+double default_iso(const Shape& shape);
 
 /// Errors: kInvalidArgument, naming the field, its value and its limit.
-absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const MeshInput& input);
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape);
 
 StuffingRules stuffing_rules(Preset preset);
 

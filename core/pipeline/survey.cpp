@@ -224,6 +224,12 @@ InsideTest Survey::inside_test() const {
   };
 }
 
+std::uint64_t Survey::bytes() const noexcept {
+  return all_heap_bytes(bricks, stuffed, finest, fans, geometry.of_brick, geometry.blocks, thin,
+                        sheets, parts) +
+         geometry.block_bytes;
+}
+
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
                                      const MeshedSpace& space,
@@ -264,6 +270,8 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
   survey.restored = std::move(restored);
   std::erase(blocks, nullptr);
   survey.geometry.blocks = std::move(blocks);
+  survey.geometry.block_bytes =
+      space.kept_geometry_bytes - static_cast<std::uint64_t>(std::max<std::int64_t>(room, 0));
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (thin[i]) survey.thin.push_back({candidates[i], *thin[i]});
   }

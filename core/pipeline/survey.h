@@ -41,6 +41,7 @@ bool stuff_brick(PhiSampler& sampler,
 struct KeptGeometry {
   std::vector<const std::byte*> of_brick;  ///< null where it was not kept
   std::vector<std::shared_ptr<std::byte[]>> blocks;
+  std::uint64_t block_bytes = 0;  ///< of all blocks
 };
 
 /// The surface's parts near one brick of a survey.
@@ -69,6 +70,9 @@ struct Survey {
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
   /// it.
   InsideTest inside_test() const;
+
+  /// Memory it takes, but for the few nodes restored.
+  std::uint64_t bytes() const noexcept;
 };
 
 /// What is meshed: both sides of the surface within a domain, or the inside alone.

@@ -46,8 +46,8 @@ struct NewJob {
 struct Job {
   std::string id;  ///< 24 lower-case hexadecimal digits; ids sort by time of creation
   std::string space, display_name;
-  std::string spec;    ///< empty in lists
-  std::string header;  ///< what `Plan` brought; empty before the plan, and in lists
+  std::string spec;
+  std::string header;  ///< what `Plan` brought; empty before the plan
   Labels labels;
   std::int64_t priority = 0, max_attempts = 0;
   JobState state = JobState::kQueued;
@@ -143,7 +143,8 @@ struct JobEvent {
   std::int64_t version = 0;  ///< the job's
   JobChange change = JobChange::kCreated;
   JobState state = JobState::kQueued;
-  std::int64_t done_chunks = 0, shard_count = 0, done_shards = 0, dead_shards = 0;
+  std::int64_t chunk_count = 0, done_chunks = 0;
+  std::int64_t shard_count = 0, done_shards = 0, dead_shards = 0;
   absl::Time time;
 };
 

@@ -19,12 +19,11 @@ absl::Duration duration_from(std::int64_t us) {
 
 void add_event(SqlTransaction& t, const Job& job, JobChange change) {
   t.run(
-      "INSERT INTO events (revision, job_id, space, version, change, state, done_chunks, "
-      "shard_count, done_shards, dead_shards, time_us) VALUES (0, $1, $2, $3, $4, $5, $6, $7, "
-      "$8, "
-      "$9, $10)",
-      {job.id, job.space, job.version, number_of(change), number_of(job.state), job.done_chunks,
-       job.shard_count, job.done_shards, job.dead_shards, t.now_us()});
+      "INSERT INTO events (revision, job_id, space, version, change, state, chunk_count, "
+      "done_chunks, shard_count, done_shards, dead_shards, time_us) VALUES (0, $1, $2, $3, $4, "
+      "$5, $6, $7, $8, $9, $10, $11)",
+      {job.id, job.space, job.version, number_of(change), number_of(job.state), job.chunk_count,
+       job.done_chunks, job.shard_count, job.done_shards, job.dead_shards, t.now_us()});
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ struct ClaimShards {
   absl::Duration lease = absl::Seconds(30);
 };
 
-enum class Heartbeat { kHeld, kLost };
+enum class LeaseState { kHeld, kLost };
 
 /// Numbers for metrics.
 struct StoreCounts {
@@ -110,9 +110,11 @@ class JobStore {
   virtual absl::StatusOr<std::int64_t> revision() = 0;
   /// Stops a job; one that is finished stays as it is.
   virtual absl::StatusOr<Job> cancel(const std::string& id) = 0;
-  /// Tries dead letters again, with all their attempts, time to live and timeout anew; what is
-  /// done stays done. Errors: kFailedPrecondition (JOB_ACTIVE, JOB_SUCCEEDED).
-  virtual absl::StatusOr<Job> retry(const std::string& id) = 0;
+  /// Tries dead letters again, and shards that are done but lost some of these chunks' bytes
+  /// since; with all their attempts, time to live and timeout anew. What else is done stays
+  /// done. Errors: kFailedPrecondition (JOB_ACTIVE; JOB_SUCCEEDED, and nothing of it was lost).
+  virtual absl::StatusOr<Job> retry(const std::string& id,
+                                    std::span<const std::int64_t> lost_chunks = {}) = 0;
   /// Forgets a job. Errors: kFailedPrecondition (JOB_ACTIVE).
   virtual absl::Status remove(const std::string& id) = 0;
   /// Of the shards that are done, by chunk; fewer than asked for where a shard is not done yet.
@@ -135,8 +137,8 @@ class JobStore {
   virtual void wait(std::uint64_t seen, absl::Duration timeout) = 0;
   /// Extends leases that are still held; one answer for each. A lease past its time is held
   /// until somebody else got the shard.
-  virtual absl::StatusOr<std::vector<Heartbeat>> heartbeat(std::span<const LeaseId> leases,
-                                                           absl::Duration lease) = 0;
+  virtual absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
+                                                            absl::Duration lease) = 0;
   /// Ends a plan shard and begins the next phase; a plan without shards ends the job.
   /// Errors: kInvalidArgument (INVALID_PLAN), and those of `complete`.
   virtual absl::Status set_plan(const LeaseId& lease, const Plan& plan) = 0;

@@ -72,7 +72,7 @@ CREATE TABLE shards_default PARTITION OF shards DEFAULT;
 CREATE TABLE events (
   id BIGINT NOT NULL DEFAULT nextval('event_ids'), revision BIGINT NOT NULL,
   job_id TEXT COLLATE "C" NOT NULL, space TEXT COLLATE "C" NOT NULL, version BIGINT NOT NULL, change BIGINT NOT NULL,
-  state BIGINT NOT NULL, done_chunks BIGINT NOT NULL, shard_count BIGINT NOT NULL,
+  state BIGINT NOT NULL, chunk_count BIGINT NOT NULL, done_chunks BIGINT NOT NULL, shard_count BIGINT NOT NULL,
   done_shards BIGINT NOT NULL, dead_shards BIGINT NOT NULL, time_us BIGINT NOT NULL)
   PARTITION BY RANGE (job_id);
 CREATE INDEX events_by_revision ON events (revision);

@@ -53,6 +53,11 @@ void wake(SqlTransaction& t) {
       {t.now_us()});
 }
 
+/// An idle worker looks again and again: that must not make the disk work.
+bool is_any_ready(SqlTransaction& t) {
+  return !t.run("SELECT number FROM queue WHERE state = 0 LIMIT 1").rows.empty();
+}
+
 /// One claim's transaction: rank by rank, each namespace's oldest shards.
 class Claiming {
  public:
@@ -170,24 +175,25 @@ absl::StatusOr<std::vector<ShardLease>> SqlJobStore::claim(const ClaimShards& re
   std::vector<ShardLease> leases;
   const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
     wake(t);
-    leases = Claiming(t, request).run();
+    leases.clear();
+    if (is_any_ready(t)) leases = Claiming(t, request).run();
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
   return leases;
 }
 
-absl::StatusOr<std::vector<Heartbeat>> SqlJobStore::heartbeat(std::span<const LeaseId> leases,
-                                                              absl::Duration lease) {
+absl::StatusOr<std::vector<LeaseState>> SqlJobStore::heartbeat(std::span<const LeaseId> leases,
+                                                               absl::Duration lease) {
   if (auto status = check_lease(lease); !status.ok()) return status;
   std::vector<std::size_t> order(leases.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::sort(order, {}, [&](std::size_t i) { return leases[i].shard; });
-  std::vector<Heartbeat> answers(leases.size(), Heartbeat::kLost);
+  std::vector<LeaseState> answers(leases.size(), LeaseState::kLost);
   const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
     const std::int64_t until_us = after_us(t.now_us(), lease);
     for (const std::size_t i : order) {
-      answers[i] = extend(t, leases[i], until_us) ? Heartbeat::kHeld : Heartbeat::kLost;
+      answers[i] = extend(t, leases[i], until_us) ? LeaseState::kHeld : LeaseState::kLost;
     }
     return absl::OkStatus();
   });

@@ -164,7 +164,7 @@ absl::StatusOr<JobPage> SqlJobStore::list(const ListJobs& query) {
   Where where = where_of(query.filter);
   if (!after->empty()) where.add("id < $", *after);
   where.values.emplace_back(query.page_size + 1);
-  const std::string sql = absl::StrCat(select_jobs({.leases = true}), where.sql,
+  const std::string sql = absl::StrCat(select_jobs({.bytes = true, .leases = true}), where.sql,
                                        " ORDER BY id DESC LIMIT $", where.values.size());
   JobPage page;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {

@@ -41,7 +41,8 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<EventPage> watch(const WatchJobs& query) override;
   absl::StatusOr<std::int64_t> revision() override;
   absl::StatusOr<Job> cancel(const std::string& id) override;
-  absl::StatusOr<Job> retry(const std::string& id) override;
+  absl::StatusOr<Job> retry(const std::string& id,
+                            std::span<const std::int64_t> lost_chunks) override;
   absl::Status remove(const std::string& id) override;
   absl::StatusOr<std::map<std::int64_t, ChunkDigest>> chunk_digests(const std::string& id,
                                                                     ChunkRange range) override;
@@ -53,8 +54,8 @@ class SqlJobStore final : public JobStore {
   void wait(std::uint64_t seen, absl::Duration timeout) override {
     database_->wait(seen, timeout);
   }
-  absl::StatusOr<std::vector<Heartbeat>> heartbeat(std::span<const LeaseId> leases,
-                                                   absl::Duration lease) override;
+  absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
+                                                    absl::Duration lease) override;
   absl::Status set_plan(const LeaseId& lease, const Plan& plan) override;
   absl::Status complete(const LeaseId& lease, std::span<const ChunkDigest> digests) override;
   absl::Status fail(const LeaseId& lease, const absl::Status& error, bool retryable) override;

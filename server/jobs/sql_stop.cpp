@@ -50,9 +50,24 @@ bool expire_job(SqlTransaction& t, const std::string& id) {
   return true;
 }
 
+/// Makes dead letters of shards that are done, but of which such a chunk was lost.
+void bury_lost(SqlTransaction& t, JobRow& row, std::span<const std::int64_t> chunks) {
+  for (const std::int64_t chunk : chunks) {
+    const auto buried = t.run(
+        "UPDATE shards SET outcome = 2 WHERE job_id = $1 AND phase = $2 AND outcome = 1 AND "
+        "first_chunk <= $3 AND end_chunk > $3 RETURNING first_chunk, end_chunk",
+        {row.job.id, number_of(Phase::kMesh), chunk});
+    for (const SqlRow& shard : buried.rows) {
+      --row.job.done_shards;
+      ++row.job.dead_shards;
+      row.job.done_chunks -= shard.integer(1) - shard.integer(0);
+    }
+  }
+}
+
 /// Why a job cannot be tried again; OK if it can.
 absl::Status check_retry(const Job& job) {
-  if (job.state == JobState::kSucceeded) {
+  if (job.state == JobState::kSucceeded && job.dead_shards == 0) {
     return with_reason(
         absl::FailedPreconditionError(absl::StrCat("job ", job.id, " has succeeded")),
         "JOB_SUCCEEDED");
@@ -100,10 +115,12 @@ absl::StatusOr<Job> SqlJobStore::cancel(const std::string& id) {
   return get(id);
 }
 
-absl::StatusOr<Job> SqlJobStore::retry(const std::string& id) {
+absl::StatusOr<Job> SqlJobStore::retry(const std::string& id,
+                                       std::span<const std::int64_t> lost_chunks) {
   const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
     auto row = lock_job(t, id);
     if (!row) return job_not_found(id);
+    if (is_finished(row->job.state)) bury_lost(t, *row, lost_chunks);
     if (auto wrong = check_retry(row->job); !wrong.ok()) return wrong;
     revive(t, *row);
     renew(*row, t.now_us());

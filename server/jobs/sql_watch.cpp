@@ -75,18 +75,20 @@ JobEvent event_of(const SqlRow& row) {
   event.version = row.integer(3);
   event.change = static_cast<JobChange>(row.integer(4));
   event.state = static_cast<JobState>(row.integer(5));
-  event.done_chunks = row.integer(6);
-  event.shard_count = row.integer(7);
-  event.done_shards = row.integer(8);
-  event.dead_shards = row.integer(9);
-  event.time = from_us(row.integer(10));
+  event.chunk_count = row.integer(6);
+  event.done_chunks = row.integer(7);
+  event.shard_count = row.integer(8);
+  event.done_shards = row.integer(9);
+  event.dead_shards = row.integer(10);
+  event.time = from_us(row.integer(11));
   return event;
 }
 
 SqlResult select_events(SqlTransaction& t, const WatchJobs& query, std::int64_t last) {
   std::string sql =
-      "SELECT revision, job_id, space, version, change, state, done_chunks, shard_count, "
-      "done_shards, dead_shards, time_us FROM events WHERE revision > $1 AND revision <= $2";
+      "SELECT revision, job_id, space, version, change, state, chunk_count, done_chunks, "
+      "shard_count, done_shards, dead_shards, time_us FROM events WHERE revision > $1 AND "
+      "revision <= $2";
   std::vector<SqlValue> values = {query.after_revision, last, query.limit};
   const auto only = [&](const char* column, const std::string& value) {
     if (value.empty()) return;

@@ -60,7 +60,7 @@ CREATE TABLE shards (
 CREATE TABLE events (
   id INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, job_id TEXT NOT NULL, space TEXT NOT NULL,
   version INTEGER NOT NULL, change INTEGER NOT NULL, state INTEGER NOT NULL,
-  done_chunks INTEGER NOT NULL, shard_count INTEGER NOT NULL, done_shards INTEGER NOT NULL,
+  chunk_count INTEGER NOT NULL, done_chunks INTEGER NOT NULL, shard_count INTEGER NOT NULL, done_shards INTEGER NOT NULL,
   dead_shards INTEGER NOT NULL, time_us INTEGER NOT NULL) STRICT;
 CREATE INDEX events_by_revision ON events (revision);
 CREATE INDEX events_of_space ON events (space, revision);

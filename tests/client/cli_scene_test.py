@@ -84,7 +84,7 @@ class Scenes(SceneTest):
         self.refuse(GYROID, "nodes[0].gyroid has no end", options=("--spacing", "0.1"))
 
     def test_refuses_too_much_at_once(self):
-        self.refuse(BALL, "the limit is 8388608", options=("--spacing", "1e-5"))
+        self.refuse(BALL, "lie near the surface", options=("--spacing", "1e-5"))
         self.refuse(BALL, "the scene reaches 1e+15 spacings", options=("--spacing", "1e-15"))
 
     def test_refuses_options_for_grids(self):

@@ -24,6 +24,8 @@ LIBRARIES = {
                              "bench"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
+    "SQLite": (r"sqlite3", ["server/jobs", "tests/server/jobs"]),
+    "libpq": (r"libpq|postgresql/", ["server/jobs", "tests/server/jobs"]),
 }
 
 SOURCE_FOLDERS = ["core", "proto", "server", "client", "tests", "bench"]

@@ -48,7 +48,8 @@ class CheckLayers(unittest.TestCase):
     def test_keeps_each_library_in_its_folders(self):
         for text in ("#include <openvdb/openvdb.h>", "#include <tbb/parallel_for.h>",
                      "#include <oneapi/tbb.h>", "# include <google/protobuf/message.h>",
-                     '#include "tetstream/v1/meshes.pb.h"'):
+                     '#include "tetstream/v1/meshes.pb.h"', "#include <sqlite3.h>",
+                     "#include <libpq-fe.h>"):
             with self.subTest(text):
                 self.assertEqual(len(errors_of({"core/mesh/a.cpp": text})), 1)
 

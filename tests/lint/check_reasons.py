@@ -12,7 +12,8 @@ LIST, TABLE = "server/reasons.h", "docs/errors.md"
 # Reasons that a gRPC code brings along; no source names them.
 OF_CODES = {"CANCELLED", "DEADLINE_EXCEEDED", "INTERNAL"}
 # Text in capitals that is no reason.
-OTHER_TEXT = re.compile(r"TETSTREAM_.*|OTHER|CERTIFICATE|PRIVATE|NAME|[A-Z]{1,3}")
+OTHER_TEXT = re.compile(r"TETSTREAM_.*|OTHER|CERTIFICATE|PRIVATE|NAME|UTF8|COMMIT|ROLLBACK|QUEUED|RUNNING|"
+                        r"SUCCEEDED|FAILED|EXPIRED|UNKNOWN|[A-Z]{1,3}")
 LITERAL = re.compile(r'"([A-Z][A-Z0-9_]+)"')
 ROW = re.compile(r"^\| `([A-Z0-9_]+)` \|", re.MULTILINE)
 
@@ -20,7 +21,7 @@ ROW = re.compile(r"^\| `([A-Z0-9_]+)` \|", re.MULTILINE)
 def reasons_in_sources(root):
     """{reason: file} of every literal in capitals."""
     found = {}
-    for path in sorted([*(root / "server").glob("*.cpp"), *(root / "core").glob("decode/*.cpp")]):
+    for path in sorted([*(root / "server").rglob("*.cpp"), *(root / "core").glob("decode/*.cpp")]):
         for text in LITERAL.findall(path.read_text(encoding="utf-8")):
             if not OTHER_TEXT.fullmatch(text):
                 found.setdefault(text, str(path.relative_to(root)))

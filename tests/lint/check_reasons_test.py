@@ -7,15 +7,15 @@ import unittest
 import check_reasons
 
 
-def errors_of(source, listed, told):
+def errors_of(source, listed, told, file="server/a.cpp"):
     """What check_reasons says of a server whose source is `source`."""
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
         for path, text in (
-                ("server/a.cpp", source),
+                (file, source),
                 ("server/reasons.h", "".join(f'"{name}",\n' for name in listed)),
                 ("docs/errors.md", "".join(f"| `{name}` | X |\n" for name in told))):
-            (root / path).parent.mkdir(exist_ok=True)
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
             (root / path).write_text(text, encoding="utf-8")
         return check_reasons.find_errors(root)
 
@@ -28,6 +28,10 @@ class CheckReasons(unittest.TestCase):
     def test_finds_a_reason_that_is_not_listed(self):
         self.assertEqual(errors_of('return "NEW_REASON";', [], []),
                          ["server/a.cpp: NEW_REASON is not in server/reasons.h"])
+
+    def test_looks_into_every_folder_of_the_server(self):
+        self.assertEqual(errors_of('return "NEW_REASON";', [], [], "server/jobs/a.cpp"),
+                         ["server/jobs/a.cpp: NEW_REASON is not in server/reasons.h"])
 
     def test_finds_a_reason_that_nothing_uses(self):
         self.assertEqual(errors_of("", ["GONE"], ["GONE"]),

@@ -24,17 +24,39 @@ namespace {
 constexpr char kUpdateVariable[] = "TET_UPDATE_GOLDEN";
 
 /// Those that no client can provoke, or is told by its own library first; and those that other
-/// tests provoke, of decoders that misbehave and of servers with tokens.
+/// tests provoke, of decoders that misbehave, of servers with tokens, and of jobs.
 // clang-format off
 constexpr std::string_view kNotTold[] = {
     "CANCELLED",
+    "CHUNK_DAMAGED",
     "DEADLINE_EXCEEDED",
     "DECODER_CRASHED",
     "DECODER_MEMORY",
     "DECODER_RESULT",
     "DECODER_TIMEOUT",
     "DECODER_UNAVAILABLE",
+    "DETERMINISM_ALARM",
     "INTERNAL",
+    "INVALID_DIGESTS",
+    "INVALID_PLAN",
+    "JOB_ACTIVE",
+    "JOB_CANCELLED",
+    "JOB_EXPIRED",
+    "JOB_NOT_FOUND",
+    "JOB_NOT_SUCCEEDED",
+    "JOB_STORE_BROKEN",
+    "JOB_STORE_FULL",
+    "JOB_STORE_TOO_NEW",
+    "JOB_STORE_UNAVAILABLE",
+    "JOB_SUCCEEDED",
+    "JOB_TIMEOUT",
+    "LEASE_EXPIRED",
+    "LEASE_LOST",
+    "RANGE_BEYOND_MESH",
+    "REQUEST_ID_REUSED",
+    "RESULTS_FULL",
+    "REVISION_COMPACTED",
+    "REVISION_UNKNOWN",
     "SCOPE_MISSING",
     "TOKEN_EXPIRED",
     "TOKEN_MISSING",

@@ -13,6 +13,7 @@
 
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "tetstream/v1/grids.grpc.pb.h"
+#include "tetstream/v1/jobs.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet::test {
@@ -25,6 +26,7 @@ struct EveryCall {
   std::string method;
   std::string scope;  ///< that it needs; empty: any token will do
   Make make;
+  std::string reason = {};  ///< how it ends where it is allowed; empty: well
 };
 
 namespace every_call {
@@ -56,21 +58,59 @@ inline EveryCall::Make upload(const std::string& name) {
   };
 }
 
-inline EveryCall::Make stream(const v1::MeshRequest& mesh) {
-  return [mesh](const auto& channel, grpc::ClientContext& context) {
-    v1::MeshService::Stub stub(channel);
-    v1::StreamMeshRequest request;
-    *request.mutable_mesh() = mesh;
-    const auto reader = stub.StreamMesh(&context, request);
-    for (v1::MeshEvent event; reader->Read(&event);) {
+/// A stream of one service's that is read to its end.
+template <class Service, class Request, class Event>
+EveryCall::Make reader(std::unique_ptr<grpc::ClientReader<Event>> (Service::Stub::*method)(
+                           grpc::ClientContext*, const Request&),
+                       Request request) {
+  return [method, request](const auto& channel, grpc::ClientContext& context) {
+    typename Service::Stub stub(channel);
+    const auto events = (stub.*method)(&context, request);
+    for (Event event; events->Read(&event);) {
     }
-    return reader->Finish();
+    return events->Finish();
   };
+}
+
+/// About a job that there is not.
+inline void add_job_calls(const v1::MeshRequest& mesh, std::vector<EveryCall>& calls) {
+  using v1::JobService;
+  const std::string read = "\"jobs.read\"", write = "\"jobs.write\"";
+  const std::string unknown = "tetstream/JOB_NOT_FOUND";
+  const auto about_none = [](auto request) {
+    request.set_name("jobs/" + std::string(24, '0'));
+    return request;
+  };
+  v1::CreateJobRequest create;
+  *create.mutable_job()->mutable_mesh() = mesh;
+  calls.push_back(
+      {"CreateJob", write, unary<JobService>(&JobService::Stub::CreateJob, create)});
+  calls.push_back({"ListJobs", read,
+                   unary<JobService>(&JobService::Stub::ListJobs, v1::ListJobsRequest())});
+  const auto add = [&](const char* method, const std::string& scope, auto stub_method,
+                       auto request) {
+    calls.push_back(
+        {method, scope, unary<JobService>(stub_method, about_none(request)), unknown});
+  };
+  add("GetJob", read, &JobService::Stub::GetJob, v1::GetJobRequest());
+  add("WaitJob", read, &JobService::Stub::WaitJob, v1::WaitJobRequest());
+  add("CancelJob", write, &JobService::Stub::CancelJob, v1::CancelJobRequest());
+  add("RetryJob", write, &JobService::Stub::RetryJob, v1::RetryJobRequest());
+  add("DeleteJob", write, &JobService::Stub::DeleteJob, v1::DeleteJobRequest());
+  add("ListDeadShards", read, &JobService::Stub::ListDeadShards, v1::ListDeadShardsRequest());
+  calls.push_back(
+      {"WatchJobs", read,
+       reader<JobService>(&JobService::Stub::WatchJobs, about_none(v1::WatchJobsRequest())),
+       unknown});
+  calls.push_back({"ReadJobResult", read,
+                   reader<JobService>(&JobService::Stub::ReadJobResult,
+                                      about_none(v1::ReadJobResultRequest())),
+                   unknown});
 }
 
 }  // namespace every_call
 
-/// All methods of both services, about the grid file `name`.
+/// All methods of all services, about the grid file `name`.
 inline std::vector<EveryCall> every_call_about(const std::string& name) {
   using v1::GridService;
   using v1::MeshService;
@@ -98,10 +138,14 @@ inline std::vector<EveryCall> every_call_about(const std::string& name) {
   calls.push_back({"UploadGrid", "\"grids.write\"", every_call::upload(name)});
   calls.push_back({"EstimateMesh", "\"mesh\"",
                    unary<MeshService>(&MeshService::Stub::EstimateMesh, estimate)});
-  calls.push_back({"StreamMesh", "\"mesh\"", every_call::stream(mesh)});
+  v1::StreamMeshRequest stream;
+  *stream.mutable_mesh() = mesh;
+  calls.push_back({"StreamMesh", "\"mesh\"",
+                   every_call::reader<MeshService>(&MeshService::Stub::StreamMesh, stream)});
   calls.push_back(
       {"GetCapabilities", "",
        unary<MeshService>(&MeshService::Stub::GetCapabilities, v1::GetCapabilitiesRequest())});
+  every_call::add_job_calls(mesh, calls);
   return calls;
 }
 

@@ -189,6 +189,10 @@ TEST_F(MeshServiceTest, TellsItsLimits) {
   EXPECT_EQ(capabilities->max_chunk_bytes(), std::int64_t{kChunkBytes});
   EXPECT_EQ(capabilities->limits().max_store_bytes(),
             static_cast<std::int64_t>(config_.store_bytes));
+  EXPECT_EQ(capabilities->limits().max_client_meshes(),
+            static_cast<std::int32_t>(config_.max_client_streams));
+  EXPECT_EQ(capabilities->limits().stall_seconds(),
+            static_cast<std::int32_t>(config_.stall_seconds));
 }
 
 TEST_F(MeshServiceTest, RefusesWhatItCannotMesh) {

@@ -9,16 +9,20 @@
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/token_book.h"
+#include "tetstream/v1/jobs.grpc.pb.h"
 
 namespace tet::test {
 namespace {
 
-constexpr char kAllScopes[] = "\"grids.read\", \"grids.write\", \"mesh\"";
+constexpr char kAllScopes[] =
+    "\"grids.read\", \"grids.write\", \"mesh\", \"jobs.read\", \"jobs.write\"";
 
 class NamespacesTest : public ServiceTest {
  protected:
   NamespacesTest() {
     config_.tokens = tokens_.file();
+    config_.jobs.clear();
+    config_.job_workers = 0;
     for (const char* name : {"alice", "bob"}) tokens_.add(name, kAllScopes, name);
     start();
   }
@@ -144,6 +148,45 @@ TEST_F(NamespacesTest, SurviveARestart) {
   restart();
   EXPECT_TRUE(client_of("alice")->grid_info(grid, never_).ok());
   EXPECT_TRUE(absl::IsNotFound(client_of("bob")->grid_info(grid, never_).status()));
+}
+
+/// Makes a call in somebody's name.
+template <class Request, class Response>
+grpc::Status call_as(const std::string& name,
+                     v1::JobService::Stub& jobs,
+                     grpc::Status (v1::JobService::Stub::*method)(grpc::ClientContext*,
+                                                                  const Request&,
+                                                                  Response*),
+                     const Request& request,
+                     Response& response) {
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer secret-of-" + name);
+  return (jobs.*method)(&context, request, &response);
+}
+
+TEST_F(NamespacesTest, SeeOnlyTheirOwnJobs) {
+  const auto jobs = v1::JobService::NewStub(channel_);
+  v1::CreateJobRequest create;
+  create.mutable_job()->mutable_mesh()->set_name(upload("alice", ball_file(8)));
+  v1::Job job, seen;
+  using Stub = v1::JobService::Stub;
+  ASSERT_TRUE(call_as("alice", *jobs, &Stub::CreateJob, create, job).ok());
+  const grpc::Status not_bobs = call_as("bob", *jobs, &Stub::CreateJob, create, seen);
+  EXPECT_EQ(reason_of(not_bobs), "tetstream/GRID_NOT_FOUND");
+  const auto about_the_job = [&](const std::string& name, auto method, auto request) {
+    request.set_name(job.name());
+    return reason_of(call_as(name, *jobs, method, request, seen));
+  };
+  const std::string unknown = "tetstream/JOB_NOT_FOUND";
+  EXPECT_EQ(about_the_job("bob", &Stub::GetJob, v1::GetJobRequest()), unknown);
+  EXPECT_EQ(about_the_job("bob", &Stub::WaitJob, v1::WaitJobRequest()), unknown);
+  EXPECT_EQ(about_the_job("bob", &Stub::CancelJob, v1::CancelJobRequest()), unknown);
+  EXPECT_EQ(about_the_job("bob", &Stub::RetryJob, v1::RetryJobRequest()), unknown);
+  EXPECT_EQ(about_the_job("alice", &Stub::RetryJob, v1::RetryJobRequest()),
+            "tetstream/JOB_ACTIVE");
+  v1::ListJobsResponse listed;
+  EXPECT_TRUE(call_as("bob", *jobs, &Stub::ListJobs, v1::ListJobsRequest(), listed).ok());
+  EXPECT_EQ(listed.jobs_size(), 0);
 }
 
 }  // namespace

@@ -129,10 +129,10 @@ TEST(Request, RefusesARangeThatRunsBackwards) {
 }
 
 TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
-  Volume fog;
-  fog.name = "density";
-  fog.kind = VolumeKind::kFogVolume;
-  fog.transform.voxel_size = 0.25;
+  const auto fog = std::make_shared<Volume>();
+  fog->name = "density";
+  fog->kind = VolumeKind::kFogVolume;
+  fog->transform.voxel_size = 0.25;
   v1::MeshRequest spelled = valid_request();
   spelled.set_spacing(0.25);
   spelled.set_iso(0.5);

@@ -37,6 +37,7 @@ class ServiceTest : public testing::Test {
     config_.listen = "127.0.0.1:0";
     config_.store = folder_.file("store");
     config_.threads = 2;
+    config_.jobs = "off";
   }
 
   void start() {

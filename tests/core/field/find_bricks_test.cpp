@@ -52,7 +52,7 @@ TEST(FindBricks, SeesALargeTileAsItsShellAndWhatLiesDeepInIt) {
 
 TEST(FindBricks, RefusesTilesWithTooMuchSurfaceWithoutListingIt) {
   VolumeBuilder builder(VolumeKind::kLevelSet, 1);
-  constexpr int kTiles = 120;  // a few kilobytes of a file, 8e12 voxels
+  constexpr int kTiles = 80;  // a few kilobytes of a file, 5e12 voxels
   for (int i = 0; i < kTiles; ++i) {
     builder.add_constant_cube({8192 * (i % 5), 8192 * (i / 5 % 5), 8192 * (i / 25)}, 4096, -1);
   }
@@ -63,13 +63,26 @@ TEST(FindBricks, RefusesTilesWithTooMuchSurfaceWithoutListingIt) {
   }
 }
 
+TEST(FindBricks, RefusesTilesThatClaimTooManyRegions) {
+  VolumeBuilder large(VolumeKind::kLevelSet, 1), scattered(VolumeKind::kLevelSet, 1);
+  for (int i = 0; i < 90; ++i) large.add_constant_cube({8192 * i, 0, 0}, 4096, -1);
+  for (int i = 0; i < 40'000; ++i) {  // each with 26 regions around it
+    scattered.add_constant_cube({512 * (i / 200), 512 * (i % 200), 0}, 128, -1);
+  }
+  for (VolumeBuilder* builder : {&large, &scattered}) {
+    const Volume tiles = *std::move(*builder).build();
+    const absl::Status status = find_bricks(field_of(tiles)).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition) << status;
+  }
+}
+
 TEST(FindBricks, StopsOnceItIsCancelled) {
   VolumeBuilder builder(VolumeKind::kLevelSet, 1);
   builder.add_constant_cube({0, 0, 0}, 128, -1);
   const Volume tile = *std::move(builder).build();
   Cancellation cancelled;
   cancelled.cancel();
-  EXPECT_EQ(find_bricks(field_of(tile), cancelled).status().code(),
+  EXPECT_EQ(find_bricks(field_of(tile), kMaxSurfaceBricks, cancelled).status().code(),
             absl::StatusCode::kCancelled);
 }
 

@@ -101,6 +101,24 @@ TEST_P(JobStoreTest, RetriesDeadLettersOnly) {
   EXPECT_EQ(reason_of(store_->retry(job.id).status()), "JOB_SUCCEEDED");
 }
 
+TEST_P(JobStoreTest, TriesShardsAgainThatLostTheirBytes) {
+  const Job job = create(wanted());
+  ASSERT_EQ(store_->set_plan(claim_one().id, plan_of(3, 2)), absl::OkStatus());
+  for (const ShardLease& lease : claim(3)) ASSERT_EQ(complete(lease), absl::OkStatus());
+  ASSERT_EQ(get(job).state, JobState::kSucceeded);
+  const std::int64_t lost[] = {2, 3};
+  const Job again = store_->retry(job.id, lost).value();
+  EXPECT_EQ(again.state, JobState::kQueued);
+  EXPECT_EQ(again.done_shards, 2);
+  EXPECT_EQ(again.done_chunks, 4);
+  const ShardLease lease = claim_one();
+  EXPECT_EQ(lease.chunks, (ChunkRange{2, 4}));
+  EXPECT_TRUE(claim(1).empty());
+  EXPECT_EQ(complete(lease), absl::OkStatus());
+  EXPECT_EQ(get(job).state, JobState::kSucceeded);
+  EXPECT_EQ(get(job).done_chunks, 6);
+}
+
 TEST_P(JobStoreTest, GivesBackAShardWithoutCountingTheAttempt) {
   create_planned(1);
   EXPECT_EQ(store_->release(claim_one().id), absl::OkStatus());
@@ -118,7 +136,7 @@ TEST_P(JobStoreTest, CancelWinsOverLateCompletes) {
   EXPECT_EQ(reason_of(late), "LEASE_LOST");
   EXPECT_THAT(std::string(late.message()), HasSubstr("the job is CANCELLED"));
   EXPECT_THAT(store_->heartbeat(std::vector{leases[1].id}, absl::Seconds(1)).value(),
-              ElementsAre(Heartbeat::kLost));
+              ElementsAre(LeaseState::kLost));
   EXPECT_THAT(claim(10), IsEmpty());
   EXPECT_EQ(get(job).done_shards, 1);
   EXPECT_EQ(get(job).dead_shards, 2);

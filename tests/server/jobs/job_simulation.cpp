@@ -195,9 +195,9 @@ class Simulation {
     std::vector<ShardLease> held;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const bool latest = last_token_[ids[i].shard] == ids[i].token;
-      if (answers[i] == Heartbeat::kHeld && !latest) violate("a stale lease was extended");
+      if (answers[i] == LeaseState::kHeld && !latest) violate("a stale lease was extended");
       // A worker that does not listen goes on with what it lost.
-      if (answers[i] == Heartbeat::kHeld || chance(50)) held.push_back(worker.leases[i]);
+      if (answers[i] == LeaseState::kHeld || chance(50)) held.push_back(worker.leases[i]);
     }
     worker.leases = std::move(held);
   }

@@ -1,0 +1,162 @@
+#include "client/job/submit_jobs.h"
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+#include "client/client_call.h"
+#include "client/error_details.h"
+#include "client/job/grid_uploads.h"
+
+namespace tet {
+namespace {
+
+/// Whether other orders may still be accepted.
+bool is_about_the_order(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) || absl::IsNotFound(status) ||
+         absl::IsFailedPrecondition(status) || absl::IsAlreadyExists(status);
+}
+
+/// Orders that are alike are told apart by their number.
+std::vector<std::string> request_ids_of(const std::vector<JobOrder>& orders,
+                                        const Journal& journal) {
+  std::map<std::string, std::size_t> seen;
+  std::vector<std::string> ids;
+  for (const JobOrder& order : orders) {
+    const std::string digest = digest_of(order);
+    ids.push_back(journal.request_id(digest, seen[digest]++));
+  }
+  return ids;
+}
+
+class Submitter {
+ public:
+  Submitter(const std::vector<JobOrder>& orders,
+            MeshClient& meshes,
+            JobClient& jobs,
+            Journal& journal,
+            int parallel,
+            const SubmitWatch& watch,
+            const Cancellation& cancellation)
+      : orders_(orders),
+        request_ids_(request_ids_of(orders, journal)),
+        uploads_(meshes),
+        jobs_(jobs),
+        journal_(journal),
+        watch_(watch),
+        cancellation_(cancellation),
+        uploading_(static_cast<std::size_t>(parallel)) {}
+
+  SubmitResult run() {
+    std::vector<std::jthread> workers;
+    for (std::size_t i = 0; i < uploading_.size(); ++i) {
+      workers.emplace_back([this, i] { work(i); });
+    }
+    workers.clear();  // waits for them
+    const bool all_done = next_.load() >= orders_.size();
+    if (result_.status.ok() && !all_done) result_.status = check(cancellation_);
+    return result_;
+  }
+
+ private:
+  void work(std::size_t worker) {
+    while (!stopped_.load() && !cancellation_.requested()) {
+      const std::size_t i = next_.fetch_add(1);
+      if (i >= orders_.size()) return;
+      if (const auto known = journal_.job_of(request_ids_[i])) {
+        submitted({orders_[i], request_ids_[i], *known, true});
+      } else {
+        submit(worker, i);
+      }
+    }
+  }
+
+  void submit(std::size_t worker, std::size_t i) {
+    auto job = create(worker, i);
+    if (reason_of_failure(job.status()) == "GRID_NOT_FOUND") {  // evicted in between
+      uploads_.forget(orders_[i].input);
+      job = create(worker, i);
+    }
+    absl::Status status = job.status();
+    if (status.ok()) status = journal_.record(request_ids_[i], job->name());
+    if (status.ok()) {
+      submitted({orders_[i], request_ids_[i], job->name(), false});
+    } else if (is_about_the_order(status)) {
+      refused(orders_[i], status);
+    } else {
+      stop(status);
+    }
+    progress(worker, 0);
+  }
+
+  absl::StatusOr<v1::Job> create(std::size_t worker, std::size_t i) {
+    const UploadWatch watch{
+        .bytes =
+            [&](std::uint64_t done, std::uint64_t total) {
+              progress(worker, static_cast<double>(done) / static_cast<double>(total));
+            },
+        .say = watch_.say};
+    const auto grid = uploads_.name_of(orders_[i].input, watch, cancellation_);
+    if (!grid.ok()) return grid.status();
+    v1::Job job = orders_[i].job;
+    job.mutable_mesh()->set_name(*grid);
+    return jobs_.create(job, request_ids_[i], cancellation_);
+  }
+
+  void submitted(const SubmittedJob& job) {
+    const std::lock_guard lock(mutex_);
+    ++(job.before ? result_.counts.before : result_.counts.submitted);
+    watch_.submitted(job);
+  }
+
+  void refused(const JobOrder& order, const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    ++result_.counts.refused;
+    watch_.refused(order, status);
+  }
+
+  void stop(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    stopped_.store(true);
+    if (result_.status.ok()) result_.status = status;
+  }
+
+  void progress(std::size_t worker, double uploaded) {
+    const std::lock_guard lock(mutex_);
+    uploading_[worker] = uploaded;
+    const auto& [submitted, before, refused] = result_.counts;
+    watch_.progress(std::accumulate(uploading_.begin(), uploading_.end(),
+                                    static_cast<double>(submitted + before + refused)));
+  }
+
+  const std::vector<JobOrder>& orders_;
+  const std::vector<std::string> request_ids_;
+  GridUploads uploads_;
+  JobClient& jobs_;
+  Journal& journal_;
+  const SubmitWatch& watch_;
+  const Cancellation& cancellation_;
+
+  std::atomic<std::size_t> next_{0};
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  std::vector<double> uploading_;  ///< of each worker's file, how much is there
+  SubmitResult result_;
+};
+
+}  // namespace
+
+SubmitResult submit_jobs(const std::vector<JobOrder>& orders,
+                         MeshClient& meshes,
+                         JobClient& jobs,
+                         Journal& journal,
+                         int parallel,
+                         const SubmitWatch& watch,
+                         const Cancellation& cancellation) {
+  return Submitter(orders, meshes, jobs, journal, parallel, watch, cancellation).run();
+}
+
+}  // namespace tet

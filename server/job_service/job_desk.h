@@ -1,0 +1,36 @@
+// What all calls about jobs share.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/parallel.h"
+#include "server/job_service/job_news.h"
+#include "server/jobs/job_store.h"
+#include "server/mesh_engine.h"
+#include "server/results/result_store.h"
+
+namespace tet {
+
+struct JobDesk {
+  JobDesk(MeshEngine& mesh_engine, JobStore& store, ResultStore& stored)
+      : engine(mesh_engine), jobs(store), results(stored) {}
+
+  /// The job of that name, if it is in the namespace. Errors: kInvalidArgument (its name),
+  /// kNotFound (JOB_NOT_FOUND), and the store's.
+  absl::StatusOr<Job> find(const std::string& space, const std::string& name) const;
+
+  /// Chunks that are done, but are not stored any more.
+  absl::StatusOr<std::vector<std::int64_t>> lost_chunks(const Job& job) const;
+
+  MeshEngine& engine;
+  JobStore& jobs;
+  ResultStore& results;
+  JobNews news{jobs};
+  TaskPool threads{4};  ///< they wait for the store, not for cores
+};
+
+}  // namespace tet

@@ -1,0 +1,64 @@
+#include "server/job_work/job_spec.h"
+
+#include <algorithm>
+
+#include "proto/wire/sha256.h"
+#include "server/jobs/store_errors.h"
+#include "server/mesh_events.h"
+
+namespace tet {
+
+namespace {
+
+// 32 MiB of mesh, or a second's work: what is lost with a worker. A small mesh is cut finer, so
+// that several workers have something of it.
+constexpr std::int64_t kShardChunks = 64, kSmallShardChunks = 4, kShardsOfAMesh = 16;
+
+}  // namespace
+
+absl::StatusOr<stored::JobSpec> spec_of(const Job& job) {
+  stored::JobSpec spec;
+  if (spec.ParseFromString(job.spec)) return spec;
+  return store_broken("what job " + job.id + " asks for cannot be read");
+}
+
+absl::StatusOr<stored::JobPlan> plan_of(const Job& job) {
+  stored::JobPlan plan;
+  if (plan.ParseFromString(job.header)) return plan;
+  return store_broken("the plan of job " + job.id + " cannot be read");
+}
+
+absl::StatusOr<MeshOrder> order_of(const Job& job, const stored::JobSpec& spec) {
+  auto order = parse_mesh_request(spec.mesh());
+  if (order.ok()) order->space = job.space;
+  return order;
+}
+
+stored::JobPlan plan_of(const PlannedMesh& planned) {
+  stored::JobPlan plan;
+  const ChunkSource source{planned.plan, nullptr, false};
+  *plan.mutable_header() = header_event(planned, source).header();
+  *plan.mutable_trailer() = trailer_event(source, 0, 0, {}).trailer();
+  plan.mutable_trailer()->clear_quality();
+  return plan;
+}
+
+std::string name_of_request(const v1::MeshRequest& request) {
+  Sha256 digest;
+  digest.add(kAlgorithmVersion);
+  digest.add("\n");
+  digest.add(request.SerializeAsString());
+  return digest.finish_hex();
+}
+
+std::vector<ChunkRange> shards_of(std::int64_t chunk_count) {
+  const std::int64_t size =
+      std::clamp(chunk_count / kShardsOfAMesh, kSmallShardChunks, kShardChunks);
+  std::vector<ChunkRange> shards;
+  for (std::int64_t first = 0; first < chunk_count; first += size) {
+    shards.push_back({first, std::min(first + size, chunk_count)});
+  }
+  return shards;
+}
+
+}  // namespace tet

@@ -1,0 +1,173 @@
+#include "server/job_work/job_worker.h"
+
+#include <sys/resource.h>
+#include <utility>
+
+#include <absl/time/clock.h>
+
+#include "server/logging.h"
+#include "server/status.h"
+
+namespace tet {
+
+namespace {
+
+// About a tenth of the weight of the threads that somebody waits for.
+constexpr int kNice = 10;
+
+/// How long an idle worker does not look, though nobody told it of anything: shards that back
+/// off become ready by themselves.
+constexpr absl::Duration kPoll = absl::Seconds(1);
+
+/// A store that does not answer is asked again after this.
+constexpr absl::Duration kStorePause = absl::Milliseconds(500);
+
+void give_way() {
+  // On Linux a thread's own; where it fails, only politeness is lost.
+  ::setpriority(PRIO_PROCESS, 0, kNice);
+}
+
+void log_trouble(const char* event, const ShardKey& shard, const absl::Status& status) {
+  nlohmann::ordered_json fields;
+  fields["job"] = shard.job;
+  fields["phase"] = static_cast<int>(shard.phase);
+  fields["shard"] = shard.number;
+  fields["reason"] = reason_of(status);
+  fields["message"] = std::string(status.message());
+  log_event(absl::IsDataLoss(status) ? spdlog::level::err : spdlog::level::warn, event, fields);
+}
+
+}  // namespace
+
+JobWorker::JobWorker(JobStore& jobs, ShardMaker& maker, JobWorkerSettings settings)
+    : jobs_(jobs), maker_(maker), settings_(std::move(settings)) {
+  if (settings_.threads == 0) return;
+  threads_.emplace_back([this](const std::stop_token& stopping) { claim_shards(stopping); });
+  threads_.emplace_back([this](const std::stop_token& stopping) { beat(stopping); });
+  for (int i = 0; i < settings_.threads; ++i) {
+    threads_.emplace_back([this](const std::stop_token& stopping) { do_shards(stopping); });
+  }
+}
+
+JobWorker::~JobWorker() { stop(); }
+
+void JobWorker::stop() {
+  giving_back_ = true;
+  for (std::jthread& thread : threads_) thread.request_stop();
+  for (const HeldShard& shard : held()) shard->watch->cancellation.cancel();
+  threads_.clear();
+  for (const HeldShard& shard : held()) jobs_.release(shard->lease.id).IgnoreError();
+}
+
+std::vector<JobWorker::HeldShard> JobWorker::held() {
+  const std::lock_guard lock(mutex_);
+  return {held_.begin(), held_.end()};
+}
+
+// One shard for each thread is claimed ahead, so that none waits for the store.
+void JobWorker::claim_shards(const std::stop_token& stopping) {
+  while (wait_for_room(stopping)) {
+    const std::uint64_t seen = jobs_.signal();
+    if (!claim_some()) jobs_.wait(seen, kPoll);
+  }
+}
+
+bool JobWorker::wait_for_room(const std::stop_token& stopping) {
+  std::unique_lock lock(mutex_);
+  const auto room = static_cast<std::size_t>(2 * settings_.threads);
+  return changed_.wait(lock, stopping, [&] { return held_.size() < room; }) &&
+         !stopping.stop_requested();
+}
+
+/// False when there was nothing to claim.
+bool JobWorker::claim_some() {
+  std::int64_t room = 2 * settings_.threads;
+  {
+    const std::lock_guard lock(mutex_);
+    room -= std::ssize(held_);
+  }
+  auto leases = jobs_.claim({settings_.name, room, settings_.lease});
+  if (!leases.ok()) {
+    log_trouble("claim_failed", {}, leases.status());
+    absl::SleepFor(kStorePause);
+    return false;
+  }
+  const std::lock_guard lock(mutex_);
+  for (ShardLease& lease : *leases) {
+    const auto shard = std::make_shared<Held>(std::move(lease));
+    held_.insert(shard);
+    waiting_.push_back(shard);
+  }
+  changed_.notify_all();
+  return !leases->empty();
+}
+
+void JobWorker::do_shards(const std::stop_token& stopping) {
+  give_way();
+  while (true) {
+    HeldShard shard;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stopping, [&] { return !waiting_.empty(); });
+      if (stopping.stop_requested()) return;
+      shard = waiting_.front();
+      waiting_.pop_front();
+    }
+    do_shard(shard);
+  }
+}
+
+void JobWorker::do_shard(const HeldShard& shard) {
+  settle(shard, maker_.run(shard->lease, shard->watch));
+  const std::lock_guard lock(mutex_);
+  held_.erase(shard);
+  changed_.notify_all();
+}
+
+/// Tells the store how a shard ended that it does not know of yet. A store that does not answer
+/// now will find out that the lease is over.
+void JobWorker::settle(const HeldShard& shard, const absl::Status& outcome) {
+  const LeaseId& lease = shard->lease.id;
+  if (outcome.ok()) {
+    done_.fetch_add(1);
+    return;
+  }
+  const bool stopped = shard->watch->cancellation.requested();
+  if (stopped && giving_back_) {
+    jobs_.release(lease).IgnoreError();
+  } else if (stopped || reason_of(outcome) == "LEASE_LOST") {
+    lost_.fetch_add(1);
+    log_trouble("shard_lost", lease.shard, outcome);
+  } else {
+    failed_.fetch_add(1);
+    log_trouble("shard_failed", lease.shard, outcome);
+    const absl::Status told =
+        jobs_.fail(lease, outcome, ShardMaker::is_worth_another_try(outcome));
+    if (!told.ok()) log_trouble("shard_lost", lease.shard, told);
+  }
+}
+
+void JobWorker::beat(const std::stop_token& stopping) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  const auto interval = absl::ToChronoMilliseconds(settings_.lease / 3);
+  while (!never.wait_for(lock, stopping, interval, [&] { return stopping.stop_requested(); })) {
+    extend_leases();
+  }
+}
+
+/// What is lost is not worth going on with.
+void JobWorker::extend_leases() {
+  const std::vector<HeldShard> shards = held();
+  std::vector<LeaseId> leases;
+  for (const HeldShard& shard : shards) leases.push_back(shard->lease.id);
+  if (leases.empty()) return;
+  const auto answers = jobs_.heartbeat(leases, settings_.lease);
+  if (!answers.ok()) return log_trouble("heartbeat_failed", {}, answers.status());
+  for (std::size_t i = 0; i < shards.size(); ++i) {
+    if ((*answers)[i] == LeaseState::kLost) shards[i]->watch->cancellation.cancel();
+  }
+}
+
+}  // namespace tet

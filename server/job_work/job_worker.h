@@ -1,0 +1,76 @@
+// Threads that do jobs' shards: claim, do, commit, and give back when they are stopped.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <absl/time/time.h>
+
+#include "server/job_work/shard_maker.h"
+#include "server/jobs/job_store.h"
+
+namespace tet {
+
+struct JobWorkerSettings {
+  std::string name;  ///< in the job store, for people; 1 to 128 bytes
+  int threads = 1;   ///< shards done at once
+  absl::Duration lease = absl::Seconds(30);
+};
+
+/// Works from its construction to `stop`. The threads have a lower priority than any other of
+/// the process, so that whoever waits for a mesh gets the cores first.
+class JobWorker {
+ public:
+  JobWorker(JobStore& jobs, ShardMaker& maker, JobWorkerSettings settings);
+  ~JobWorker();
+
+  /// Gives back what is claimed and not done; returns when no thread runs any more.
+  void stop();
+
+  /// Since the start.
+  std::int64_t done_shards() const { return done_.load(); }
+  std::int64_t failed_shards() const { return failed_.load(); }
+  std::int64_t lost_shards() const { return lost_.load(); }
+
+ private:
+  struct Held {
+    explicit Held(ShardLease claimed) : lease(std::move(claimed)) {}
+    ShardLease lease;
+    const std::shared_ptr<PlanningWatch> watch =
+        std::make_shared<PlanningWatch>(Cancellation::Clock::time_point::max());
+  };
+  using HeldShard = std::shared_ptr<Held>;
+
+  void claim_shards(const std::stop_token& stopping);
+  bool wait_for_room(const std::stop_token& stopping);
+  bool claim_some();
+  void do_shards(const std::stop_token& stopping);
+  void do_shard(const HeldShard& shard);
+  void settle(const HeldShard& shard, const absl::Status& outcome);
+  void beat(const std::stop_token& stopping);
+  void extend_leases();
+  std::vector<HeldShard> held();
+
+  JobStore& jobs_;
+  ShardMaker& maker_;
+  const JobWorkerSettings settings_;
+  std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0};
+  std::atomic<bool> giving_back_{false};
+
+  std::mutex mutex_;  ///< guards what follows
+  std::condition_variable_any changed_;
+  std::deque<HeldShard> waiting_;  ///< claimed, and not begun
+  std::set<HeldShard> held_;       ///< claimed, and not settled
+
+  std::vector<std::jthread> threads_;  // last: they use all of the above
+};
+
+}  // namespace tet

@@ -1,0 +1,148 @@
+#include "server/job_work/shard_maker.h"
+
+#include <future>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "server/status.h"
+
+namespace tet {
+
+struct ShardMaker::Shard {
+  const ShardLease& lease;
+  const std::shared_ptr<PlanningWatch>& watch;
+  Job job;
+  stored::JobSpec spec;
+};
+
+namespace {
+
+absl::Status other_mesh(const std::string& planned, const std::string& found) {
+  return with_reason(absl::AbortedError(absl::StrCat("the job's mesh is ", planned,
+                                                     ", but this worker makes it as ", found,
+                                                     ": it is of another version")),
+                     "OTHER_MESH");
+}
+
+absl::Status alarm(const ChunkRange& chunks, const std::string& mesh_id) {
+  return with_reason(
+      absl::DataLossError(absl::StrCat("chunks ", chunks.first, " to ", chunks.end, " of mesh ",
+                                       mesh_id, " were made with other bytes than before")),
+      "DETERMINISM_ALARM");
+}
+
+}  // namespace
+
+bool ShardMaker::is_worth_another_try(const absl::Status& error) {
+  switch (error.code()) {
+    case absl::StatusCode::kAborted:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kUnknown:
+      return true;
+    case absl::StatusCode::kResourceExhausted:
+      return reason_of(error) != "LIMIT_EXCEEDED";
+    default:
+      return false;
+  }
+}
+
+absl::Status ShardMaker::run(const ShardLease& lease,
+                             const std::shared_ptr<PlanningWatch>& watch) {
+  auto job = jobs_.get(lease.id.shard.job);
+  if (!job.ok()) return job.status();
+  auto spec = spec_of(*job);
+  if (!spec.ok()) return spec.status();
+  const Shard shard{lease, watch, *std::move(job), *std::move(spec)};
+  return lease.id.shard.phase == Phase::kMesh ? mesh(shard) : plan(shard);
+}
+
+absl::Status ShardMaker::plan(const Shard& shard) {
+  const std::string name = name_of_request(shard.spec.mesh());
+  stored::JobPlan plan;
+  if (!shard.spec.skip_cache()) {
+    const auto kept = results_.find_plan(shard.job.space, name);
+    if (kept && plan.ParseFromString(*kept) && is_stored(shard.job.space, plan.header())) {
+      plan.set_cached(true);
+      return commit_plan(shard, plan);
+    }
+  }
+  const auto planned = count(shard);
+  if (!planned.ok()) return planned.status();
+  plan = plan_of(*planned);
+  const absl::Status kept = results_.put_plan(shard.job.space, name, plan.SerializeAsString());
+  if (!kept.ok()) return kept;
+  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan.header()));
+  return commit_plan(shard, plan);
+}
+
+bool ShardMaker::is_stored(const std::string& space, const v1::MeshHeader& header) const {
+  const auto folder = results_.find({space, header.mesh_id()});
+  if (!folder.ok()) return false;
+  for (const ChunkRange& range : shards_of(header.chunk_count())) {
+    if (!(*folder)->find_whole_shard(range)) return false;
+  }
+  return true;
+}
+
+absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& plan) {
+  return jobs_.set_plan(shard.lease.id, {Phase::kMesh, plan.SerializeAsString(),
+                                         shards_of(plan.header().chunk_count())});
+}
+
+absl::Status ShardMaker::mesh(const Shard& shard) {
+  const auto plan = plan_of(shard.job);
+  if (!plan.ok()) return plan.status();
+  const std::string& mesh_id = plan->header().mesh_id();
+  const ChunkRange& chunks = shard.lease.chunks;
+  const auto folder = results_.make({shard.job.space, mesh_id});
+  if (!folder.ok()) return folder.status();
+  if (!shard.spec.skip_cache()) {
+    const auto digests = (*folder)->find_whole_shard(chunks);
+    if (digests) return jobs_.complete(shard.lease.id, *digests);
+  }
+  const auto planned = count(shard);
+  if (!planned.ok()) return planned.status();
+  if (planned->mesh_id != mesh_id) return other_mesh(mesh_id, planned->mesh_id);
+  const auto made = make_chunks(shard, *planned, **folder);
+  if (!made.ok()) return made.status();
+  const auto before = (*folder)->find_shard(chunks);
+  if (before && *before != *made) return alarm(chunks, mesh_id);
+  if (auto kept = (*folder)->put_shard(chunks, *made); !kept.ok()) return kept;
+  return jobs_.complete(shard.lease.id, *made);
+}
+
+/// Plans that were made lately are at hand.
+absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {
+  auto order = order_of(shard.job, shard.spec);
+  if (!order.ok()) return order.status();
+  const std::lock_guard one_at_a_time(counting_);
+  std::promise<absl::StatusOr<PlannedMesh>> promise;
+  engine_.planner.plan(absl::StrCat("jobs of ", shard.job.space), *std::move(order),
+                       shard.watch, [&promise](absl::StatusOr<PlannedMesh> planned) {
+                         promise.set_value(std::move(planned));
+                       });
+  return promise.get_future().get();
+}
+
+absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& shard,
+                                                                 const PlannedMesh& planned,
+                                                                 MeshFolder& folder) {
+  const ChunkSource source{planned.plan, nullptr, false};
+  std::vector<ChunkDigest> digests;
+  for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
+    const absl::Status wanted = check_cancelled(shard.watch->cancellation);
+    if (!wanted.ok()) return wanted;
+    const ChunkMessage chunk = make_chunk(source, static_cast<std::uint64_t>(i),
+                                          {engine_.workspaces, engine_.blocks}, nullptr);
+    engine_.activity.chunks_made.fetch_add(1);
+    if (auto room = results_.reserve(chunk.event.Length()); !room.ok()) return room;
+    auto digest = folder.put_chunk(chunk);
+    if (!digest.ok()) return digest.status();
+    digests.push_back(*std::move(digest));
+  }
+  return digests;
+}
+
+}  // namespace tet

@@ -1,0 +1,56 @@
+// What a worker does with a shard: count the mesh, or make chunks of it and store them.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "server/job_work/job_spec.h"
+#include "server/jobs/job_store.h"
+#include "server/mesh_engine.h"
+#include "server/results/result_store.h"
+
+namespace tet {
+
+/// Does shards, one on each thread that calls it; none of it is on the engine's pool but
+/// counting, of which there is one at a time.
+///
+/// What a shard of the same mesh left is taken instead of being made again, whichever job had
+/// it made, unless the job says otherwise.
+///
+/// Thread safety: any thread may call any member. What it refers to outlives it.
+class ShardMaker {
+ public:
+  ShardMaker(MeshEngine& engine, JobStore& jobs, ResultStore& results)
+      : engine_(engine), jobs_(jobs), results_(results) {}
+
+  /// Does the shard and commits it. Errors: what the shard fails with; kAborted (LEASE_LOST);
+  /// kCancelled (`watch`).
+  absl::Status run(const ShardLease& lease, const std::shared_ptr<PlanningWatch>& watch);
+
+  /// Whether a shard that failed so may succeed when it is tried again.
+  static bool is_worth_another_try(const absl::Status& error);
+
+ private:
+  struct Shard;
+
+  absl::Status plan(const Shard& shard);
+  absl::Status mesh(const Shard& shard);
+  bool is_stored(const std::string& space, const v1::MeshHeader& header) const;
+  absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
+  absl::StatusOr<PlannedMesh> count(const Shard& shard);
+  absl::StatusOr<std::vector<ChunkDigest>> make_chunks(const Shard& shard,
+                                                       const PlannedMesh& planned,
+                                                       MeshFolder& folder);
+
+  MeshEngine& engine_;
+  JobStore& jobs_;
+  ResultStore& results_;
+  std::mutex counting_;
+};
+
+}  // namespace tet

@@ -1,0 +1,17 @@
+// Where jobs are kept, by name.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "server/jobs/job_store.h"
+
+namespace tet {
+
+/// Opens `where`: a postgresql:// address (or postgres://), else a file of SQLite's. Errors:
+/// those of open_postgres_job_store and open_sqlite_job_store.
+absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& where);
+
+}  // namespace tet

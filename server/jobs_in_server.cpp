@@ -1,0 +1,56 @@
+#include "server/jobs_in_server.h"
+
+#include <filesystem>
+#include <unistd.h>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "server/jobs/open_job_store.h"
+
+namespace tet {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kOff[] = "off";
+constexpr char kFile[] = "jobs.sqlite";
+constexpr char kResults[] = "results";
+
+/// Whose leases these are, for people.
+std::string worker_name() {
+  char host[64] = {};
+  ::gethostname(host, sizeof host - 1);
+  return absl::StrCat(host, ":", ::getpid());
+}
+
+JobWorkerSettings worker_settings(const Config& config) {
+  return {worker_name(), static_cast<int>(config.job_workers),
+          absl::Seconds(config.job_lease_seconds)};
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobsAtWork>> JobsAtWork::open(const Config& config,
+                                                             MeshEngine& engine) {
+  if (config.jobs == kOff) return nullptr;
+  const fs::path folder = config.store;
+  auto jobs = open_job_store(config.jobs.empty() ? (folder / kFile).string() : config.jobs);
+  if (!jobs.ok()) return jobs.status();
+  auto results = ResultStore::open(folder / kResults, config.result_bytes);
+  if (!results.ok()) return results.status();
+  return std::make_unique<JobsAtWork>(config, engine, *std::move(jobs), *std::move(results));
+}
+
+JobsAtWork::JobsAtWork(const Config& config,
+                       MeshEngine& engine,
+                       std::unique_ptr<JobStore> jobs,
+                       std::unique_ptr<ResultStore> stored)
+    : store(std::move(jobs)),
+      results(std::move(stored)),
+      maker(engine, *store, *results),
+      house(*store, *results, absl::Hours(config.job_keep_hours)),
+      worker(*store, maker, worker_settings(config)) {}
+
+}  // namespace tet

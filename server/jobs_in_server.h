@@ -1,0 +1,50 @@
+// Batch jobs as a server has them: their service, over what a worker has too.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "server/config.h"
+#include "server/job_service/job_service.h"
+#include "server/job_work/job_house.h"
+#include "server/job_work/job_readings.h"
+#include "server/job_work/job_worker.h"
+
+namespace tet {
+
+/// The store of the jobs, their results, and whoever works on them, in the order in which they
+/// are needed. The engine outlives it.
+struct JobsAtWork {
+  /// Null where the settings turn jobs off. Errors: those of open_job_store and
+  /// ResultStore::open.
+  static absl::StatusOr<std::unique_ptr<JobsAtWork>> open(const Config& config,
+                                                          MeshEngine& engine);
+
+  JobsAtWork(const Config& config,
+             MeshEngine& engine,
+             std::unique_ptr<JobStore> jobs,
+             std::unique_ptr<ResultStore> stored);
+
+  std::vector<Reading> readings() const { return read_jobs(*store, *results, worker); }
+
+  const std::unique_ptr<JobStore> store;
+  const std::unique_ptr<ResultStore> results;
+  ShardMaker maker;
+  JobHouse house;
+  JobWorker worker;
+};
+
+struct JobsInServer {
+  JobsInServer(std::unique_ptr<JobsAtWork> at_work, MeshEngine& engine, GridStore& grids)
+      : work(std::move(at_work)),
+        desk(engine, *work->store, *work->results),
+        service(desk, grids) {}
+
+  const std::unique_ptr<JobsAtWork> work;
+  JobDesk desk;
+  JobService service;
+};
+
+}  // namespace tet

@@ -1,0 +1,104 @@
+#include "server/mesh_stream.h"
+
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "proto/wire/serialized.h"
+#include "server/mesh_events.h"
+#include "server/status.h"
+
+namespace tet {
+
+namespace {
+
+absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
+  v1::StreamMeshRequest message;
+  if (!deserialize(request, message)) {
+    return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
+                       "MALFORMED");
+  }
+  return parse_stream_request(message);
+}
+
+}  // namespace
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
+    MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
+  const std::shared_ptr<MeshStream> stream(new MeshStream(engine, context));
+  auto order = parse(request);
+  if (order.ok()) stream->order_ = *std::move(order);
+  return ChunkStream::start(stream, order.status());
+}
+
+void MeshStream::admitted() {
+  if (!order_.mesh.digest.empty()) call_.note("grid", order_.mesh.digest);
+  order_.mesh.space = call_.space();
+  watch_progress();
+}
+
+void MeshStream::open() {
+  engine_.planner.plan(call_.client(), order_.mesh, watch_,
+                       [self = self()](absl::StatusOr<PlannedMesh> planned) {
+                         self->plan_base(std::move(planned));
+                       });
+}
+
+void MeshStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
+  if (!planned.ok()) return begin(planned.status());
+  planned_ = *std::move(planned);
+  source_ = {planned_.plan, nullptr, order_.compact};
+  if (order_.base_digest.empty()) return begin(check_mesh());
+  MeshOrder base = order_.mesh;
+  base.digest = order_.base_digest;
+  engine_.planner.plan(call_.client(), std::move(base), watch_,
+                       [self = self()](absl::StatusOr<PlannedMesh> planned_base) {
+                         self->find_patches(planned_base);
+                       });
+}
+
+/// A base that is not what the client has, or not here any more, is no reason to fail.
+void MeshStream::find_patches(const absl::StatusOr<PlannedMesh>& base) {
+  if (base.ok() && base->mesh_id == order_.base_mesh_id) {
+    source_.patch = MeshPatch::between(*base->plan, planned_.plan);
+  }
+  begin(check_mesh());
+}
+
+absl::Status MeshStream::check_mesh() const {
+  if (order_.expected_mesh_id.empty() || order_.expected_mesh_id == planned_.mesh_id) {
+    return absl::OkStatus();
+  }
+  return with_reason(
+      absl::FailedPreconditionError(absl::StrCat("expected_mesh_id ", order_.expected_mesh_id,
+                                                 " is not this mesh's, ", planned_.mesh_id)),
+      "OTHER_MESH");
+}
+
+void MeshStream::begin(const absl::Status& planned) {
+  begin_chunks(planned, order_.start_chunk, order_.end_chunk);
+}
+
+/// How long planning took, and what of.
+void MeshStream::note_opening() {
+  engine_.calls.metrics().planned(call_.seconds());
+  call_.note("plan_ms", 1e3 * call_.seconds());
+  if (planned_.plan != nullptr) call_.note("mesh_id", planned_.mesh_id);
+}
+
+v1::MeshEvent MeshStream::header() const { return header_event(planned_, source_); }
+
+absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
+  ChunkMessage made =
+      make_chunk(source_, index, {engine_.workspaces, engine_.blocks}, std::move(block));
+  engine_.activity.chunks_made.fetch_add(1);
+  return made;
+}
+
+v1::MeshEvent MeshStream::trailer(std::uint64_t first,
+                                  std::uint64_t end,
+                                  const QualityStats& quality) const {
+  return trailer_event(source_, first, end, quality);
+}
+
+}  // namespace tet

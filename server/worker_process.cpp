@@ -1,0 +1,69 @@
+#include "server/worker_process.h"
+
+#include <utility>
+
+#include "server/jobs_in_server.h"
+#include "server/metrics_port.h"
+#include "server/process_metrics.h"
+#include "server/server_readings.h"
+
+namespace tet {
+
+// In the order they are needed; destroyed in the other.
+struct WorkerProcess::Parts {
+  Parts(Config settings, std::unique_ptr<Access> nobody, std::unique_ptr<GridStore> grids)
+      : config(std::move(settings)), access(std::move(nobody)), store(std::move(grids)) {}
+
+  std::string metrics_text() const;
+
+  const Config config;
+  const std::unique_ptr<Access> access;  // of no calls: there are none
+  const std::unique_ptr<GridStore> store;
+  Admission admission{AdmissionLimits()};
+  CallRegistry calls{*access, admission};
+  MeshEngine engine{config, calls, *store};
+  std::unique_ptr<JobsAtWork> jobs;
+  std::unique_ptr<MetricsPort> metrics;
+};
+
+std::string WorkerProcess::Parts::metrics_text() const {
+  return calls.metrics().text([this] {
+    std::vector<Reading> readings = read_server(engine, *store);
+    for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
+    for (Reading& reading : read_process()) readings.push_back(std::move(reading));
+    return readings;
+  });
+}
+
+absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config& config) {
+  if (config.job_workers == 0) {
+    return absl::InvalidArgumentError("a worker needs job_workers of 1 or more");
+  }
+  auto grids = GridStore::open_beside_server(config.store);
+  if (!grids.ok()) return grids.status();
+  auto nobody = Access::open("");
+  if (!nobody.ok()) return nobody.status();
+  auto parts = std::make_unique<Parts>(config, *std::move(nobody), *std::move(grids));
+  auto jobs = JobsAtWork::open(parts->config, parts->engine);
+  if (!jobs.ok()) return jobs.status();
+  if (*jobs == nullptr) return absl::InvalidArgumentError("a worker needs jobs, which are off");
+  parts->jobs = *std::move(jobs);
+  if (!config.metrics_listen.empty()) {
+    auto metrics = MetricsPort::open(
+        config.metrics_listen,
+        {[raw = parts.get()] { return raw->metrics_text(); }, [] { return true; }});
+    if (!metrics.ok()) return metrics.status();
+    parts->metrics = *std::move(metrics);
+  }
+  return std::unique_ptr<WorkerProcess>(new WorkerProcess(std::move(parts)));
+}
+
+WorkerProcess::WorkerProcess(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+WorkerProcess::~WorkerProcess() = default;
+
+std::string WorkerProcess::metrics_address() const {
+  return parts_->metrics == nullptr ? "" : parts_->metrics->address();
+}
+
+}  // namespace tet

@@ -1,0 +1,59 @@
+"""A connection to a server that breaks."""
+
+import socket
+import threading
+
+
+class CuttingLink:
+    """Passes bytes on to `address` and back. Each number of `cuts` is after how many bytes from the
+    server one connection breaks; those that come later do not."""
+
+    def __init__(self, address, cuts):
+        host, port = address.split(":")
+        self.target, self.cuts = (host, int(port)), list(cuts)
+        self.from_server = []  # bytes, of each connection
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.address = f"127.0.0.1:{self.listener.getsockname()[1]}"
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def close(self):
+        self.listener.close()
+
+    def accept(self):
+        while True:
+            try:
+                client, _ = self.listener.accept()
+            except OSError:
+                return
+            server = socket.create_connection(self.target)
+            limit = self.cuts.pop(0) if self.cuts else None
+            index = len(self.from_server)
+            self.from_server.append(0)
+            threading.Thread(target=self.up, args=(client, server), daemon=True).start()
+            threading.Thread(
+                target=self.down, args=(server, client, index, limit), daemon=True).start()
+
+    @staticmethod
+    def up(client, server):
+        try:
+            while data := client.recv(65536):
+                server.sendall(data)
+        except OSError:
+            pass
+        server.close()
+
+    def down(self, server, client, index, limit):
+        try:
+            while data := server.recv(65536):
+                client.sendall(data)
+                self.from_server[index] += len(data)
+                if limit is not None and self.from_server[index] >= limit:
+                    break
+        except OSError:
+            pass
+        for end in (client, server):
+            try:
+                end.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+            end.close()

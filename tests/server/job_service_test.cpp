@@ -1,0 +1,239 @@
+// Batch jobs as clients meet them: a real tetstreamd, killed and started again.
+#include <algorithm>
+#include <fstream>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "tests/server/job_server.h"
+#include "tests/server/reason_of.h"
+
+namespace tet::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class JobServiceTest : public testing::Test {
+ protected:
+  /// Files of stored chunks.
+  std::vector<fs::path> stored_chunks() const {
+    std::vector<fs::path> chunks;
+    for (const auto& file :
+         fs::recursive_directory_iterator(server_.folder.file("store/results"))) {
+      if (file.is_regular_file() && file.file_size() > 10'000) chunks.push_back(file.path());
+    }
+    return chunks;
+  }
+
+  JobServer server_{TETSTREAMD_PATH};
+  const grpc::Status& status_ = server_.status;
+};
+
+TEST_F(JobServiceTest, MakesWhatAStreamSendsByteForByte) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(16));
+  const v1::Job done = server_.wait(job);
+  ASSERT_EQ(done.state(), v1::JOB_STATE_SUCCEEDED) << done.DebugString();
+  EXPECT_EQ(done.progress().done_chunks(), done.header().chunk_count());
+  EXPECT_FALSE(done.cached());
+  const std::int64_t count = done.header().chunk_count();
+  ASSERT_GT(count, 4);
+  EXPECT_EQ(server_.result(job), server_.stream(job));
+  EXPECT_EQ(server_.result(job, 1, 3), server_.stream(job, 1, 3));
+  EXPECT_EQ(server_.result(job, count - 1, count), server_.stream(job, count - 1, count));
+  EXPECT_TRUE(status_.ok());
+  server_.result(job, 1, count + 1);
+  EXPECT_EQ(reason_of(status_), "tetstream/CHUNK_RANGE");
+}
+
+TEST_F(JobServiceTest, MakesOneJobOfOneRequest) {
+  server_.start({"--job-workers", "0"});
+  v1::Job wanted = server_.ball(4);
+  const v1::Job job = server_.create(wanted, "once");
+  EXPECT_EQ(job.state(), v1::JOB_STATE_QUEUED);
+  EXPECT_EQ(job.queue_position(), 0);
+  EXPECT_EQ(server_.create(wanted, "once").name(), job.name());
+  wanted.set_priority(1);
+  server_.create(wanted, "once");
+  EXPECT_EQ(reason_of(status_), "tetstream/REQUEST_ID_REUSED");
+}
+
+TEST_F(JobServiceTest, RefusesWhatOnlyTheServerMaySay) {
+  server_.start({"--job-workers", "0"});
+  v1::Job wanted = server_.ball(4);
+  wanted.set_state(v1::JOB_STATE_SUCCEEDED);
+  server_.create(wanted);
+  EXPECT_EQ(status_.error_message(), "state is set by the server");
+}
+
+TEST_F(JobServiceTest, FinishesAJobAlthoughItIsKilledInTheMiddle) {
+  server_.start({"--job-workers", "1"});
+  const v1::Job job = server_.create(server_.ball(24));
+  server_.watch(job, JobServer::has_a_shard);
+  server_.process->send(SIGKILL);
+  server_.process->wait();
+  server_.start();
+  const v1::Job done = server_.wait(job);
+  ASSERT_EQ(done.state(), v1::JOB_STATE_SUCCEEDED) << done.DebugString();
+  EXPECT_EQ(done.determinism_alarms(), 0);
+  EXPECT_EQ(server_.result(job), server_.stream(job));
+}
+
+TEST_F(JobServiceTest, GivesItsShardsBackWhenItIsStopped) {
+  server_.start({"--job-workers", "1", "--job-lease-seconds", "600"});
+  const v1::Job job = server_.create(server_.ball(24));
+  server_.watch(job, JobServer::has_a_shard);
+  server_.process->send(SIGTERM);
+  EXPECT_EQ(server_.process->wait(), 0);
+  server_.start();
+  EXPECT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
+TEST_F(JobServiceTest, StopsAJobAndGoesOnWithItWhenAsked) {
+  server_.start({"--job-workers", "0"});
+  const v1::Job job = server_.create(server_.ball(8));
+  server_.result(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/JOB_NOT_SUCCEEDED");
+  const v1::Job cancelled = server_.cancel(job);
+  EXPECT_EQ(cancelled.state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(cancelled.error().code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(server_.wait(job).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(server_.retry(job).state(), v1::JOB_STATE_QUEUED);
+  server_.start();
+  EXPECT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  server_.retry(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/JOB_SUCCEEDED");
+}
+
+TEST_F(JobServiceTest, SaysWhyAJobWasNotDoneInTime) {
+  server_.start({"--job-workers", "0"});
+  v1::Job wanted = server_.ball(4);
+  wanted.mutable_ttl()->set_nanos(1'000'000);
+  const v1::Job expired = server_.wait(server_.create(wanted));
+  EXPECT_EQ(expired.state(), v1::JOB_STATE_EXPIRED);
+  EXPECT_EQ(expired.error().code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
+TEST_F(JobServiceTest, SaysWhyAMeshCannotBeMade) {
+  server_.start();
+  v1::Job wanted = server_.ball(4);
+  wanted.mutable_mesh()->set_iso(-100);
+  const v1::Job failed = server_.wait(server_.create(wanted));
+  EXPECT_EQ(failed.state(), v1::JOB_STATE_FAILED);
+  google::rpc::ErrorInfo info;
+  ASSERT_GT(failed.error().details_size(), 0);
+  ASSERT_TRUE(failed.error().details(0).UnpackTo(&info));
+  EXPECT_EQ(info.reason(), "NOTHING_TO_MESH");
+  grpc::ClientContext context;
+  v1::ListDeadShardsRequest request;
+  request.set_name(failed.name());
+  v1::ListDeadShardsResponse dead;
+  EXPECT_TRUE(server_.jobs->ListDeadShards(&context, request, &dead).ok());
+  ASSERT_EQ(dead.shards_size(), 1);
+  EXPECT_EQ(dead.shards(0).attempts(), 1);
+}
+
+TEST_F(JobServiceTest, NoticesADamagedChunkAndMakesItAgain) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(16));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  const auto before = server_.result(job);
+  const fs::path chunk = stored_chunks().at(0);
+  std::fstream(chunk, std::ios::in | std::ios::out | std::ios::binary).seekp(5000) << "?!";
+  server_.result(job);
+  EXPECT_EQ(status_.error_code(), grpc::StatusCode::DATA_LOSS);
+  EXPECT_EQ(reason_of(status_), "tetstream/CHUNK_DAMAGED");
+  EXPECT_NE(server_.retry(job).state(), v1::JOB_STATE_SUCCEEDED);
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_EQ(server_.result(job), before);
+}
+
+TEST_F(JobServiceTest, TakesAStoredMeshUnlessItIsToMakeItAnew) {
+  server_.start();
+  v1::Job wanted = server_.ball(8);
+  const v1::Job first = server_.create(wanted);
+  EXPECT_FALSE(server_.wait(first).cached());
+  const v1::Job second = server_.create(wanted);
+  EXPECT_TRUE(server_.wait(second).cached());
+  EXPECT_EQ(server_.result(second), server_.result(first));
+  wanted.set_skip_cache(true);
+  const v1::Job third = server_.wait(server_.create(wanted));
+  EXPECT_FALSE(third.cached());
+  EXPECT_EQ(third.determinism_alarms(), 0);
+  EXPECT_EQ(server_.result(third), server_.result(first));
+}
+
+TEST_F(JobServiceTest, TellsEachChangeOnceAlsoToWhoeverComesBack) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(8));
+  const auto all = server_.watch(job, JobServer::is_finished);
+  ASSERT_GT(all.size(), 3U);
+  EXPECT_EQ(all.front().change(), v1::JOB_CHANGE_CREATED);
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    EXPECT_GT(all[i].revision(), all[i - 1].revision());
+    EXPECT_EQ(all[i].version(), all[i - 1].version() + 1);
+  }
+  const auto rest = server_.watch(job, JobServer::is_finished, all[1].revision());
+  ASSERT_EQ(rest.size(), all.size() - 2);
+  EXPECT_EQ(rest[0].revision(), all[2].revision());
+}
+
+TEST_F(JobServiceTest, EndsAWatchWhenItsJobIsDeleted) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(4));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  std::thread deletes([&] {
+    grpc::ClientContext context;
+    v1::DeleteJobRequest request;
+    request.set_name(job.name());
+    google::protobuf::Empty nothing;
+    EXPECT_TRUE(server_.jobs->DeleteJob(&context, request, &nothing).ok());
+  });
+  const auto events = server_.watch(job, [](const auto&) { return false; });
+  deletes.join();
+  EXPECT_TRUE(status_.ok()) << status_.error_message();
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.back().change(), v1::JOB_CHANGE_DELETED);
+  server_.get(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/JOB_NOT_FOUND");
+}
+
+TEST_F(JobServiceTest, ListsJobsPageByPage) {
+  server_.start({"--job-workers", "0"});
+  const v1::Job wanted = server_.ball(4);
+  std::vector<std::string> created;
+  for (int i = 0; i < 3; ++i) created.push_back(server_.create(wanted).name());
+  std::vector<std::string> listed;
+  v1::ListJobsRequest request;
+  request.set_page_size(2);
+  do {
+    grpc::ClientContext context;
+    v1::ListJobsResponse page;
+    ASSERT_TRUE(server_.jobs->ListJobs(&context, request, &page).ok());
+    for (const v1::Job& job : page.jobs()) {
+      listed.push_back(job.name());
+      EXPECT_EQ(job.mesh().name(), wanted.mesh().name());
+    }
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  std::reverse(created.begin(), created.end());
+  EXPECT_EQ(listed, created);
+}
+
+TEST_F(JobServiceTest, LetsWorkersDoItAlthoughOneIsKilled) {
+  server_.start({"--job-workers", "0"});
+  auto killed = server_.start_worker({"--job-workers", "1"});
+  const v1::Job job = server_.create(server_.ball(24));
+  server_.watch(job, JobServer::has_a_shard);
+  killed.reset();
+  const auto other = server_.start_worker();
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_EQ(server_.result(job), server_.stream(job));
+  other->send(SIGTERM);
+  EXPECT_EQ(other->wait(), 0);
+}
+
+}  // namespace
+}  // namespace tet::test
