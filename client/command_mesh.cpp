@@ -1,4 +1,4 @@
-// `tetstream mesh`: a volume or a closed surface in, a mesh file out.
+// `tetstream mesh`: a volume, a closed surface or a scene in, a mesh file out.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -15,6 +15,7 @@
 #include "client/mesh_report.h"
 #include "client/read_grids.h"
 #include "client/request_options.h"
+#include "client/scene_input.h"
 #include "client/server_options.h"
 #include "client/stopwatch.h"
 
@@ -38,6 +39,8 @@ Examples:
       a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
       a closed surface; it becomes a level set with voxels of 0.1 first
+  tetstream mesh part.json -o part.vtu --spacing 0.05
+      a scene: solids as formulas, put together; docs/scenes.md
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
@@ -53,7 +56,7 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
   app.footer(kExamples);
   app.add_option("INPUT", options.input,
-                 "A .vdb volume, or a closed .obj, .stl or .ply surface")
+                 "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
       ->required();
   app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
       ->required();
@@ -68,6 +71,18 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
   describe_server(app, arguments.server);
+}
+
+/// Scenes have neither grids nor voxels.
+absl::Status check_scene_options(const MeshOptions& options) {
+  if (!options.grid.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", options.grid, ": a scene has no grids"));
+  }
+  if (options.voxel) {
+    return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
+  }
+  return absl::OkStatus();
 }
 
 absl::Status check_encoding(const MeshOptions& options) {
@@ -90,7 +105,9 @@ absl::Status check_trust(const MeshOptions& options) {
 
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
-  absl::Status status = check_mesh_input({options.input, options.grid, options.voxel});
+  absl::Status status = is_scene_file(options.input)
+                            ? check_scene_options(options)
+                            : check_mesh_input({options.input, options.grid, options.voxel});
   if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = check_trust(options);
   if (status.ok()) status = mesh_format_of(options.output).status();

@@ -4,6 +4,7 @@
 
 #include "client/mesh_maker.h"
 #include "client/read_grids.h"
+#include "client/scene_input.h"
 #include "client/stopwatch.h"
 #include "client/surface_input.h"
 #include "core/base/parallel.h"
@@ -22,13 +23,27 @@ absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& 
   return std::move(converted->volume);
 }
 
-absl::StatusOr<Volume> read_input(const MeshOptions& options,
-                                  ProgressBar& bar,
-                                  const Cancellation& interruption) {
-  bar.begin("reading");
+absl::StatusOr<Volume> read_grid(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
   if (is_surface_file(options.input)) return convert_surface(options, bar);
   return read_volume(options.input, options.grid,
                      options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
+}
+
+/// Takes what was read.
+template <class Input>
+absl::StatusOr<Shape> shared(absl::StatusOr<Input> read) {
+  if (!read.ok()) return read.status();
+  return std::make_shared<const Input>(*std::move(read));
+}
+
+absl::StatusOr<Shape> read_input(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
+  bar.begin("reading");
+  return is_scene_file(options.input) ? shared(read_scene(options.input))
+                                      : shared(read_grid(options, bar, interruption));
 }
 
 }  // namespace
@@ -38,9 +53,9 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
                                         const Cancellation& interruption) {
   Stopwatch watch;
   TaskPool pool(options.threads);
-  absl::StatusOr<Volume> volume = absl::UnknownError("not read");
-  pool.run([&] { volume = read_input(options, bar, interruption); });
-  if (!volume.ok()) return volume.status();
+  absl::StatusOr<Shape> input = absl::UnknownError("not read");
+  pool.run([&] { input = read_input(options, bar, interruption); });
+  if (!input.ok()) return input.status();
   const double reading_seconds = watch.lap();
 
   bar.begin("planning");
@@ -50,8 +65,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     bar.update(fraction, 1);
   };
   absl::StatusOr<MeshResult> result =
-      mesh_volume(pool, std::make_shared<const Volume>(*std::move(volume)), options.request,
-                  MeshLimits{}, interruption, show);
+      mesh_volume(pool, *std::move(input), options.request, MeshLimits{}, interruption, show);
   if (!result.ok()) return result.status();
   MadeMesh made{
       .mesh = std::move(result->mesh),

@@ -7,6 +7,7 @@
 #include "client/mesh_input.h"
 #include "client/mesh_maker.h"
 #include "client/request_options.h"
+#include "client/scene_input.h"
 #include "client/stopwatch.h"
 
 namespace tet {
@@ -25,6 +26,23 @@ absl::StatusOr<std::string> upload(MeshClient& client,
                           .say = [&](const std::string& line) { bar.say(line); }};
   return upload_input(client, {options.input, options.grid, options.voxel}, watch,
                       interruption);
+}
+
+/// The request for the input, once the server has what it needs of it.
+absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
+                                                const MeshOptions& options,
+                                                ProgressBar& bar,
+                                                const Cancellation& interruption) {
+  if (is_scene_file(options.input)) {
+    absl::StatusOr<v1::Scene> scene = read_scene_file(options.input);
+    if (!scene.ok()) return scene.status();
+    v1::MeshRequest request = wire_request(options.request, "", "");
+    *request.mutable_scene() = *std::move(scene);
+    return request;
+  }
+  const absl::StatusOr<std::string> name = upload(client, options, bar, interruption);
+  if (!name.ok()) return name.status();
+  return wire_request(options.request, *name, options.grid);
 }
 
 /// Shows both halves of a stream, and tells when the first ended.
@@ -67,14 +85,15 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
                                            ProgressBar& bar,
                                            const Cancellation& interruption) {
   Stopwatch watch;
-  const absl::StatusOr<std::string> name = upload(client, options, bar, interruption);
-  if (!name.ok()) return name.status();
+  const absl::StatusOr<v1::MeshRequest> request =
+      prepare_request(client, options, bar, interruption);
+  if (!request.ok()) return request.status();
   const double uploading_seconds = watch.lap();
 
   StreamWatch stream(bar);
-  absl::StatusOr<StreamedMesh> streamed = client.stream_mesh(
-      wire_request(options.request, *name, options.grid), stream.callbacks(), interruption,
-      options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
+  absl::StatusOr<StreamedMesh> streamed =
+      client.stream_mesh(*request, stream.callbacks(), interruption,
+                         options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
   if (!streamed.ok()) return streamed.status();
   return made_of(*std::move(streamed), stream.stages(uploading_seconds));
 }

@@ -60,11 +60,11 @@ absl::Status check_mesh_input(const MeshInput& input) {
   if (absl::EndsWith(name, ".json")) {
     return absl::InvalidArgumentError(absl::StrCat(
         input.path,
-        " is a scene; scenes cannot be meshed yet, only .vdb, .obj, .stl and .ply"));
+        " is a scene: `tetstream mesh` takes it, and jobs take .vdb, .obj, .stl and .ply"));
   }
   if (!absl::EndsWith(name, ".vdb")) {
     return absl::InvalidArgumentError(
-        absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl or .ply"));
+        absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl, .ply or .json"));
   }
   if (input.voxel) {
     return absl::InvalidArgumentError(

@@ -44,7 +44,8 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
   app.add_option("--grid", arguments.grid, "Grid of the .vdb [its only meshable one]");
   app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
   app.add_option("--spacing", request.spacing,
-                 "Finest lattice spacing, world units [voxel size]");
+                 "Finest lattice spacing, world units [voxel size; of a scene its longest "
+                 "extent / 128]");
   app.add_option("--levels", request.levels,
                  "Coarser octree levels inside; 0 is uniform [all]");
   app.add_option("--preset", arguments.preset,
@@ -53,7 +54,7 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
       ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
   app.add_option("--box", arguments.box,
                  "How far both-sides meshes, world units, rounded outward to 8 spacings [all "
-                 "that the grid stores]")
+                 "that the grid stores or the scene reaches]")
       ->type_name("X0 Y0 Z0 X1 Y1 Z1");
   app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
   app.add_flag("--improve", request.improve,

@@ -38,7 +38,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
     const absl::Status status = admitted.ok() ? within_field("mesh", order.status()) : admitted;
     if (!status.ok()) return Finish(call_.finish(status));
     order_ = *std::move(order);
-    call_.note("grid", order_.digest);
+    if (!order_.digest.empty()) call_.note("grid", order_.digest);
     order_.space = call_.space();
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order_.request.improve, false);

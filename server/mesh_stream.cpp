@@ -32,7 +32,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
 }
 
 void MeshStream::admitted() {
-  call_.note("grid", order_.mesh.digest);
+  if (!order_.mesh.digest.empty()) call_.note("grid", order_.mesh.digest);
   order_.mesh.space = call_.space();
   watch_progress();
 }

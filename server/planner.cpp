@@ -55,34 +55,42 @@ void Planner::plan(const std::string& client,
                    MeshOrder order,
                    std::shared_ptr<PlanningWatch> watch,
                    Done done) {
+  Job job{client, std::move(order), std::move(watch), std::move(done)};
+  if (job.order.scene == nullptr) return plan_grid(std::move(job));
+  job.shape = job.order.scene;
+  threads_.pool.post([this, job = std::move(job)] { plan_input(job); });
+}
+
+void Planner::plan_grid(Job job) {
+  const MeshOrder& order = job.order;
   auto grid = store_.acquire({order.space, order.digest});
   if (!grid.ok()) {
-    threads_.pool.post([done = std::move(done), status = grid.status()] { done(status); });
+    threads_.pool.post([done = std::move(job.done), status = grid.status()] { done(status); });
     return;
   }
   const VolumeKey key{order.space, order.digest, order.grid_name};
   const std::string path = (*grid)->path.string();
-  const auto cancelled = [watch] { return watch->cancellation.requested(); };
-  Job job{client, std::move(order), std::move(watch), std::move(done), *std::move(grid)};
+  const auto cancelled = [watch = job.watch] { return watch->cancellation.requested(); };
+  job.grid = *std::move(grid);
   volumes_.get(key, path, cancelled, [this, job = std::move(job)](const auto& volume) mutable {
     if (!volume.ok()) {
       const StoredGrid& file = *job.grid;
       if (absl::IsDataLoss(volume.status())) store_.set_aside(job.grid);
       return job.done(about_file(volume.status(), file.key.digest, file.path.string()));
     }
-    job.volume = *volume;
-    plan_volume(std::move(job));
+    job.shape = *volume;
+    plan_input(std::move(job));
   });
 }
 
 /// On the pool.
-void Planner::plan_volume(Job job) {
-  const std::string mesh_id = mesh_id_of(canonical_request(job.order, *job.volume, nullptr));
+void Planner::plan_input(Job job) {
+  const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
   job.name = absl::StrCat(job.order.space, " ", mesh_id);
   auto plan = plans_.recall(job.name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return job.done(job.planned(std::move(plan)));
-  const bool large = estimate_bricks_to_plan(*job.volume, job.order.request) > kLargePlanBricks;
+  const bool large = estimate_bricks_to_plan(job.shape, job.order.request) > kLargePlanBricks;
   const std::string client = job.client;
   auto work = [this, job = std::move(job)] {
     auto made = make_plan(job);
@@ -93,7 +101,7 @@ void Planner::plan_volume(Job job) {
 }
 
 PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
-  v1::MeshRequest canonical = canonical_request(order, *volume, &plan->header());
+  v1::MeshRequest canonical = canonical_request(order, shape, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
   return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
 }
@@ -103,7 +111,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& jo
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
   if (auto plan = plans_.recall(job.name)) return plan;
   running_.fetch_add(1);
-  auto plan = plan_mesh(job.volume, job.order.request, limits_, job.watch->cancellation,
+  auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
                         &job.watch->progress);
   running_.fetch_sub(1);
   give_back_free_memory();

@@ -1,4 +1,5 @@
-// From a valid order to a counted mesh: find the file, load the grid, plan; each step once.
+// From a valid order to a counted mesh: find the file, load the grid, plan; each step once. A
+// scene is only planned.
 #pragma once
 
 #include <atomic>
@@ -25,7 +26,7 @@ struct PlannedMesh {
   std::shared_ptr<const MeshPlan> plan;
   v1::MeshRequest canonical;
   std::string mesh_id;
-  GridLease grid;  ///< keeps the file from being evicted
+  GridLease grid;  ///< keeps the file from being evicted; null of a scene
 };
 
 /// What a caller of the planner shares with the work done for it; outlives both by shared_ptr.
@@ -55,7 +56,7 @@ struct PlannerThreads {
 };
 
 /// Plans meshes and remembers the last few, so that a resumed stream starts at once. Plans that
-/// look long from the volume's numbers are made apart from short ones.
+/// look long from the shape's numbers are made apart from short ones.
 ///
 /// Thread safety: any thread may call any member. The pools are not used before the first
 /// `plan`; their tasks must have ended before the planner is destroyed.
@@ -87,14 +88,15 @@ class Planner {
     MeshOrder order;
     std::shared_ptr<PlanningWatch> watch;
     Done done;
-    GridLease grid;
-    std::shared_ptr<const Volume> volume = nullptr;
+    GridLease grid = nullptr;  ///< null where there is a scene
+    Shape shape = {};
     std::string name = {};  ///< of the plan
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
   };
 
-  void plan_volume(Job job);
+  void plan_grid(Job job);
+  void plan_input(Job job);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job);
 
   const PlannerThreads threads_;

@@ -1,10 +1,12 @@
 #include "server/request.h"
 
 #include <cmath>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "proto/scene/scene_message.h"
 #include "proto/wire/sha256.h"
 #include "server/status.h"
 
@@ -111,6 +113,44 @@ std::string exact_text(const v1::MeshRequest& request) {
                          max.z());
 }
 
+/// What grids have and scenes have not.
+absl::Status check_scene_alone(const v1::MeshRequest& request) {
+  if (!request.name().empty()) {
+    return invalid_field("name is set beside scene: mesh one or the other");
+  }
+  if (!request.grid_name().empty()) {
+    return invalid_field("grid_name is set, but a scene has no grids");
+  }
+  if (!request.has_iso()) return absl::OkStatus();
+  return invalid_field(absl::StrCat(
+      "iso ", request.iso(),
+      " is for grids: a scene has its surface at 0, and a node `offset` moves it"));
+}
+
+absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order) {
+  if (auto status = check_scene_alone(request); !status.ok()) return status;
+  absl::StatusOr<Scene> scene = scene_of_message(request.scene());
+  absl::Status status = scene.status();
+  if (status.ok() && !request.has_box()) status = check_ends(*scene);
+  if (!status.ok()) return within_field("scene", invalid_field(std::string(status.message())));
+  if (!request.has_spacing() && !scene->ends()) {
+    return invalid_field("spacing must be set where the scene has no end");
+  }
+  order.scene = std::make_shared<const Scene>(*std::move(scene));
+  order.scene_message = request.scene();
+  order.scene_message.DiscardUnknownFields();
+  return absl::OkStatus();
+}
+
+absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
+  if (request.has_scene()) return parse_scene(request, order);
+  absl::StatusOr<std::string> digest = parse_grid_name(request.name());
+  if (!digest.ok()) return digest.status();
+  order.digest = *std::move(digest);
+  order.grid_name = request.grid_name();
+  return absl::OkStatus();
+}
+
 std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t>(count); }
 
 }  // namespace
@@ -123,8 +163,8 @@ absl::StatusOr<std::string> parse_grid_name(const std::string& name) {
 }
 
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
-  const auto digest = parse_grid_name(request.name());
-  if (!digest.ok()) return digest.status();
+  MeshOrder order;
+  if (const auto status = parse_input(request, order); !status.ok()) return status;
   if (const auto status = check_numbers(request); !status.ok()) return status;
   const auto preset = parse_preset_field(request.preset());
   if (!preset.ok()) return preset.status();
@@ -133,7 +173,6 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
 
-  MeshOrder order{*digest, request.grid_name(), {}};
   if (request.has_spacing()) order.request.spacing = request.spacing();
   if (request.has_iso()) order.request.iso = request.iso();
   if (request.has_levels()) order.request.levels = request.levels();
@@ -176,6 +215,9 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }
   if (request.base_name().empty()) return order;
+  if (order.mesh.scene != nullptr) {
+    return invalid_field("base_name is for grids: a scene's mesh is sent whole");
+  }
   if (compact) {
     return invalid_field("base_name is for ENCODING_PLAIN: compact chunks carry whole meshes");
   }
@@ -187,14 +229,17 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
 }
 
 v1::MeshRequest canonical_request(const MeshOrder& order,
-                                  const Volume& volume,
+                                  const Shape& shape,
                                   const MeshHeader* header) {
   v1::MeshRequest canonical;
-  canonical.set_name(name_of_grid(order.digest));
-  canonical.set_grid_name(volume.name);
-  canonical.set_spacing(order.request.spacing.value_or(volume.transform.voxel_size));
-  canonical.set_iso(
-      order.request.iso.value_or(volume.kind == VolumeKind::kFogVolume ? 0.5 : 0.0));
+  if (const Volume* volume = volume_of(shape)) {
+    canonical.set_name(name_of_grid(order.digest));
+    canonical.set_grid_name(volume->name);
+    canonical.set_iso(order.request.iso.value_or(default_iso(shape)));
+  } else {
+    *canonical.mutable_scene() = order.scene_message;
+  }
+  canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
@@ -215,6 +260,7 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       exact_text(canonical), canonical.grid_name()));
+  if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include <absl/status/statusor.h>
@@ -13,6 +14,7 @@
 #include "core/mesh/quality.h"
 #include "core/mesh/splice.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/shape.h"
 #include "core/pipeline/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
@@ -23,10 +25,12 @@ namespace v1 = ::tetstream::v1;
 
 /// A valid request for a mesh.
 struct MeshOrder {
-  std::string digest;     ///< of the grid file
+  std::string digest;     ///< of the grid file; empty where there is a scene
   std::string grid_name;  ///< within it; may be empty
   MeshRequest request;
   std::string space = {};  ///< the caller's namespace, from whoever knows the call
+  std::shared_ptr<const Scene> scene = nullptr;
+  v1::Scene scene_message = {};  ///< the same, as it was sent
 };
 
 /// A valid request for chunks of it.
@@ -45,14 +49,14 @@ absl::StatusOr<std::string> parse_grid_name(const std::string& name);
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
 
-/// The request with every default filled in, but for a box: without one it is the grid's
-/// extent. `coordinates` stays unset only if `header` is null.
+/// The request with every default filled in, but for a box: without one it is the
+/// shape's extent. `coordinates` stays unset only if `header` is null.
 v1::MeshRequest canonical_request(const MeshOrder& order,
-                                  const Volume& volume,
+                                  const Shape& shape,
                                   const MeshHeader* header);
 
-/// A mesh's name: the same for the same bytes. SHA-256 over digest, canonical request and
-/// algorithm version, as 64 hexadecimal digits.
+/// A mesh's name: the same for the same bytes. SHA-256 over digest or scene, canonical
+/// request and algorithm version, as 64 hexadecimal digits.
 std::string mesh_id_of(const v1::MeshRequest& canonical);
 
 v1::CoordinateType to_proto(CoordinateType type);

@@ -9,6 +9,8 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/scene/scene.h"
+
 namespace tet {
 namespace {
 
@@ -71,6 +73,22 @@ absl::StatusOr<LatticeBox> all_that_is_stored(const PhiField& field) {
   };
 }
 
+/// All that is inside of a scene, and a few cells around it: for rounding errors, and so that
+/// no face of the box touches the surface.
+absl::StatusOr<LatticeBox> all_that_is_reached(const PhiField& field) {
+  if (auto status = check_inside_ends(field); !status.ok()) return status;
+  const auto& [min, max] = field.scene->extent;
+  if (!(min.x <= max.x)) {
+    return absl::FailedPreconditionError("nothing of the scene is inside");
+  }
+  const double spacing = field.spacing_voxels;
+  constexpr double kAround = 2;
+  return LatticeBox{
+      {min.x / spacing - kAround, min.y / spacing - kAround, min.z / spacing - kAround},
+      {max.x / spacing + kAround, max.y / spacing + kAround, max.z / spacing + kAround}
+  };
+}
+
 /// The lattice's coordinates of a world point: `linear` is a rotation times the spacing.
 std::array<double, 3> to_lattice(const VoxelTransform& lattice, const WorldPoint& p) {
   const std::array<double, 3> from{p.x - lattice.translation[0], p.y - lattice.translation[1],
@@ -118,17 +136,19 @@ constexpr double kMostUnits = 512;
 
 absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
                                      const std::optional<WorldBox>& box) {
-  const absl::StatusOr<LatticeBox> asked =
-      box ? lattice_box(field, *box) : all_that_is_stored(field);
+  const absl::StatusOr<LatticeBox> asked = box                      ? lattice_box(field, *box)
+                                           : field.scene != nullptr ? all_that_is_reached(field)
+                                                                    : all_that_is_stored(field);
   if (!asked.ok()) return asked.status();
+  const char* what = box || field.scene == nullptr ? "box" : "scene";
   double longest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double reach = std::max(std::abs(asked->min[axis]), std::abs(asked->max[axis]));
     if (!(reach <= kMaxVoxelCoord / 2)) {
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "the box reaches %g spacings from the grid's origin; the limit is %d. Use a smaller "
-          "box or a larger spacing",
-          reach, kMaxVoxelCoord / 2));
+      return absl::InvalidArgumentError(
+          absl::StrFormat("the %s reaches %g spacings from the origin; the limit is %d. Use a "
+                          "larger spacing",
+                          what, reach, kMaxVoxelCoord / 2));
     }
     longest = std::max(longest, asked->max[axis] - asked->min[axis]);
   }

@@ -11,12 +11,12 @@
 
 namespace tet {
 
-/// `box`, or all that the volume stores, rounded outward to whole bricks of 8 finest cells; to
-/// larger powers of two where it is longer than 512 of them, so that the leaves at its faces
-/// may grow with it.
+/// `box`, or all that the volume stores or the scene reaches, rounded outward to whole bricks
+/// of 8 finest cells; to larger powers of two where it is longer than 512 of them, so that the
+/// leaves at its faces may grow with it.
 ///
 /// Errors: kInvalidArgument (a box that is empty, not finite or beyond index space),
-/// kFailedPrecondition (no box, and nothing is stored).
+/// kFailedPrecondition (no box, and nothing is stored, or no end).
 absl::StatusOr<BrickBox> mesh_domain(const PhiField& field, const std::optional<WorldBox>& box);
 
 }  // namespace tet

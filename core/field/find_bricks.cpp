@@ -14,6 +14,7 @@
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
 #include "core/field/region_signs.h"
+#include "core/scene/scene.h"
 
 namespace tet {
 namespace {
@@ -173,15 +174,6 @@ BrickBox lattice_box(const PhiField& field, const BrickBox& box, int reach) {
   };
 }
 
-absl::Status check_surface_bricks(double bricks, std::size_t most) {
-  if (bricks <= static_cast<double>(most)) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("about %.3g bricks of 8^3 cells or more lie near the surface; the limit "
-                      "is %d, as many as "
-                      "the memory for counting a mesh holds. Use a larger spacing",
-                      bricks, most));
-}
-
 /// How many lattice bricks a voxel brick meets at most, reaching out by its halo.
 double lattice_bricks_per_brick(const PhiField& field) {
   constexpr double kReach = 8 + 2;  // voxels, and as many cells
@@ -201,11 +193,6 @@ FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
     found.inside.push_back(lattice_box(field, box, 1));
   }
   return found;
-}
-
-double bricks_in(const BrickBox& box) {
-  return (box.max.x - box.min.x + 1.0) * (box.max.y - box.min.y + 1.0) *
-         (box.max.z - box.min.z + 1.0);
 }
 
 double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks) {
@@ -240,7 +227,17 @@ FoundBricks scan_regions(const PhiField& field,
 
 }  // namespace
 
+absl::Status check_surface_bricks(double bricks, std::size_t most) {
+  if (bricks <= static_cast<double>(most)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("about %.3g bricks of 8^3 cells or more lie near the surface; the limit "
+                      "is %d, as many as "
+                      "the memory for counting a mesh holds. Use a larger spacing",
+                      bricks, most));
+}
+
 absl::Status check_inside_ends(const PhiField& field) {
+  if (field.scene != nullptr) return check_ends(*field.scene);
   if (!(field.phi(field.volume->background) < 0)) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
       "the background value %g is inside at iso %g, so the inside has no end; choose another "

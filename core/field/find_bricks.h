@@ -18,6 +18,11 @@ struct BrickBox {
   BrickCoord min, max;
 };
 
+inline double bricks_in(const BrickBox& box) noexcept {
+  return (box.max.x - box.min.x + 1.0) * (box.max.y - box.min.y + 1.0) *
+         (box.max.z - box.min.z + 1.0);
+}
+
 /// Calls `visit(brick)` for each brick of a box.
 template <class Visit>
 void for_each_brick(const BrickBox& box, const Visit& visit) {
@@ -42,14 +47,18 @@ struct FoundBricks {
 /// A brick near the surface costs about 2 KiB until the mesh is made.
 inline constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
 
-/// Looks at value ranges only, brick by brick; reads no samples. Parallel.
+/// Of a volume. Looks at value ranges only, brick by brick; reads no samples. Parallel.
 /// Errors: kResourceExhausted (more than `most_bricks` near the surface), kFailedPrecondition
 /// (more space than can be looked at), kCancelled, kDeadlineExceeded.
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
                                         std::size_t most_bricks = kMaxSurfaceBricks,
                                         const Cancellation& cancellation = {});
 
-/// OK where the inside has an end: the background is outside. Error: kFailedPrecondition.
+/// OK, or kResourceExhausted where so many bricks near the surface are too many to keep.
+absl::Status check_surface_bricks(double bricks, std::size_t most);
+
+/// OK where the inside has an end: the background is outside, and no part of a scene goes on
+/// for ever. Errors: kFailedPrecondition (of a volume), those of check_ends (of a scene).
 absl::Status check_inside_ends(const PhiField& field);
 
 /// Leaves only what a mesh of both sides of `domain` needs: bricks near the surface in it and

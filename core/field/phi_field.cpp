@@ -5,7 +5,9 @@
 #include <cstring>
 
 #include "core/base/vector_clones.h"
+#include "core/field/scene_samples.h"
 #include "core/grid/interpolate_lattice.h"
+#include "core/scene/scene_evaluator.h"
 
 namespace tet {
 namespace {
@@ -85,13 +87,6 @@ class Surroundings {
   std::array<std::array<float, 8>, 27> constant_;
 };
 
-/// phi within what sums can bear; no zero has a sign.
-float clamped_phi(float phi) noexcept {
-  // One choice, by magnitude: clamping at both ends in turn is a branch to most compilers.
-  const float size = std::abs(phi);
-  return std::copysign(size < PhiField::kMaxPhi ? size : PhiField::kMaxPhi, phi) + 0.0F;
-}
-
 /// Makes phi of values, in as many slices as rows.
 TET_VECTOR_CLONES
 void shift_slices(std::size_t rows,
@@ -101,7 +96,7 @@ void shift_slices(std::size_t rows,
   for (std::size_t x = 0; x < rows; ++x) {
     float* const slice = &column[x * kSlice];
     for (std::size_t i = 0; i < rows * kRow; ++i) {
-      slice[i] = clamped_phi(sign * slice[i] + shift);
+      slice[i] = PhiField::clamped(sign * slice[i] + shift);
     }
   }
 }
@@ -127,11 +122,11 @@ void average_centres(BrickSamples& samples) noexcept {
 }  // namespace
 
 float PhiField::phi(float value) const noexcept {
-  return clamped_phi(negated() ? iso - value : value - iso);
+  return clamped(negated() ? iso - value : value - iso);
 }
 
 VoxelTransform PhiField::lattice_transform() const noexcept {
-  VoxelTransform transform = volume->transform;
+  VoxelTransform transform = voxel_transform();
   for (auto& row : transform.linear) {
     for (double& entry : row) entry *= spacing_voxels;
   }
@@ -139,8 +134,22 @@ VoxelTransform PhiField::lattice_transform() const noexcept {
   return transform;
 }
 
+PhiSampler::PhiSampler(const PhiField& field) : field_(field) {
+  if (field.scene == nullptr) {
+    reader_.emplace(*field.volume);
+  } else {
+    scene_ = std::make_unique<SceneEvaluator>(*field.scene);
+  }
+}
+
+PhiSampler::~PhiSampler() = default;
+PhiSampler::PhiSampler(PhiSampler&&) noexcept = default;
+PhiSampler& PhiSampler::operator=(PhiSampler&&) noexcept = default;
+
 void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
-  if (field_.at_voxels()) {
+  if (scene_ != nullptr) {
+    sample_scene(*scene_, field_.spacing_voxels, brick, samples);
+  } else if (field_.at_voxels()) {
     gather_values(brick, samples);
   } else {
     interpolate(brick, samples);
@@ -148,7 +157,7 @@ void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
 }
 
 void PhiSampler::gather_values(BrickCoord brick, BrickSamples& samples) noexcept {
-  Surroundings(reader_, brick).copy_rows(samples.corner);
+  Surroundings(*reader_, brick).copy_rows(samples.corner);
   shift_slices(kUsedRows, field_, samples.corner);
   average_centres(samples);
 }
@@ -158,7 +167,7 @@ void PhiSampler::interpolate(BrickCoord brick, BrickSamples& samples) noexcept {
     const auto points = [&](std::int32_t at) {
       return AxisPoints(8.0 * at + first, count, field_.spacing_voxels);
     };
-    interpolate_lattice(reader_, points(brick.x), points(brick.y), points(brick.z), column);
+    interpolate_lattice(*reader_, points(brick.x), points(brick.y), points(brick.z), column);
     shift_slices(count, field_, column);
   };
   fill(kMinNode, kUsedRows, samples.corner);
@@ -169,14 +178,15 @@ bool PhiSampler::inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept
   if (field_.at_voxels()) {
     const VoxelCoord voxel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
                            static_cast<std::int32_t>(z)};
-    return field_.phi(reader_.value(voxel)) < 0;
+    return field_.phi(reader_->value(voxel)) < 0;
   }
   return at(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)) < 0;
 }
 
 float PhiSampler::at(double x, double y, double z) noexcept {
   const double s = field_.spacing_voxels;
-  return field_.phi(static_cast<float>(reader_.trilinear({s * x, s * y, s * z})));
+  if (scene_ != nullptr) return PhiField::clamped(scene_->at({s * x, s * y, s * z}));
+  return field_.phi(static_cast<float>(reader_->trilinear({s * x, s * y, s * z})));
 }
 
 }  // namespace tet

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <memory>
+#include <optional>
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
@@ -11,22 +14,42 @@
 
 namespace tet {
 
-/// A volume seen at an iso value and a lattice spacing: phi = sign * (value - iso).
+struct Scene;
+class SceneEvaluator;
+
+/// A volume seen at an iso value and a lattice spacing: phi = sign * (value - iso). Or a scene,
+/// whose phi is its own, and whose voxels are world units.
 ///
 /// Lattice corner (i, j, k) lies at voxel `spacing_voxels` * (i, j, k); with spacing 1 corners
 /// sit on voxel centres and their samples are the stored values.
 struct PhiField {
   const Volume* volume = nullptr;
+  const Scene* scene = nullptr;  ///< instead of a volume
   float iso = 0;
   double spacing_voxels = 1;
 
   /// Larger values are cut to this, so that sums of eight stay finite.
   static constexpr float kMaxPhi = 1e37F;
 
-  bool at_voxels() const noexcept { return spacing_voxels == 1; }
-  bool negated() const noexcept { return volume->kind == VolumeKind::kFogVolume; }
+  bool at_voxels() const noexcept { return scene == nullptr && spacing_voxels == 1; }
+  /// Between two nodes lie voxels that they do not see.
+  bool coarser_than_voxels() const noexcept { return scene == nullptr && spacing_voxels > 1; }
+  bool negated() const noexcept {
+    return scene == nullptr && volume->kind == VolumeKind::kFogVolume;
+  }
   float phi(float value) const noexcept;
+  /// phi within what sums can bear; no zero has a sign.
+  template <class Real>
+  static float clamped(Real phi) noexcept {
+    // One choice, by magnitude: clamping at both ends in turn is a branch to most compilers.
+    const Real size = std::abs(phi), most = kMaxPhi;
+    return static_cast<float>(std::copysign(size < most ? size : most, phi)) + 0.0F;
+  }
 
+  /// world = linear * voxel + translation.
+  VoxelTransform voxel_transform() const noexcept {
+    return scene == nullptr ? volume->transform : VoxelTransform{};
+  }
   /// world = linear * lattice + translation, lattice in units of the spacing.
   VoxelTransform lattice_transform() const noexcept;
 };
@@ -44,7 +67,10 @@ struct BrickSamples {
 /// Samples phi. Not thread-safe: one per task.
 class PhiSampler {
  public:
-  explicit PhiSampler(const PhiField& field) : field_(field), reader_(*field.volume) {}
+  explicit PhiSampler(const PhiField& field);
+  ~PhiSampler();
+  PhiSampler(PhiSampler&&) noexcept;
+  PhiSampler& operator=(PhiSampler&&) noexcept;
 
   const PhiField& field() const noexcept { return field_; }
 
@@ -54,15 +80,19 @@ class PhiSampler {
   /// True when phi < 0 at a lattice corner.
   bool inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept;
 
-  /// Trilinear phi at a lattice point (units of the spacing).
+  /// phi at a lattice point (units of the spacing): trilinear, or the scene's.
   float at(double x, double y, double z) noexcept;
+
+  /// Of a scene, focused on the brick that was sampled last and its halo.
+  SceneEvaluator& scene() noexcept { return *scene_; }
 
  private:
   void gather_values(BrickCoord brick, BrickSamples& samples) noexcept;
   void interpolate(BrickCoord brick, BrickSamples& samples) noexcept;
 
   PhiField field_;
-  VolumeReader reader_;
+  std::optional<VolumeReader> reader_;     // of a volume
+  std::unique_ptr<SceneEvaluator> scene_;  // of a scene
 };
 
 }  // namespace tet

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/scene/scene_evaluator.h"
+
 namespace tet {
 namespace {
 
@@ -32,12 +34,15 @@ SurfaceProjector::SurfaceProjector(const PhiField& field,
                                    const LatticeToWorld& to_world,
                                    const MeshHeader& mesh)
     : field_(field),
-      reader_(*field.volume),
-      linear_(field.volume->transform.linear),
-      inverse_square_(
-          1 / (field.volume->transform.voxel_size * field.volume->transform.voxel_size)),
+      linear_(field.voxel_transform().linear),
+      inverse_square_(1 / std::pow(field.voxel_transform().voxel_size, 2)),
       spacing_(mesh.spacing),
       floats_(mesh.coordinate_type == CoordinateType::kFloat32) {
+  if (field.scene != nullptr) {
+    scene_ = std::make_unique<SceneEvaluator>(*field.scene);
+  } else {
+    reader_.emplace(*field.volume);
+  }
   const auto split = [&](std::int32_t lattice, std::int32_t& whole, double& rest) {
     const double voxel = field.spacing_voxels * lattice;
     whole = static_cast<std::int32_t>(std::floor(voxel));
@@ -46,6 +51,29 @@ SurfaceProjector::SurfaceProjector(const PhiField& field,
   split(to_world.origin.x, origin_.x, beyond_origin_.x);
   split(to_world.origin.y, origin_.y, beyond_origin_.y);
   split(to_world.origin.z, origin_.z, beyond_origin_.z);
+}
+
+SurfaceProjector::~SurfaceProjector() = default;
+SurfaceProjector::SurfaceProjector(SurfaceProjector&&) noexcept = default;
+SurfaceProjector& SurfaceProjector::operator=(SurfaceProjector&&) noexcept = default;
+
+/// The slope from differences over a small part of the spacing.
+PhiSlope SurfaceProjector::at_world(const WorldPoint& p) noexcept {
+  const double step = kTolerance * spacing_;
+  scene::Points points;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const auto moved = [&](std::size_t axis) {
+      return i == 2 * axis + 1 ? step : i == 2 * axis + 2 ? -step : 0;
+    };
+    points.x[i] = p.x + moved(0);
+    points.y[i] = p.y + moved(1);
+    points.z[i] = p.z + moved(2);
+  }
+  const double* phi = scene_->evaluate(points, 7);
+  const auto slope = [&](std::size_t i) { return (phi[i] - phi[i + 1]) / (2 * step); };
+  return {
+      phi[0], {slope(1), slope(3), slope(5)}
+  };
 }
 
 PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
@@ -57,6 +85,12 @@ PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
   const double x = beyond_origin_.x + along(0);
   const double y = beyond_origin_.y + along(1);
   const double z = beyond_origin_.z + along(2);
+  return scene_ != nullptr ? at_world({origin_.x + x, origin_.y + y, origin_.z + z})
+                           : at_voxel(x, y, z);
+}
+
+/// At a voxel relative to the origin.
+PhiSlope SurfaceProjector::at_voxel(double x, double y, double z) noexcept {
   const double cx = std::floor(x), cy = std::floor(y), cz = std::floor(z);
   const VoxelCoord cell{origin_.x + static_cast<std::int32_t>(cx),
                         origin_.y + static_cast<std::int32_t>(cy),
@@ -64,7 +98,7 @@ PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
   Trilinear values{};
   for (int i = 0; i < 8; ++i) {
     values.corner[static_cast<std::size_t>(i)] =
-        reader_.value({cell.x + (i >> 2), cell.y + (i >> 1 & 1), cell.z + (i & 1)});
+        reader_->value({cell.x + (i >> 2), cell.y + (i >> 1 & 1), cell.z + (i & 1)});
   }
   const PhiSlope voxel = values.at(x - cx, y - cy, z - cz);
   const double sign = field_.negated() ? -1 : 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "core/base/tet_geometry.h"
@@ -12,6 +13,8 @@
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
+
+class SceneEvaluator;
 
 /// phi at a point and how fast it grows there, per world unit.
 struct PhiSlope {
@@ -31,7 +34,11 @@ class SurfaceProjector {
                    const LatticeToWorld& to_world,
                    const MeshHeader& mesh);
 
-  /// Trilinear phi at a stored position.
+  ~SurfaceProjector();
+  SurfaceProjector(SurfaceProjector&&) noexcept;
+  SurfaceProjector& operator=(SurfaceProjector&&) noexcept;
+
+  /// phi at a stored position: trilinear, or the scene's.
   PhiSlope at(const WorldPoint& p) noexcept;
 
   bool is_on_surface(const PhiSlope& here) const noexcept;
@@ -44,8 +51,12 @@ class SurfaceProjector {
   WorldPoint rounded(const WorldPoint& p) const noexcept;
 
  private:
+  PhiSlope at_voxel(double x, double y, double z) noexcept;
+  PhiSlope at_world(const WorldPoint& p) noexcept;
+
   PhiField field_;
-  VolumeReader reader_;
+  std::optional<VolumeReader> reader_;           // of a volume
+  std::unique_ptr<SceneEvaluator> scene_;        // of a scene
   std::array<std::array<double, 3>, 3> linear_;  // voxels to stored positions
   double inverse_square_;                        // of a voxel's size
   VoxelCoord origin_;                            // whole voxels, which are exact anywhere

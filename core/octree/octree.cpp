@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <numbers>
 
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
 #include "core/octree/domain_cells.h"
+#include "core/scene/scene_evaluator.h"
 
 namespace tet {
 namespace {
@@ -149,6 +152,15 @@ CellSet cells_covering(const std::vector<BrickBox>& inside,
   return cells;
 }
 
+/// Of a scene only what matters to a brick's corners is asked.
+void focus_on(PhiSampler& sampler, BrickCoord brick, int level) {
+  if (sampler.field().scene == nullptr) return;
+  const double half_edge = std::ldexp(sampler.field().spacing_voxels, level) * kBrickEdge / 2;
+  const auto middle = [&](std::int32_t at) { return half_edge * (2.0 * at + 1); };
+  sampler.scene().focus({middle(brick.x), middle(brick.y), middle(brick.z)},
+                        half_edge * std::numbers::sqrt3);
+}
+
 /// The candidates that lie inside; their nodes all lie on one side, so one corner tells.
 BrickMask inside_cells(PhiSampler& sampler,
                        const InsideTest& is_inside,
@@ -156,6 +168,7 @@ BrickMask inside_cells(PhiSampler& sampler,
                        int level,
                        const BrickMask& candidates) {
   BrickMask inside;
+  if (candidates.any()) focus_on(sampler, brick, level);
   for_each_bit(candidates, [&](int x, int y, int z) {
     const auto corner = [&](std::int32_t b, int i) {
       return (std::int64_t{b} * 8 + i) << level;

@@ -9,14 +9,27 @@
 
 #include "core/lattice/bcc.h"
 #include "core/pipeline/survey.h"
+#include "core/scene/scene.h"
 
 namespace tet {
 
-double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request) {
-  // Counting a brick of the inside takes about this part of surveying one near the surface.
-  constexpr double kInsideCost = 1.0 / 32;
-  // Improving takes as long as so many surveys.
-  constexpr double kImprovement = 10;
+namespace {
+
+/// Bricks near the surface, and bricks inside.
+struct BrickEstimate {
+  double surface = 0, inside = 0;
+};
+
+/// Of a scene, those of a box around it: nothing is known of what is in there.
+BrickEstimate estimate_bricks(const Scene& scene, const MeshRequest& request, double spacing) {
+  const auto& [min, max] = request.box ? *request.box : scene.extent;
+  const double brick = kBrickEdge * spacing;
+  const double x = (max.x - min.x) / brick + 1, y = (max.y - min.y) / brick + 1,
+               z = (max.z - min.z) / brick + 1;
+  return {2 * (x * y + y * z + z * x), x * y * z};
+}
+
+BrickEstimate estimate_bricks(const Volume& volume, double spacing) {
   double surface = static_cast<double>(volume.bricks.size());
   double inside = static_cast<double>(volume.regions.size()) * std::pow(Region::kEdgeBricks, 3);
   for (const ConstantCube& cube : volume.cubes) {
@@ -24,10 +37,22 @@ double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request)
     surface += 6 * edge * edge;
     inside += edge * edge * edge;
   }
-  const double voxel = volume.transform.voxel_size;
-  const double finer = std::max(1.0, voxel / request.spacing.value_or(voxel));
-  double bricks = surface * finer * finer;
-  if (request.levels == 0) bricks += kInsideCost * inside * finer * finer * finer;
+  const double finer = std::max(1.0, volume.transform.voxel_size / spacing);
+  return {surface * finer * finer, inside * finer * finer * finer};
+}
+
+}  // namespace
+
+double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
+  // Counting a brick of the inside takes about this part of surveying one near the surface.
+  constexpr double kInsideCost = 1.0 / 32;
+  // Improving takes as long as so many surveys.
+  constexpr double kImprovement = 10;
+  const double spacing = request.spacing.value_or(default_spacing(shape));
+  const Scene* scene = scene_of(shape);
+  const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)
+                                                  : estimate_bricks(*volume_of(shape), spacing);
+  const double bricks = request.levels == 0 ? surface + kInsideCost * inside : surface;
   return request.improve ? kImprovement * bricks : bricks;
 }
 

@@ -4,17 +4,17 @@
 #include <absl/status/status.h>
 
 #include "core/field/find_bricks.h"
-#include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/shape.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
 
-/// About how many bricks planning looks at, from a few of the volume's numbers: to tell long
+/// About how many bricks planning looks at, from a few of the shape's numbers: to tell long
 /// work from short before any is done. Bricks of the inside count as the few surface bricks
 /// that take as long.
-double estimate_bricks_to_plan(const Volume& volume, const MeshRequest& request);
+double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request);
 
 /// Bricks near the surface that can be kept while the mesh is counted.
 std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);

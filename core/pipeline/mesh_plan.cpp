@@ -12,6 +12,7 @@
 
 #include "core/base/check.h"
 #include "core/field/domain.h"
+#include "core/field/find_scene_bricks.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -27,8 +28,12 @@ namespace {
 /// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
 constexpr double kMaxFloat32Extent = 4096;
 
-PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
+PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
   PhiField field;
+  field.scene = scene_of(shape);
+  field.spacing_voxels = request.spacing;
+  if (field.scene != nullptr) return field;
+  const Volume& volume = *volume_of(shape);
   field.volume = &volume;
   field.iso = static_cast<float>(request.iso);
   const double ratio = request.spacing / volume.transform.voxel_size;
@@ -42,7 +47,8 @@ PhiField field_of(const Volume& volume, const CanonicalRequest& request) {
 /// spacing is wide.
 absl::Status check_spacing(const PhiField& field) {
   constexpr double kMaxSpacingVoxels = 256;
-  if (field.spacing_voxels <= kMaxSpacingVoxels) return absl::OkStatus();
+  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
+    return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
                       field.spacing_voxels, kMaxSpacingVoxels));
@@ -76,7 +82,9 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
   // A domain may leave few of many.
   const std::size_t most =
       space.domain ? kMaxSurfaceBricks : most_surface_bricks(space.rules, limits);
-  absl::StatusOr<FoundBricks> found = find_bricks(field, most, cancellation);
+  absl::StatusOr<FoundBricks> found =
+      field.scene != nullptr ? find_scene_bricks(field, space.domain, most, cancellation)
+                             : find_bricks(field, most, cancellation);
   if (!found.ok()) return found;
   if (space.domain) keep_domain(*space.domain, *found);
   if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
@@ -117,7 +125,7 @@ VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
   return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
 }
 
-/// Why there is no mesh, though the volume and the request are fine.
+/// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
   if (stuffing_rules(asked.preset).both_sides) {
     return absl::FailedPreconditionError(absl::StrFormat(
@@ -151,7 +159,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& pla
 }  // namespace
 
 struct MeshPlan::Impl {
-  std::shared_ptr<const Volume> volume;
+  Shape shape;
   PhiField field;
   CountedMesh mesh;
   MeshHeader header;
@@ -312,14 +320,14 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
                                                           MeshProgress* progress) {
-  const absl::StatusOr<CanonicalRequest> asked = canonical(request, *volume);
+  const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();
-  const PhiField field = field_of(*volume, *asked);
+  const PhiField field = field_of(shape, *asked);
   if (auto status = check_spacing(field); !status.ok()) return status;
   const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
   if (!space.ok()) return space.status();
@@ -347,7 +355,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const 
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, *asked, thin_walls, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(volume), field, std::move(mesh), header, boundary, {}, {}, {}});
+      MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}});
   impl->thin_walls = std::move(thin_walls);
   impl->place_in_world(request, space->domain);
   impl->cut_into_chunks(limits.chunk_bytes);

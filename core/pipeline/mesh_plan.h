@@ -14,13 +14,13 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/grid/volume.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
+#include "core/pipeline/shape.h"
 #include "core/pipeline/thin_walls.h"
 
 namespace tet {
@@ -65,7 +65,7 @@ struct BrickRange {
   std::size_t begin = 0, end = 0;
 };
 
-/// The counted mesh of one (volume, request). Immutable: any thread may call any member.
+/// The counted mesh of one (shape, request). Immutable: any thread may call any member.
 class MeshPlan {
  public:
   struct Impl;
@@ -92,7 +92,7 @@ class MeshPlan {
   std::shared_ptr<const MeshPlan> with_positions(ByteBuffer positions,
                                                  const Improvement& improvement) const;
 
-  /// Makes one chunk. Its bytes depend on (volume, request, index) alone.
+  /// Makes one chunk. Its bytes depend on (shape, request, index) alone.
   ///
   /// The columns have exactly the chunk's ChunkSizes. Returns the chunk's own statistics.
   QualityStats fill_chunk(std::uint64_t index,
@@ -106,7 +106,7 @@ class MeshPlan {
                            MeshWorkspace& workspace,
                            ChunkColumns columns) const noexcept;
 
-  /// Appends one chunk as its compact encoding, which depends on (volume, request, index) alone
+  /// Appends one chunk as its compact encoding, which depends on (shape, request, index) alone
   /// too. Not for an improved mesh, whose positions no rule implies.
   void encode_chunk(std::uint64_t index,
                     MeshWorkspace& workspace,
@@ -124,10 +124,10 @@ class MeshPlan {
 /// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null. A request
 /// to improve the mesh makes the whole of it here once, and keeps the improved positions.
 ///
-/// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the volume has no
+/// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
 /// kCancelled, kDeadlineExceeded.
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(std::shared_ptr<const Volume> volume,
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,

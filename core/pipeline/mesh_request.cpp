@@ -1,11 +1,14 @@
 #include "core/pipeline/mesh_request.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
+
+#include "core/scene/scene.h"
 
 namespace tet {
 namespace {
@@ -20,7 +23,38 @@ constexpr std::array<std::pair<Preset, std::string_view>, 3> kPresetNames{
 
 constexpr double kFogIso = 0.5;
 
+/// 0 where it has no end.
+double longest_extent(const Scene& scene) {
+  const auto& [min, max] = scene.extent;
+  const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
+  return std::isfinite(longest) ? longest : 0;
+}
+
+/// What only grids have, and what does not follow from every scene.
+absl::Status check_scene_request(const MeshRequest& request, const Scene& scene) {
+  if (request.iso) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "iso %g is for grids; a scene has its surface at 0, and `offset` moves it",
+        *request.iso));
+  }
+  if (request.spacing || longest_extent(scene) > 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      scene.ends() ? "spacing must be given: nothing of the scene is inside"
+                   : "spacing must be given: " + scene.endless + " has no end");
+}
+
 }  // namespace
+
+double default_spacing(const Shape& shape) {
+  constexpr double kParts = 128;
+  if (const Scene* scene = scene_of(shape)) return longest_extent(*scene) / kParts;
+  return volume_of(shape)->transform.voxel_size;
+}
+
+double default_iso(const Shape& shape) {
+  const Volume* volume = volume_of(shape);
+  return volume != nullptr && volume->kind == VolumeKind::kFogVolume ? kFogIso : 0;
+}
 
 std::optional<Preset> parse_preset(std::string_view name) {
   for (const auto& [preset, known] : kPresetNames) {
@@ -68,15 +102,17 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
   return {};
 }
 
-absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume) {
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
+  if (const Scene* scene = scene_of(shape)) {
+    if (auto status = check_scene_request(request, *scene); !status.ok()) return status;
+  }
   CanonicalRequest out;
-  out.spacing = request.spacing.value_or(volume.transform.voxel_size);
+  out.spacing = request.spacing.value_or(default_spacing(shape));
   if (!(out.spacing > 0) || !std::isfinite(out.spacing)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("spacing %g is not a positive number", out.spacing));
   }
-  const double default_iso = volume.kind == VolumeKind::kFogVolume ? kFogIso : 0;
-  out.iso = request.iso.value_or(default_iso);
+  out.iso = request.iso.value_or(default_iso(shape));
   if (!std::isfinite(static_cast<float>(out.iso))) {
     return absl::InvalidArgumentError(absl::StrFormat("iso %g is not a finite float", out.iso));
   }

@@ -9,8 +9,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/grid/volume.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/pipeline/shape.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
@@ -27,12 +27,13 @@ inline constexpr std::array kPresets{Preset::kDefault, Preset::kMinAngle, Preset
 inline constexpr int kMaxLevels = 24;
 
 struct MeshRequest {
-  std::optional<double> spacing;  ///< world units; the grid's voxel size unless given
-  std::optional<double> iso;      ///< 0 for level sets and 0.5 for fog volumes unless given
-  int levels = kMaxLevels;        ///< octree levels above the finest; 0 is the uniform mesh
+  /// World units; unless given the grid's voxel size, or a scene's longest extent / 128.
+  std::optional<double> spacing;
+  std::optional<double> iso;  ///< of grids; unless given 0 for level sets, 0.5 for fog volumes
+  int levels = kMaxLevels;    ///< octree levels above the finest; 0 is the uniform mesh
   Preset preset = Preset::kDefault;
   /// World units; both sides only. What is meshed, rounded outward (see domain.h); all that the
-  /// grid stores unless given.
+  /// grid stores or the scene reaches unless given.
   std::optional<WorldBox> box;
   /// The boundary is a manifold whatever the field: nodes where it would touch itself are put
   /// back in their places.
@@ -70,8 +71,12 @@ struct CanonicalRequest {
   Preset preset = Preset::kDefault;
 };
 
+/// What a request without them means. No spacing is 0: a scene without an end has none.
+double default_spacing(const Shape& shape);
+double default_iso(const Shape& shape);
+
 /// Errors: kInvalidArgument, naming the field, its value and its limit.
-absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Volume& volume);
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape);
 
 StuffingRules stuffing_rules(Preset preset);
 

@@ -14,7 +14,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
+absl::StatusOr<MeshResult> make_mesh(Shape shape,
                                      const MeshRequest& request,
                                      const MeshLimits& limits,
                                      const Cancellation& cancellation,
@@ -25,7 +25,7 @@ absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
   unimproved.improve = false;
   MeshResult result;
   Clock::time_point start = Clock::now();
-  const auto plan = plan_mesh(std::move(volume), unimproved, limits, cancellation, nullptr);
+  const auto plan = plan_mesh(std::move(shape), unimproved, limits, cancellation, nullptr);
   if (!plan.ok()) return plan.status();
   result.plan_seconds = seconds_since(start);
 
@@ -55,7 +55,7 @@ absl::StatusOr<MeshResult> make_mesh(std::shared_ptr<const Volume> volume,
 }  // namespace
 
 absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
-                                       std::shared_ptr<const Volume> volume,
+                                       Shape shape,
                                        const MeshRequest& request,
                                        const MeshLimits& limits,
                                        const Cancellation& cancellation,
@@ -64,7 +64,7 @@ absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
   absl::StatusOr<MeshResult> result = absl::UnknownError("not started");
   pool.run([&] {
     result =
-        make_mesh(std::move(volume), request, limits, cancellation, progress, std::move(used));
+        make_mesh(std::move(shape), request, limits, cancellation, progress, std::move(used));
   });
   return result;
 }

@@ -26,7 +26,7 @@ struct MeshResult {
 /// mesh that is no longer needed: whoever makes one mesh after another in the same memory saves
 /// the first touch of its pages, up to a third of the time. Errors: those of plan_mesh.
 absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
-                                       std::shared_ptr<const Volume> volume,
+                                       Shape shape,
                                        const MeshRequest& request,
                                        const MeshLimits& limits,
                                        const Cancellation& cancellation,

@@ -42,7 +42,7 @@ ThinSpots find_thin_spots(PhiSampler& sampler,
   ThinSpots spots;
   if (stuffed) find_thin_nodes(workspace.samples, workspace.lattice.cuts, spots);
   // Between nodes of a finer lattice the field has no more to say than at them.
-  if (sampler.field().spacing_voxels > 1) {
+  if (sampler.field().coarser_than_voxels()) {
     find_thin_edges(workspace.samples, sampler, brick, spots);
   }
   return spots;

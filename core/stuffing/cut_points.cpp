@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/base/vector_clones.h"
+#include "core/stuffing/scene_zeros.h"
 
 namespace tet {
 namespace {
@@ -200,6 +201,27 @@ void zeros_of_field(PhiSampler& sampler,
   }
 }
 
+/// Zeros on any edges of a scene.
+void zeros_of_scene(PhiSampler& sampler,
+                    BrickCoord brick,
+                    const Family& family,
+                    const std::uint16_t* low,
+                    std::size_t count,
+                    float* fraction) noexcept {
+  static_assert(kBatch <= kSceneEdges);
+  alignas(64) Column a, b;
+  for (std::size_t i = 0; i < count; ++i) {
+    a[i] = family.low_phi[low[i]];
+    b[i] = family.high_phi[low[i]];
+  }
+  find_scene_zeros(sampler,
+                   {
+                       brick, family.kind, family.direction, {low, count},
+                          a.data(), b.data()
+  },
+                   fraction);
+}
+
 /// Fractions of up to kBatch edges of a family; `count` is a multiple of kEdgeLanes.
 void find_fractions(const BrickSamples& samples,
                     PhiSampler& sampler,
@@ -208,7 +230,9 @@ void find_fractions(const BrickSamples& samples,
                     const std::uint16_t* low,
                     std::size_t count,
                     float* fraction) noexcept {
-  if (!sampler.field().at_voxels()) {
+  if (sampler.field().scene != nullptr) {
+    zeros_of_scene(sampler, brick, family, low, count, fraction);
+  } else if (!sampler.field().at_voxels()) {
     zeros_of_field(sampler, brick, family, low, count, fraction);
   } else if (!is_long(family.direction)) {
     zeros_on_diagonals(samples, family, low, count, fraction);

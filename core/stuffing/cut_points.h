@@ -14,9 +14,9 @@ namespace tet {
 /// Cut points of every edge with an end among the nodes in [kNodeMin, kNodeMax]^3.
 ///
 /// `fraction[family]` is valid where `cut[family]` has a bit: it runs from the lower node
-/// (whose halo index this is) along the edge, in [0, 1]. Error: two bracketed secant steps on
-/// the trilinear field behind the linear guess; the first guess alone is off by O(h^2). Source:
-/// Labelle & Shewchuk 2007, section 3.
+/// (whose halo index this is) along the edge, in [0, 1]. Error: of a volume, two bracketed
+/// secant steps on the trilinear field behind the linear guess, which alone is off by O(h^2);
+/// of a scene see scene_zeros.h. Source: Labelle & Shewchuk 2007, section 3.
 struct CutPoints {
   NodeSigns signs;
   EdgeSets cut;

@@ -164,8 +164,8 @@ class Refusals(CommandTest):
                 result = self.mesh("sphere.vdb", ".vtu", option, value)
                 self.assert_fails(result, REFUSED, value)
 
-    def test_unknown_input_endings_and_scenes(self):
-        for name in ("scene.json", "volume.nii", "volume"):
+    def test_unknown_input_endings(self):
+        for name in ("volume.nii", "volume"):
             with self.subTest(name=name):
                 self.assert_fails(self.mesh(name), REFUSED, name, ".vdb")
 

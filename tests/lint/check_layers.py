@@ -8,9 +8,10 @@ import re
 import sys
 
 # A request passes through these in order; a folder includes itself and those before it.
-CORE = ["core/base", "core/grid", "core/decode", "core/field", "core/octree", "core/lattice",
-        "core/stuffing", "core/mesh", "core/pipeline"]
+CORE = ["core/base", "core/grid", "core/decode", "core/scene", "core/field", "core/octree",
+        "core/lattice", "core/stuffing", "core/mesh", "core/pipeline"]
 LAYERS = {folder: CORE[:i + 1] for i, folder in enumerate(CORE)}
+LAYERS["proto/scene"] = [*CORE, "proto"]
 LAYERS["proto"] = ["proto"]
 LAYERS["server"] = [*CORE, "proto", "server"]
 LAYERS["client"] = [*CORE, "proto", "client"]

@@ -176,6 +176,7 @@ class ErrorsTest : public ServiceTest {
   }
 
   void wrong_requests();
+  void wrong_scenes();
   void wrong_grids();
   void wrong_streams();
   void wrong_uploads();
@@ -201,6 +202,14 @@ void ErrorsTest::wrong_requests() {
   v1::FindMissingGridsResponse found;
   for (int i = 0; i < 1001; ++i) find.add_names(ball_.name());
   tell("1001 names", grids_->FindMissingGrids(&context, find, &found));
+}
+
+void ErrorsTest::wrong_scenes() {
+  v1::MeshRequest request;
+  request.mutable_scene()->add_nodes()->mutable_torus()->set_major_radius(1);
+  tell("a scene's torus without a tube", estimate(request));
+  request.mutable_scene()->mutable_nodes(0)->mutable_gyroid()->set_period(1);
+  tell("a scene without an end", estimate(request));
 }
 
 void ErrorsTest::wrong_grids() {
@@ -328,6 +337,7 @@ void ErrorsTest::shutdown() {
 
 TEST_F(ErrorsTest, SayTheirReasonAndNoMoreThanTheyShould) {
   wrong_requests();
+  wrong_scenes();
   wrong_grids();
   wrong_streams();
   wrong_uploads();

@@ -129,10 +129,10 @@ TEST(Request, RefusesARangeThatRunsBackwards) {
 }
 
 TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
-  Volume fog;
-  fog.name = "density";
-  fog.kind = VolumeKind::kFogVolume;
-  fog.transform.voxel_size = 0.25;
+  const auto fog = std::make_shared<Volume>();
+  fog->name = "density";
+  fog->kind = VolumeKind::kFogVolume;
+  fog->transform.voxel_size = 0.25;
   v1::MeshRequest spelled = valid_request();
   spelled.set_spacing(0.25);
   spelled.set_iso(0.5);
@@ -166,6 +166,58 @@ TEST(MeshId, TellsEveryBoxAndManifoldsApart) {
   other = boxed;
   other.set_manifold(true);
   EXPECT_NE(id(other), id(boxed));
+}
+
+v1::MeshRequest scene_request() {
+  v1::MeshRequest request;
+  v1::SceneNode& node = *request.mutable_scene()->add_nodes();
+  node.mutable_sphere()->set_radius(2);
+  return request;
+}
+
+TEST(Request, TakesASceneInPlaceOfAGrid) {
+  const auto order = parse_mesh_request(scene_request());
+  ASSERT_TRUE(order.ok()) << order.status();
+  ASSERT_NE(order->scene, nullptr);
+  EXPECT_EQ(order->scene->extent.max.x, 2);
+  EXPECT_EQ(order->digest, "");
+}
+
+TEST(Request, RefusesWhatScenesHaveNot) {
+  v1::MeshRequest request = scene_request();
+  request.set_name(valid_request().name());
+  EXPECT_EQ(refusal(request), "name is set beside scene: mesh one or the other");
+  request = scene_request();
+  request.set_grid_name("density");
+  EXPECT_EQ(refusal(request), "grid_name is set, but a scene has no grids");
+  request = scene_request();
+  request.set_iso(0);
+  EXPECT_THAT(refusal(request), HasSubstr("iso 0 is for grids"));
+  request = boxed_request();
+  request.clear_name();
+  request.mutable_scene()->add_nodes()->mutable_gyroid()->set_period(1);
+  EXPECT_EQ(refusal(request), "spacing must be set where the scene has no end");
+  request.set_spacing(0.1);
+  EXPECT_TRUE(parse_mesh_request(request).ok());
+  v1::StreamMeshRequest stream;
+  *stream.mutable_mesh() = scene_request();
+  stream.set_base_mesh_id("a");
+  stream.set_base_name(valid_request().name());
+  EXPECT_EQ(parse_stream_request(stream).status().message(),
+            "base_name is for grids: a scene's mesh is sent whole");
+}
+
+TEST(Request, NamesAMeshByItsScene) {
+  const auto id_of = [](const v1::MeshRequest& request) {
+    const auto order = parse_mesh_request(request);
+    return mesh_id_of(canonical_request(*order, order->scene, nullptr));
+  };
+  v1::MeshRequest request = scene_request();
+  const std::string id = id_of(request);
+  request.set_spacing(4.0 / 128);
+  EXPECT_EQ(id_of(request), id) << "its default";
+  request.mutable_scene()->mutable_nodes(0)->mutable_sphere()->set_radius(2.5);
+  EXPECT_NE(id_of(request), id);
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+// phi of a scene on a brick of the lattice and its halo.
+#pragma once
+
+#include "core/base/types.h"
+#include "core/field/phi_field.h"
+#include "core/scene/scene_evaluator.h"
+
+namespace tet {
+
+/// Fills `samples` for a lattice brick; `spacing` in world units. A node's sample depends on
+/// the node alone, whichever bricks see it. Leaves the evaluator focused on the brick and its
+/// halo.
+void sample_scene(SceneEvaluator& evaluator,
+                  double spacing,
+                  BrickCoord brick,
+                  BrickSamples& samples) noexcept;
+
+}  // namespace tet

@@ -1,0 +1,176 @@
+#include "core/scene/extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/scene/scene_nodes.h"
+
+namespace tet::scene {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+using Matrix3 = std::array<Triple, 3>;
+
+struct Extent {
+  Triple min{-kInf, -kInf, -kInf}, max{kInf, kInf, kInf};
+
+  static Extent nothing() {
+    return {
+        { kInf,  kInf,  kInf},
+        {-kInf, -kInf, -kInf}
+    };
+  }
+  bool empty() const { return !(min[0] <= max[0] && min[1] <= max[1] && min[2] <= max[2]); }
+};
+
+Extent both(const Extent& a, const Extent& b) {
+  Extent out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.min[i] = std::max(a.min[i], b.min[i]);
+    out.max[i] = std::min(a.max[i], b.max[i]);
+  }
+  return out.empty() ? Extent::nothing() : out;
+}
+
+Extent either(const Extent& a, const Extent& b) {
+  Extent out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.min[i] = std::min(a.min[i], b.min[i]);
+    out.max[i] = std::max(a.max[i], b.max[i]);
+  }
+  return out;
+}
+
+/// Half edges of the box around a primitive, in its own units, grown by `level`.
+Triple half_edges(const Instruction& leaf, double level) {
+  const auto& [a, b, c] = leaf.size;
+  switch (leaf.op) {
+    case Op::kSphere:
+      return {a + level, a + level, a + level};
+    case Op::kRoundedBox:
+      return {a + level, b + level, c + level};
+    case Op::kCylinder:
+      return {a + level, a + level, b + level};
+    case Op::kCone:
+      return {std::max(a, b) + level, std::max(a, b) + level, c + level};
+    case Op::kTorus:
+      return {a + b + level, a + b + level, b + level};
+    case Op::kCapsule:
+      return {a + level, a + level, a + b + level};
+    default:
+      return {kInf, kInf, kInf};
+  }
+}
+
+Matrix3 inverse(const Matrix3& m) {
+  const auto cofactor = [&](std::size_t row, std::size_t column) {
+    const std::size_t r1 = (row + 1) % 3, r2 = (row + 2) % 3;
+    const std::size_t c1 = (column + 1) % 3, c2 = (column + 2) % 3;
+    return m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
+  };
+  const double det =
+      m[0][0] * cofactor(0, 0) + m[0][1] * cofactor(0, 1) + m[0][2] * cofactor(0, 2);
+  Matrix3 out;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      out[row][column] = cofactor(column, row) / det;
+    }
+  }
+  return out;
+}
+
+/// Along an axis that the plane is square to, a half space has one end.
+Extent half_space(const Instruction& leaf, double level) {
+  Extent out;
+  const Triple& normal = leaf.frame.linear[2];
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (normal[(i + 1) % 3] != 0 || normal[(i + 2) % 3] != 0) continue;
+    const double end = (level - leaf.frame.translation[2]) / normal[i];
+    (normal[i] > 0 ? out.max : out.min)[i] = end;
+  }
+  return out;
+}
+
+/// Where a leaf's phi is below `level`, world units.
+Extent leaf_extent(const Instruction& leaf, double level) {
+  const double own_level = level / leaf.frame.scale;
+  if (leaf.op == Op::kHalfSpace) return half_space(leaf, own_level);
+  const Triple half = half_edges(leaf, own_level);
+  if (half[0] == kInf) return {};
+  if (half[0] < 0 || half[1] < 0 || half[2] < 0) return Extent::nothing();
+  const Matrix3 to_world = inverse(leaf.frame.linear);
+  Extent out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    double centre = 0, reach = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      centre -= to_world[i][k] * leaf.frame.translation[k];
+      reach += std::abs(to_world[i][k]) * half[k];
+    }
+    out.min[i] = centre - reach;
+    out.max[i] = centre + reach;
+  }
+  return out;
+}
+
+/// The level below which an operator's parts must be for its own value to be below `level`.
+double level_of_parts(const Instruction& op, double level) {
+  switch (op.op) {
+    case Op::kOffset:
+    case Op::kShell:
+      return level + op.size[0];
+    case Op::kMin:
+      return level + op.size[0] / 4;  // a blend lowers by so much at most
+    default:
+      return level;
+  }
+}
+
+/// The level that counts for each instruction, from the last one down. Nothing is known of what
+/// lies below a negation: it may be anywhere.
+std::vector<double> levels_of(const std::vector<Instruction>& program) {
+  std::vector<double> levels(program.size(), 0);
+  for (std::size_t i = program.size(); i-- > 0;) {
+    const Instruction& op = program[i];
+    if (is_leaf(op.op)) continue;
+    levels[i - 1] = level_of_parts(op, levels[i]);
+    if (is_binary(op.op)) levels[program[i - 1].first - 1] = levels[i - 1];
+  }
+  return levels;
+}
+
+}  // namespace
+
+WorldBox extent_of(const std::vector<Instruction>& program) {
+  const std::vector<double> levels = levels_of(program);
+  std::vector<Extent> stack;
+  for (std::size_t i = 0; i < program.size(); ++i) {
+    const Instruction& op = program[i];
+    if (is_leaf(op.op)) {
+      stack.push_back(leaf_extent(op, levels[i]));
+    } else if (is_binary(op.op)) {
+      const Extent right = stack.back();
+      stack.pop_back();
+      stack.back() =
+          op.op == Op::kMin ? either(stack.back(), right) : both(stack.back(), right);
+    } else if (op.op == Op::kNegate) {
+      stack.back() = {};
+    }
+  }
+  const auto& [min, max] = stack.back();
+  return {
+      {min[0], min[1], min[2]},
+      {max[0], max[1], max[2]}
+  };
+}
+
+std::size_t endless_node(const std::vector<Instruction>& program) {
+  const auto endless = [](const Instruction& op) {
+    return is_leaf(op.op) && half_edges(op, 0)[0] == kInf;
+  };
+  const auto found = std::find_if(program.begin(), program.end(), endless);
+  return found == program.end() ? program.back().node : found->node;
+}
+
+}  // namespace tet::scene

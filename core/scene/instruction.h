@@ -1,0 +1,71 @@
+// A scene as it is evaluated: instructions in postfix order, for a machine with a stack of
+// columns.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tet::scene {
+
+enum class Op : std::uint8_t {
+  // Leaves: each pushes a column.
+  kSphere,
+  kRoundedBox,
+  kCylinder,
+  kCone,
+  kTorus,
+  kCapsule,
+  kHalfSpace,
+  kGyroid,
+  kSchwarzP,
+  kDiamond,
+  // Of one column.
+  kNegate,
+  kOffset,
+  kShell,
+  // Of two.
+  kMin,
+  kMax,
+};
+
+constexpr bool is_leaf(Op op) noexcept { return op < Op::kNegate; }
+constexpr bool is_binary(Op op) noexcept { return op >= Op::kMin; }
+
+/// From world coordinates to a primitive's own: linear * p + translation.
+struct Frame {
+  std::array<std::array<double, 3>, 3> linear{
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
+  };
+  std::array<double, 3> translation{};
+  /// World units for one of the primitive's: its values are multiplied by this, so that none
+  /// changes faster than one per world unit.
+  double scale = 1;
+};
+
+struct Instruction {
+  Op op = Op::kSphere;
+  /// What this one's value is made of begins here; a binary one's right part ends just before
+  /// it, and the left part just before that.
+  std::uint32_t first = 0;
+  std::uint32_t node = 0;  ///< of the description
+  Frame frame;             ///< leaves only
+  /// Of a leaf, in its own units: see primitives.cpp; of an operator, in world units: the
+  /// distance, half the thickness, or the smoothing.
+  std::array<double, 3> size{};
+};
+
+/// Points are evaluated up to this many at a time: a slice of a brick and its halo, 13 * 13.
+inline constexpr std::size_t kMaxPoints = 176;
+
+/// World coordinates as columns.
+struct Points {
+  alignas(64) std::array<double, kMaxPoints> x, y, z;
+};
+
+/// A column of phi.
+struct alignas(64) Values {
+  std::array<double, kMaxPoints> at;
+};
+
+}  // namespace tet::scene

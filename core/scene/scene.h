@@ -1,0 +1,46 @@
+// A solid made of primitives and operators: one continuous function of space, negative inside.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/types.h"
+#include "core/scene/instruction.h"
+#include "core/scene/scene_nodes.h"
+
+namespace tet {
+
+/// A scene ready to be evaluated. Immutable once made, so any number of threads may read it.
+///
+/// phi changes by at most the distance between two points, in world units: from one value
+/// follow bounds for a neighbourhood.
+struct Scene {
+  /// In postfix order: the last instruction's value is phi.
+  std::vector<scene::Instruction> program;
+  std::size_t stack_depth = 0;  ///< columns that evaluation needs at most
+  /// Holds all that is inside, to within rounding errors; infinite where the scene has no end,
+  /// empty (min > max) where nothing can be inside.
+  WorldBox extent;
+  std::string endless;  ///< the node that has no end, where the extent is infinite
+
+  bool ends() const noexcept { return endless.empty(); }
+
+  static constexpr std::size_t kMaxNodes = 1024;
+  static constexpr std::size_t kMaxNameBytes = 64;
+  static constexpr int kMaxDepth = 64;  ///< nodes on the way from the last one to a primitive
+  /// Primitives and operators, every copy counted.
+  static constexpr std::size_t kMaxInstructions = 4096;
+};
+
+/// Errors: kInvalidArgument; the message begins with the field that is wrong, as
+/// `nodes[3].torus.minor_radius`, and says its value and what it may be.
+absl::StatusOr<Scene> make_scene(const scene::Description& description);
+
+/// OK where the scene has an end. Error: kInvalidArgument, as those of make_scene.
+absl::Status check_ends(const Scene& scene);
+
+}  // namespace tet
