@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/scene/scene.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -150,8 +152,8 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
 }
 
 TEST(MeshId, TellsEveryBoxAndManifoldsApart) {
-  Volume volume;
-  volume.name = "sphere";
+  const auto volume = std::make_shared<Volume>();
+  volume->name = "sphere";
   const auto id = [&](const v1::MeshRequest& request) {
     return mesh_id_of(canonical_request(*parse_mesh_request(request), volume, nullptr));
   };

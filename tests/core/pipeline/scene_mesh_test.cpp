@@ -178,7 +178,7 @@ TEST(SceneMesh, RefusesWhatWouldBeTooMuchBeforeItIsMade) {
   writer.add(scene::Sphere{1});
   const Scene ball = writer.scene();
   EXPECT_THAT(refusal(ball, exact(1e-4)),
-              StartsWith("about 3.83e+07 bricks of 8^3 cells or more lie near the surface"));
+              StartsWith("about 3.5e+07 bricks of 8^3 cells or more lie near the surface"));
   EXPECT_EQ(refusal(ball, exact(1e-12)),
             "the scene reaches 1e+12 spacings from the origin; the limit is 268435456. Use a "
             "larger spacing");
