@@ -238,8 +238,8 @@ TEST(MeshPlan, RefusesAMeshOverTheBudgetWithBothNumbers) {
 }
 
 TEST(MeshPlan, RefusesASurfaceThatItCouldNotKeepInMemory) {
-  expect_refusal(test::ball(20), {}, absl::StatusCode::kResourceExhausted,
-                 "the limit is 40,", {.max_plan_bytes = 100000});
+  expect_refusal(test::ball(20), {}, absl::StatusCode::kResourceExhausted, "the limit is 40,",
+                 {.max_plan_bytes = 100000});
 }
 
 TEST(MeshPlan, StopsWhenCancelledOrPastItsDeadline) {
