@@ -18,7 +18,9 @@ from running_server import RunningServer, binaries, wait_until
 
 CONFIGURATION = pathlib.Path(__file__).parents[2] / "docker" / "haproxy.cfg"
 ATTACK_SECONDS = 1
-FILES = 256  # file descriptors of tetstreamd; as many as a flood would like to have
+FEW_FILES = 256  # file descriptors of tetstreamd; a flood would like to have more
+FILES = 1024
+STREAMS = FILES // 8  # what haproxy has ended takes a descriptor until tetstreamd sees that
 MAX_RESIDENT_MB = 300
 
 
@@ -33,14 +35,14 @@ def resident_mb(process):
     return int(status.split("VmRSS:")[1].split()[0]) / 1024
 
 
-def allow_files(server):
-    resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (FILES, FILES))
+def allow_files(server, count):
+    resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (count, count))
 
 
 class WithoutAProxy(unittest.TestCase):
     def test_a_server_that_ran_out_of_files_ends_so_that_it_is_started_again(self):
         with tempfile.TemporaryDirectory() as scratch, RunningServer(f"{scratch}/store") as server:
-            allow_files(server)
+            allow_files(server, FEW_FILES)
             ATTACKS["connection_flood"](Attacker(server.address, 1))
             self.assertEqual(server.process.wait(30), 3)
             self.assertEqual(len(server.log("stopped_listening")), 1)
@@ -63,7 +65,7 @@ class ProxyAttack(unittest.TestCase):
         """With few file descriptors, of which nothing must run out."""
         server = RunningServer(cls.folder / "store")
         cls.addClassCleanup(server.kill)
-        allow_files(server)
+        allow_files(server, FILES)
         return server
 
     @classmethod
@@ -76,7 +78,7 @@ class ProxyAttack(unittest.TestCase):
             env={**os.environ, "TETSTREAM_PROXY_LISTEN": cls.address,
                  "TETSTREAM_PROXY_SERVER": cls.server.address,
                  "TETSTREAM_PROXY_HEALTH_HOST": host, "TETSTREAM_PROXY_HEALTH_PORT": port,
-                 "TETSTREAM_PROXY_STREAMS": str(FILES // 2), "TETSTREAM_PROXY_MAXCONN": "500"})
+                 "TETSTREAM_PROXY_STREAMS": str(STREAMS), "TETSTREAM_PROXY_MAXCONN": "500"})
 
         def stop():
             cls.proxy.terminate()
