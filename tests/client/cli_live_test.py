@@ -13,7 +13,8 @@ import time
 import unittest
 
 from command_case import (
-    CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, CommandTest, binaries, unused_port, wait_until)
+    CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, CommandTest, ServerTest, binaries,
+    unused_port, wait_until)
 
 
 class Interruption(CommandTest):
@@ -94,27 +95,9 @@ class Terminal(CommandTest):
         self.assertEqual(self.mesh_on_terminal({"TERM": "dumb"}), "")
 
 
-class OnAServer(CommandTest):
+class OnAServer(ServerTest):
     volumes = {"sphere": 0.05, "torus": 0.02, "gyroid": 0.02, "random-signs": 0.05,
                "empty": 0.1, "vec3": 0.1}
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.address = f"127.0.0.1:{unused_port()}"
-        server = subprocess.Popen(
-            [binaries() / "tetstreamd", "--listen", cls.address,
-             "--store", cls.inputs / "store"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-        def stop():
-            server.terminate()
-            server.wait(30)
-
-        cls.addClassCleanup(stop)
-        wait_until(lambda: subprocess.run(
-            [binaries() / "tetstream", "health", "--server", cls.address],
-            capture_output=True, check=False).returncode == DONE)
 
     def test_health_of_a_serving_server(self):
         result = self.tetstream("health", "--server", self.address)

@@ -7,10 +7,9 @@ import filecmp
 import json
 import math
 import pathlib
-import subprocess
 import unittest
 
-from command_case import DONE, REFUSED, CommandTest, binaries, unused_port, wait_until
+from command_case import REFUSED, CommandTest, ServerTest
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "docs" / "scenes"
 BALL = {"nodes": [{"sphere": {"radius": 1}}]}
@@ -96,25 +95,7 @@ class Scenes(SceneTest):
         self.assert_fails(self.mesh("none.json"), REFUSED, "none.json", "No such file")
 
 
-class ScenesOnAServer(SceneTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.address = f"127.0.0.1:{unused_port()}"
-        server = subprocess.Popen(
-            [binaries() / "tetstreamd", "--listen", cls.address,
-             "--store", cls.inputs / "store"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-        def stop():
-            server.terminate()
-            server.wait(30)
-
-        cls.addClassCleanup(stop)
-        wait_until(lambda: subprocess.run(
-            [binaries() / "tetstream", "health", "--server", cls.address],
-            capture_output=True, check=False).returncode == DONE)
-
+class ScenesOnAServer(ServerTest, SceneTest):
     def test_gives_the_same_bytes_as_this_process(self):
         for ways in (("--server", self.address), ("--server", self.address, "--compact")):
             here, there = self.out / "here.vtu", self.out / "there.vtu"

@@ -83,3 +83,36 @@ class CommandTest(unittest.TestCase):
 
     def assert_nothing_written(self):
         self.assertEqual(sorted(path.name for path in self.out.iterdir()), [])
+
+
+class ServerTest(CommandTest):
+    """A real server at `address`, which may be killed and started again."""
+
+    settings = ()  # of the server
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.address = f"127.0.0.1:{unused_port()}"
+        cls.start_server()
+        cls.addClassCleanup(lambda: cls.stop_server())
+
+    @classmethod
+    def start_server(cls):
+        cls.server = subprocess.Popen(
+            [binaries() / "tetstreamd", "--listen", cls.address,
+             "--store", cls.inputs / "store", *map(str, cls.settings)],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        wait_until(lambda: subprocess.run(
+            [binaries() / "tetstream", "health", "--server", cls.address],
+            capture_output=True, check=False).returncode == DONE)
+
+    @classmethod
+    def stop_server(cls):
+        cls.server.terminate()
+        cls.server.wait(60)
+
+    @classmethod
+    def kill_server(cls):
+        cls.server.kill()
+        cls.server.wait(30)

@@ -1,4 +1,4 @@
-"""What every test of `tetstream job` stands on: a real server that can be killed and started again."""
+"""What every test of `tetstream job` stands on."""
 
 import json
 import os
@@ -6,39 +6,11 @@ import pathlib
 import subprocess
 import tempfile
 
-from command_case import DONE, CommandTest, binaries, unused_port, wait_until
+from command_case import ServerTest, binaries
 
 
-class JobTest(CommandTest):
+class JobTest(ServerTest):
     volumes = {"sphere": 0.1}
-    settings = ()  # of the server
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.address = f"127.0.0.1:{unused_port()}"
-        cls.start_server()
-        cls.addClassCleanup(lambda: cls.stop_server())
-
-    @classmethod
-    def start_server(cls):
-        cls.server = subprocess.Popen(
-            [binaries() / "tetstreamd", "--listen", cls.address,
-             "--store", cls.inputs / "store", *map(str, cls.settings)],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        wait_until(lambda: subprocess.run(
-            [binaries() / "tetstream", "health", "--server", cls.address],
-            capture_output=True, check=False).returncode == DONE)
-
-    @classmethod
-    def stop_server(cls):
-        cls.server.terminate()
-        cls.server.wait(60)
-
-    @classmethod
-    def kill_server(cls):
-        cls.server.kill()
-        cls.server.wait(30)
 
     def setUp(self):
         super().setUp()

@@ -15,7 +15,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "client"))
 from command_case import (  # noqa: E402  pylint: disable=wrong-import-position
-    DONE, REFUSED, SERVER, USAGE, CommandTest, binaries, unused_port, wait_until)
+    DONE, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries, unused_port)
 
 
 class LoadTest(CommandTest):
@@ -63,29 +63,10 @@ class Usage(LoadTest):
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
 
 
-class OnAServer(LoadTest):
+class OnAServer(ServerTest, LoadTest):
     """A server with a ball, and what a run says of it."""
 
     volumes = {"sphere": 0.1}
-    settings = ()
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.address = f"127.0.0.1:{unused_port()}"
-        server = subprocess.Popen(
-            [binaries() / "tetstreamd", "--listen", cls.address,
-             "--store", cls.inputs / "store", *cls.settings],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-        def stop():
-            server.terminate()
-            server.wait(30)
-
-        cls.addClassCleanup(stop)
-        wait_until(lambda: subprocess.run(
-            [binaries() / "tetstream", "health", "--server", cls.address],
-            capture_output=True, check=False).returncode == DONE)
 
     def load_ball(self, *arguments):
         return self.load(self.inputs / "sphere.vdb", "--server", self.address, "--json",
