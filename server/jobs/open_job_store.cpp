@@ -1,6 +1,7 @@
 #include "server/jobs/open_job_store.h"
 
 #include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
 
 #include "server/jobs/postgres_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
@@ -15,7 +16,12 @@ absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& wher
   }
   SqliteOptions options;
   options.path = where;
-  return open_sqlite_job_store(options);
+  auto store = open_sqlite_job_store(options);
+  if (store.ok()) return store;
+  // Said to whoever starts the server, who may not know that there is such a file.
+  return absl::Status(
+      store.status().code(),
+      absl::StrCat("the jobs in '", where, "' cannot be opened: ", store.status().message()));
 }
 
 }  // namespace tet

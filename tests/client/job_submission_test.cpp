@@ -7,6 +7,7 @@
 
 #include "client/job/journal.h"
 #include "client/job/manifest.h"
+#include "tests/server/test_folder.h"
 
 namespace tet {
 namespace {
@@ -61,16 +62,14 @@ TEST(JobOrder, IsToldFromOthersByAllThatItAsksFor) {
 
 class JournalTest : public testing::Test {
  protected:
-  void SetUp() override { std::filesystem::remove(path_); }
-  void TearDown() override { std::filesystem::remove(path_); }
-
   std::unique_ptr<Journal> open() {
     auto journal = Journal::open(path_, kServer);
     EXPECT_TRUE(journal.ok()) << journal.status();
     return journal.ok() ? *std::move(journal) : nullptr;
   }
 
-  const std::string path_ = testing::TempDir() + "job_submission_test.jsonl";
+  test::TestFolder folder_;
+  const std::string path_ = folder_.file("journal.jsonl");
 };
 
 TEST_F(JournalTest, GivesAnOrderTheSameRequestIdForEver) {

@@ -109,6 +109,14 @@ TEST_F(TetstreamdTest, SaysWhenItCannotListen) {
   EXPECT_THAT(second.err, HasSubstr("cannot listen on " + address_));
 }
 
+TEST_F(TetstreamdTest, NamesTheJobFileThatItCannotOpen) {
+  const std::string jobs = folder_.write("jobs", std::string(8192, 'x'));
+  const Ended ended =
+      run({"--listen", address_, "--store", folder_.file("store"), "--jobs", jobs});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr("the jobs in '" + jobs + "' cannot be opened"));
+}
+
 TEST_F(TetstreamdTest, KeepsItsGridsOverASigtermAndARestart) {
   const std::string ball = folder_.file("ball.vdb");
   write_fixture("sphere", 0.125, ball);
