@@ -53,4 +53,12 @@ JobsAtWork::JobsAtWork(const Config& config,
       house(*store, *results, absl::Hours(config.job_keep_hours)),
       worker(*store, maker, worker_settings(config)) {}
 
+absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs) {
+  const auto inputs = jobs.inputs();
+  if (!inputs.ok()) return inputs.status();
+  std::set<GridKey> grids;
+  for (const JobInput& input : *inputs) grids.insert({input.space, input.name});
+  return grids;
+}
+
 }  // namespace tet

@@ -133,7 +133,7 @@ absl::StatusOr<CreatedJob> SqlJobStore::create(const NewJob& wanted) {
       if (job.ok()) created = {*std::move(job), true};
       return job.status();
     }
-    insert_job(t, row);
+    insert_job(t, row, wanted.input);
     add_to_queue(t, row, Phase::kPlan, 0,
                  {
                      {0, 0}

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -65,6 +66,7 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<std::int64_t> expire() override;
   absl::StatusOr<std::int64_t> purge(absl::Time finished_before) override;
   absl::StatusOr<StoreCounts> counts() override;
+  absl::StatusOr<std::set<JobInput>> inputs() override;
 
  private:
   absl::Status number_all_events();

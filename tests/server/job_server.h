@@ -18,6 +18,7 @@
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"
+#include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
@@ -138,6 +139,7 @@ class JobServer {
   std::unique_ptr<Program> process;
   std::unique_ptr<v1::JobService::Stub> jobs;
   std::unique_ptr<v1::MeshService::Stub> meshes;
+  std::unique_ptr<v1::GridService::Stub> grids;
   std::unique_ptr<MeshClient> client;
   grpc::Status status;
 
@@ -158,6 +160,7 @@ class JobServer {
     const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
     jobs = v1::JobService::NewStub(channel);
     meshes = v1::MeshService::NewStub(channel);
+    grids = v1::GridService::NewStub(channel);
     client = MeshClient::connect(address);
   }
 

@@ -8,6 +8,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "tests/server/job_server.h"
+#include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
 
 namespace tet::test {
@@ -105,6 +106,27 @@ TEST_F(JobServiceTest, StopsAJobAndGoesOnWithItWhenAsked) {
   EXPECT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
   server_.retry(job);
   EXPECT_EQ(reason_of(status_), "tetstream/JOB_SUCCEEDED");
+}
+
+TEST_F(JobServiceTest, KeepsTheGridOfAJobUntilItIsFinished) {
+  server_.start();
+  const v1::Job wanted = server_.ball(4);
+  const auto size = fs::file_size(server_.folder.file("ball4.vdb"));
+  const std::vector<std::string> tight = {"--job-workers", "0", "--store-bytes",
+                                          std::to_string(size + 100)};
+  server_.start(tight);
+  const v1::Job job = server_.create(wanted);
+  const std::string other(200, 'x');
+  const auto upload = [&] {
+    return upload_text(*server_.grids, grid_name_of(other), other, other.size()).status;
+  };
+  EXPECT_EQ(reason_of(upload()), "tetstream/STORE_HELD_BY_JOBS");
+  server_.start(tight);
+  EXPECT_EQ(reason_of(upload()), "tetstream/STORE_HELD_BY_JOBS");
+  EXPECT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_TRUE(upload().ok());
+  server_.retry(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
 }
 
 TEST_F(JobServiceTest, SaysWhyAJobWasNotDoneInTime) {

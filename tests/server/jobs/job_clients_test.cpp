@@ -204,6 +204,26 @@ TEST_P(JobStoreTest, RemovesOnlyWhatIsFinished) {
   EXPECT_NE(store_->create(asked).value().job.id, job.id);
 }
 
+TEST_P(JobStoreTest, KnowsWhatJobsReadUntilTheyAreFinished) {
+  using testing::UnorderedElementsAre;
+  NewJob asked = wanted("ana");
+  asked.input = "a";
+  const Job first = create(asked);
+  const Job second = create(asked);
+  asked.space = "bob";
+  create(asked);
+  create(wanted("eve"));
+  store_ = home_->open(kRules);
+  const JobInput ana{"ana", "a"}, bob{"bob", "a"};
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
+  store_->cancel(first.id).value();
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
+  store_->cancel(second.id).value();
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(bob));
+  store_->retry(first.id).value();
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
+}
+
 TEST_P(JobStoreTest, CountsWhatThereIs) {
   NewJob twice = wanted();
   twice.max_attempts = 2;
