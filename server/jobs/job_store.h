@@ -93,7 +93,8 @@ class JobStore {
   // --- for clients ---
 
   /// Errors: kInvalidArgument (INVALID_FIELD), kAlreadyExists (REQUEST_ID_REUSED: the namespace
-  /// made another job under this request_id).
+  /// made another job under this request_id), kResourceExhausted (QUOTA_EXCEEDED: too many jobs
+  /// of the namespace are not finished).
   virtual absl::StatusOr<CreatedJob> create(const NewJob& job) = 0;
   virtual absl::StatusOr<Job> get(const std::string& id) = 0;
   /// The newest first. A job is on one page at most, and on one if it is there all the time.

@@ -12,8 +12,10 @@
 
 #include <absl/time/time.h>
 
+#include "server/jobs/job_room.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/sql.h"
+#include "server/jobs/sql_transaction.h"
 
 namespace tet {
 
@@ -30,6 +32,9 @@ class SqlJobStore final : public JobStore {
   struct Options {
     absl::Duration retry_delay = absl::Seconds(1);
     absl::Duration max_retry_delay = absl::Minutes(1);
+    /// Jobs that one namespace may have; by a hundredth of it more for each process that makes
+    /// some.
+    std::int64_t max_unfinished = INT64_MAX;
   };
 
   SqlJobStore(std::unique_ptr<SqlDatabase> database, Options options)
@@ -69,11 +74,13 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<std::set<JobInput>> inputs() override;
 
  private:
+  absl::Status check_room(SqlTransaction& t, const std::string& space);
   absl::Status number_all_events();
   absl::StatusOr<EventPage> read_events(const WatchJobs& query);
 
   const std::unique_ptr<SqlDatabase> database_;
   const Options options_;
+  JobRoom room_;
 };
 
 }  // namespace tet

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
 #include "tests/server/job_server.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
@@ -127,6 +128,23 @@ TEST_F(JobServiceTest, KeepsTheGridOfAJobUntilItIsFinished) {
   EXPECT_TRUE(upload().ok());
   server_.retry(job);
   EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
+}
+
+TEST_F(JobServiceTest, TellsHowManyJobsANamespaceMayHaveAndRefusesMore) {
+  server_.start({"--job-workers", "0", "--max-namespace-jobs", "1"});
+  EXPECT_EQ(server_.client->capabilities(Cancellation())->limits().max_namespace_jobs(), 1);
+  const v1::Job wanted = server_.ball(4);
+  const v1::Job job = server_.create(wanted);
+  server_.create(wanted);
+  EXPECT_EQ(reason_of(status_), "tetstream/QUOTA_EXCEEDED");
+  google::rpc::Status details;
+  ASSERT_TRUE(details.ParseFromString(status_.error_details()));
+  google::rpc::QuotaFailure failure;
+  ASSERT_TRUE(details.details(1).UnpackTo(&failure));
+  EXPECT_EQ(failure.violations(0).subject(), "namespace:default");
+  server_.cancel(job);
+  server_.create(wanted);
+  EXPECT_TRUE(status_.ok());
 }
 
 TEST_F(JobServiceTest, SaysWhyAJobWasNotDoneInTime) {
