@@ -123,16 +123,18 @@ class JobServer {
     return messages(jobs->ReadJobResult(&context, request));
   }
 
-  /// The same of a stream of the mesh, but for progress.
+  /// The same of a stream of the mesh, made anew, but for progress.
   std::vector<std::string> stream(const v1::Job& job,
                                   std::int64_t start = 0,
                                   std::int64_t end = 0) {
-    grpc::ClientContext context;
-    v1::StreamMeshRequest request;
-    *request.mutable_mesh() = job.mesh();
-    request.set_start_chunk(start);
-    request.set_end_chunk(end);
-    return messages(meshes->StreamMesh(&context, request));
+    return stream(job, start, end, true);
+  }
+
+  /// The same of a stream that may come from a stored result.
+  std::vector<std::string> any_stream(const v1::Job& job,
+                                      std::int64_t start = 0,
+                                      std::int64_t end = 0) {
+    return stream(job, start, end, false);
   }
 
   TestFolder folder;
@@ -154,6 +156,19 @@ class JobServer {
                                          {          "TETSTREAM_THREADS",                  "2"},
                                          {"TETSTREAM_JOB_LEASE_SECONDS",                  "1"}
     });
+  }
+
+  std::vector<std::string> stream(const v1::Job& job,
+                                  std::int64_t start,
+                                  std::int64_t end,
+                                  bool skip_cache) {
+    grpc::ClientContext context;
+    v1::StreamMeshRequest request;
+    *request.mutable_mesh() = job.mesh();
+    request.set_skip_cache(skip_cache);
+    request.set_start_chunk(start);
+    request.set_end_chunk(end);
+    return messages(meshes->StreamMesh(&context, request));
   }
 
   void connect(const std::string& address) {
