@@ -140,6 +140,8 @@ class JobStore {
   /// until somebody else got the shard.
   virtual absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
                                                             absl::Duration lease) = 0;
+  /// Which leases are still held, without extending them; writes nothing.
+  virtual absl::StatusOr<std::vector<LeaseState>> look_at(std::span<const LeaseId> leases) = 0;
   /// Ends a plan shard and begins the next phase; a plan without shards ends the job.
   /// Errors: kInvalidArgument (INVALID_PLAN), and those of `complete`.
   virtual absl::Status set_plan(const LeaseId& lease, const Plan& plan) = 0;

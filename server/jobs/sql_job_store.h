@@ -62,6 +62,7 @@ class SqlJobStore final : public JobStore {
   }
   absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
                                                     absl::Duration lease) override;
+  absl::StatusOr<std::vector<LeaseState>> look_at(std::span<const LeaseId> leases) override;
   absl::Status set_plan(const LeaseId& lease, const Plan& plan) override;
   absl::Status complete(const LeaseId& lease, std::span<const ChunkDigest> digests) override;
   absl::Status fail(const LeaseId& lease, const absl::Status& error, bool retryable) override;

@@ -332,6 +332,23 @@ TEST_F(JobServiceTest, ListsJobsPageByPage) {
   EXPECT_EQ(listed, created);
 }
 
+// Counting this mesh takes longer than the test waits, and the worker's next heartbeat is
+// minutes away.
+TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
+  server_.start({"--job-workers", "1", "--job-lease-seconds", "600"});
+  v1::Job endless = server_.ball(16);
+  endless.mutable_mesh()->clear_levels();
+  endless.mutable_mesh()->set_spacing(1.0 / 1024);
+  const v1::Job job = server_.create(endless);
+  server_.watch(
+      job, [](const v1::JobEvent& event) { return event.change() == v1::JOB_CHANGE_STARTED; });
+  const v1::Job next = server_.create(server_.ball(4));
+  const auto cancelled = std::chrono::steady_clock::now();
+  ASSERT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(server_.wait(next).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_LT(std::chrono::steady_clock::now() - cancelled, std::chrono::seconds(2));
+}
+
 TEST_F(JobServiceTest, LetsWorkersDoItAlthoughOneIsKilled) {
   server_.start({"--job-workers", "0"});
   auto killed = server_.start_worker({"--job-workers", "1"});
