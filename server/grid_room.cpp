@@ -152,13 +152,13 @@ bool GridStore::evict_oldest(const GridKey& except_part, const Evictable& evicta
   if (oldest_part != parts_.end() &&
       (oldest_grid == grids_.end() ||
        oldest_part->second.last_use < oldest_grid->second.last_use)) {
-    fs::remove(part_path(oldest_part->first), ignored);
+    std::filesystem::remove(part_path(oldest_part->first), ignored);
     parts_.erase(oldest_part);
     ++gone_.evicted_uploads;
     return true;
   }
   if (oldest_grid == grids_.end()) return false;
-  fs::remove(oldest_grid->second.grid->path, ignored);
+  std::filesystem::remove(oldest_grid->second.grid->path, ignored);
   grids_.erase(oldest_grid);
   ++gone_.evicted_files;
   return true;

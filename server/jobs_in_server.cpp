@@ -44,7 +44,8 @@ absl::StatusOr<std::unique_ptr<JobsAtWork>> JobsAtWork::open(const Config& confi
   auto jobs = open_job_store(config.jobs.empty() ? (folder / kFile).string() : config.jobs,
                              job_rules(config));
   if (!jobs.ok()) return jobs.status();
-  auto results = ResultStore::open(folder / kResults, config.result_bytes);
+  auto results = ResultStore::open(folder / kResults, config.result_bytes,
+                                   absl::Hours(config.job_keep_hours));
   if (!results.ok()) return results.status();
   return std::make_unique<JobsAtWork>(config, engine, *std::move(jobs), *std::move(results));
 }
@@ -56,8 +57,19 @@ JobsAtWork::JobsAtWork(const Config& config,
     : store(std::move(jobs)),
       results(std::move(stored)),
       maker(engine, *store, *results),
-      house(*store, *results, absl::Hours(config.job_keep_hours)),
+      house(*store,
+            *results,
+            absl::Hours(config.job_keep_hours),
+            absl::Seconds(config.job_lease_seconds)),
       worker(*store, maker, worker_settings(config)) {}
+
+std::vector<Reading> JobsInServer::readings() const {
+  std::vector<Reading> readings = work->readings();
+  readings.push_back(gauge("tetstream_jobs_up",
+                           "1 unless the jobs' database or the disk of results takes nothing.",
+                           health.status().ok()));
+  return readings;
+}
 
 absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs) {
   const auto inputs = jobs.inputs();

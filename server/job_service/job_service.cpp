@@ -16,6 +16,9 @@ namespace tet {
 
 namespace {
 
+// By then it may be known that there is room again.
+constexpr absl::Duration kAskAgain = absl::Seconds(2);
+
 /// A job as GetJob and CreateJob tell it.
 absl::Status tell(JobDesk& desk, const absl::StatusOr<Job>& job, v1::Job& response) {
   if (!job.ok()) return job.status();
@@ -34,6 +37,9 @@ absl::Status create(JobDesk& desk,
   const auto wanted = parse_create(request, call.space());
   if (!wanted.ok()) return wanted.status();
   call.note("grid", wanted->input);
+  if (const absl::Status health = desk.health.status(); !health.ok()) {
+    return with_retry(health, kAskAgain);
+  }
   // Held until the store knows that the job needs it.
   const auto grid = grids.acquire({call.space(), wanted->input});
   if (!grid.ok()) return grid.status();

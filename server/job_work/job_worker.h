@@ -55,8 +55,11 @@ class JobWorker {
   bool wait_for_room(const std::stop_token& stopping);
   bool claim_some();
   void do_shards(const std::stop_token& stopping);
-  void do_shard(const HeldShard& shard);
-  void settle(const HeldShard& shard, const absl::Status& outcome);
+  void settle(const HeldShard& shard,
+              const absl::Status& outcome,
+              const std::stop_token& stopping);
+  void give_back(const LeaseId& lease, const std::stop_token& stopping);
+  void let_go(const HeldShard& shard);
   void beat(const std::stop_token& stopping);
   void extend_leases();
   void look_at_leases();
@@ -70,6 +73,7 @@ class JobWorker {
   const JobWorkerSettings settings_;
   std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0};
   std::atomic<bool> giving_back_{false};
+  bool claims_fail_ = false;  ///< and that was logged; of the thread that claims
 
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable_any changed_;

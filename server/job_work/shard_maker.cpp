@@ -6,6 +6,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "server/job_work/stored_mesh.h"
+#include "server/jobs/store_errors.h"
 #include "server/status.h"
 
 namespace tet {
@@ -49,6 +50,10 @@ bool ShardMaker::is_worth_another_try(const absl::Status& error) {
   }
 }
 
+bool ShardMaker::lacks_room(const absl::Status& error) {
+  return reason_of(error) == "DISK_FULL" || will_pass(error);
+}
+
 absl::Status ShardMaker::run(const ShardLease& lease,
                              const std::shared_ptr<PlanningWatch>& watch) {
   auto job = jobs_.get(lease.id.shard.job);
@@ -71,11 +76,20 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   }
   const auto planned = count(shard);
   if (!planned.ok()) return planned.status();
+  if (auto status = check_size(planned->plan->header()); !status.ok()) return status;
   plan = plan_of(*planned);
-  const absl::Status kept = results_.put_plan(shard.job.space, name, plan.SerializeAsString());
+  const absl::Status kept =
+      results_.put_plan({shard.job.space, planned->mesh_id}, name, plan.SerializeAsString());
   if (!kept.ok()) return kept;
   plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
   return commit_plan(shard, plan);
+}
+
+/// What can never be stored is not worth making.
+absl::Status ShardMaker::check_size(const MeshHeader& header) const {
+  const std::uint64_t bytes = ChunkSizes(header, header.vertex_count, header.tet_count).total();
+  if (bytes <= results_.budget_bytes()) return absl::OkStatus();
+  return over_limit("bytes of the mesh, in result_bytes", bytes, results_.budget_bytes());
 }
 
 bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan) const {

@@ -170,6 +170,8 @@ class JobStore {
   /// longer. Says how many.
   virtual absl::StatusOr<std::int64_t> purge(absl::Time finished_before) = 0;
   virtual absl::StatusOr<StoreCounts> counts() = 0;
+  /// OK if something can be written now.
+  virtual absl::Status probe() = 0;
   /// What the jobs read that are not finished.
   virtual absl::StatusOr<std::set<JobInput>> inputs() = 0;
 };

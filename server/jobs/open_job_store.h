@@ -11,7 +11,9 @@
 
 namespace tet {
 
-/// Opens `where`: a postgresql:// address (or postgres://), else a file of SQLite's. Errors:
+/// Opens `where`: a postgresql:// address (or postgres://), else a file of SQLite's. Patiently:
+/// a database that does not answer now, or whose disk is full, keeps nobody from starting.
+/// Errors:
 /// those of open_postgres_job_store and open_sqlite_job_store; the file is named, an address is
 /// not, since a password may stand in it.
 absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(

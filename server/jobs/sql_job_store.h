@@ -72,6 +72,7 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<std::int64_t> expire() override;
   absl::StatusOr<std::int64_t> purge(absl::Time finished_before) override;
   absl::StatusOr<StoreCounts> counts() override;
+  absl::Status probe() override;
   absl::StatusOr<std::set<JobInput>> inputs() override;
 
  private:

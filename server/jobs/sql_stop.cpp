@@ -180,6 +180,16 @@ absl::StatusOr<StoreCounts> SqlJobStore::counts() {
   return counts;
 }
 
+absl::Status SqlJobStore::probe() {
+  return transact(*database_, [](SqlTransaction& t) {
+    t.run(
+        "INSERT INTO counters (name, value) VALUES ('probe', $1) ON CONFLICT (name) DO UPDATE "
+        "SET value = $1",
+        {t.now_us()});
+    return absl::OkStatus();
+  });
+}
+
 absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {
   std::set<JobInput> inputs;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
