@@ -26,6 +26,20 @@ absl::StatusOr<Decoder> start_decoder(const DecoderSettings& settings) {
   return Decoder::start({*program, settings.environment});
 }
 
+/// Leaves `ready` empty where no decoder can be started.
+void make_ready(const DecoderSettings& settings, std::optional<Decoder>& ready) {
+  absl::StatusOr<Decoder> started = start_decoder(settings);
+  if (started.ok()) ready.emplace(*std::move(started));
+}
+
+absl::StatusOr<Decoder> take_decoder(const DecoderSettings& settings,
+                                     std::optional<Decoder>& ready) {
+  if (!ready) return start_decoder(settings);
+  Decoder taken = *std::move(ready);
+  ready.reset();
+  return taken;
+}
+
 absl::Status shutting_down() {
   return named_failure("SHUTTING_DOWN", absl::UnavailableError("the server is shutting down"));
 }
@@ -36,18 +50,16 @@ absl::Status not_ready(const std::function<bool()>& cancelled) {
                        absl::UnavailableError("the decoder program does not start"));
 }
 
-/// One attempt, with `ready` or with a decoder of its own.
+/// One attempt, with the decoder that stands ready, which is then used up, or with one of its
+/// own.
 absl::StatusOr<SealedBlock> attempt(const CheckedFile& checked,
                                     const DecoderSettings& settings,
                                     const std::function<bool()>& cancelled,
                                     std::optional<Decoder>& ready) {
-  if (!ready) {
-    absl::StatusOr<Decoder> started = start_decoder(settings);
-    if (!started.ok()) return started.status();
-    ready.emplace(*std::move(started));
-  }
-  if (!ready->wait_until_ready({kStartTime, cancelled})) return not_ready(cancelled);
-  return ready->decode(checked.order, checked.file.number(), {checked.limit, cancelled});
+  absl::StatusOr<Decoder> decoder = take_decoder(settings, ready);
+  if (!decoder.ok()) return decoder.status();
+  if (!decoder->wait_until_ready({kStartTime, cancelled})) return not_ready(cancelled);
+  return decoder->decode(checked.order, checked.file.number(), {checked.limit, cancelled});
 }
 
 absl::StatusOr<SealedBlock> decode_request(const FileRequest& request,
@@ -60,7 +72,6 @@ absl::StatusOr<SealedBlock> decode_request(const FileRequest& request,
   for (int i = 0; i < kAttempts; ++i) {
     block = attempt(*checked, settings, cancelled, ready);
     if (!absl::IsUnavailable(block.status())) return block;
-    ready.reset();
   }
   return block;
 }
@@ -89,14 +100,13 @@ void DecoderPool::decode(FileRequest request, std::function<bool()> cancelled, D
   changed_.notify_one();
 }
 
-/// One decoder after another, each started before there is anything for it to do; a decoder
-/// ends with the thread that started it, so the thread is as old as the pool.
+/// One decoder after another, each started before there is anything for it to do, and kept for
+/// the next file when one is refused without it; a decoder ends with the thread that started
+/// it, so the thread is as old as the pool.
 void DecoderPool::work() {
+  std::optional<Decoder> ready;
   while (true) {
-    std::optional<Decoder> ready;
-    if (absl::StatusOr<Decoder> started = start_decoder(settings_); started.ok()) {
-      ready.emplace(*std::move(started));
-    }
+    if (!ready) make_ready(settings_, ready);
     const std::optional<Job> job = next_job();
     if (!job) return;
     job->done(run(*job, ready));
@@ -123,9 +133,7 @@ absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
                                         const DecoderSettings& settings,
                                         const std::function<bool()>& cancelled) {
   std::optional<Decoder> ready;
-  if (absl::StatusOr<Decoder> started = start_decoder(settings); started.ok()) {
-    ready.emplace(*std::move(started));
-  }
+  make_ready(settings, ready);
   return decode_request(request, settings, cancelled, ready);
 }
 

@@ -87,6 +87,19 @@ TEST_F(DecoderPoolTest, ReplacesDecodersThatDieWhileTheyWait) {
   }
 }
 
+TEST_F(DecoderPoolTest, KeepsItsDecoderWhenAFileIsRefusedWithoutIt) {
+  DecoderPool pool(settings("", 1));
+  FileRequest broken = request();
+  broken.path = directory_.file("broken.vdb");
+  std::ofstream(broken.path) << "no volume at all";
+  while (children().empty()) std::this_thread::sleep_for(1ms);
+  const std::vector<pid_t> before = children();
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(ask(pool, broken).get().ok());
+  EXPECT_EQ(children(), before);
+  EXPECT_TRUE(ask(pool, request()).get().ok());
+  EXPECT_NE(children(), before);
+}
+
 TEST_F(DecoderPoolTest, TellsTheRequestWhoseDecoderIsKilledAtWork) {
   DecoderPool pool(settings(hostile("decode_but_for"), 1));
   auto hanging = ask(pool, request("hang"));
