@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -35,6 +36,9 @@ struct JobsAtWork {
   JobHouse house;
   JobWorker worker;
 };
+
+/// Grids that jobs need which are not finished. Errors: the store's.
+absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs);
 
 struct JobsInServer {
   JobsInServer(std::unique_ptr<JobsAtWork> at_work, MeshEngine& engine, GridStore& grids)

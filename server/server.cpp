@@ -164,6 +164,8 @@ absl::Status Server::Parts::open_jobs() {
   auto opened = JobsAtWork::open(config, engine);
   if (opened.ok() && *opened != nullptr) {
     jobs = std::make_unique<JobsInServer>(*std::move(opened), engine, *store);
+    engine.results = jobs->work->results.get();
+    store->ask_before_evicting([this] { return grids_of_jobs(*jobs->work->store); });
   }
   return opened.status();
 }

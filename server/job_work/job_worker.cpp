@@ -1,5 +1,7 @@
 #include "server/job_work/job_worker.h"
 
+#include <algorithm>
+#include <chrono>
 #include <sys/resource.h>
 #include <utility>
 
@@ -18,6 +20,10 @@ constexpr int kNice = 10;
 /// How long an idle worker does not look, though nobody told it of anything: shards that back
 /// off become ready by themselves.
 constexpr absl::Duration kPoll = absl::Seconds(1);
+
+/// How soon a shard is stopped whose job was: so often a worker looks whether anything was
+/// committed, and then at what it holds.
+constexpr std::chrono::milliseconds kLook{500};
 
 /// A store that does not answer is asked again after this.
 constexpr absl::Duration kStorePause = absl::Milliseconds(500);
@@ -148,26 +154,50 @@ void JobWorker::settle(const HeldShard& shard, const absl::Status& outcome) {
 }
 
 void JobWorker::beat(const std::stop_token& stopping) {
+  using Clock = std::chrono::steady_clock;
   std::mutex mutex;
   std::condition_variable_any never;
   std::unique_lock lock(mutex);
   const auto interval = absl::ToChronoMilliseconds(settings_.lease / 3);
-  while (!never.wait_for(lock, stopping, interval, [&] { return stopping.stop_requested(); })) {
-    extend_leases();
+  auto due = Clock::now() + interval;
+  std::uint64_t seen = jobs_.signal();
+  while (!never.wait_for(lock, stopping, std::min(interval, kLook),
+                         [&] { return stopping.stop_requested(); })) {
+    const std::uint64_t signal = jobs_.signal();
+    if (Clock::now() >= due) {
+      due = Clock::now() + interval;
+      extend_leases();
+    } else if (signal != seen) {
+      look_at_leases();
+    }
+    seen = signal;
   }
 }
 
-/// What is lost is not worth going on with.
 void JobWorker::extend_leases() {
   const std::vector<HeldShard> shards = held();
-  std::vector<LeaseId> leases;
-  for (const HeldShard& shard : shards) leases.push_back(shard->lease.id);
-  if (leases.empty()) return;
-  const auto answers = jobs_.heartbeat(leases, settings_.lease);
+  if (!shards.empty()) heed(shards, jobs_.heartbeat(ids_of(shards), settings_.lease));
+}
+
+/// Something was committed by somebody: a job of ours may have been cancelled.
+void JobWorker::look_at_leases() {
+  const std::vector<HeldShard> shards = held();
+  if (!shards.empty()) heed(shards, jobs_.look_at(ids_of(shards)));
+}
+
+/// What is lost is not worth going on with.
+void JobWorker::heed(const std::vector<HeldShard>& shards,
+                     const absl::StatusOr<std::vector<LeaseState>>& answers) {
   if (!answers.ok()) return log_trouble("heartbeat_failed", {}, answers.status());
   for (std::size_t i = 0; i < shards.size(); ++i) {
     if ((*answers)[i] == LeaseState::kLost) shards[i]->watch->cancellation.cancel();
   }
+}
+
+std::vector<LeaseId> JobWorker::ids_of(const std::vector<HeldShard>& shards) {
+  std::vector<LeaseId> ids;
+  for (const HeldShard& shard : shards) ids.push_back(shard->lease.id);
+  return ids;
 }
 
 }  // namespace tet

@@ -25,7 +25,9 @@ struct JobWorkerSettings {
   absl::Duration lease = absl::Seconds(30);
 };
 
-/// Works from its construction to `stop`. The threads have a lower priority than any other of
+/// Works from its construction to `stop`. What it does not hold any more, of a job that was
+/// cancelled for instance, it stops within half a second or so of hearing of it.
+/// The threads have a lower priority than any other of
 /// the process, so that whoever waits for a mesh gets the cores first.
 class JobWorker {
  public:
@@ -57,6 +59,10 @@ class JobWorker {
   void settle(const HeldShard& shard, const absl::Status& outcome);
   void beat(const std::stop_token& stopping);
   void extend_leases();
+  void look_at_leases();
+  static void heed(const std::vector<HeldShard>& shards,
+                   const absl::StatusOr<std::vector<LeaseState>>& answers);
+  static std::vector<LeaseId> ids_of(const std::vector<HeldShard>& shards);
   std::vector<HeldShard> held();
 
   JobStore& jobs_;

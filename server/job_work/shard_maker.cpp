@@ -5,6 +5,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "server/job_work/stored_mesh.h"
 #include "server/status.h"
 
 namespace tet {
@@ -63,7 +64,7 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   stored::JobPlan plan;
   if (!shard.spec.skip_cache()) {
     const auto kept = results_.find_plan(shard.job.space, name);
-    if (kept && plan.ParseFromString(*kept) && is_stored(shard.job.space, plan.header())) {
+    if (kept && plan.ParseFromString(*kept) && is_stored(shard.job.space, plan)) {
       plan.set_cached(true);
       return commit_plan(shard, plan);
     }
@@ -73,17 +74,12 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   plan = plan_of(*planned);
   const absl::Status kept = results_.put_plan(shard.job.space, name, plan.SerializeAsString());
   if (!kept.ok()) return kept;
-  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan.header()));
+  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
   return commit_plan(shard, plan);
 }
 
-bool ShardMaker::is_stored(const std::string& space, const v1::MeshHeader& header) const {
-  const auto folder = results_.find({space, header.mesh_id()});
-  if (!folder.ok()) return false;
-  for (const ChunkRange& range : shards_of(header.chunk_count())) {
-    if (!(*folder)->find_whole_shard(range)) return false;
-  }
-  return true;
+bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan) const {
+  return StoredMesh::find(results_, space, plan) != nullptr;
 }
 
 absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& plan) {

@@ -40,7 +40,7 @@ class ShardMaker {
 
   absl::Status plan(const Shard& shard);
   absl::Status mesh(const Shard& shard);
-  bool is_stored(const std::string& space, const v1::MeshHeader& header) const;
+  bool is_stored(const std::string& space, const stored::JobPlan& plan) const;
   absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
   absl::StatusOr<PlannedMesh> count(const Shard& shard);
   absl::StatusOr<std::vector<ChunkDigest>> make_chunks(const Shard& shard,
