@@ -156,6 +156,16 @@ int serve(const tet::Config& config) {
   return tet::stopped_listening() ? kFailed : kDone;
 }
 
+/// The signal that ends a worker; 0 if that is that there is nothing to do.
+int wait_for_end(const sigset_t& signals, tet::WorkerProcess& worker) {
+  constexpr timespec kSecond{1, 0};
+  while (!worker.is_idle()) {
+    const int signal = ::sigtimedwait(&signals, nullptr, &kSecond);
+    if (signal > 0) return signal;
+  }
+  return 0;
+}
+
 int work(const tet::Config& config) {
   raise_file_limit();
   const sigset_t signals = hold_signals();
@@ -168,11 +178,9 @@ int work(const tet::Config& config) {
           {"metrics", (*worker)->metrics_address()},
           {"version",            TETSTREAM_VERSION}
   });
-  int signal = 0;
-  sigwait(&signals, &signal);
   tet::log_event(spdlog::level::info, "draining",
                  {
-                     {"signal", signal}
+                     {"signal", wait_for_end(signals, **worker)}
   });
   worker->reset();
   tet::log_event(spdlog::level::info, "stopped");

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <absl/time/clock.h>
+
 #include "server/jobs_in_server.h"
 #include "server/metrics_port.h"
 #include "server/process_metrics.h"
@@ -15,6 +17,7 @@ struct WorkerProcess::Parts {
       : config(std::move(settings)), access(std::move(nobody)), store(std::move(grids)) {}
 
   std::string metrics_text() const;
+  bool finds_work();
 
   const Config config;
   const std::unique_ptr<Access> access;  // of no calls: there are none
@@ -24,6 +27,8 @@ struct WorkerProcess::Parts {
   MeshEngine engine{config, calls, *store};
   std::unique_ptr<JobsAtWork> jobs;
   std::unique_ptr<MetricsPort> metrics;
+  std::int64_t settled_shards = 0;  // when it last looked
+  absl::Time last_work = absl::Now();
 };
 
 std::string WorkerProcess::Parts::metrics_text() const {
@@ -33,6 +38,17 @@ std::string WorkerProcess::Parts::metrics_text() const {
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
   });
+}
+
+/// The store is asked only by a worker that did nothing since it last looked. One that does not
+/// answer may have work.
+bool WorkerProcess::Parts::finds_work() {
+  const JobWorker& worker = jobs->worker;
+  const std::int64_t settled =
+      worker.done_shards() + worker.failed_shards() + worker.lost_shards();
+  if (std::exchange(settled_shards, settled) != settled) return true;
+  const auto counts = jobs->store->counts();
+  return !counts.ok() || counts->ready_shards + counts->leased_shards + counts->backing_off > 0;
 }
 
 absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config& config) {
@@ -61,6 +77,12 @@ absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config
 WorkerProcess::WorkerProcess(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 WorkerProcess::~WorkerProcess() = default;
+
+bool WorkerProcess::is_idle() {
+  if (parts_->config.job_idle_seconds == 0) return false;
+  if (parts_->finds_work()) parts_->last_work = absl::Now();
+  return absl::Now() - parts_->last_work >= absl::Seconds(parts_->config.job_idle_seconds);
+}
 
 std::string WorkerProcess::metrics_address() const {
   return parts_->metrics == nullptr ? "" : parts_->metrics->address();

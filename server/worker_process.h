@@ -17,6 +17,9 @@ class WorkerProcess {
   static absl::StatusOr<std::unique_ptr<WorkerProcess>> start(const Config& config);
   ~WorkerProcess();
 
+  /// Whether for `job_idle_seconds` no shard was left to do, by anybody; never if that is 0.
+  /// It looks when it is asked: about once a second.
+  bool is_idle();
   /// host:port of the metrics; empty if there are none.
   std::string metrics_address() const;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <absl/strings/ascii.h>
+#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/jobs/store_errors.h"
@@ -93,7 +94,11 @@ SqlResult rows_of(const PGresult* result) {
     for (int i = 0; i < PQnfields(result); ++i) values.push_back(column(result, row, i));
     read.rows.emplace_back(std::move(values));
   }
-  read.changed = std::strtoll(PQcmdTuples(const_cast<PGresult*>(result)), nullptr, 10);
+  auto* command = const_cast<PGresult*>(result);  // libpq only reads it
+  // A SELECT counts what it found.
+  if (!absl::StartsWith(PQcmdStatus(command), "SELECT")) {
+    read.changed = std::strtoll(PQcmdTuples(command), nullptr, 10);
+  }
   return read;
 }
 

@@ -107,7 +107,7 @@ class SqlDatabase {
   /// A statement that gives the next fencing token.
   virtual const char* next_token() const = 0;
 
-  /// Tells waiters everywhere that something was committed.
+  /// Tells waiters everywhere that changes were committed.
   virtual void announce() = 0;
   virtual std::uint64_t signal() = 0;
   virtual void wait(std::uint64_t seen, absl::Duration timeout) = 0;

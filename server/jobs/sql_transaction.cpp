@@ -16,6 +16,8 @@ absl::Status try_once(SqlDatabase& database, SqlBody body, bool& give_way) {
   const absl::Status outcome = body(transaction);
   if (transaction.status().ok() && outcome.ok()) {
     const absl::Status committed = (*connection)->commit();
+    // Who finds no work waits for news, and would be woken by its own search for ever.
+    if (committed.ok() && transaction.has_changed_rows()) database.announce();
     give_way = absl::IsAborted(committed);
     return committed;
   }
@@ -29,9 +31,12 @@ absl::Status try_once(SqlDatabase& database, SqlBody body, bool& give_way) {
 SqlResult SqlTransaction::run(std::string_view sql, std::span<const SqlValue> values) {
   if (!status_.ok()) return {};
   auto result = connection_.run(sql, values);
-  if (result.ok()) return *std::move(result);
-  status_ = result.status();
-  return {};
+  if (!result.ok()) {
+    status_ = result.status();
+    return {};
+  }
+  changed_ += result->changed;
+  return *std::move(result);
 }
 
 std::int64_t SqlTransaction::integer(std::string_view sql,
@@ -45,7 +50,6 @@ absl::Status transact(SqlDatabase& database, SqlBody body) {
   for (int tries = 0; tries < kMostTries; ++tries) {
     bool give_way = false;
     status = try_once(database, body, give_way);
-    if (status.ok()) database.announce();
     if (!give_way) return status;
   }
   return status;

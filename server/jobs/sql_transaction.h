@@ -32,18 +32,21 @@ class SqlTransaction {
   /// The database's time when the transaction began, microseconds since the epoch.
   std::int64_t now_us() const { return now_us_; }
   const absl::Status& status() const { return status_; }
+  bool has_changed_rows() const { return changed_ > 0; }
 
  private:
   SqlConnection& connection_;
   const SqlDatabase& dialect_;
   const std::int64_t now_us_;
   absl::Status status_;
+  std::int64_t changed_ = 0;
 };
 
 using SqlBody = absl::FunctionRef<absl::Status(SqlTransaction&)>;
 
 /// Runs the body and commits, if it returns OK and no statement failed; else nothing has
-/// happened, unless the error is kUnavailable: then it may have. A body that the database made
+/// happened, unless the error is kUnavailable: then it may have. Waiters are told if rows were
+/// changed. A body that the database made
 /// to give way to another is run again, so it must only set what is outside of it.
 absl::Status transact(SqlDatabase& database, SqlBody body);
 

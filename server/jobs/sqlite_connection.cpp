@@ -148,7 +148,10 @@ absl::StatusOr<SqlResult> SqliteConnection::run(std::string_view sql,
   int code = SQLITE_ROW;
   while ((code = sqlite3_step(*statement)) == SQLITE_ROW)
     result.rows.push_back(row_of(*statement));
-  result.changed = sqlite3_changes64(database_.get());
+  // Statements that only read leave the count as the last one that wrote has set it.
+  if (sqlite3_stmt_readonly(*statement) == 0) {
+    result.changed = sqlite3_changes64(database_.get());
+  }
   const absl::Status status = code == SQLITE_DONE ? absl::OkStatus() : error(std::string(sql));
   sqlite3_reset(*statement);
   sqlite3_clear_bindings(*statement);

@@ -362,5 +362,13 @@ TEST_F(JobServiceTest, LetsWorkersDoItAlthoughOneIsKilled) {
   EXPECT_EQ(other->wait(), 0);
 }
 
+TEST_F(JobServiceTest, LetsAWorkerGoWhenNothingIsLeftToDo) {
+  server_.start({"--job-workers", "0"});
+  const v1::Job job = server_.create(server_.ball(8));
+  const auto worker = server_.start_worker({"--job-idle-seconds", "1"});
+  EXPECT_EQ(worker->wait(), 0);
+  EXPECT_EQ(server_.get(job).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
 }  // namespace
 }  // namespace tet::test

@@ -94,6 +94,17 @@ TEST_P(JobStoreTest, AnIdleWorkerIsWokenByAJob) {
   other.join();
 }
 
+TEST_P(JobStoreTest, LookingForWorkInVainWakesNobody) {
+  const std::uint64_t seen = store_->signal();
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_THAT(claim(), IsEmpty());
+    EXPECT_EQ(store_->rescue().value(), 0);
+    EXPECT_EQ(store_->expire().value(), 0);
+  }
+  // A listener that has just reached its server tells that once.
+  EXPECT_LE(store_->signal(), seen + 1);
+}
+
 TEST_P(JobStoreTest, WatchersMissNothingAndSeeNothingTwiceWhileManyWrite) {
   constexpr int kWriters = 4;
   constexpr int kJobs = 10;

@@ -1,0 +1,212 @@
+"""What is deployed agrees with itself, with the programs and with the tools that read it.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/deploy/deploy_test.py [unittest options]
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+import yaml
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+DRAIN_SECONDS = 30
+
+
+def tetstreamd():
+    return pathlib.Path(os.environ["TETSTREAM_BIN"]) / "tetstreamd"
+
+
+def run(*command, **options):
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60,
+                          check=False, **options)
+
+
+class DeployTest(unittest.TestCase):
+    def assert_taken(self, environment):
+        """The server takes all of these TETSTREAM_ variables as settings."""
+        settings = {name: str(value) for name, value in environment.items()
+                    if name.startswith("TETSTREAM_")}
+        printed = run(tetstreamd(), "--print-config", env=settings)
+        self.assertEqual(printed.returncode, 0, printed.stderr)
+        known = set(re.findall(r"^(\w+) = ", printed.stdout, re.MULTILINE))
+        self.assertEqual({name for name in settings
+                          if name.removeprefix("TETSTREAM_").lower() not in known}, set())
+
+    def assert_longer_than_a_drain(self, seconds):
+        self.assertIn(f"\ndrain_seconds = {DRAIN_SECONDS}\n", run(tetstreamd(), "--print-config").stdout)
+        self.assertGreater(seconds, DRAIN_SECONDS)
+
+
+class Systemd(DeployTest):
+    units = ROOT / "deploy" / "systemd"
+
+    def test_systemd_takes_the_units_and_they_expose_little(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        for unit in self.units.glob("*.service"):
+            here = pathlib.Path(scratch.name) / unit.name
+            here.write_text(unit.read_text().replace("/usr/local/bin/tetstreamd", str(tetstreamd())))
+            verified = run("systemd-analyze", "verify", "--man=no", here)
+            self.assertEqual((verified.returncode, verified.stdout, verified.stderr), (0, "", ""))
+            exposed = run("systemd-analyze", "security", "--offline=yes", "--threshold=20", here)
+            self.assertEqual(exposed.returncode, 0, exposed.stdout)
+
+    def test_a_drain_ends_before_the_server_is_killed(self):
+        seconds = re.search(r"^TimeoutStopSec=(\d+)$", (self.units / "tetstreamd.service").read_text(),
+                            re.MULTILINE)
+        self.assert_longer_than_a_drain(int(seconds[1]))
+
+    def test_the_user_is_the_containers(self):
+        number = re.search(r"useradd --uid (\d+)",
+                           (ROOT / "docker" / "server.Dockerfile").read_text())[1]
+        self.assertIn(f"\nu tetstream {number} ",
+                      (self.units / "tetstream.sysusers").read_text())
+
+
+class Kubernetes(DeployTest):
+    @classmethod
+    def setUpClass(cls):
+        text = (ROOT / "deploy" / "kubernetes" / "tetstream.yaml").read_text()
+        cls.objects = {(thing["kind"], thing["metadata"]["name"]): thing
+                       for thing in yaml.safe_load_all(text)}
+        cls.deployments = {name: thing["spec"] for (kind, name), thing in cls.objects.items()
+                           if kind == "Deployment"}
+        cls.head = text[:text.index("\napiVersion")]
+
+    def pods(self):
+        for deployment in self.deployments.values():
+            yield deployment["template"]["spec"], deployment["template"]["spec"]["containers"][0]
+
+    def test_the_objects_are_these(self):
+        self.assertEqual(
+            {(thing["apiVersion"], kind, name) for (kind, name), thing in self.objects.items()},
+            {("v1", "ConfigMap", "tetstream"), ("v1", "PersistentVolumeClaim", "tetstream"),
+             ("v1", "Service", "tetstream"), ("apps/v1", "Deployment", "tetstream-server"),
+             ("apps/v1", "Deployment", "tetstream-worker"),
+             ("keda.sh/v1alpha1", "ScaledObject", "tetstream-worker")})
+
+    def test_each_selects_its_own_pods(self):
+        labels = {name: deployment["template"]["metadata"]["labels"]
+                  for name, deployment in self.deployments.items()}
+        for name, deployment in self.deployments.items():
+            self.assertEqual(deployment["selector"]["matchLabels"], labels[name])
+        served = self.objects["Service", "tetstream"]["spec"]["selector"].items()
+        self.assertEqual([name for name in labels if served <= labels[name].items()],
+                         ["tetstream-server"])
+
+    def test_what_pods_refer_to_is_there(self):
+        for pod, container in self.pods():
+            for source in container["envFrom"]:
+                self.assertIn(("ConfigMap", source["configMapRef"]["name"]), self.objects)
+            secrets = [value["valueFrom"]["secretKeyRef"] for value in container["env"]
+                       if "valueFrom" in value]
+            for secret in secrets:
+                self.assertIn(f"secret generic {secret['name']} ", self.head)
+                self.assertIn(f"--from-literal={secret['key']}=", self.head)
+            self.assertEqual({mount["name"] for mount in container["volumeMounts"]},
+                             {volume["name"] for volume in pod["volumes"]})
+            claims = [volume["persistentVolumeClaim"]["claimName"] for volume in pod["volumes"]
+                      if "persistentVolumeClaim" in volume]
+            for claim in claims:
+                self.assertIn(("PersistentVolumeClaim", claim), self.objects)
+            ports = {port["name"]: port["containerPort"] for port in container["ports"]}
+            for probe in (container.get("readinessProbe", {}), container["livenessProbe"]):
+                if "httpGet" in probe:
+                    self.assertIn(probe["httpGet"]["port"], ports)
+                if "grpc" in probe:
+                    self.assertIn(probe["grpc"]["port"], ports.values())
+                    self.assertIn(probe["grpc"]["service"], ("readiness", "liveness"))
+
+    def test_they_share_one_store_and_one_may_own_it(self):
+        stores = {(volume["persistentVolumeClaim"]["claimName"], mount["mountPath"])
+                  for pod, container in self.pods() for volume in pod["volumes"]
+                  for mount in container["volumeMounts"]
+                  if "persistentVolumeClaim" in volume and mount["name"] == volume["name"]}
+        settings = self.objects["ConfigMap", "tetstream"]["data"]
+        self.assertEqual(stores, {("tetstream", settings["TETSTREAM_STORE"])})
+        claim = self.objects["PersistentVolumeClaim", "tetstream"]["spec"]
+        self.assertEqual(claim["accessModes"], ["ReadWriteMany"])
+        server = self.deployments["tetstream-server"]
+        self.assertEqual((server["replicas"], server["strategy"]["type"]), (1, "Recreate"))
+
+    def test_the_settings_are_the_servers(self):
+        for _, container in self.pods():
+            self.assert_taken({
+                **self.objects["ConfigMap", "tetstream"]["data"],
+                **{value["name"]: value.get("value", "postgresql://") for value in container["env"]}})
+
+    def test_pods_may_do_little(self):
+        for pod, container in self.pods():
+            self.assertTrue(pod["securityContext"]["runAsNonRoot"])
+            self.assertEqual(pod["securityContext"]["seccompProfile"]["type"], "RuntimeDefault")
+            self.assertFalse(pod["automountServiceAccountToken"])
+            self.assertTrue(container["securityContext"]["readOnlyRootFilesystem"])
+            self.assertFalse(container["securityContext"]["allowPrivilegeEscalation"])
+            self.assertEqual(container["securityContext"]["capabilities"], {"drop": ["ALL"]})
+            self.assertIn("memory", container["resources"]["limits"])
+
+    def test_a_drain_ends_before_the_server_is_killed(self):
+        pod = self.deployments["tetstream-server"]["template"]["spec"]
+        self.assert_longer_than_a_drain(pod["terminationGracePeriodSeconds"])
+
+    def test_workers_are_as_many_as_pending_shards_ask_for(self):
+        scaled = self.objects["ScaledObject", "tetstream-worker"]["spec"]
+        self.assertIn(scaled["scaleTargetRef"]["name"], self.deployments)
+        self.assertNotIn("replicas", self.deployments["tetstream-worker"])
+        trigger = scaled["triggers"][0]
+        self.assertEqual(trigger["type"], "prometheus")
+        self.assertLessEqual({"serverAddress", "query", "threshold"}, trigger["metadata"].keys())
+        self.assertTrue(all(isinstance(value, str) for value in trigger["metadata"].values()))
+        self.assertTrue(trigger["metadata"]["threshold"].isdigit())
+        self.assert_counts_pending_shards(trigger["metadata"]["query"])
+
+    def assert_counts_pending_shards(self, query):
+        """For Prometheus, over what two processes tell of one queue of 3 + 2 + 1 shards."""
+        series = [f'tetstream_job_shards{{state="{state}",namespace="tetstream",pod="{pod}"}}'
+                  for state in ("ready", "leased", "backing_off", "dead") for pod in "ab"]
+        values = [3, 3, 2, 2, 1, 1, 9, 9]
+        with tempfile.TemporaryDirectory() as scratch:
+            test = pathlib.Path(scratch) / "test.yml"
+            test.write_text(yaml.safe_dump({"tests": [{
+                "interval": "1m",
+                "input_series": [{"series": name, "values": str(value)}
+                                 for name, value in zip(series, values)],
+                "promql_expr_test": [{"expr": query, "eval_time": "0m",
+                                      "exp_samples": [{"labels": "{}", "value": 6}]}]}]}))
+            tested = run("promtool", "test", "rules", test)
+        self.assertEqual(tested.returncode, 0, tested.stdout + tested.stderr)
+
+
+class Compose(DeployTest):
+    def services(self, *files):
+        arguments = [argument for file in files for argument in ("-f", ROOT / "docker" / file)]
+        taken = run("docker-compose", *arguments, "config")
+        self.assertEqual(taken.returncode, 0, taken.stderr)
+        return yaml.safe_load(taken.stdout)["services"]
+
+    def test_compose_takes_its_files_and_the_server_their_settings(self):
+        for files in (["compose.yml"], ["compose.yml", "compose.farm.yml"]):
+            for name, service in self.services(*files).items():
+                if service["image"] == "tetstream":
+                    self.assert_taken(service.get("environment", {}))
+                    grace = service["stop_grace_period"]
+                    if name == "tetstream":
+                        self.assert_longer_than_a_drain(int(grace.removesuffix("s")))
+
+    def test_a_farm_shares_store_jobs_and_budget(self):
+        services = self.services("compose.yml", "compose.farm.yml")
+        server, worker = services["tetstream"], services["worker"]
+        for name in ("TETSTREAM_JOBS", "TETSTREAM_RESULT_BYTES"):
+            self.assertEqual(server["environment"][name], worker["environment"][name])
+        self.assertEqual(server["volumes"], worker["volumes"])
+        self.assertIn("@jobs/", server["environment"]["TETSTREAM_JOBS"])
+        self.assertIn("jobs", services)
+        self.assertEqual(str(server["environment"]["TETSTREAM_JOB_WORKERS"]), "0")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
