@@ -17,14 +17,21 @@ Exits with 0 when the server says that it is serving, and with 3 otherwise.
 Example:
   tetstream health --server localhost:7447
   tetstream health --server mesher.example:7447 --tls
+  tetstream health --server localhost:7447 --service jobs
 )";
 
-absl::Status run_health(const ServerArguments& server, const Cancellation& interruption) {
+struct HealthArguments {
+  ServerArguments server;
+  std::string service = "readiness";
+};
+
+absl::Status run_health(const HealthArguments& arguments, const Cancellation& interruption) {
+  const ServerArguments& server = arguments.server;
   const auto channel = understand_server(server);
   if (!channel.ok()) return channel.status();
   const auto client = MeshClient::connect(server.address, *channel, {.attempts = 1});
   if (!client.ok()) return client.status();
-  const absl::Status status = (*client)->check_health("readiness", interruption);
+  const absl::Status status = (*client)->check_health(arguments.service, interruption);
   // Whatever the answer was, it is the server that is not well.
   if (!status.ok()) return absl::UnavailableError(status.message());
   std::printf("%s: serving\n", server.address.c_str());
@@ -34,11 +41,14 @@ absl::Status run_health(const ServerArguments& server, const Cancellation& inter
 }  // namespace
 
 Command add_health_command(CLI::App& app) {
-  const auto server = std::make_shared<ServerArguments>();
+  const auto arguments = std::make_shared<HealthArguments>();
   app.footer(kExamples);
-  describe_server(app, *server)->required();
-  return
-      [server](const Cancellation& interruption) { return run_health(*server, interruption); };
+  app.add_option("--service", arguments->service,
+                 "What is asked after: readiness, liveness, or jobs [readiness]");
+  describe_server(app, arguments->server)->required();
+  return [arguments](const Cancellation& interruption) {
+    return run_health(*arguments, interruption);
+  };
 }
 
 }  // namespace tet

@@ -68,6 +68,8 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_flag(
       "--compact", options.compact,
       "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
+  app.add_flag("--skip-cache", options.skip_cache,
+               "Have a server make the mesh though it has it as a job's result");
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
   describe_server(app, arguments.server);
@@ -97,6 +99,11 @@ absl::Status check_encoding(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status check_cache(const MeshOptions& options) {
+  if (!options.skip_cache || !options.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError("--skip-cache is about a server's results: add --server");
+}
+
 absl::Status check_trust(const MeshOptions& options) {
   if (!options.trust || options.server.empty()) return absl::OkStatus();
   return absl::InvalidArgumentError(
@@ -109,6 +116,7 @@ absl::Status check_options(const MeshOptions& options) {
                             ? check_scene_options(options)
                             : check_mesh_input({options.input, options.grid, options.voxel});
   if (status.ok()) status = check_encoding(options);
+  if (status.ok()) status = check_cache(options);
   if (status.ok()) status = check_trust(options);
   if (status.ok()) status = mesh_format_of(options.output).status();
   if (status.ok()) status = check_can_create(options.output);

@@ -91,9 +91,9 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
   const double uploading_seconds = watch.lap();
 
   StreamWatch stream(bar);
-  absl::StatusOr<StreamedMesh> streamed =
-      client.stream_mesh(*request, stream.callbacks(), interruption,
-                         options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
+  absl::StatusOr<StreamedMesh> streamed = client.stream_mesh(
+      *request, stream.callbacks(), interruption,
+      options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN, options.skip_cache);
   if (!streamed.ok()) return streamed.status();
   return made_of(*std::move(streamed), stream.stages(uploading_seconds));
 }

@@ -15,11 +15,12 @@ struct MeshOptions {
   bool trust = false;           ///< read the .vdb file in this process
   std::optional<double> voxel;  ///< of a surface that is converted first, world units
   MeshRequest request;
-  int threads = 0;         ///< 0 takes every core
-  std::string server;      ///< HOST:PORT; empty meshes in this process
-  ChannelOptions channel;  ///< how that is spoken to
-  bool compact = false;    ///< half a byte a tet from the server, and the mesh is made here
-  std::string report;      ///< path; empty writes none
+  int threads = 0;          ///< 0 takes every core
+  std::string server;       ///< HOST:PORT; empty meshes in this process
+  ChannelOptions channel;   ///< how that is spoken to
+  bool compact = false;     ///< half a byte a tet from the server, and the mesh is made here
+  bool skip_cache = false;  ///< also where the server has the mesh as a job's result
+  std::string report;       ///< path; empty writes none
 };
 
 }  // namespace tet

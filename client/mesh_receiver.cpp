@@ -172,6 +172,7 @@ absl::Status MeshReceiver::take(const v1::MeshEvent& event) {
 
 absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
   if (!is_valid(header)) return bad_stream("a header with impossible values");
+  received_.cached = header.cached();
   if (has_header_) {
     const bool same =
         header.mesh_id() == received_.mesh_id && header.has_kept() == keeps_parts_;

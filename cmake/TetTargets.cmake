@@ -57,8 +57,9 @@ function(tet_executable name)
   target_link_libraries(${name} PRIVATE tet_flags ${ARG_DEPENDS})
 endfunction()
 
-# All that the tests with the label `fast` take: a sanitizer's build is short of time.
-add_custom_target(fast_tests)
+# All that the tests take which have the label `fast` and not `command`: a sanitizer's build is short
+# of time, and the command line's sources take the most of it and handle no stranger's bytes.
+add_custom_target(sanitized_tests)
 
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own.
@@ -76,8 +77,8 @@ function(tet_test name)
   else()
     tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}")
   endif()
-  if("fast" IN_LIST ARG_LABELS)
-    add_dependencies(fast_tests ${name})
+  if("fast" IN_LIST ARG_LABELS AND NOT "command" IN_LIST ARG_LABELS)
+    add_dependencies(sanitized_tests ${name})
   endif()
 endfunction()
 

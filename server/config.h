@@ -31,6 +31,7 @@ struct Config {
   std::uint64_t job_lease_seconds = 30;
   std::uint64_t job_idle_seconds = 0;
   std::uint64_t job_keep_hours = 168;
+  std::uint64_t max_namespace_jobs = 100'000;
   std::uint64_t result_bytes = std::uint64_t{64} << 30;
   std::uint64_t max_streams = 64;
   std::uint64_t max_tets = 4'000'000'000;
@@ -58,6 +59,8 @@ struct Config {
   std::string log_level = "info";
   std::string metrics_listen;
   std::string port_file;
+
+  bool has_jobs() const { return jobs != "off"; }
 };
 
 /// One setting. Its key is `store_bytes` in a file, `--store-bytes` as a flag and

@@ -54,17 +54,6 @@ absl::Status not_stored(std::string_view digest) {
                      "GRID_NOT_FOUND");
 }
 
-// How much the others use is not for everybody to know.
-absl::Status no_room(std::uint64_t size_bytes, std::uint64_t budget) {
-  return with_retry(with_reason(absl::ResourceExhaustedError(
-                                    absl::StrCat("no room for ", size_bytes,
-                                                 " bytes beside what other calls use of the "
-                                                 "store's ",
-                                                 budget)),
-                                "STORE_BUSY"),
-                    absl::Seconds(5));
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
@@ -158,6 +147,7 @@ absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
   const auto found = grids_.find(key);
   if (found == grids_.end()) return not_stored(key.digest);
   use(found->second);
+  found->second.last_lease = ++leases_;
   return found->second.grid;
 }
 
@@ -222,83 +212,6 @@ void GridStore::set_aside(const GridLease& grid) {
   fields["grid"] = grid->key.digest;
   fields["moved"] = moved.ok() ? aside.string() : std::string(moved.message());
   log_event(spdlog::level::err, "stored_grid_corrupt", fields);
-}
-
-std::uint64_t GridStore::used_bytes() const {
-  std::uint64_t used = 0;
-  for (const auto& [key, entry] : grids_) used += entry.grid->size_bytes;
-  for (const auto& [key, part] : parts_) used += part.size_bytes;
-  return used;
-}
-
-/// Marks the upload as under way, with room for all of it.
-absl::Status GridStore::reserve(const GridKey& key,
-                                std::uint64_t size_bytes,
-                                const Uploader& by) {
-  if (size_bytes > budget_bytes_)
-    return over_limit("grid file, bytes", size_bytes, budget_bytes_);
-  const std::lock_guard lock(mutex_);
-  if (grids_.contains(key)) {
-    return absl::AlreadyExistsError(absl::StrCat(name_of_grid(key.digest), " is stored"));
-  }
-  const auto found = parts_.find(key);
-  if (found != parts_.end() && found->second.busy) {
-    return with_retry(
-        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(key.digest),
-                                                    " is being uploaded by another call")),
-                    "UPLOAD_IN_PROGRESS"),
-        absl::Seconds(1));
-  }
-  if (auto status = check_quota(key, size_bytes, by); !status.ok()) return status;
-  const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
-  while (used_bytes() - held + size_bytes > budget_bytes_) {
-    if (!evict_oldest(key)) return no_room(size_bytes, budget_bytes_);
-  }
-  parts_[key] = Part{size_bytes, absl::Now(), true, by.name};
-  return absl::OkStatus();
-}
-
-absl::Status GridStore::check_quota(const GridKey& key,
-                                    std::uint64_t size_bytes,
-                                    const Uploader& by) const {
-  std::uint64_t bytes = size_bytes;
-  for (const auto& [part_key, part] : parts_) {
-    if (part.sender == by.name && part_key != key) bytes += part.size_bytes;
-  }
-  if (bytes <= by.max_bytes) return absl::OkStatus();
-  return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
-}
-
-/// Removes the least recently used of the grids that nobody holds and the uploads nobody sends.
-bool GridStore::evict_oldest(const GridKey& except_part) {
-  auto oldest_grid = grids_.end();
-  for (auto it = grids_.begin(); it != grids_.end(); ++it) {
-    if (it->second.in_use()) continue;
-    if (oldest_grid == grids_.end() || it->second.last_use < oldest_grid->second.last_use) {
-      oldest_grid = it;
-    }
-  }
-  auto oldest_part = parts_.end();
-  for (auto it = parts_.begin(); it != parts_.end(); ++it) {
-    if (it->second.busy || it->first == except_part) continue;
-    if (oldest_part == parts_.end() || it->second.last_use < oldest_part->second.last_use) {
-      oldest_part = it;
-    }
-  }
-  std::error_code ignored;  // a file that is gone already has been evicted by someone else
-  if (oldest_part != parts_.end() &&
-      (oldest_grid == grids_.end() ||
-       oldest_part->second.last_use < oldest_grid->second.last_use)) {
-    fs::remove(part_path(oldest_part->first), ignored);
-    parts_.erase(oldest_part);
-    ++gone_.evicted_uploads;
-    return true;
-  }
-  if (oldest_grid == grids_.end()) return false;
-  fs::remove(oldest_grid->second.grid->path, ignored);
-  grids_.erase(oldest_grid);
-  ++gone_.evicted_files;
-  return true;
 }
 
 /// The upload is no longer under way; what was written of it (0: nothing) waits to be resumed.

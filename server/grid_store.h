@@ -4,10 +4,12 @@
 #include <compare>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -104,6 +106,12 @@ class GridStore {
 
   StoreStats stats() const;
 
+  /// Grids that must stay though nobody holds a lease on them, by whoever knows: asked when
+  /// room is short, without any lock. To be set before uploads come. Where it fails nothing is
+  /// evicted but uploads, and an upload that finds no room fails with its error.
+  using Needed = std::function<absl::StatusOr<std::set<GridKey>>()>;
+  void ask_before_evicting(Needed needed);
+
   /// Moves a file that was found damaged to `corrupt/`, out of the way of the next upload of
   /// it.
   void set_aside(const GridLease& grid);
@@ -111,7 +119,8 @@ class GridStore {
   /// Begins or resumes an upload, evicting what is least used to make room for all of it.
   /// Whoever sent a part last is charged for it, as a whole while it is being sent; a restart
   /// forgets that. Errors: kAlreadyExists (stored), kAborted (being uploaded),
-  /// kResourceExhausted (with numbers).
+  /// kResourceExhausted (with numbers; STORE_BUSY: no room beside grids in use,
+  /// STORE_HELD_BY_JOBS: nor beside grids that are needed), those of `Needed`.
   absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(const GridKey& key,
                                                            std::uint64_t size_bytes,
                                                            const Uploader& by = {});
@@ -121,6 +130,7 @@ class GridStore {
   struct Entry {
     std::shared_ptr<StoredGrid> grid;
     absl::Time last_use;
+    std::uint64_t last_lease = 0;  ///< the store's count of leases when it was given out last
     bool in_use() const { return grid.use_count() > 1; }
   };
   struct Part {
@@ -143,12 +153,26 @@ class GridStore {
   absl::Status scan_space(const std::string& space);
   void use(Entry& entry);
 
+  /// Grids that were idle when the store had given out so many leases, less those needed.
+  struct Evictable {
+    std::set<GridKey> grids;
+    std::uint64_t leases = 0;
+    std::uint64_t needed = 0;  ///< how many were taken away
+  };
+
   std::uint64_t used_bytes() const;
   absl::Status reserve(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
+  absl::Status check_upload(const GridKey& key,
+                            std::uint64_t size_bytes,
+                            const Uploader& by) const;
+  bool fits(const GridKey& key, std::uint64_t size_bytes) const;
+  absl::Status take_place(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
+  Evictable idle_grids() const;
+  absl::Status spare_needed(Evictable& evictable) const;
   absl::Status check_quota(const GridKey& key,
                            std::uint64_t size_bytes,
                            const Uploader& by) const;
-  bool evict_oldest(const GridKey& except_part);
+  bool evict_oldest(const GridKey& except_part, const Evictable& evictable);
 
   void end_upload(const GridKey& key, std::uint64_t committed_size);
   absl::Status keep(const GridKey& key, std::uint64_t size_bytes);
@@ -157,8 +181,10 @@ class GridStore {
   const std::optional<StoreLock>
       lock_;  ///< none beside a server, which comes and goes with files
   const std::uint64_t budget_bytes_;
+  Needed needed_;
   mutable std::mutex mutex_;
-  StoreStats gone_;  ///< only what is counted since the store was opened
+  std::uint64_t leases_ = 0;  ///< given out so far
+  StoreStats gone_;           ///< only what is counted since the store was opened
   std::map<GridKey, Entry> grids_;
   std::map<GridKey, Part> parts_;
 };

@@ -14,7 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kOff[] = "off";
 constexpr char kFile[] = "jobs.sqlite";
 constexpr char kResults[] = "results";
 
@@ -23,6 +22,12 @@ std::string worker_name() {
   char host[64] = {};
   ::gethostname(host, sizeof host - 1);
   return absl::StrCat(host, ":", ::getpid());
+}
+
+SqlJobStore::Options job_rules(const Config& config) {
+  SqlJobStore::Options rules;
+  rules.max_unfinished = static_cast<std::int64_t>(config.max_namespace_jobs);
+  return rules;
 }
 
 JobWorkerSettings worker_settings(const Config& config) {
@@ -34,11 +39,13 @@ JobWorkerSettings worker_settings(const Config& config) {
 
 absl::StatusOr<std::unique_ptr<JobsAtWork>> JobsAtWork::open(const Config& config,
                                                              MeshEngine& engine) {
-  if (config.jobs == kOff) return nullptr;
+  if (!config.has_jobs()) return nullptr;
   const fs::path folder = config.store;
-  auto jobs = open_job_store(config.jobs.empty() ? (folder / kFile).string() : config.jobs);
+  auto jobs = open_job_store(config.jobs.empty() ? (folder / kFile).string() : config.jobs,
+                             job_rules(config));
   if (!jobs.ok()) return jobs.status();
-  auto results = ResultStore::open(folder / kResults, config.result_bytes);
+  auto results = ResultStore::open(folder / kResults, config.result_bytes,
+                                   absl::Hours(config.job_keep_hours));
   if (!results.ok()) return results.status();
   return std::make_unique<JobsAtWork>(config, engine, *std::move(jobs), *std::move(results));
 }
@@ -50,7 +57,26 @@ JobsAtWork::JobsAtWork(const Config& config,
     : store(std::move(jobs)),
       results(std::move(stored)),
       maker(engine, *store, *results),
-      house(*store, *results, absl::Hours(config.job_keep_hours)),
+      house(*store,
+            *results,
+            absl::Hours(config.job_keep_hours),
+            absl::Seconds(config.job_lease_seconds)),
       worker(*store, maker, worker_settings(config)) {}
+
+std::vector<Reading> JobsInServer::readings() const {
+  std::vector<Reading> readings = work->readings();
+  readings.push_back(gauge("tetstream_jobs_up",
+                           "1 unless the jobs' database or the disk of results takes nothing.",
+                           health.status().ok()));
+  return readings;
+}
+
+absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs) {
+  const auto inputs = jobs.inputs();
+  if (!inputs.ok()) return inputs.status();
+  std::set<GridKey> grids;
+  for (const JobInput& input : *inputs) grids.insert({input.space, input.name});
+  return grids;
+}
 
 }  // namespace tet

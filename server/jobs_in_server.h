@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "server/config.h"
 #include "server/job_service/job_service.h"
+#include "server/job_work/job_health.h"
 #include "server/job_work/job_house.h"
 #include "server/job_work/job_readings.h"
 #include "server/job_work/job_worker.h"
@@ -36,13 +38,20 @@ struct JobsAtWork {
   JobWorker worker;
 };
 
+/// Grids that jobs need which are not finished. Errors: the store's.
+absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs);
+
 struct JobsInServer {
   JobsInServer(std::unique_ptr<JobsAtWork> at_work, MeshEngine& engine, GridStore& grids)
       : work(std::move(at_work)),
-        desk(engine, *work->store, *work->results),
+        health(*work->store, *work->results),
+        desk(engine, *work->store, *work->results, health),
         service(desk, grids) {}
 
+  std::vector<Reading> readings() const;
+
   const std::unique_ptr<JobsAtWork> work;
+  JobHealth health;
   JobDesk desk;
   JobService service;
 };

@@ -14,6 +14,7 @@
 #include "server/config.h"
 #include "server/large_plans.h"
 #include "server/planner.h"
+#include "server/results/result_store.h"
 #include "server/send_budget.h"
 #include "server/stall_watch.h"
 #include "server/workspace_pool.h"
@@ -25,6 +26,7 @@ struct Activity {
   std::atomic<std::int64_t> meshes{0};            ///< streams and estimates that run
   std::atomic<std::int64_t> chunks_in_flight{0};  ///< tasks posted and not done
   std::atomic<std::int64_t> chunks_made{0};       ///< since the start
+  std::atomic<std::int64_t> cached_streams{0};    ///< served from results of jobs
 };
 
 struct MeshEngine {
@@ -46,6 +48,7 @@ struct MeshEngine {
   BlockPool blocks;
   SendBudget send_budget;
   StallWatch stalls;
+  const ResultStore* results = nullptr;  ///< set before the first call, where there are jobs
   Planner planner;
   // Last, so that their tasks end before what is above, which they use.
   FairTasks chunk_tasks{pool};

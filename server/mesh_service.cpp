@@ -119,6 +119,8 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   limits.set_max_client_uploads(static_cast<std::int32_t>(config.max_client_uploads));
   limits.set_max_client_upload_bytes(static_cast<std::int64_t>(config.max_client_upload_bytes));
   limits.set_stall_seconds(static_cast<std::int32_t>(config.stall_seconds));
+  if (!config.has_jobs()) return;
+  limits.set_max_namespace_jobs(static_cast<std::int64_t>(config.max_namespace_jobs));
 }
 
 }  // namespace

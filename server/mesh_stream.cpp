@@ -38,6 +38,21 @@ void MeshStream::admitted() {
 }
 
 void MeshStream::open() {
+  if (engine_.results == nullptr || order_.stored_name.empty()) return plan();
+  engine_.pool.post([self = self()] {
+    if (self->find_stored()) return self->begin(self->check_mesh());
+    self->plan();
+  });
+}
+
+/// By the request alone: neither the grid nor a plan is needed.
+bool MeshStream::find_stored() {
+  stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, order_.stored_name,
+                             order_.start_chunk, order_.end_chunk);
+  return stored_ != nullptr;
+}
+
+void MeshStream::plan() {
   engine_.planner.plan(call_.client(), order_.mesh, watch_,
                        [self = self()](absl::StatusOr<PlannedMesh> planned) {
                          self->plan_base(std::move(planned));
@@ -48,6 +63,11 @@ void MeshStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
   if (!planned.ok()) return begin(planned.status());
   planned_ = *std::move(planned);
   source_ = {planned_.plan, nullptr, order_.compact};
+  // Asked for in other words than a job that has made it.
+  if (engine_.results != nullptr && !order_.stored_name.empty()) {
+    stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, plan_of(planned_),
+                               order_.start_chunk, order_.end_chunk);
+  }
   if (order_.base_digest.empty()) return begin(check_mesh());
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
@@ -65,13 +85,17 @@ void MeshStream::find_patches(const absl::StatusOr<PlannedMesh>& base) {
   begin(check_mesh());
 }
 
+const std::string& MeshStream::mesh_id() const {
+  return stored_ ? stored_->plan().header().mesh_id() : planned_.mesh_id;
+}
+
 absl::Status MeshStream::check_mesh() const {
-  if (order_.expected_mesh_id.empty() || order_.expected_mesh_id == planned_.mesh_id) {
+  if (order_.expected_mesh_id.empty() || order_.expected_mesh_id == mesh_id()) {
     return absl::OkStatus();
   }
   return with_reason(
       absl::FailedPreconditionError(absl::StrCat("expected_mesh_id ", order_.expected_mesh_id,
-                                                 " is not this mesh's, ", planned_.mesh_id)),
+                                                 " is not this mesh's, ", mesh_id())),
       "OTHER_MESH");
 }
 
@@ -83,22 +107,48 @@ void MeshStream::begin(const absl::Status& planned) {
 void MeshStream::note_opening() {
   engine_.calls.metrics().planned(call_.seconds());
   call_.note("plan_ms", 1e3 * call_.seconds());
-  if (planned_.plan != nullptr) call_.note("mesh_id", planned_.mesh_id);
+  if (!mesh_id().empty()) call_.note("mesh_id", mesh_id());
+  if (stored_ == nullptr) return;
+  call_.note("cached", true);
+  engine_.activity.cached_streams.fetch_add(1);
 }
 
-v1::MeshEvent MeshStream::header() const { return header_event(planned_, source_); }
+std::uint64_t MeshStream::chunk_count() const {
+  return stored_ ? stored_->chunk_count() : source_.chunk_count();
+}
+
+v1::MeshEvent MeshStream::header() const {
+  if (stored_ == nullptr) return header_event(planned_, source_);
+  v1::MeshEvent event;
+  *event.mutable_header() = stored_->plan().header();
+  event.mutable_header()->set_cached(true);
+  return event;
+}
 
 absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
+  if (stored_ != nullptr) return read(index, std::move(block));
   ChunkMessage made =
       make_chunk(source_, index, {engine_.workspaces, engine_.blocks}, std::move(block));
   engine_.activity.chunks_made.fetch_add(1);
   return made;
 }
 
+/// A chunk that turns out to be damaged is set aside: whoever comes back for it has it made.
+absl::StatusOr<ChunkMessage> MeshStream::read(std::uint64_t index, Block block) {
+  auto chunk = stored_->chunk(index, engine_.blocks, std::move(block));
+  if (!absl::IsDataLoss(chunk.status())) return chunk;
+  return with_retry(
+      with_reason(absl::UnavailableError(absl::StrCat(
+                      "chunk ", index, " was stored, and is damaged; resume there")),
+                  "CHUNK_DAMAGED"),
+      absl::ZeroDuration());
+}
+
 v1::MeshEvent MeshStream::trailer(std::uint64_t first,
                                   std::uint64_t end,
                                   const QualityStats& quality) const {
-  return trailer_event(source_, first, end, quality);
+  return stored_ ? trailer_event(stored_->plan(), first, end, quality)
+                 : trailer_event(source_, first, end, quality);
 }
 
 }  // namespace tet

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "server/chunk_stream.h"
+#include "server/job_work/stored_mesh.h"
 
 namespace tet {
 
 /// Plans the mesh, and says how far that is; then its chunks are made as they are sent, those
-/// of a patch where the client has a mesh that parts can be kept of.
+/// of a patch where the client has a mesh that parts can be kept of. Where a job has made the
+/// mesh before, its chunks are sent from where they are stored.
 class MeshStream final : public ChunkStream {
  public:
   /// Begins the call; what it returns is for gRPC.
@@ -21,16 +23,20 @@ class MeshStream final : public ChunkStream {
   void admitted() override;
   void open() override;
   void note_opening() override;
-  std::uint64_t chunk_count() const override { return source_.chunk_count(); }
+  std::uint64_t chunk_count() const override;
   v1::MeshEvent header() const override;
   absl::StatusOr<ChunkMessage> make(std::uint64_t index, Block block) override;
   v1::MeshEvent trailer(std::uint64_t first,
                         std::uint64_t end,
                         const QualityStats& quality) const override;
 
+  bool find_stored();
+  void plan();
   void plan_base(absl::StatusOr<PlannedMesh> planned);
   void find_patches(const absl::StatusOr<PlannedMesh>& base);
+  const std::string& mesh_id() const;
   absl::Status check_mesh() const;
+  absl::StatusOr<ChunkMessage> read(std::uint64_t index, Block block);
   void begin(const absl::Status& planned);
 
   std::shared_ptr<MeshStream> self() {
@@ -39,6 +45,7 @@ class MeshStream final : public ChunkStream {
 
   StreamOrder order_;
   // Only the task that plans touches these until there are chunks.
+  std::shared_ptr<const StoredMesh> stored_;  ///< null: the chunks are made
   PlannedMesh planned_;
   ChunkSource source_;
 };

@@ -60,6 +60,7 @@ inline constexpr std::string_view kReasons[] = {
     "SHUTTING_DOWN",
     "STORED_GRID_CORRUPT",
     "STORE_BUSY",
+    "STORE_HELD_BY_JOBS",
     "TOKEN_EXPIRED",
     "TOKEN_MISSING",
     "TOKEN_UNKNOWN",

@@ -214,7 +214,11 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   if (request.base_mesh_id().empty() != request.base_name().empty()) {
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }
-  if (request.base_name().empty()) return order;
+  const bool stored = !compact && !request.skip_cache() && order.mesh.scene == nullptr;
+  if (request.base_name().empty()) {
+    if (stored) order.stored_name = name_of_request(request.mesh());
+    return order;
+  }
   if (order.mesh.scene != nullptr) {
     return invalid_field("base_name is for grids: a scene's mesh is sent whole");
   }
@@ -249,6 +253,14 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
   if (coordinates) canonical.set_coordinate_type(to_proto(*coordinates));
   return canonical;
+}
+
+std::string name_of_request(const v1::MeshRequest& request) {
+  Sha256 digest;
+  digest.add(kAlgorithmVersion);
+  digest.add("\n");
+  digest.add(request.SerializeAsString());
+  return digest.finish_hex();
 }
 
 std::string mesh_id_of(const v1::MeshRequest& canonical) {

@@ -42,6 +42,8 @@ struct StreamOrder {
   bool compact = false;
   std::string base_mesh_id;  ///< empty: no earlier mesh
   std::string base_digest;   ///< of its grid file
+  /// The request's name, where the result of a job will do as well; else empty.
+  std::string stored_name = {};
 };
 
 /// Errors: kInvalidArgument, naming the field, its value and what it may be.
@@ -54,6 +56,10 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
 v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Shape& shape,
                                   const MeshHeader* header);
+
+/// A request's name: SHA-256 of what was asked for and the algorithm's version. Two requests of
+/// one name ask for one mesh.
+std::string name_of_request(const v1::MeshRequest& request);
 
 /// A mesh's name: the same for the same bytes. SHA-256 over digest or scene, canonical
 /// request and algorithm version, as 64 hexadecimal digits.

@@ -32,6 +32,7 @@ constexpr int kDiskThreads = 2;
 constexpr std::chrono::seconds kGoodbye{1};
 constexpr std::chrono::hours kForever{24 * 365};
 constexpr std::chrono::milliseconds kHeartbeat{100};
+constexpr std::chrono::milliseconds kHealthBeat{500};
 constexpr std::uint64_t kHandshakeSeconds = 10;
 
 AdmissionLimits admission_limits(const Config& config) {
@@ -107,6 +108,7 @@ struct Server::Parts {
   absl::Status open_jobs();
   bool listen();
   absl::Status open_metrics();
+  void tell_health_of_jobs();
   std::string metrics_text() const;
 
   const Config config;
@@ -126,6 +128,7 @@ struct Server::Parts {
   std::unique_ptr<JobsInServer> jobs;  ///< null where they are off
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsPort> metrics;
+  std::unique_ptr<Heartbeat> job_health;  ///< tells whoever asks after the service `jobs`
   int port = 0;
   bool stopped = false;
 };
@@ -164,6 +167,8 @@ absl::Status Server::Parts::open_jobs() {
   auto opened = JobsAtWork::open(config, engine);
   if (opened.ok() && *opened != nullptr) {
     jobs = std::make_unique<JobsInServer>(*std::move(opened), engine, *store);
+    engine.results = jobs->work->results.get();
+    store->ask_before_evicting([this] { return grids_of_jobs(*jobs->work->store); });
   }
   return opened.status();
 }
@@ -196,11 +201,20 @@ absl::Status Server::Parts::open_metrics() {
   return opened.status();
 }
 
+void Server::Parts::tell_health_of_jobs() {
+  if (jobs == nullptr) return;
+  const auto tell = [this] {
+    server->GetHealthCheckService()->SetServingStatus("jobs", jobs->health.status().ok());
+  };
+  tell();
+  job_health = std::make_unique<Heartbeat>(kHealthBeat, tell);
+}
+
 std::string Server::Parts::metrics_text() const {
   return calls.metrics().text([this] {
     std::vector<Reading> readings = read_server(engine, *store);
     if (jobs != nullptr) {
-      for (Reading& reading : jobs->work->readings()) readings.push_back(std::move(reading));
+      for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
     }
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
@@ -229,6 +243,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
   set_readiness(*parts->server, true);
+  parts->tell_health_of_jobs();
   warn_if_exposed(config);
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
@@ -258,6 +273,7 @@ void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
   parts_->admission.drain();
   set_readiness(*parts_->server, false);
+  parts_->job_health.reset();
   if (parts_->jobs != nullptr) parts_->jobs->work->worker.stop();
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {

@@ -26,6 +26,9 @@ void add_work(const MeshEngine& engine, std::vector<Reading>& readings) {
       gauge("tetstream_plans_running", "Meshes being counted.", engine.planner.running()));
   readings.push_back(gauge("tetstream_chunks_in_flight", "Chunks asked for and not yet made.",
                            engine.activity.chunks_in_flight.load()));
+  readings.push_back(counter("tetstream_cached_streams_total",
+                             "Streams that were served from results of jobs.",
+                             engine.activity.cached_streams.load()));
   readings.push_back(counter("tetstream_made_chunks_total", "Chunks made.",
                              engine.activity.chunks_made.load()));
 }

@@ -120,7 +120,7 @@ absl::Status with_quota(absl::Status status,
                         const std::string& description) {
   google::rpc::QuotaFailure failure;
   google::rpc::QuotaFailure::Violation& violation = *failure.add_violations();
-  violation.set_subject(absl::StrCat("client:", subject));
+  violation.set_subject(subject);
   violation.set_description(description);
   status.SetPayload(kQuotaFailureUrl, absl::Cord(failure.SerializeAsString()));
   return status;
@@ -132,7 +132,16 @@ absl::Status over_quota(const std::string& client,
                         std::uint64_t limit) {
   const std::string of_one = absl::StrCat(what, " of one client");
   const absl::Status status = over_limit(of_one, value, limit, "QUOTA_EXCEEDED");
-  return with_quota(status, client, std::string(status.message()));
+  return with_quota(status, absl::StrCat("client:", client), std::string(status.message()));
+}
+
+absl::Status over_space_quota(const std::string& space,
+                              const std::string& what,
+                              std::uint64_t value,
+                              std::uint64_t limit) {
+  const std::string of_one = absl::StrCat(what, " of one namespace");
+  const absl::Status status = over_limit(of_one, value, limit, "QUOTA_EXCEEDED");
+  return with_quota(status, absl::StrCat("namespace:", space), std::string(status.message()));
 }
 
 grpc::Status to_grpc(const absl::Status& status) {

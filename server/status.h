@@ -37,7 +37,7 @@ absl::Status over_limit(std::string_view what,
                         std::uint64_t limit,
                         std::string_view reason = "LIMIT_EXCEEDED");
 
-/// Says whose quota was used up, and how: a QuotaFailure.
+/// Says whose quota was used up (`client:...`, `namespace:...`), and how: a QuotaFailure.
 absl::Status with_quota(absl::Status status,
                         const std::string& subject,
                         const std::string& description);
@@ -47,6 +47,12 @@ absl::Status over_quota(const std::string& client,
                         const std::string& what,
                         std::uint64_t value,
                         std::uint64_t limit);
+
+/// The same for what one namespace may have.
+absl::Status over_space_quota(const std::string& space,
+                              const std::string& what,
+                              std::uint64_t value,
+                              std::uint64_t limit);
 
 /// The only place where our failures become gRPC's: the same code, an ErrorInfo with
 /// reason_of's reason, the other details, and the message in printable ASCII. All of it takes

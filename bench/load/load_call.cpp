@@ -76,6 +76,7 @@ class LoadCall final : public BookedCall,
     v1::StreamMeshRequest message;
     *message.mutable_mesh() = request.message;
     message.set_encoding(settings.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
+    message.set_skip_cache(request.skip_cache);
     message_ = serialized(message);
   }
 

@@ -62,9 +62,6 @@ absl::Status check(const MixArguments& arguments) {
   if (arguments.vary_iso && arguments.request.request.iso) {
     return absl::InvalidArgumentError("--iso and --vary-iso exclude each other");
   }
-  if (arguments.skip_cache && !arguments.job) {
-    return absl::InvalidArgumentError("--skip-cache is for jobs: add --job");
-  }
   return absl::OkStatus();
 }
 
@@ -121,7 +118,7 @@ void describe_mix(CLI::App& app, MixArguments& arguments) {
   app.add_flag("--job", arguments.job,
                "Submit a batch job, wait for it and read its result, instead of a stream");
   app.add_flag("--skip-cache", arguments.skip_cache,
-               "Make a job's mesh even where its result is stored");
+               "Have meshes made even where a job's result is stored");
   app.add_option("--weight", arguments.weight,
                  "How often, compared to the others of a mix [1]");
 }

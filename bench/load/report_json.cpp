@@ -77,7 +77,7 @@ Json mix_json(const std::vector<MixEntry>& mix) {
         {  "fresh",                                        entry.fresh},
         {   "kind", entry.kind == RequestKind::kJob ? "job" : "stream"}
     };
-    if (entry.kind == RequestKind::kJob) one["skip_cache"] = entry.skip_cache;
+    one["skip_cache"] = entry.skip_cache;
     if (entry.iso) one["iso_range"] = {entry.iso->low, entry.iso->high};
     json.push_back(std::move(one));
   }

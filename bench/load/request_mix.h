@@ -28,7 +28,7 @@ struct MixEntry {
   bool fresh = false;
   std::int64_t tet_count = 0;  ///< of the message as it is
   RequestKind kind = RequestKind::kStream;
-  bool skip_cache = false;  ///< of jobs
+  bool skip_cache = false;
 };
 
 /// Draws requests at random. Not thread-safe.

@@ -28,7 +28,7 @@ struct LoadRequest {
   std::size_t step = 0;              ///< of the rate profile
   bool measured = true;              ///< false while warming up
   RequestKind kind = RequestKind::kStream;
-  bool skip_cache = false;  ///< of a job: made even if its result is stored
+  bool skip_cache = false;  ///< made even if its result is stored
   tetstream::v1::MeshRequest message;
 };
 

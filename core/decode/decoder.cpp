@@ -17,12 +17,16 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/failure_name.h"
+#include "core/decode/find_decoder.h"
 #include "core/decode/spawn.h"
 
 namespace tet {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// A machine that starts no program within this is not one to wait for.
+constexpr std::chrono::seconds kStartTime{10};
 
 /// How soon a cancellation is seen.
 constexpr std::chrono::milliseconds kPollInterval{20};
@@ -47,9 +51,19 @@ absl::Status timed_out(const DecodeOrder& order, Clock::duration limit) {
                                      std::chrono::duration<double>(limit).count()));
 }
 
-// By number, since the header of glibc 2.36 for these is for C only.
-Descriptor watch_process(pid_t pid) {
-  return Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
+absl::Status gone() { return unavailable("a decoder ended before it had anything to do"); }
+
+struct SocketPair {
+  Descriptor ours, theirs;
+};
+
+absl::StatusOr<SocketPair> make_sockets() {
+  std::array<int, 2> ends;
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    return unavailable(
+        absl::StrCat("there is no socket for a decoder: ", std::strerror(errno)));
+  }
+  return SocketPair{Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
 /// Whether the process ends of itself within a moment: its socket closes a little earlier.
@@ -78,21 +92,37 @@ int poll_timeout(Clock::time_point deadline) {
 }  // namespace
 
 absl::StatusOr<Decoder> Decoder::start(const DecoderProgram& program) {
-  std::array<int, 2> ends;
-  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    return unavailable(
-        absl::StrCat("there is no socket for a decoder: ", std::strerror(errno)));
-  }
-  Descriptor ours(ends[0]);
-  const Descriptor theirs(ends[1]);
+  const absl::StatusOr<std::string> path = find_decoder(program.path);
+  if (!path.ok()) return path.status();
+  absl::StatusOr<SocketPair> sockets = make_sockets();
+  if (!sockets.ok()) return sockets.status();
   const absl::StatusOr<pid_t> pid =
-      spawn(program.path, program.environment, theirs.number(), kDecoderSocket);
+      spawn(*path, program.environment, sockets->theirs.number(), kDecoderSocket);
   if (!pid.ok()) return pid.status();
-  Descriptor process = watch_process(*pid);
-  if (process.is_open()) return Decoder(*pid, std::move(process), std::move(ours));
+  return watch(*pid, std::move(sockets->ours));
+}
+
+absl::StatusOr<Decoder> Decoder::copy(const std::function<bool()>& cancelled) {
+  absl::StatusOr<SocketPair> sockets = make_sockets();
+  if (!sockets.ok()) return sockets.status();
+  if (!send_copy_wish(socket_.number(), sockets->theirs.number())) return gone();
+  sockets->theirs.close();
+  const Event event = wait(Clock::now() + kStartTime, cancelled);
+  if (event == Event::kCancelled) return absl::CancelledError("cancelled");
+  const std::optional<pid_t> pid =
+      event == Event::kMessage ? receive_copied(socket_.number()) : std::nullopt;
+  if (!pid) return gone();
+  return watch(*pid, std::move(sockets->ours));
+}
+
+/// Takes over a child of this thread.
+absl::StatusOr<Decoder> Decoder::watch(pid_t pid, Descriptor socket) {
+  // By number, since the header of glibc 2.36 for this is for C only.
+  Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
+  if (process.is_open()) return Decoder(pid, std::move(process), std::move(socket));
   const std::string error = std::strerror(errno);
-  ::kill(*pid, SIGKILL);
-  ::waitpid(*pid, nullptr, 0);
+  ::kill(pid, SIGKILL);
+  ::waitpid(pid, nullptr, 0);
   return unavailable(absl::StrCat("a decoder cannot be watched: ", error));
 }
 
@@ -111,9 +141,11 @@ Decoder::Event Decoder::wait(Clock::time_point deadline,
   }
 }
 
-bool Decoder::wait_until_ready(const DecodeEnd& end) {
-  return wait(Clock::now() + end.limit, end.cancelled) == Event::kMessage &&
-         receive_ready(socket_.number());
+absl::Status Decoder::wait_until_ready(const std::function<bool()>& cancelled) {
+  const Event event = wait(Clock::now() + kStartTime, cancelled);
+  if (event == Event::kCancelled) return absl::CancelledError("cancelled");
+  if (event == Event::kMessage && receive_ready(socket_.number())) return absl::OkStatus();
+  return unavailable("the decoder program does not start");
 }
 
 absl::StatusOr<SealedBlock> Decoder::decode(const DecodeOrder& order,
@@ -121,9 +153,7 @@ absl::StatusOr<SealedBlock> Decoder::decode(const DecodeOrder& order,
                                             const DecodeEnd& end) {
   const absl::StatusOr<Descriptor> result = make_sealable_memory();
   if (!result.ok()) return result.status();
-  if (!send_order(socket_.number(), order, file, result->number())) {
-    return unavailable("a decoder ended before it had anything to do");
-  }
+  if (!send_order(socket_.number(), order, file, result->number())) return gone();
   switch (wait(Clock::now() + end.limit, end.cancelled)) {
     case Event::kDeadline:
       return timed_out(order, end.limit);

@@ -16,7 +16,7 @@
 namespace tet {
 
 struct DecoderProgram {
-  std::string path;
+  std::string path;                      ///< empty finds it: see find_decoder
   std::vector<std::string> environment;  ///< "NAME=value"; a decoder inherits none
 };
 
@@ -28,7 +28,7 @@ struct DecodeEnd {
 };
 
 /// A process that decodes one file and is gone: no byte of one file can be in the result of
-/// another. It also ends with the thread that started it.
+/// another. It also ends with the thread that started or copied it.
 ///
 /// Not thread-safe.
 class Decoder {
@@ -36,13 +36,18 @@ class Decoder {
   /// Starts the program and does not wait for it. Errors: kUnavailable.
   static absl::StatusOr<Decoder> start(const DecoderProgram& program);
 
+  /// Has it become two, and does not wait until the copy is ready. This one must be ready, must
+  /// have no order yet, and can be copied again. Call it on the thread that started it. Errors:
+  /// kUnavailable (it is gone), kCancelled.
+  absl::StatusOr<Decoder> copy(const std::function<bool()>& cancelled);
+
   /// Kills the process and waits until nothing of it is left.
   ~Decoder();
   Decoder(Decoder&& other) noexcept = default;
   Decoder& operator=(Decoder&& other) = delete;
 
-  /// Waits until it is ready for an order; false when it never will be.
-  bool wait_until_ready(const DecodeEnd& end);
+  /// Waits until it is ready for an order. Errors: kUnavailable (it never will be), kCancelled.
+  absl::Status wait_until_ready(const std::function<bool()>& cancelled);
 
   /// Has it read `file`; once. Errors: what the decoder says of the file; kInvalidArgument with
   /// DECODER_CRASHED, DECODER_TIMEOUT, DECODER_MEMORY or DECODER_RESULT; kCancelled;
@@ -58,6 +63,7 @@ class Decoder {
   Decoder(pid_t pid, Descriptor process, Descriptor socket)
       : pid_(pid), process_(std::move(process)), socket_(std::move(socket)) {}
 
+  static absl::StatusOr<Decoder> watch(pid_t pid, Descriptor socket);
   Event wait(std::chrono::steady_clock::time_point deadline,
              const std::function<bool()>& cancelled) const;
   absl::Status explain_death(const DecodeOrder& order);

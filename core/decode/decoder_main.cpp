@@ -1,10 +1,12 @@
 // tetstream-decoder: reads one .vdb file with OpenVDB, hands the result back, and exits.
 //
-// Started by tetstream and tetstreamd only: its one descriptor is a socket to them.
+// Started by tetstream and tetstreamd only: its one descriptor is a socket to them. It copies
+// itself when asked, so that a copy reads the file and the next file finds the program started.
 #include <cstdio>
 #include <cstring>
 #include <unistd.h>
 
+#include "core/decode/await_order.h"
 #include "core/decode/decode_order.h"
 #include "core/decode/sandbox.h"
 
@@ -17,7 +19,7 @@ int decode_once() {
   if (!enter_custody().ok()) return kNoSandbox;
   prepare_to_carry_out();
   if (!send_ready(kDecoderSocket)) return kNoParent;
-  const std::optional<ReceivedOrder> received = receive_order(kDecoderSocket);
+  const std::optional<ReceivedOrder> received = await_order(kDecoderSocket);
   if (!received) return kNoParent;
   const auto& [order, file, result] = *received;
   const absl::Status safe =

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include <absl/functional/function_ref.h>
+
 #include "core/base/failure_name.h"
-#include "core/decode/find_decoder.h"
 
 namespace tet {
 namespace {
-
-/// A machine that starts no program within this is not one to wait for.
-constexpr std::chrono::seconds kStartTime{10};
 
 /// Decoders that may die, before they have an order, without a request noticing.
 constexpr int kAttempts = 3;
@@ -20,57 +18,30 @@ int thread_count(int processes) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-absl::StatusOr<Decoder> start_decoder(const DecoderSettings& settings) {
-  const absl::StatusOr<std::string> program = find_decoder(settings.program);
-  if (!program.ok()) return program.status();
-  return Decoder::start({*program, settings.environment});
-}
-
-/// Leaves `ready` empty where no decoder can be started.
-void make_ready(const DecoderSettings& settings, std::optional<Decoder>& ready) {
-  absl::StatusOr<Decoder> started = start_decoder(settings);
-  if (started.ok()) ready.emplace(*std::move(started));
-}
-
-absl::StatusOr<Decoder> take_decoder(const DecoderSettings& settings,
-                                     std::optional<Decoder>& ready) {
-  if (!ready) return start_decoder(settings);
-  Decoder taken = *std::move(ready);
-  ready.reset();
-  return taken;
-}
+using TakeDecoder = absl::FunctionRef<absl::StatusOr<Decoder>()>;
 
 absl::Status shutting_down() {
   return named_failure("SHUTTING_DOWN", absl::UnavailableError("the server is shutting down"));
 }
 
-absl::Status not_ready(const std::function<bool()>& cancelled) {
-  if (cancelled && cancelled()) return absl::CancelledError("cancelled");
-  return named_failure("DECODER_UNAVAILABLE",
-                       absl::UnavailableError("the decoder program does not start"));
-}
-
-/// One attempt, with the decoder that stands ready, which is then used up, or with one of its
-/// own.
 absl::StatusOr<SealedBlock> attempt(const CheckedFile& checked,
-                                    const DecoderSettings& settings,
-                                    const std::function<bool()>& cancelled,
-                                    std::optional<Decoder>& ready) {
-  absl::StatusOr<Decoder> decoder = take_decoder(settings, ready);
+                                    TakeDecoder take,
+                                    const std::function<bool()>& cancelled) {
+  absl::StatusOr<Decoder> decoder = take();
   if (!decoder.ok()) return decoder.status();
-  if (!decoder->wait_until_ready({kStartTime, cancelled})) return not_ready(cancelled);
+  if (auto ready = decoder->wait_until_ready(cancelled); !ready.ok()) return ready;
   return decoder->decode(checked.order, checked.file.number(), {checked.limit, cancelled});
 }
 
 absl::StatusOr<SealedBlock> decode_request(const FileRequest& request,
-                                           const DecoderSettings& settings,
-                                           const std::function<bool()>& cancelled,
-                                           std::optional<Decoder>& ready) {
-  const absl::StatusOr<CheckedFile> checked = check_request(request, settings.max_time);
+                                           std::chrono::milliseconds max_time,
+                                           TakeDecoder take,
+                                           const std::function<bool()>& cancelled) {
+  const absl::StatusOr<CheckedFile> checked = check_request(request, max_time);
   if (!checked.ok()) return checked.status();
   absl::StatusOr<SealedBlock> block = absl::UnknownError("not decoded");
   for (int i = 0; i < kAttempts; ++i) {
-    block = attempt(*checked, settings, cancelled, ready);
+    block = attempt(*checked, take, cancelled);
     if (!absl::IsUnavailable(block.status())) return block;
   }
   return block;
@@ -100,16 +71,15 @@ void DecoderPool::decode(FileRequest request, std::function<bool()> cancelled, D
   changed_.notify_one();
 }
 
-/// One decoder after another, each started before there is anything for it to do, and kept for
-/// the next file when one is refused without it; a decoder ends with the thread that started
-/// it, so the thread is as old as the pool.
+/// A decoder ends with the thread that started it, so the thread is as old as the pool.
 void DecoderPool::work() {
-  std::optional<Decoder> ready;
+  DecoderSupply supply({settings_.program, settings_.environment},
+                       [this] { return closing_.load(); });
   while (true) {
-    if (!ready) make_ready(settings_, ready);
+    supply.prepare();  // before there is anything for it to do
     const std::optional<Job> job = next_job();
     if (!job) return;
-    job->done(run(*job, ready));
+    job->done(run(*job, supply));
   }
 }
 
@@ -122,19 +92,29 @@ std::optional<DecoderPool::Job> DecoderPool::next_job() {
   return job;
 }
 
-absl::StatusOr<SealedBlock> DecoderPool::run(const Job& job, std::optional<Decoder>& ready) {
+absl::StatusOr<SealedBlock> DecoderPool::run(const Job& job, DecoderSupply& supply) {
   const auto cancelled = [&] { return closing_ || (job.cancelled && job.cancelled()); };
+  const auto take = [&] { return supply.take(); };
   absl::StatusOr<SealedBlock> block = absl::CancelledError("cancelled");
-  if (!cancelled()) block = decode_request(job.request, settings_, cancelled, ready);
+  if (!cancelled()) {
+    block = decode_request(job.request, settings_.max_time, take, cancelled);
+    if (failure_name(block.status()) == "DECODER_CRASHED") supply.start_anew();
+  }
   return closing_ && !block.ok() ? shutting_down() : std::move(block);
 }
 
 absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
                                         const DecoderSettings& settings,
                                         const std::function<bool()>& cancelled) {
-  std::optional<Decoder> ready;
-  make_ready(settings, ready);
-  return decode_request(request, settings, cancelled, ready);
+  const auto start = [&] { return Decoder::start({settings.program, settings.environment}); };
+  // It gets ready while the file is walked over.
+  std::optional<absl::StatusOr<Decoder>> first(start());
+  const auto take = [&] {
+    absl::StatusOr<Decoder> decoder = first ? *std::move(first) : start();
+    first.reset();
+    return decoder;
+  };
+  return decode_request(request, settings.max_time, take, cancelled);
 }
 
 }  // namespace tet

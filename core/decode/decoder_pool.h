@@ -14,7 +14,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/decode/decoder.h"
+#include "core/decode/decoder_supply.h"
 #include "core/decode/file_request.h"
 #include "core/decode/sealed_block.h"
 
@@ -28,7 +28,7 @@ struct DecoderSettings {
 };
 
 /// Keeps one decoder ready for each file that may be decoded at once, and replaces it after its
-/// one file.
+/// one file; one that was not needed waits for the next.
 ///
 /// A file that a decoder cannot survive costs its own request an error and nobody else
 /// anything. Thread safety: any thread may call `decode`. The destructor cancels what waits and
@@ -56,7 +56,7 @@ class DecoderPool {
 
   void work();
   std::optional<Job> next_job();
-  absl::StatusOr<SealedBlock> run(const Job& job, std::optional<Decoder>& ready);
+  absl::StatusOr<SealedBlock> run(const Job& job, DecoderSupply& supply);
 
   const DecoderSettings settings_;
   std::mutex mutex_;

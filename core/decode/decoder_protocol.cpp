@@ -5,8 +5,10 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <string_view>
 #include <sys/socket.h>
+#include <utility>
 
 #include <absl/strings/ascii.h>
 
@@ -19,7 +21,9 @@ namespace {
 constexpr std::uint32_t kReady = 0x74657401;
 constexpr std::uint32_t kOrder = 0x74657402;
 constexpr std::uint32_t kAnswer = 0x74657403;
-constexpr std::size_t kDescriptors = 2;
+constexpr std::uint32_t kCopyWish = 0x74657404;
+constexpr std::uint32_t kCopied = 0x74657405;
+constexpr std::size_t kMostDescriptors = 2;
 
 /// The only name of a failure that a decoder may give.
 constexpr std::string_view kOutOfMemory = "DECODER_MEMORY";
@@ -44,6 +48,11 @@ struct OrderMessage {
   std::int64_t file_bytes = 0;
   Text<256> file_name;
   Text<kMaxGridNameBytes> grid_name;
+};
+
+struct CopiedMessage {
+  std::uint32_t magic = kCopied;
+  std::int32_t copy = 0;
 };
 
 struct AnswerMessage {
@@ -71,18 +80,50 @@ bool receive_message(int socket, Message& message) {
   return true;
 }
 
-/// A message's frame for sendmsg and recvmsg, with room for the descriptors.
+/// A message's frame for sendmsg and recvmsg, with room for descriptors.
 struct Frame {
-  explicit Frame(OrderMessage& message) : data{&message, sizeof(message)} {
+  template <class Message>
+  explicit Frame(Message& message) : data{&message, sizeof(message)} {
     header.msg_iov = &data;
     header.msg_iovlen = 1;
     header.msg_control = control.data();
     header.msg_controllen = control.size();
   }
+
+  void attach(std::span<const int> descriptors) {
+    header.msg_controllen = CMSG_SPACE(descriptors.size_bytes());
+    cmsghdr* const first = CMSG_FIRSTHDR(&header);
+    first->cmsg_level = SOL_SOCKET;
+    first->cmsg_type = SCM_RIGHTS;
+    first->cmsg_len = CMSG_LEN(descriptors.size_bytes());
+    std::memcpy(CMSG_DATA(first), descriptors.data(), descriptors.size_bytes());
+  }
+
+  /// Those that came; the rest are closed.
+  std::array<Descriptor, kMostDescriptors> descriptors() const {
+    std::array<Descriptor, kMostDescriptors> came;
+    const cmsghdr* const first = CMSG_FIRSTHDR(&header);
+    if (first == nullptr) return came;
+    for (std::size_t i = 0; CMSG_LEN((i + 1) * sizeof(int)) <= first->cmsg_len; ++i) {
+      int number = -1;
+      std::memcpy(&number, CMSG_DATA(first) + i * sizeof(int), sizeof(int));
+      came[i] = Descriptor(number);
+    }
+    return came;
+  }
+
   iovec data;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(kDescriptors * sizeof(int))> control{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostDescriptors * sizeof(int))> control{};
   msghdr header{};
 };
+
+/// Sends a message with descriptors.
+template <class Message>
+bool send_with(int socket, Message message, std::span<const int> descriptors) {
+  Frame frame(message);
+  frame.attach(descriptors);
+  return ::sendmsg(socket, &frame.header, MSG_NOSIGNAL) == ssize_t{sizeof(message)};
+}
 
 bool may_answer(std::uint32_t code) {
   switch (static_cast<absl::StatusCode>(code)) {
@@ -124,34 +165,41 @@ bool send_order(int socket, const DecodeOrder& order, int file, int result) {
   message.file_bytes = order.file_bytes;
   message.file_name.set(end_of(order.file_name, message.file_name.bytes.size()));
   message.grid_name.set(order.grid_name);
-  Frame frame(message);
-  cmsghdr* const control = CMSG_FIRSTHDR(&frame.header);
-  control->cmsg_level = SOL_SOCKET;
-  control->cmsg_type = SCM_RIGHTS;
-  control->cmsg_len = CMSG_LEN(kDescriptors * sizeof(int));
-  const std::array<int, kDescriptors> descriptors{file, result};
-  std::memcpy(CMSG_DATA(control), descriptors.data(), sizeof(descriptors));
-  return ::sendmsg(socket, &frame.header, MSG_NOSIGNAL) == ssize_t{sizeof(message)};
+  return send_with(socket, message, std::array{file, result});
 }
 
-std::optional<ReceivedOrder> receive_order(int socket) {
+bool send_copy_wish(int socket, int socket_of_copy) {
+  return send_with(socket, kCopyWish, std::array{socket_of_copy});
+}
+
+bool send_copied(int socket, pid_t copy) {
+  return send_message(socket, CopiedMessage{kCopied, copy});
+}
+
+std::optional<pid_t> receive_copied(int socket) {
+  CopiedMessage message;
+  if (!receive_message(socket, message) || message.magic != kCopied) return std::nullopt;
+  return message.copy;
+}
+
+ReceivedWish receive_wish(int socket) {
   OrderMessage message;
   Frame frame(message);
   ssize_t size = 0;
   do {
     size = ::recvmsg(socket, &frame.header, MSG_CMSG_CLOEXEC);
   } while (size < 0 && errno == EINTR);
-  const cmsghdr* const control = CMSG_FIRSTHDR(&frame.header);
-  if (size != ssize_t{sizeof(message)} || message.magic != kOrder || control == nullptr ||
-      control->cmsg_len != CMSG_LEN(kDescriptors * sizeof(int))) {
-    return std::nullopt;
+  auto [first, second] = frame.descriptors();
+  if (size == ssize_t{sizeof(kCopyWish)} && message.magic == kCopyWish && first.is_open()) {
+    return ReceivedCopyWish{std::move(first)};
   }
-  std::array<int, kDescriptors> descriptors;
-  std::memcpy(descriptors.data(), CMSG_DATA(control), sizeof(descriptors));
+  if (size != ssize_t{sizeof(message)} || message.magic != kOrder || !second.is_open()) {
+    return std::monostate();
+  }
   return ReceivedOrder{
       DecodeOrder{message.task, message.limits, message.file_bytes, message.file_name.get(),
                   message.grid_name.get()},
-      Descriptor(descriptors[0]), Descriptor(descriptors[1])
+      std::move(first), std::move(second)
   };
 }
 

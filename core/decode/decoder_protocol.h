@@ -1,6 +1,8 @@
 // What a decoder and whoever started it say to each other, over one SOCK_SEQPACKET socket.
 //
 //   decoder  "ready"                       once OpenVDB is initialised
+//   parent   "copy yourself"               with the copy's end of a socket, any number of times
+//   decoder  the copy's process id         and the copy says "ready" on its own socket
 //   parent   an order, with the descriptors of the file and of empty memory for the result
 //   decoder  how it went                   and it exits
 //
@@ -11,6 +13,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <sys/types.h>
+#include <variant>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -50,16 +54,27 @@ struct ReceivedOrder {
   Descriptor file, result;
 };
 
+/// To become two, of which one answers on this socket.
+struct ReceivedCopyWish {
+  Descriptor socket;
+};
+
+/// Nothing when the parent is gone or says something else.
+using ReceivedWish = std::variant<std::monostate, ReceivedCopyWish, ReceivedOrder>;
+
 /// Both sides; false when the other one is gone.
 bool send_ready(int socket);
+bool send_copy_wish(int socket, int socket_of_copy);
+bool send_copied(int socket, pid_t copy);
 bool send_order(int socket, const DecodeOrder& order, int file, int result);
 bool send_answer(int socket, const absl::Status& answer);
 
-/// The decoder's; waits. Nothing when the parent is gone or says something else.
-std::optional<ReceivedOrder> receive_order(int socket);
+/// The decoder's; waits.
+ReceivedWish receive_wish(int socket);
 
 /// The parent's; does not wait. False or nothing when there is no message, or another one.
 bool receive_ready(int socket);
+std::optional<pid_t> receive_copied(int socket);
 /// Ok, or kInvalidArgument, kNotFound, kFailedPrecondition or kResourceExhausted with at most
 /// 500 bytes of printable ASCII; and DECODER_MEMORY or no name.
 std::optional<absl::Status> receive_answer(int socket);

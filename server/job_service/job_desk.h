@@ -9,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "server/job_service/job_news.h"
+#include "server/job_work/job_health.h"
 #include "server/jobs/job_store.h"
 #include "server/mesh_engine.h"
 #include "server/results/result_store.h"
@@ -16,8 +17,11 @@
 namespace tet {
 
 struct JobDesk {
-  JobDesk(MeshEngine& mesh_engine, JobStore& store, ResultStore& stored)
-      : engine(mesh_engine), jobs(store), results(stored) {}
+  JobDesk(MeshEngine& mesh_engine,
+          JobStore& store,
+          ResultStore& stored,
+          const JobHealth& job_health)
+      : engine(mesh_engine), jobs(store), results(stored), health(job_health) {}
 
   /// The job of that name, if it is in the namespace. Errors: kInvalidArgument (its name),
   /// kNotFound (JOB_NOT_FOUND), and the store's.
@@ -29,6 +33,7 @@ struct JobDesk {
   MeshEngine& engine;
   JobStore& jobs;
   ResultStore& results;
+  const JobHealth& health;
   JobNews news{jobs};
   TaskPool threads{4};  ///< they wait for the store, not for cores
 };

@@ -77,7 +77,7 @@ absl::Status check_unset(const v1::Job& job) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<JobOrder> parse_job(const v1::Job& job) {
+absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   if (auto status = check_unset(job); !status.ok()) return status;
   const auto mesh = parse_mesh_request(job.mesh());
   if (!mesh.ok()) return within_field("mesh", mesh.status());
@@ -97,12 +97,13 @@ absl::StatusOr<JobOrder> parse_job(const v1::Job& job) {
   NewJob wanted;
   wanted.display_name = job.display_name();
   wanted.spec = spec.SerializeAsString();
+  wanted.input = mesh->digest;
   wanted.labels = {job.labels().begin(), job.labels().end()};
   wanted.priority = job.priority();
   wanted.ttl = *ttl;
   wanted.timeout = *timeout;
   if (job.has_max_attempts()) wanted.max_attempts = job.max_attempts();
-  return JobOrder{std::move(wanted), mesh->digest};
+  return wanted;
 }
 
 double rate_of(const Job& job) {
@@ -161,13 +162,13 @@ absl::StatusOr<std::string> parse_job_name(const std::string& name) {
                                     "\" is not jobs/ and 24 lower-case hexadecimal digits"));
 }
 
-absl::StatusOr<JobOrder> parse_create(const v1::CreateJobRequest& request,
-                                      const std::string& space) {
-  auto order = parse_job(request.job());
-  if (!order.ok()) return within_field("job", order.status());
-  order->job.space = space;
-  order->job.request_id = request.request_id();
-  return order;
+absl::StatusOr<NewJob> parse_create(const v1::CreateJobRequest& request,
+                                    const std::string& space) {
+  auto job = parse_job(request.job());
+  if (!job.ok()) return within_field("job", job.status());
+  job->space = space;
+  job->request_id = request.request_id();
+  return job;
 }
 
 absl::StatusOr<ListJobs> parse_list(const v1::ListJobsRequest& request,

@@ -18,12 +18,9 @@ namespace tet {
 /// The id within `jobs/{id}`.
 absl::StatusOr<std::string> parse_job_name(const std::string& name);
 
-struct JobOrder {
-  NewJob job;
-  std::string grid;  ///< digest of the file to be meshed
-};
-absl::StatusOr<JobOrder> parse_create(const v1::CreateJobRequest& request,
-                                      const std::string& space);
+/// Its input is the digest of the file to be meshed.
+absl::StatusOr<NewJob> parse_create(const v1::CreateJobRequest& request,
+                                    const std::string& space);
 absl::StatusOr<ListJobs> parse_list(const v1::ListJobsRequest& request,
                                     const std::string& space);
 /// How long to wait.

@@ -16,6 +16,9 @@ namespace tet {
 
 namespace {
 
+// By then it may be known that there is room again.
+constexpr absl::Duration kAskAgain = absl::Seconds(2);
+
 /// A job as GetJob and CreateJob tell it.
 absl::Status tell(JobDesk& desk, const absl::StatusOr<Job>& job, v1::Job& response) {
   if (!job.ok()) return job.status();
@@ -31,15 +34,33 @@ absl::Status create(JobDesk& desk,
                     Call& call,
                     const v1::CreateJobRequest& request,
                     v1::Job& response) {
-  const auto order = parse_create(request, call.space());
-  if (!order.ok()) return order.status();
-  call.note("grid", order->grid);
-  const auto grid = grids.acquire({call.space(), order->grid});
+  const auto wanted = parse_create(request, call.space());
+  if (!wanted.ok()) return wanted.status();
+  call.note("grid", wanted->input);
+  if (const absl::Status health = desk.health.status(); !health.ok()) {
+    return with_retry(health, kAskAgain);
+  }
+  // Held until the store knows that the job needs it.
+  const auto grid = grids.acquire({call.space(), wanted->input});
   if (!grid.ok()) return grid.status();
-  const auto created = desk.jobs.create(order->job);
+  const auto created = desk.jobs.create(*wanted);
   if (!created.ok()) return within_field("job", created.status());
   call.note("job", created->job.id);
   return tell(desk, created->job, response);
+}
+
+/// Needs the grid only if there is something to be made.
+absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& response) {
+  const auto lost = desk.lost_chunks(job);
+  if (!lost.ok()) return lost.status();
+  const auto spec = spec_of(job);
+  if (!spec.ok()) return spec.status();
+  const auto order = order_of(job, *spec);
+  if (!order.ok()) return order.status();
+  const auto grid = grids.acquire({job.space, order->digest});
+  const bool is_done = job.state == JobState::kSucceeded && lost->empty();
+  if (!grid.ok() && is_finished(job.state) && !is_done) return grid.status();
+  return tell(desk, desk.jobs.retry(job.id, *lost), response);
 }
 
 // The list is read first: whoever watches from the revision on misses no change of it.
@@ -150,12 +171,9 @@ grpc::ServerUnaryReactor* JobService::CancelJob(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* JobService::RetryJob(grpc::CallbackServerContext* context,
                                                const v1::RetryJobRequest* request,
                                                v1::Job* response) {
-  return with_job(desk_, *context, "RetryJob", request->name(),
-                  [this, response](const Job& job) -> absl::Status {
-                    const auto lost = desk_.lost_chunks(job);
-                    if (!lost.ok()) return lost.status();
-                    return tell(desk_, desk_.jobs.retry(job.id, *lost), *response);
-                  });
+  return with_job(
+      desk_, *context, "RetryJob", request->name(),
+      [this, response](const Job& job) { return retry(desk_, grids_, job, *response); });
 }
 
 grpc::ServerUnaryReactor* JobService::DeleteJob(grpc::CallbackServerContext* context,

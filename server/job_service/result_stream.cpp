@@ -103,13 +103,7 @@ absl::StatusOr<ChunkDigest> ResultStream::digest_of_chunk(std::int64_t index) {
 v1::MeshEvent ResultStream::trailer(std::uint64_t first,
                                     std::uint64_t end,
                                     const QualityStats& quality) const {
-  v1::MeshEvent event;
-  v1::MeshTrailer& trailer = *event.mutable_trailer();
-  trailer = plan_.trailer();
-  trailer.set_first_chunk(static_cast<std::int64_t>(first));
-  trailer.set_end_chunk(static_cast<std::int64_t>(end));
-  to_proto(quality, *trailer.mutable_quality());
-  return event;
+  return trailer_event(plan_, first, end, quality);
 }
 
 }  // namespace tet

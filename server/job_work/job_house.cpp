@@ -13,33 +13,44 @@ namespace {
 constexpr std::chrono::milliseconds kOften{500};
 constexpr std::chrono::minutes kSeldom{10};
 
-void log_if_some(const char* event, const absl::StatusOr<std::int64_t>& count) {
-  if (count.ok() && *count == 0) return;
-  nlohmann::ordered_json fields;
-  if (count.ok()) {
-    fields["count"] = *count;
-  } else {
-    fields["message"] = std::string(count.status().message());
-  }
-  log_event(count.ok() ? spdlog::level::info : spdlog::level::warn, event, fields);
-}
-
 }  // namespace
 
-JobHouse::JobHouse(JobStore& jobs, ResultStore& results, absl::Duration keep)
+JobHouse::JobHouse(JobStore& jobs,
+                   ResultStore& results,
+                   absl::Duration keep,
+                   absl::Duration lease)
     : jobs_(jobs),
       results_(results),
       keep_(keep),
+      lease_(lease),
       often_(kOften, [this] { look_after_jobs(); }),
       seldom_(kSeldom, [this] { tidy_up(); }) {}
 
 void JobHouse::look_after_jobs() {
-  log_if_some("shards_rescued", jobs_.rescue());
-  log_if_some("jobs_expired", jobs_.expire());
+  const auto expired = jobs_.expire();
+  tell("jobs_expired", expired);
+  const bool in_time = absl::Now() >= rescue_from_;
+  const auto rescued = in_time ? jobs_.rescue() : absl::StatusOr<std::int64_t>(0);
+  tell("shards_rescued", rescued);
+  if (!expired.ok() || !rescued.ok()) rescue_from_ = absl::Now() + lease_;
+}
+
+/// A store that fails is told of once.
+void JobHouse::tell(const char* event, const absl::StatusOr<std::int64_t>& count) {
+  const bool failed_before = failing_.exchange(!count.ok());
+  nlohmann::ordered_json fields;
+  if (!count.ok()) {
+    if (failed_before) return;
+    fields["message"] = std::string(count.status().message());
+    log_event(spdlog::level::warn, event, fields);
+  } else if (*count > 0) {
+    fields["count"] = *count;
+    log_event(spdlog::level::info, event, fields);
+  }
 }
 
 void JobHouse::tidy_up() {
-  log_if_some("jobs_purged", jobs_.purge(absl::Now() - keep_));
+  tell("jobs_purged", jobs_.purge(absl::Now() - keep_));
   results_.sweep();
 }
 

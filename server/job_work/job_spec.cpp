@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "proto/wire/sha256.h"
 #include "server/jobs/store_errors.h"
 #include "server/mesh_events.h"
 
@@ -43,12 +42,17 @@ stored::JobPlan plan_of(const PlannedMesh& planned) {
   return plan;
 }
 
-std::string name_of_request(const v1::MeshRequest& request) {
-  Sha256 digest;
-  digest.add(kAlgorithmVersion);
-  digest.add("\n");
-  digest.add(request.SerializeAsString());
-  return digest.finish_hex();
+v1::MeshEvent trailer_event(const stored::JobPlan& plan,
+                            std::uint64_t first,
+                            std::uint64_t end,
+                            const QualityStats& quality) {
+  v1::MeshEvent event;
+  v1::MeshTrailer& trailer = *event.mutable_trailer();
+  trailer = plan.trailer();
+  trailer.set_first_chunk(static_cast<std::int64_t>(first));
+  trailer.set_end_chunk(static_cast<std::int64_t>(end));
+  to_proto(quality, *trailer.mutable_quality());
+  return event;
 }
 
 std::vector<ChunkRange> shards_of(std::int64_t chunk_count) {

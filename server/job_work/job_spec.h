@@ -24,9 +24,11 @@ absl::StatusOr<MeshOrder> order_of(const Job& job, const stored::JobSpec& spec);
 /// What is kept of a counted mesh.
 stored::JobPlan plan_of(const PlannedMesh& planned);
 
-/// A request's name: SHA-256 of what was asked for and the algorithm's version. Two requests of
-/// one name ask for one mesh.
-std::string name_of_request(const v1::MeshRequest& request);
+/// The trailer of a stream of chunks [first, end).
+v1::MeshEvent trailer_event(const stored::JobPlan& plan,
+                            std::uint64_t first,
+                            std::uint64_t end,
+                            const QualityStats& quality);
 
 /// Contiguous, and the same for every mesh of so many chunks.
 std::vector<ChunkRange> shards_of(std::int64_t chunk_count);

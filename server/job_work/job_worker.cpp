@@ -1,10 +1,13 @@
 #include "server/job_work/job_worker.h"
 
+#include <algorithm>
+#include <chrono>
 #include <sys/resource.h>
 #include <utility>
 
 #include <absl/time/clock.h>
 
+#include "server/jobs/store_errors.h"
 #include "server/logging.h"
 #include "server/status.h"
 
@@ -19,8 +22,23 @@ constexpr int kNice = 10;
 /// off become ready by themselves.
 constexpr absl::Duration kPoll = absl::Seconds(1);
 
+/// How soon a shard is stopped whose job was: so often a worker looks whether anything was
+/// committed, and then at what it holds.
+constexpr std::chrono::milliseconds kLook{500};
+
 /// A store that does not answer is asked again after this.
 constexpr absl::Duration kStorePause = absl::Milliseconds(500);
+
+/// A thread that has found no room waits before it tries the next shard.
+constexpr std::chrono::milliseconds kRoomPause{2000};
+
+/// False when a stop is requested, then or before.
+bool pause(const std::stop_token& stopping, std::chrono::milliseconds time) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  return !never.wait_for(lock, stopping, time, [&] { return stopping.stop_requested(); });
+}
 
 void give_way() {
   // On Linux a thread's own; where it fails, only politeness is lost.
@@ -87,8 +105,8 @@ bool JobWorker::claim_some() {
     room -= std::ssize(held_);
   }
   auto leases = jobs_.claim({settings_.name, room, settings_.lease});
-  if (!leases.ok()) {
-    log_trouble("claim_failed", {}, leases.status());
+  if (const bool failed = claims_fail_; (claims_fail_ = !leases.ok())) {
+    if (!failed) log_trouble("claim_failed", {}, leases.status());
     absl::SleepFor(kStorePause);
     return false;
   }
@@ -113,12 +131,14 @@ void JobWorker::do_shards(const std::stop_token& stopping) {
       shard = waiting_.front();
       waiting_.pop_front();
     }
-    do_shard(shard);
+    const absl::Status outcome = maker_.run(shard->lease, shard->watch);
+    settle(shard, outcome, stopping);
+    let_go(shard);
+    if (ShardMaker::lacks_room(outcome)) pause(stopping, kRoomPause);
   }
 }
 
-void JobWorker::do_shard(const HeldShard& shard) {
-  settle(shard, maker_.run(shard->lease, shard->watch));
+void JobWorker::let_go(const HeldShard& shard) {
   const std::lock_guard lock(mutex_);
   held_.erase(shard);
   changed_.notify_all();
@@ -126,7 +146,9 @@ void JobWorker::do_shard(const HeldShard& shard) {
 
 /// Tells the store how a shard ended that it does not know of yet. A store that does not answer
 /// now will find out that the lease is over.
-void JobWorker::settle(const HeldShard& shard, const absl::Status& outcome) {
+void JobWorker::settle(const HeldShard& shard,
+                       const absl::Status& outcome,
+                       const std::stop_token& stopping) {
   const LeaseId& lease = shard->lease.id;
   if (outcome.ok()) {
     done_.fetch_add(1);
@@ -138,6 +160,9 @@ void JobWorker::settle(const HeldShard& shard, const absl::Status& outcome) {
   } else if (stopped || reason_of(outcome) == "LEASE_LOST") {
     lost_.fetch_add(1);
     log_trouble("shard_lost", lease.shard, outcome);
+  } else if (ShardMaker::lacks_room(outcome)) {
+    log_trouble("shard_given_back", lease.shard, outcome);
+    give_back(lease, stopping);
   } else {
     failed_.fetch_add(1);
     log_trouble("shard_failed", lease.shard, outcome);
@@ -147,27 +172,54 @@ void JobWorker::settle(const HeldShard& shard, const absl::Status& outcome) {
   }
 }
 
-void JobWorker::beat(const std::stop_token& stopping) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  const auto interval = absl::ToChronoMilliseconds(settings_.lease / 3);
-  while (!never.wait_for(lock, stopping, interval, [&] { return stopping.stop_requested(); })) {
-    extend_leases();
+/// The shard is not to blame: no attempt of it is used up, however long the store is down too.
+void JobWorker::give_back(const LeaseId& lease, const std::stop_token& stopping) {
+  while (will_pass(jobs_.release(lease)) && !stopping.stop_requested()) {
+    pause(stopping, absl::ToChronoMilliseconds(kStorePause));
   }
 }
 
-/// What is lost is not worth going on with.
+void JobWorker::beat(const std::stop_token& stopping) {
+  using Clock = std::chrono::steady_clock;
+  const auto interval = absl::ToChronoMilliseconds(settings_.lease / 3);
+  auto due = Clock::now() + interval;
+  std::uint64_t seen = jobs_.signal();
+  while (pause(stopping, std::min(interval, kLook))) {
+    const std::uint64_t signal = jobs_.signal();
+    if (Clock::now() >= due) {
+      due = Clock::now() + interval;
+      extend_leases();
+    } else if (signal != seen) {
+      look_at_leases();
+    }
+    seen = signal;
+  }
+}
+
 void JobWorker::extend_leases() {
   const std::vector<HeldShard> shards = held();
-  std::vector<LeaseId> leases;
-  for (const HeldShard& shard : shards) leases.push_back(shard->lease.id);
-  if (leases.empty()) return;
-  const auto answers = jobs_.heartbeat(leases, settings_.lease);
+  if (!shards.empty()) heed(shards, jobs_.heartbeat(ids_of(shards), settings_.lease));
+}
+
+/// Something was committed by somebody: a job of ours may have been cancelled.
+void JobWorker::look_at_leases() {
+  const std::vector<HeldShard> shards = held();
+  if (!shards.empty()) heed(shards, jobs_.look_at(ids_of(shards)));
+}
+
+/// What is lost is not worth going on with.
+void JobWorker::heed(const std::vector<HeldShard>& shards,
+                     const absl::StatusOr<std::vector<LeaseState>>& answers) {
   if (!answers.ok()) return log_trouble("heartbeat_failed", {}, answers.status());
   for (std::size_t i = 0; i < shards.size(); ++i) {
     if ((*answers)[i] == LeaseState::kLost) shards[i]->watch->cancellation.cancel();
   }
+}
+
+std::vector<LeaseId> JobWorker::ids_of(const std::vector<HeldShard>& shards) {
+  std::vector<LeaseId> ids;
+  for (const HeldShard& shard : shards) ids.push_back(shard->lease.id);
+  return ids;
 }
 
 }  // namespace tet

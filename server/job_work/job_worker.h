@@ -25,7 +25,9 @@ struct JobWorkerSettings {
   absl::Duration lease = absl::Seconds(30);
 };
 
-/// Works from its construction to `stop`. The threads have a lower priority than any other of
+/// Works from its construction to `stop`. What it does not hold any more, of a job that was
+/// cancelled for instance, it stops within half a second or so of hearing of it.
+/// The threads have a lower priority than any other of
 /// the process, so that whoever waits for a mesh gets the cores first.
 class JobWorker {
  public:
@@ -53,10 +55,17 @@ class JobWorker {
   bool wait_for_room(const std::stop_token& stopping);
   bool claim_some();
   void do_shards(const std::stop_token& stopping);
-  void do_shard(const HeldShard& shard);
-  void settle(const HeldShard& shard, const absl::Status& outcome);
+  void settle(const HeldShard& shard,
+              const absl::Status& outcome,
+              const std::stop_token& stopping);
+  void give_back(const LeaseId& lease, const std::stop_token& stopping);
+  void let_go(const HeldShard& shard);
   void beat(const std::stop_token& stopping);
   void extend_leases();
+  void look_at_leases();
+  static void heed(const std::vector<HeldShard>& shards,
+                   const absl::StatusOr<std::vector<LeaseState>>& answers);
+  static std::vector<LeaseId> ids_of(const std::vector<HeldShard>& shards);
   std::vector<HeldShard> held();
 
   JobStore& jobs_;
@@ -64,6 +73,7 @@ class JobWorker {
   const JobWorkerSettings settings_;
   std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0};
   std::atomic<bool> giving_back_{false};
+  bool claims_fail_ = false;  ///< and that was logged; of the thread that claims
 
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable_any changed_;

@@ -8,6 +8,8 @@
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 
+#include "server/job_work/stored_mesh.h"
+#include "server/jobs/store_errors.h"
 #include "server/status.h"
 
 namespace tet {
@@ -63,6 +65,10 @@ bool ShardMaker::is_worth_another_try(const absl::Status& error) {
   }
 }
 
+bool ShardMaker::lacks_room(const absl::Status& error) {
+  return reason_of(error) == "DISK_FULL" || will_pass(error);
+}
+
 absl::Status ShardMaker::run(const ShardLease& lease,
                              const std::shared_ptr<PlanningWatch>& watch) {
   absl::StatusOr<Job> job;
@@ -82,27 +88,31 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   stored::JobPlan plan;
   if (!shard.spec.skip_cache()) {
     const auto kept = results_.find_plan(shard.job.space, name);
-    if (kept && plan.ParseFromString(*kept) && is_stored(shard.job.space, plan.header())) {
+    if (kept && plan.ParseFromString(*kept) && is_stored(shard.job.space, plan)) {
       plan.set_cached(true);
       return commit_plan(shard, plan);
     }
   }
   const auto planned = count(shard);
   if (!planned.ok()) return planned.status();
+  if (auto status = check_size(planned->plan->header()); !status.ok()) return status;
   plan = plan_of(*planned);
-  const absl::Status kept = results_.put_plan(shard.job.space, name, plan.SerializeAsString());
+  const absl::Status kept =
+      results_.put_plan({shard.job.space, planned->mesh_id}, name, plan.SerializeAsString());
   if (!kept.ok()) return kept;
-  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan.header()));
+  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
   return commit_plan(shard, plan);
 }
 
-bool ShardMaker::is_stored(const std::string& space, const v1::MeshHeader& header) const {
-  const auto folder = results_.find({space, header.mesh_id()});
-  if (!folder.ok()) return false;
-  for (const ChunkRange& range : shards_of(header.chunk_count())) {
-    if (!(*folder)->find_whole_shard(range)) return false;
-  }
-  return true;
+/// What can never be stored is not worth making.
+absl::Status ShardMaker::check_size(const MeshHeader& header) const {
+  const std::uint64_t bytes = ChunkSizes(header, header.vertex_count, header.tet_count).total();
+  if (bytes <= results_.budget_bytes()) return absl::OkStatus();
+  return over_limit("bytes of the mesh, in result_bytes", bytes, results_.budget_bytes());
+}
+
+bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan) const {
+  return StoredMesh::find(results_, space, plan) != nullptr;
 }
 
 absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& plan) {

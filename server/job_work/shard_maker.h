@@ -34,6 +34,8 @@ class ShardMaker {
 
   /// Whether a shard that failed so may succeed when it is tried again.
   static bool is_worth_another_try(const absl::Status& error);
+  /// Whether it failed only for want of a disk or a database that takes what was made.
+  static bool lacks_room(const absl::Status& error);
 
  private:
   struct Shard;
@@ -41,9 +43,10 @@ class ShardMaker {
   absl::Status plan(const Shard& shard);
   absl::Status mesh(const Shard& shard);
   absl::Status commit_chunks(const Shard& shard, const std::vector<ChunkDigest>& digests);
-  bool is_stored(const std::string& space, const v1::MeshHeader& header) const;
+  bool is_stored(const std::string& space, const stored::JobPlan& plan) const;
   absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
   absl::StatusOr<PlannedMesh> count(const Shard& shard);
+  absl::Status check_size(const MeshHeader& header) const;
   absl::StatusOr<std::vector<ChunkDigest>> make_chunks(const Shard& shard,
                                                        const PlannedMesh& planned,
                                                        MeshFolder& folder);

@@ -34,13 +34,20 @@ struct NewJob {
   std::string space;  ///< the namespace whose job it is; 1 to 128 printable ASCII
   std::string
       request_id;  ///< unique within the namespace: asking twice makes one job; may be empty
-  std::string display_name;                       ///< at most 256 bytes
-  std::string spec;                               ///< what to mesh; opaque here, at most 64 KiB
-  Labels labels;                                  ///< at most 32
+  std::string display_name;  ///< at most 256 bytes
+  std::string spec;          ///< what to mesh; opaque here, at most 64 KiB
+  std::string input;  ///< names what the job reads: it must stay; at most 128 printable ASCII
+  Labels labels;      ///< at most 32
   std::int64_t priority = 0;                      ///< -100 to 100, the highest first
   absl::Duration ttl = absl::InfiniteDuration();  ///< from creation to its end, else EXPIRED
   absl::Duration timeout = absl::InfiniteDuration();  ///< from the first claim on, else FAILED
   std::int64_t max_attempts = 3;                      ///< of each shard, 1 to 100
+};
+
+/// What a job reads, in its namespace.
+struct JobInput {
+  std::string space, name;
+  auto operator<=>(const JobInput&) const = default;
 };
 
 struct Job {

@@ -97,20 +97,21 @@ std::optional<JobRow> lock_job(SqlTransaction& t, const std::string& id) {
   return job_row(result.rows[0]);
 }
 
-void insert_job(SqlTransaction& t, const JobRow& row) {
+void insert_job(SqlTransaction& t, const JobRow& row, const std::string& input) {
   const Job& job = row.job;
   t.run(
       "INSERT INTO jobs (id, space, display_name, spec, header, labels, rank, max_attempts, "
       "state, phase, version, error, ttl_us, timeout_us, create_us, start_us, plan_us, "
       "finish_us, "
       "expire_us, stop_us, chunk_count, done_chunks, shard_count, done_shards, dead_shards, "
-      "alarms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $5, $12, $13, $14, $15, "
+      "alarms, input) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $5, $12, $13, $14, "
       "$15, "
-      "$15, $16, $16, 0, 0, $17, 0, 0, 0)",
+      "$15, "
+      "$15, $16, $16, 0, 0, $17, 0, 0, 0, $18)",
       {job.id, job.space, Blob{job.display_name}, Blob{job.spec}, Blob{},
        encode_labels(job.labels), -job.priority, job.max_attempts, number_of(job.state),
        number_of(row.phase), job.version, duration_us(row.ttl), duration_us(row.timeout),
-       to_us(job.create_time), kNeverUs, row.expire_us, job.shard_count});
+       to_us(job.create_time), kNeverUs, row.expire_us, job.shard_count, input});
   add_event(t, job, JobChange::kCreated);
 }
 

@@ -49,7 +49,8 @@ JobRow job_row(const SqlRow& row);
 /// Keeps the job as it is until the transaction ends. No value: there is none.
 std::optional<JobRow> lock_job(SqlTransaction& t, const std::string& id);
 
-void insert_job(SqlTransaction& t, const JobRow& row);
+/// `input` as in NewJob.
+void insert_job(SqlTransaction& t, const JobRow& row, const std::string& input);
 
 /// Writes back what may change, as the job's next version, with an event. The job is locked.
 void save_job(SqlTransaction& t, JobRow& row, JobChange change);

@@ -93,7 +93,8 @@ class JobStore {
   // --- for clients ---
 
   /// Errors: kInvalidArgument (INVALID_FIELD), kAlreadyExists (REQUEST_ID_REUSED: the namespace
-  /// made another job under this request_id).
+  /// made another job under this request_id), kResourceExhausted (QUOTA_EXCEEDED: too many jobs
+  /// of the namespace are not finished).
   virtual absl::StatusOr<CreatedJob> create(const NewJob& job) = 0;
   virtual absl::StatusOr<Job> get(const std::string& id) = 0;
   /// The newest first. A job is on one page at most, and on one if it is there all the time.
@@ -139,6 +140,8 @@ class JobStore {
   /// until somebody else got the shard.
   virtual absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
                                                             absl::Duration lease) = 0;
+  /// Which leases are still held, without extending them; writes nothing.
+  virtual absl::StatusOr<std::vector<LeaseState>> look_at(std::span<const LeaseId> leases) = 0;
   /// Ends a plan shard and begins the next phase; a plan without shards ends the job.
   /// Errors: kInvalidArgument (INVALID_PLAN), and those of `complete`.
   virtual absl::Status set_plan(const LeaseId& lease, const Plan& plan) = 0;
@@ -167,6 +170,10 @@ class JobStore {
   /// longer. Says how many.
   virtual absl::StatusOr<std::int64_t> purge(absl::Time finished_before) = 0;
   virtual absl::StatusOr<StoreCounts> counts() = 0;
+  /// OK if something can be written now.
+  virtual absl::Status probe() = 0;
+  /// What the jobs read that are not finished.
+  virtual absl::StatusOr<std::set<JobInput>> inputs() = 0;
 };
 
 }  // namespace tet

@@ -96,13 +96,14 @@ absl::Status check_labels(const Labels& labels) {
 
 absl::Status check(const NewJob& job) {
   if (job.space.empty()) return invalid_field("namespace is empty");
-  return first_error(
-      {check_text("namespace", job.space), check_text("request_id", job.request_id),
-       check_size("display_name", job.display_name.size(), kMaxNameBytes),
-       check_size("spec", job.spec.size(), kMaxSpecBytes), check_labels(job.labels),
-       check_range("priority", job.priority, -kMaxPriority, kMaxPriority),
-       check_range("max_attempts", job.max_attempts, 1, kMaxAttempts),
-       check_positive("ttl", job.ttl), check_positive("timeout", job.timeout)});
+  return first_error({check_text("namespace", job.space),
+                      check_text("request_id", job.request_id), check_text("input", job.input),
+                      check_size("display_name", job.display_name.size(), kMaxNameBytes),
+                      check_size("spec", job.spec.size(), kMaxSpecBytes),
+                      check_labels(job.labels),
+                      check_range("priority", job.priority, -kMaxPriority, kMaxPriority),
+                      check_range("max_attempts", job.max_attempts, 1, kMaxAttempts),
+                      check_positive("ttl", job.ttl), check_positive("timeout", job.timeout)});
 }
 
 absl::Status check(const Plan& plan) {

@@ -8,14 +8,19 @@
 
 namespace tet {
 
-absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& where) {
+absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& where,
+                                                         const SqlJobStore::Options& rules) {
   if (absl::StartsWith(where, "postgresql://") || absl::StartsWith(where, "postgres://")) {
     PostgresOptions options;
     options.connection = where;
+    options.rules = rules;
+    options.patient = true;
     return open_postgres_job_store(options);
   }
   SqliteOptions options;
   options.path = where;
+  options.rules = rules;
+  options.patient = true;
   auto store = open_sqlite_job_store(options);
   if (store.ok()) return store;
   // Said to whoever starts the server, who may not know that there is such a file.

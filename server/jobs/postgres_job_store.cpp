@@ -1,10 +1,13 @@
 #include "server/jobs/postgres_job_store.h"
 
+#include <mutex>
+#include <string>
 #include <utility>
 
 #include "server/jobs/postgres_connection.h"
 #include "server/jobs/postgres_listener.h"
 #include "server/jobs/postgres_schema.h"
+#include "server/jobs/store_errors.h"
 
 namespace tet {
 
@@ -13,10 +16,9 @@ namespace {
 class PostgresDatabase final : public SqlDatabase {
  public:
   explicit PostgresDatabase(const PostgresOptions& options)
-      : partition_(options.partition),
-        connections_(
-            options.max_connections,
-            [connection = options.connection] { return PostgresConnection::open(connection); }),
+      : address_(options.connection),
+        partition_(options.partition),
+        connections_(options.max_connections, [this] { return connect(); }),
         listener_(options.connection, options.poll) {}
 
   absl::StatusOr<SqlPool::Lease> reader() override { return connections_.take(); }
@@ -41,23 +43,37 @@ class PostgresDatabase final : public SqlDatabase {
   }
 
  private:
+  absl::StatusOr<std::unique_ptr<SqlConnection>> connect();
+
+  const std::string address_;
   const absl::Duration partition_;
+  std::mutex schema_mutex_;
+  bool is_up_to_date_ = false;
   SqlPool connections_;
   PostgresListener listener_;
 };
+
+/// The first connection of all brings the schema up to date.
+absl::StatusOr<std::unique_ptr<SqlConnection>> PostgresDatabase::connect() {
+  auto connection = PostgresConnection::open(address_);
+  if (!connection.ok()) return connection.status();
+  const std::lock_guard lock(schema_mutex_);
+  if (!is_up_to_date_) {
+    if (auto status = migrate_postgres(**connection); !status.ok()) return status;
+    if (auto made = make_partitions(**connection, partition_); !made.ok()) return made;
+    is_up_to_date_ = true;
+  }
+  return connection;
+}
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<JobStore>> open_postgres_job_store(
     const PostgresOptions& options) {
-  // Before anything listens: a wrong address is told at once.
-  const auto connection = PostgresConnection::open(options.connection);
-  if (!connection.ok()) return connection.status();
-  if (auto status = migrate_postgres(**connection); !status.ok()) return status;
-  if (auto status = make_partitions(**connection, options.partition); !status.ok())
-    return status;
-  return std::make_unique<SqlJobStore>(std::make_unique<PostgresDatabase>(options),
-                                       options.rules);
+  auto database = std::make_unique<PostgresDatabase>(options);
+  const absl::Status opened = database->reader().status();
+  if (!opened.ok() && !(options.patient && will_pass(opened))) return opened;
+  return std::make_unique<SqlJobStore>(std::move(database), options.rules);
 }
 
 }  // namespace tet

@@ -20,12 +20,14 @@ struct PostgresOptions {
   /// Rows of jobs made in one such span share a partition, and go together.
   absl::Duration partition = absl::Hours(24);
   SqlJobStore::Options rules = {};
+  bool patient = false;  ///< see open_postgres_job_store
 };
 
 /// Opens the store and brings its schema up to date; others that open it at the same time wait.
-/// Errors: kFailedPrecondition (JOB_STORE_TOO_NEW: a later version wrote it), kUnavailable
-/// (JOB_STORE_UNAVAILABLE: no connection; the message says why, and never the password),
-/// kInternal.
+/// Patience takes a database that does not answer for something that will pass: the store is
+/// there, its calls fail, and each tries anew. Errors: kFailedPrecondition (JOB_STORE_TOO_NEW:
+/// a later version wrote it), kUnavailable (JOB_STORE_UNAVAILABLE: no connection; the message
+/// says why, and never the password), kInternal.
 absl::StatusOr<std::unique_ptr<JobStore>> open_postgres_job_store(
     const PostgresOptions& options);
 

@@ -82,13 +82,20 @@ CREATE INDEX events_new ON events (id) WHERE revision = 0;
 CREATE TABLE events_default PARTITION OF events DEFAULT;
 )sql";
 
+constexpr char kSecondVersion[] = R"sql(
+ALTER TABLE jobs ADD COLUMN input TEXT COLLATE "C" NOT NULL DEFAULT '';
+CREATE INDEX jobs_inputs ON jobs (space, input) WHERE state <= 2;
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array kSteps = {kFirstVersion};
+constexpr std::array<const char*, 2> kSteps = {kFirstVersion, kSecondVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 // Whoever opens the store holds this advisory lock while it looks at the schema.
+// Whoever starts first makes the tables, for longer than others wait for a lock in their work.
 constexpr char kBeginMigration[] =
-    "BEGIN; SELECT pg_advisory_xact_lock(7447101); SET LOCAL client_min_messages = error; "
+    "BEGIN; SET LOCAL lock_timeout = '2min'; SELECT pg_advisory_xact_lock(7447101); "
+    "SET LOCAL client_min_messages = error; "
     "CREATE TABLE IF NOT EXISTS schema_version (version BIGINT NOT NULL); "
     "SELECT COALESCE(max(version), 0)::text FROM schema_version";
 

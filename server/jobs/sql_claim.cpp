@@ -201,4 +201,22 @@ absl::StatusOr<std::vector<LeaseState>> SqlJobStore::heartbeat(std::span<const L
   return answers;
 }
 
+absl::StatusOr<std::vector<LeaseState>> SqlJobStore::look_at(std::span<const LeaseId> leases) {
+  std::vector<LeaseState> answers;
+  const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    for (const LeaseId& lease : leases) {
+      const bool held = !t.run(
+                              "SELECT token FROM queue WHERE job_id = $1 AND phase = $2 AND "
+                              "number = $3 AND token = $4 AND state = 1",
+                              {lease.shard.job, number_of(lease.shard.phase),
+                               lease.shard.number, lease.token})
+                             .rows.empty();
+      answers.push_back(held ? LeaseState::kHeld : LeaseState::kLost);
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return answers;
+}
+
 }  // namespace tet

@@ -1,4 +1,5 @@
 // The store for clients: jobs come, are looked up and listed, and go.
+#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -133,7 +134,8 @@ absl::StatusOr<CreatedJob> SqlJobStore::create(const NewJob& wanted) {
       if (job.ok()) created = {*std::move(job), true};
       return job.status();
     }
-    insert_job(t, row);
+    if (auto full = check_room(t, wanted.space); !full.ok()) return full;
+    insert_job(t, row, wanted.input);
     add_to_queue(t, row, Phase::kPlan, 0,
                  {
                      {0, 0}
@@ -142,6 +144,21 @@ absl::StatusOr<CreatedJob> SqlJobStore::create(const NewJob& wanted) {
   });
   if (!status.ok()) return status;
   return created;
+}
+
+absl::Status SqlJobStore::check_room(SqlTransaction& t, const std::string& space) {
+  constexpr std::int64_t kCounts = 100;  // on the way to the limit
+  if (room_.take(space)) return absl::OkStatus();
+  const std::int64_t limit = options_.max_unfinished;
+  const std::int64_t count =
+      t.integer("SELECT count(*) FROM jobs WHERE space = $1 AND state <= 2", {space});
+  if (count >= limit) {
+    return over_space_quota(space, "jobs that are not finished",
+                            static_cast<std::uint64_t>(count) + 1,
+                            static_cast<std::uint64_t>(limit));
+  }
+  room_.set(space, std::min(limit - count - 1, limit / kCounts));
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Job> SqlJobStore::get(const std::string& id) {

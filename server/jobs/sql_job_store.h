@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -11,8 +12,10 @@
 
 #include <absl/time/time.h>
 
+#include "server/jobs/job_room.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/sql.h"
+#include "server/jobs/sql_transaction.h"
 
 namespace tet {
 
@@ -29,6 +32,9 @@ class SqlJobStore final : public JobStore {
   struct Options {
     absl::Duration retry_delay = absl::Seconds(1);
     absl::Duration max_retry_delay = absl::Minutes(1);
+    /// Jobs that one namespace may have; by a hundredth of it more for each process that makes
+    /// some.
+    std::int64_t max_unfinished = INT64_MAX;
   };
 
   SqlJobStore(std::unique_ptr<SqlDatabase> database, Options options)
@@ -56,6 +62,7 @@ class SqlJobStore final : public JobStore {
   }
   absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
                                                     absl::Duration lease) override;
+  absl::StatusOr<std::vector<LeaseState>> look_at(std::span<const LeaseId> leases) override;
   absl::Status set_plan(const LeaseId& lease, const Plan& plan) override;
   absl::Status complete(const LeaseId& lease, std::span<const ChunkDigest> digests) override;
   absl::Status fail(const LeaseId& lease, const absl::Status& error, bool retryable) override;
@@ -65,13 +72,17 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<std::int64_t> expire() override;
   absl::StatusOr<std::int64_t> purge(absl::Time finished_before) override;
   absl::StatusOr<StoreCounts> counts() override;
+  absl::Status probe() override;
+  absl::StatusOr<std::set<JobInput>> inputs() override;
 
  private:
+  absl::Status check_room(SqlTransaction& t, const std::string& space);
   absl::Status number_all_events();
   absl::StatusOr<EventPage> read_events(const WatchJobs& query);
 
   const std::unique_ptr<SqlDatabase> database_;
   const Options options_;
+  JobRoom room_;
 };
 
 }  // namespace tet

@@ -180,4 +180,26 @@ absl::StatusOr<StoreCounts> SqlJobStore::counts() {
   return counts;
 }
 
+absl::Status SqlJobStore::probe() {
+  return transact(*database_, [](SqlTransaction& t) {
+    t.run(
+        "INSERT INTO counters (name, value) VALUES ('probe', $1) ON CONFLICT (name) DO UPDATE "
+        "SET value = $1",
+        {t.now_us()});
+    return absl::OkStatus();
+  });
+}
+
+absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {
+  std::set<JobInput> inputs;
+  const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    const auto found =
+        t.run("SELECT DISTINCT space, input FROM jobs WHERE state <= 2 AND input <> ''");
+    for (const SqlRow& row : found.rows) inputs.insert({row.text(0), row.text(1)});
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return inputs;
+}
+
 }  // namespace tet

@@ -1,5 +1,6 @@
 #include "server/jobs/sqlite_connection.h"
 
+#include <cerrno>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -26,6 +27,12 @@ int wait_for_lock(void* most_steps, int steps) {
   if (steps >= *static_cast<const int*>(most_steps)) return 0;
   std::this_thread::sleep_for(kBusyStep);
   return 1;
+}
+
+constexpr char kFull[] = "the disk of the jobs' database is full";
+
+bool lacks_room(int system_error) {
+  return system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG;
 }
 
 void bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
@@ -80,7 +87,7 @@ absl::StatusOr<std::unique_ptr<SqliteConnection>> SqliteConnection::open(
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   const int code = sqlite3_open_v2(options.path.c_str(), &database, flags, nullptr);
   std::unique_ptr<SqliteConnection> connection(new SqliteConnection(database, options));
-  if (code != SQLITE_OK) return connection->error(absl::StrCat("opening ", options.path));
+  if (code != SQLITE_OK) return connection->error("opening the jobs' database");
   sqlite3_busy_handler(database, wait_for_lock, &connection->most_busy_steps_);
   if (auto status = connection->set_up(); !status.ok()) return status;
   return connection;
@@ -103,7 +110,11 @@ absl::Status SqliteConnection::error(const std::string& action) const {
     case SQLITE_LOCKED:
       return store_unavailable(message);
     case SQLITE_FULL:
-      return store_full(message);
+      return store_full(kFull);
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+      return lacks_room(sqlite3_system_errno(database_.get())) ? store_full(kFull)
+                                                               : store_broken(message);
     default:
       return store_broken(message);
   }

@@ -11,6 +11,7 @@
 #include "server/jobs/sql_transaction.h"
 #include "server/jobs/sqlite_connection.h"
 #include "server/jobs/sqlite_schema.h"
+#include "server/jobs/store_errors.h"
 
 namespace tet {
 
@@ -19,6 +20,7 @@ namespace {
 constexpr int kReaders = 4;
 // How soon another process's commits are seen; asking costs microseconds.
 constexpr auto kPoll = std::chrono::milliseconds(20);
+constexpr auto kBetweenTries = std::chrono::seconds(1);
 constexpr std::int64_t kPurgedAtOnce = 500;
 
 bool is_in_memory(const SqliteOptions& options) { return options.path == ":memory:"; }
@@ -26,8 +28,9 @@ bool is_in_memory(const SqliteOptions& options) { return options.path == ":memor
 /// Tells of commits: of this process at once, of others by looking.
 class CommitSignal {
  public:
-  explicit CommitSignal(std::unique_ptr<SqliteConnection> connection)
-      : connection_(std::move(connection)) {}
+  using Open = std::function<absl::StatusOr<std::unique_ptr<SqliteConnection>>()>;
+  /// Without `open` there are no other processes.
+  explicit CommitSignal(Open open) : open_(std::move(open)) {}
 
   void raise() {
     const std::lock_guard lock(mutex_);
@@ -53,28 +56,40 @@ class CommitSignal {
 
  private:
   void look() {
-    if (!connection_) return;
+    if (!connect()) return;
     const auto found = connection_->run("PRAGMA data_version", {});
     if (!found.ok() || found->rows[0].integer(0) == version_) return;
     version_ = found->rows[0].integer(0);
     ++signal_;
   }
 
+  bool connect() {
+    const auto now = std::chrono::steady_clock::now();
+    if (connection_ || !open_ || now < next_try_) return connection_ != nullptr;
+    auto opened = open_();
+    if (opened.ok()) connection_ = *std::move(opened);
+    next_try_ = now + kBetweenTries;
+    return opened.ok();
+  }
+
   std::mutex mutex_;
   std::condition_variable raised_;
   std::uint64_t signal_ = 0;
   std::int64_t version_ = 0;
-  const std::unique_ptr<SqliteConnection>
-      connection_;  ///< none in memory: nobody else is there
+  const Open open_;
+  std::unique_ptr<SqliteConnection> connection_;
+  std::chrono::steady_clock::time_point next_try_{};
 };
 
 class SqliteDatabase final : public SqlDatabase {
  public:
-  SqliteDatabase(const SqliteOptions& options, std::unique_ptr<SqliteConnection> watcher)
-      : in_memory_(is_in_memory(options)),
-        writers_(1, [options] { return SqliteConnection::open(options); }),
-        readers_(kReaders, [options] { return SqliteConnection::open(options); }),
-        signal_(std::move(watcher)) {}
+  explicit SqliteDatabase(const SqliteOptions& options)
+      : options_(options),
+        in_memory_(is_in_memory(options)),
+        writers_(1, [this] { return connect(); }),
+        readers_(kReaders, [this] { return connect(); }),
+        signal_(in_memory_ ? CommitSignal::Open()
+                           : [options] { return SqliteConnection::open(options); }) {}
 
   absl::StatusOr<SqlPool::Lease> reader() override {
     return in_memory_ ? writers_.take() : readers_.take();
@@ -96,7 +111,12 @@ class SqliteDatabase final : public SqlDatabase {
   absl::StatusOr<std::int64_t> purge(std::int64_t finished_before_us) override;
 
  private:
+  absl::StatusOr<std::unique_ptr<SqlConnection>> connect();
+
+  const SqliteOptions options_;
   const bool in_memory_;
+  std::mutex schema_mutex_;
+  bool is_up_to_date_ = false;
   SqlPool writers_;
   SqlPool readers_;
   CommitSignal signal_;
@@ -141,23 +161,24 @@ absl::StatusOr<std::int64_t> SqliteDatabase::purge(std::int64_t finished_before_
   return total;
 }
 
-absl::Status migrate(SqliteDatabase& database) {
-  const auto connection = database.writer();
+/// The first connection of all brings the schema up to date.
+absl::StatusOr<std::unique_ptr<SqlConnection>> SqliteDatabase::connect() {
+  auto connection = SqliteConnection::open(options_);
   if (!connection.ok()) return connection.status();
-  return migrate_sqlite(static_cast<SqliteConnection&>(**connection));
+  const std::lock_guard lock(schema_mutex_);
+  if (!is_up_to_date_) {
+    if (auto status = migrate_sqlite(**connection); !status.ok()) return status;
+    is_up_to_date_ = true;
+  }
+  return connection;
 }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<JobStore>> open_sqlite_job_store(const SqliteOptions& options) {
-  std::unique_ptr<SqliteConnection> watcher;
-  if (!is_in_memory(options)) {
-    auto opened = SqliteConnection::open(options);
-    if (!opened.ok()) return opened.status();
-    watcher = *std::move(opened);
-  }
-  auto database = std::make_unique<SqliteDatabase>(options, std::move(watcher));
-  if (auto status = migrate(*database); !status.ok()) return status;
+  auto database = std::make_unique<SqliteDatabase>(options);
+  const absl::Status opened = database->writer().status();
+  if (!opened.ok() && !(options.patient && will_pass(opened))) return opened;
   return std::make_unique<SqlJobStore>(std::move(database), options.rules);
 }
 

@@ -18,12 +18,15 @@ struct SqliteOptions {
   absl::Duration busy_timeout = absl::Seconds(10);
   std::function<absl::Time()> clock = absl::Now;  ///< of this machine: the store's time
   SqlJobStore::Options rules = {};
+  bool patient = false;  ///< see open_sqlite_job_store
 };
 
 /// Opens the store and brings its schema up to date. The file must not be on a network file
-/// system. Errors: kFailedPrecondition (JOB_STORE_TOO_NEW: a later version wrote it),
-/// kUnavailable, kResourceExhausted (JOB_STORE_FULL), kInternal (JOB_STORE_BROKEN: not a
-/// database, cannot be made).
+/// system. Patience takes a disk that is full, or a file that others keep busy, for something
+/// that will pass: the store is there, its calls fail, and each tries anew. Errors:
+/// kFailedPrecondition (JOB_STORE_TOO_NEW: a later version wrote it), kUnavailable,
+/// kResourceExhausted (JOB_STORE_FULL), kInternal (JOB_STORE_BROKEN: not a database, cannot be
+/// made).
 absl::StatusOr<std::unique_ptr<JobStore>> open_sqlite_job_store(const SqliteOptions& options);
 
 }  // namespace tet

@@ -68,8 +68,13 @@ CREATE INDEX events_of_job ON events (job_id, revision);
 CREATE INDEX events_new ON events (id) WHERE revision = 0;
 )sql";
 
+constexpr char kSecondVersion[] = R"sql(
+ALTER TABLE jobs ADD COLUMN input TEXT NOT NULL DEFAULT '';
+CREATE INDEX jobs_inputs ON jobs (space, input) WHERE state <= 2;
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array kSteps = {kFirstVersion};
+constexpr std::array<const char*, 2> kSteps = {kFirstVersion, kSecondVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 absl::Status run_steps(SqliteConnection& connection, std::int64_t version) {

@@ -20,6 +20,11 @@ absl::Status store_broken(const std::string& message) {
   return with_reason(absl::InternalError(message), "JOB_STORE_BROKEN");
 }
 
+bool will_pass(const absl::Status& status) {
+  const std::string reason = reason_of(status);
+  return reason == "JOB_STORE_UNAVAILABLE" || reason == "JOB_STORE_FULL";
+}
+
 absl::Status job_not_found(const std::string& id) {
   return with_reason(absl::NotFoundError(absl::StrCat("there is no job ", id)),
                      "JOB_NOT_FOUND");

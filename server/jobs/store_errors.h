@@ -13,6 +13,9 @@ absl::Status store_full(const std::string& message);
 /// Nothing that a caller can do.
 absl::Status store_broken(const std::string& message);
 
+/// Whether a failure is the database's, and may pass: it does not answer, is busy or full.
+bool will_pass(const absl::Status& status);
+
 absl::Status job_not_found(const std::string& id);
 /// Somebody else has the shard, or the job was stopped.
 absl::Status lease_lost(const std::string& message);

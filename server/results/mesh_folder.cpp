@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kDigestBytes = 32;
+constexpr char kDamaged[] = ".damaged";
 
 absl::Status chunk_damaged(const ChunkDigest& digest, std::string_view why) {
   return with_reason(
@@ -33,7 +34,7 @@ absl::Status chunk_damaged(const ChunkDigest& digest, std::string_view why) {
 /// Out of the way of the next chunk of this name.
 void set_aside(const fs::path& path, const std::string& why) {
   std::error_code error;
-  fs::rename(path, absl::StrCat(path.string(), ".damaged"), error);
+  fs::rename(path, absl::StrCat(path.string(), kDamaged), error);
   log_event(spdlog::level::err, "stored_chunk_damaged",
             {
                 {"chunk", path.filename().string()},
@@ -50,6 +51,8 @@ bool is_at(int descriptor, const fs::path& path) {
 }
 
 }  // namespace
+
+bool is_set_aside(const fs::path& path) { return path.extension() == kDamaged; }
 
 absl::StatusOr<FolderLock> FolderLock::take(const fs::path& folder, Kind kind, bool make) {
   const fs::path path = folder / "lock";

@@ -69,4 +69,7 @@ class MeshFolder {
   const FolderLock lock_;
 };
 
+/// Whether a file is a damaged chunk that was moved out of the way.
+bool is_set_aside(const std::filesystem::path& path);
+
 }  // namespace tet

@@ -21,8 +21,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char kEvicted[] = ".evicted";
-// Longer than anybody takes to write a chunk.
+// Longer than anybody takes to write a chunk, or to make the first after a plan.
 constexpr absl::Duration kUnfinishedFor = absl::Hours(1);
+constexpr std::size_t kIdDigits = 64;
+constexpr std::size_t kProbeBytes = 4096;
 
 struct FoundMesh {
   fs::path path;
@@ -36,18 +38,33 @@ absl::Time time_of(const fs::path& path) {
   return absl::TimeFromTimespec(info.st_mtim);
 }
 
-/// Files that go while this looks are not counted: whoever removes them is another process.
-FoundMesh look_at(const fs::path& folder) {
+/// When it came by its name.
+absl::Time time_of_name(const fs::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return absl::InfiniteFuture();
+  return absl::TimeFromTimespec(info.st_ctim);
+}
+
+/// What nobody will finish, and damage that was kept long enough to be looked at.
+bool is_of_no_use(const fs::path& file, absl::Duration keep_damaged) {
+  if (is_unfinished(file)) return time_of(file) < absl::Now() - kUnfinishedFor;
+  return is_set_aside(file) && time_of_name(file) < absl::Now() - keep_damaged;
+}
+
+/// Clears away what is of no use. Files that go while this looks are not counted: whoever
+/// removes them is another process.
+FoundMesh look_at(const fs::path& folder, absl::Duration keep_damaged) {
   FoundMesh mesh{folder, 0, time_of(folder / "lock")};
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     std::error_code gone;
+    if (is_of_no_use(it->path(), keep_damaged)) {
+      fs::remove(it->path(), gone);
+      continue;
+    }
     const std::uint64_t size = it->file_size(gone);
     if (!gone) mesh.bytes += size;
-    if (is_unfinished(it->path()) && time_of(it->path()) < absl::Now() - kUnfinishedFor) {
-      fs::remove(it->path(), gone);
-    }
   }
   return mesh;
 }
@@ -64,7 +81,7 @@ std::vector<fs::path> list(const fs::path& folder) {
 }
 
 /// All meshes; what somebody died over while evicting it is removed.
-std::vector<FoundMesh> find_meshes(const fs::path& root) {
+std::vector<FoundMesh> find_meshes(const fs::path& root, absl::Duration keep_damaged) {
   std::vector<FoundMesh> meshes;
   for (const fs::path& space : list(root)) {
     for (const fs::path& shelf : list(space / "meshes")) {
@@ -73,7 +90,7 @@ std::vector<FoundMesh> find_meshes(const fs::path& root) {
         if (folder.extension() == kEvicted) {
           fs::remove_all(folder, ignored);
         } else {
-          meshes.push_back(look_at(folder));
+          meshes.push_back(look_at(folder, keep_damaged));
         }
       }
     }
@@ -84,9 +101,11 @@ std::vector<FoundMesh> find_meshes(const fs::path& root) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<ResultStore>> ResultStore::open(const fs::path& root,
-                                                               std::uint64_t budget_bytes) {
-  if (absl::Status made = make_folder(root); !made.ok()) return made;
-  std::unique_ptr<ResultStore> store(new ResultStore(root, budget_bytes));
+                                                               std::uint64_t budget_bytes,
+                                                               absl::Duration keep_damaged) {
+  const absl::Status made = make_folder(root);
+  if (!made.ok() && !absl::IsResourceExhausted(made)) return made;
+  std::unique_ptr<ResultStore> store(new ResultStore(root, budget_bytes, keep_damaged));
   store->sweep();
   return store;
 }
@@ -111,17 +130,20 @@ absl::StatusOr<std::shared_ptr<MeshFolder>> ResultStore::find(const ResultKey& k
   return std::make_shared<MeshFolder>(mesh_path(key), *std::move(lock));
 }
 
-absl::Status ResultStore::put_plan(const std::string& space,
+// A plan begins with its mesh's id, so that whoever clears away need not understand it.
+absl::Status ResultStore::put_plan(const ResultKey& mesh,
                                    const std::string& name,
                                    const std::string& text) {
-  const fs::path path = plan_path(space, name);
+  const fs::path path = plan_path(mesh.space, name);
   const absl::Status made = make_folder(path.parent_path());
-  return made.ok() ? write_checked(path, text) : made;
+  return made.ok() ? write_checked(path, mesh.mesh_id + text) : made;
 }
 
 std::optional<std::string> ResultStore::find_plan(const std::string& space,
                                                   const std::string& name) const {
-  return read_checked(plan_path(space, name));
+  auto text = read_checked(plan_path(space, name));
+  if (!text || text->size() < kIdDigits) return std::nullopt;
+  return text->substr(kIdDigits);
 }
 
 absl::Status ResultStore::reserve(std::uint64_t bytes) {
@@ -137,11 +159,34 @@ absl::Status ResultStore::reserve(std::uint64_t bytes) {
       absl::Seconds(5));
 }
 
-void ResultStore::sweep() { sweep_to(budget_bytes_); }
+void ResultStore::sweep() {
+  sweep_to(budget_bytes_);
+  for (const fs::path& space : list(root_)) clear_plans(space.filename().string());
+}
+
+void ResultStore::clear_plans(const std::string& space) {
+  std::error_code ignored;
+  for (const fs::path& file : list(root_ / space / "plans")) {
+    if (time_of(file) >= absl::Now() - kUnfinishedFor) continue;
+    const auto text = read_checked(file);
+    const bool whole = text && text->size() >= kIdDigits;
+    if (whole && fs::exists(mesh_path({space, text->substr(0, kIdDigits)}), ignored)) continue;
+    fs::remove(file, ignored);
+  }
+}
+
+absl::Status ResultStore::probe() const {
+  const fs::path path = root_ / ".probe";
+  if (absl::Status made = make_folder(root_); !made.ok()) return made;
+  const absl::Status written = write_checked(path, std::string(kProbeBytes, '.'));
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  return written;
+}
 
 void ResultStore::sweep_to(std::uint64_t budget_bytes) {
   const std::lock_guard lock(sweeping_);
-  std::vector<FoundMesh> meshes = find_meshes(root_);
+  std::vector<FoundMesh> meshes = find_meshes(root_, keep_damaged_);
   std::ranges::sort(meshes, {}, &FoundMesh::last_use);
   std::uint64_t bytes = 0;
   for (const FoundMesh& mesh : meshes) bytes += mesh.bytes;

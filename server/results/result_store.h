@@ -11,6 +11,7 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <absl/time/time.h>
 
 #include "server/results/mesh_folder.h"
 
@@ -34,9 +35,12 @@ struct ResultStats {
 /// Thread safety: every member may be called from any thread.
 class ResultStore {
  public:
-  /// Errors: the disk's.
-  static absl::StatusOr<std::unique_ptr<ResultStore>> open(const std::filesystem::path& root,
-                                                           std::uint64_t budget_bytes);
+  /// Damaged chunks that were set aside are kept for as long as told. A disk that is full is no
+  /// reason to fail: what needs room then does. Errors: the disk's.
+  static absl::StatusOr<std::unique_ptr<ResultStore>> open(
+      const std::filesystem::path& root,
+      std::uint64_t budget_bytes,
+      absl::Duration keep_damaged = absl::InfiniteDuration());
 
   /// Opens a mesh's folder to add to it: it is not evicted while anyone holds it.
   absl::StatusOr<std::shared_ptr<MeshFolder>> make(const ResultKey& key);
@@ -47,25 +51,35 @@ class ResultStore {
   /// Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest is in use).
   absl::Status reserve(std::uint64_t bytes);
 
-  /// What counting found for a request of this name, 64 hexadecimal digits.
-  absl::Status put_plan(const std::string& space, const std::string& name, const std::string&);
+  /// What counting found for a request of this name, 64 hexadecimal digits: of use as long as
+  /// the mesh is stored.
+  absl::Status put_plan(const ResultKey& mesh, const std::string& name, const std::string&);
   std::optional<std::string> find_plan(const std::string& space, const std::string& name) const;
 
-  /// Looks at all that is there, and evicts what is over the budget.
+  /// Looks at all that is there, evicts what is over the budget, and clears away what is of no
+  /// use any more: plans of meshes that are gone, damaged chunks, what was never finished.
   void sweep();
+  /// Whether the disk takes a few kilobytes. Errors: kResourceExhausted (DISK_FULL), the
+  /// disk's.
+  absl::Status probe() const;
   ResultStats stats() const;
+  std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
 
  private:
-  ResultStore(std::filesystem::path root, std::uint64_t budget_bytes)
-      : root_(std::move(root)), budget_bytes_(budget_bytes) {}
+  ResultStore(std::filesystem::path root,
+              std::uint64_t budget_bytes,
+              absl::Duration keep_damaged)
+      : root_(std::move(root)), budget_bytes_(budget_bytes), keep_damaged_(keep_damaged) {}
 
   std::filesystem::path mesh_path(const ResultKey& key) const;
   std::filesystem::path plan_path(const std::string& space, const std::string& name) const;
   void sweep_to(std::uint64_t budget_bytes);
+  void clear_plans(const std::string& space);
   bool evict(const std::filesystem::path& folder);
 
   const std::filesystem::path root_;
   const std::uint64_t budget_bytes_;
+  const absl::Duration keep_damaged_;
   std::mutex sweeping_;
   std::atomic<std::uint64_t> bytes_{0}, meshes_{0}, evicted_{0};
 };

@@ -28,6 +28,7 @@ void CampaignResult::add(const CampaignResult& other) {
   accepted_changed += other.accepted_changed;
   unexpected += other.unexpected;
   seconds += other.seconds;
+  slow.insert(slow.end(), other.slow.begin(), other.slow.end());
   if (other.slowest_seconds <= slowest_seconds) return;
   slowest_seconds = other.slowest_seconds;
   slowest = other.slowest;
@@ -42,6 +43,7 @@ CampaignResult run_trial(std::uint64_t index,
   CampaignResult result;
   result.seconds = result.slowest_seconds = seconds_since(start);
   result.slowest = index;
+  if (result.seconds > kSlowSeconds) result.slow.push_back(index);
   result.mutants = 1;
   result.outcomes[status.code()] = 1;
   result.unlike_seed = mutant.changed ? 1 : 0;

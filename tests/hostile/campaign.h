@@ -6,6 +6,7 @@
 #include <map>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -16,6 +17,9 @@ namespace tet::test {
 /// What a mutant is put through; ok when it was accepted.
 using Trial = std::function<absl::Status(const Mutant&)>;
 
+/// What takes as long beside other trials may be slow, or have had little of the processors.
+inline constexpr double kSlowSeconds = 1;
+
 /// Counts and the slowest of a campaign.
 struct CampaignResult {
   std::map<absl::StatusCode, std::uint64_t> outcomes;
@@ -24,8 +28,9 @@ struct CampaignResult {
   std::uint64_t accepted_changed = 0;  ///< those of them that were accepted
   double seconds = 0;                  ///< of the trials, without making mutants
   double slowest_seconds = 0;
-  std::uint64_t slowest = 0;     ///< the mutant that took it
-  std::uint64_t unexpected = 0;  ///< neither accepted nor refused as hostile files are
+  std::uint64_t slowest = 0;        ///< the mutant that took it
+  std::vector<std::uint64_t> slow;  ///< mutants that took longer than kSlowSeconds
+  std::uint64_t unexpected = 0;     ///< neither accepted nor refused as hostile files are
 
   void add(const CampaignResult& other);
 };

@@ -4,10 +4,11 @@
 //                    [--folder DIR] [--server PROGRAM] [--max-seconds S] [--max-bytes B]
 //
 // Each file is uploaded, looked into and meshed. Fails with exit code 1 when one was neither
-// meshed nor refused as hostile files are, when a trial took longer than --max-seconds, when
-// the server had more memory than --max-bytes, when it died, or when it no longer meshes a good
-// file.
+// meshed nor refused as hostile files are, when a trial took longer than --max-seconds (those
+// that were slow beside others are tried again alone, and count as that), when the server had
+// more memory than --max-bytes, when it died, or when it no longer meshes a good file.
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -42,12 +43,15 @@ struct Options {
 const std::vector<std::string> kSettings{"--store-bytes", "256MiB", "--resident-bytes",
                                          "256MiB"};
 
+constexpr std::uint64_t kToldEach = 10'000;
+
 /// Mutants [first, first + mutants), shared out to clients.
 CampaignResult attack(const Mutator& mutator,
                       const Options& options,
                       const std::string& address) {
   CampaignResult total;
   std::mutex mutex;
+  std::atomic<std::uint64_t> done = 0;
   std::vector<std::jthread> clients;
   for (std::uint64_t c = 0; c < options.clients; ++c) {
     const std::uint64_t begin = options.mutants * c / options.clients;
@@ -57,7 +61,10 @@ CampaignResult attack(const Mutator& mutator,
       std::ostringstream log;
       const CampaignResult result = run_campaign(
           mutator, {options.first + begin, end - begin},
-          [&](const Mutant& mutant) { return service.run(mutant.bytes); },
+          [&](const Mutant& mutant) {
+            if (const auto now = ++done; now % kToldEach == 0) std::cout << now << std::endl;
+            return service.run(mutant.bytes);
+          },
           [](std::uint64_t, const Mutant&) {}, log);
       const std::lock_guard lock(mutex);
       total.add(result);
@@ -66,6 +73,34 @@ CampaignResult attack(const Mutator& mutator,
   }
   clients.clear();
   return total;
+}
+
+/// One after the other, with the server for themselves.
+CampaignResult attack_alone(const Mutator& mutator,
+                            const std::vector<std::uint64_t>& mutants,
+                            const std::string& address) {
+  ServiceTrial service(address);
+  CampaignResult total;
+  for (const std::uint64_t i : mutants) {
+    total.add(run_trial(
+        i, mutator.mutant(i), [&](const Mutant& mutant) { return service.run(mutant.bytes); },
+        std::cout));
+  }
+  std::cout << absl::StrFormat(
+      "%10d  of them took longer than %g s; alone the slowest took %.3f ms (mutant %d)\n",
+      total.mutants, kSlowSeconds, total.slowest_seconds * 1e3, total.slowest);
+  return total;
+}
+
+/// All of them at once, then the slow ones again.
+CampaignResult attack_with_mutants(const Options& options, const std::string& address) {
+  const Mutator mutator(seed_files(), options.seed);
+  CampaignResult result = attack(mutator, options, address);
+  print_result(result, std::cout);
+  const CampaignResult alone = attack_alone(mutator, result.slow, address);
+  result.unexpected += alone.unexpected;
+  if (alone.mutants > 0) result.slowest_seconds = alone.slowest_seconds;
+  return result;
 }
 
 std::string read_file(const std::filesystem::path& path) {
@@ -93,11 +128,11 @@ CampaignResult attack_with_files(const std::string& folder, const std::string& a
         },
         std::cout));
   }
+  print_result(total, std::cout);
   return total;
 }
 
 int verdict(const CampaignResult& result, const Options& options, ServerProcess& server) {
-  print_result(result, std::cout);
   const bool alive = server.alive();
   const std::uint64_t peak = alive ? server.peak_resident_bytes() : 0;
   const bool well = alive && ServiceTrial(server.address()).run(seed_files()[0].bytes).ok();
@@ -123,10 +158,9 @@ int run(const Options& options) {
     std::cerr << "service_campaign: " << server.status().message() << '\n';
     return 1;
   }
-  const CampaignResult result =
-      options.files.empty()
-          ? attack(Mutator(seed_files(), options.seed), options, server->address())
-          : attack_with_files(options.files, server->address());
+  const CampaignResult result = options.files.empty()
+                                    ? attack_with_mutants(options, server->address())
+                                    : attack_with_files(options.files, server->address());
   const int code = verdict(result, options, *server);
   if (code == 0) std::filesystem::remove_all(options.folder);
   return code;

@@ -58,6 +58,7 @@ constexpr std::string_view kNotTold[] = {
     "REVISION_COMPACTED",
     "REVISION_UNKNOWN",
     "SCOPE_MISSING",
+    "STORE_HELD_BY_JOBS",
     "TOKEN_EXPIRED",
     "TOKEN_MISSING",
     "TOKEN_UNKNOWN",

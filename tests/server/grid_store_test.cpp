@@ -8,6 +8,7 @@
 
 #include "proto/wire/sha256.h"
 #include "server/grid_upload.h"
+#include "server/status.h"
 #include "tests/server/test_folder.h"
 
 namespace tet {
@@ -132,6 +133,35 @@ TEST_F(StoreTest, NeverEvictsAGridInUse) {
   EXPECT_THAT(std::string(refused.message()), HasSubstr("100"));
   lease->reset();
   EXPECT_TRUE(put(*store, content(1)).ok());
+}
+
+TEST_F(StoreTest, NeverEvictsAGridThatIsNeeded) {
+  const auto store = open(100);
+  ASSERT_TRUE(put(*store, content(0)).ok());
+  std::set<GridKey> needed = {key_of(content(0))};
+  store->ask_before_evicting([&] { return needed; });
+  EXPECT_EQ(reason_of(put(*store, content(1))), "STORE_HELD_BY_JOBS");
+  needed.clear();
+  EXPECT_TRUE(put(*store, content(1)).ok());
+}
+
+TEST_F(StoreTest, NeverEvictsAGridThatWasTakenWhileItAskedWhoNeedsIt) {
+  const auto store = open(100);
+  ASSERT_TRUE(put(*store, content(0)).ok());
+  store->ask_before_evicting([&] {
+    EXPECT_TRUE(store->acquire(key_of(content(0))).ok());
+    return std::set<GridKey>();
+  });
+  EXPECT_EQ(reason_of(put(*store, content(1))), "STORE_BUSY");
+  EXPECT_TRUE(store->touch(key_of(content(0))));
+}
+
+TEST_F(StoreTest, EvictsNoGridWhenNobodyCanSayWhoNeedsIt) {
+  const auto store = open(100);
+  ASSERT_TRUE(put(*store, content(0)).ok());
+  store->ask_before_evicting([] { return absl::UnavailableError("gone"); });
+  EXPECT_EQ(put(*store, content(1)), absl::UnavailableError("gone"));
+  EXPECT_TRUE(store->touch(key_of(content(0))));
 }
 
 TEST_F(StoreTest, EvictsUploadsThatWereGivenUp) {

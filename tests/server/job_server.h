@@ -18,6 +18,7 @@
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"
+#include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
@@ -122,22 +123,25 @@ class JobServer {
     return messages(jobs->ReadJobResult(&context, request));
   }
 
-  /// The same of a stream of the mesh, but for progress.
+  /// The same of a stream of the mesh, made anew, but for progress.
   std::vector<std::string> stream(const v1::Job& job,
                                   std::int64_t start = 0,
                                   std::int64_t end = 0) {
-    grpc::ClientContext context;
-    v1::StreamMeshRequest request;
-    *request.mutable_mesh() = job.mesh();
-    request.set_start_chunk(start);
-    request.set_end_chunk(end);
-    return messages(meshes->StreamMesh(&context, request));
+    return stream(job, start, end, true);
+  }
+
+  /// The same of a stream that may come from a stored result.
+  std::vector<std::string> any_stream(const v1::Job& job,
+                                      std::int64_t start = 0,
+                                      std::int64_t end = 0) {
+    return stream(job, start, end, false);
   }
 
   TestFolder folder;
   std::unique_ptr<Program> process;
   std::unique_ptr<v1::JobService::Stub> jobs;
   std::unique_ptr<v1::MeshService::Stub> meshes;
+  std::unique_ptr<v1::GridService::Stub> grids;
   std::unique_ptr<MeshClient> client;
   grpc::Status status;
 
@@ -154,10 +158,24 @@ class JobServer {
     });
   }
 
+  std::vector<std::string> stream(const v1::Job& job,
+                                  std::int64_t start,
+                                  std::int64_t end,
+                                  bool skip_cache) {
+    grpc::ClientContext context;
+    v1::StreamMeshRequest request;
+    *request.mutable_mesh() = job.mesh();
+    request.set_skip_cache(skip_cache);
+    request.set_start_chunk(start);
+    request.set_end_chunk(end);
+    return messages(meshes->StreamMesh(&context, request));
+  }
+
   void connect(const std::string& address) {
     const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
     jobs = v1::JobService::NewStub(channel);
     meshes = v1::MeshService::NewStub(channel);
+    grids = v1::GridService::NewStub(channel);
     client = MeshClient::connect(address);
   }
 

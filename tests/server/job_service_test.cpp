@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
 #include "tests/server/job_server.h"
+#include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
 
 namespace tet::test {
@@ -107,6 +109,44 @@ TEST_F(JobServiceTest, StopsAJobAndGoesOnWithItWhenAsked) {
   EXPECT_EQ(reason_of(status_), "tetstream/JOB_SUCCEEDED");
 }
 
+TEST_F(JobServiceTest, KeepsTheGridOfAJobUntilItIsFinished) {
+  server_.start();
+  const v1::Job wanted = server_.ball(4);
+  const auto size = fs::file_size(server_.folder.file("ball4.vdb"));
+  const std::vector<std::string> tight = {"--job-workers", "0", "--store-bytes",
+                                          std::to_string(size + 100)};
+  server_.start(tight);
+  const v1::Job job = server_.create(wanted);
+  const std::string other(200, 'x');
+  const auto upload = [&] {
+    return upload_text(*server_.grids, grid_name_of(other), other, other.size()).status;
+  };
+  EXPECT_EQ(reason_of(upload()), "tetstream/STORE_HELD_BY_JOBS");
+  server_.start(tight);
+  EXPECT_EQ(reason_of(upload()), "tetstream/STORE_HELD_BY_JOBS");
+  EXPECT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_TRUE(upload().ok());
+  server_.retry(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
+}
+
+TEST_F(JobServiceTest, TellsHowManyJobsANamespaceMayHaveAndRefusesMore) {
+  server_.start({"--job-workers", "0", "--max-namespace-jobs", "1"});
+  EXPECT_EQ(server_.client->capabilities(Cancellation())->limits().max_namespace_jobs(), 1);
+  const v1::Job wanted = server_.ball(4);
+  const v1::Job job = server_.create(wanted);
+  server_.create(wanted);
+  EXPECT_EQ(reason_of(status_), "tetstream/QUOTA_EXCEEDED");
+  google::rpc::Status details;
+  ASSERT_TRUE(details.ParseFromString(status_.error_details()));
+  google::rpc::QuotaFailure failure;
+  ASSERT_TRUE(details.details(1).UnpackTo(&failure));
+  EXPECT_EQ(failure.violations(0).subject(), "namespace:default");
+  server_.cancel(job);
+  server_.create(wanted);
+  EXPECT_TRUE(status_.ok());
+}
+
 TEST_F(JobServiceTest, SaysWhyAJobWasNotDoneInTime) {
   server_.start({"--job-workers", "0"});
   v1::Job wanted = server_.ball(4);
@@ -165,6 +205,76 @@ TEST_F(JobServiceTest, TakesAStoredMeshUnlessItIsToMakeItAnew) {
   EXPECT_EQ(server_.result(third), server_.result(first));
 }
 
+/// Messages of a stream whose header says `cached`, and would be those of any other if it did
+/// not.
+std::vector<std::string> as_if_made(std::vector<std::string> messages) {
+  v1::MeshEvent header;
+  if (messages.empty() || !header.ParseFromString(messages[0])) return {};
+  EXPECT_TRUE(header.header().cached());
+  header.mutable_header()->clear_cached();
+  messages[0] = header.SerializeAsString();
+  return messages;
+}
+
+TEST_F(JobServiceTest, ServesStreamsFromAStoredMeshByteForByte) {
+  server_.start();
+  v1::Job job = server_.create(server_.ball(16));
+  const v1::Job done = server_.wait(job);
+  ASSERT_EQ(done.state(), v1::JOB_STATE_SUCCEEDED);
+  const auto made = server_.stream(job);
+  EXPECT_EQ(as_if_made(server_.any_stream(job)), made);
+  EXPECT_EQ(as_if_made(server_.any_stream(job, 5, 7)), server_.stream(job, 5, 7));
+  // In other words, and without the grid.
+  const v1::MeshRequest canonical = done.header().canonical_request();
+  job.mutable_mesh()->set_spacing(canonical.spacing());
+  EXPECT_EQ(as_if_made(server_.any_stream(job)), made);
+  fs::remove_all(server_.folder.file("store/grids"));
+  server_.start();
+  job.mutable_mesh()->clear_spacing();
+  EXPECT_EQ(as_if_made(server_.any_stream(job)), made);
+  server_.stream(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
+}
+
+TEST_F(JobServiceTest, MakesTheDamagedChunksOfAStreamThatIsResumed) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(16));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  const auto made = server_.stream(job);
+  for (const fs::path& chunk : stored_chunks()) {
+    std::fstream(chunk, std::ios::in | std::ios::out | std::ios::binary).seekp(5000) << "?!";
+  }
+  server_.any_stream(job);
+  EXPECT_EQ(status_.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(reason_of(status_), "tetstream/CHUNK_DAMAGED");
+  EXPECT_EQ(server_.any_stream(job), made);
+}
+
+TEST_F(JobServiceTest, EvictsNoMeshThatIsBeingRead) {
+  server_.start({"--result-bytes", std::to_string(30 << 20)});
+  const v1::Job large = server_.create(server_.ball(32));  // 29 MB
+  ASSERT_EQ(server_.wait(large).state(), v1::JOB_STATE_SUCCEEDED);
+  grpc::ClientContext context;
+  v1::StreamMeshRequest request;
+  *request.mutable_mesh() = large.mesh();
+  const auto reader = server_.meshes->StreamMesh(&context, request);
+  v1::MeshEvent event;
+  ASSERT_TRUE(reader->Read(&event));
+  EXPECT_TRUE(event.header().cached());
+  const std::int64_t chunks = event.header().chunk_count();
+  v1::Job wanted = server_.ball(16);
+  wanted.set_max_attempts(1);
+  const v1::Job small = server_.wait(server_.create(wanted));
+  EXPECT_EQ(small.state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(small.error().message(), testing::HasSubstr("no room for"));
+  for (std::int64_t i = 0; i < chunks; ++i)
+    ASSERT_TRUE(reader->Read(&event) && event.has_chunk());
+  ASSERT_TRUE(reader->Read(&event) && event.has_trailer());
+  EXPECT_TRUE(reader->Finish().ok());
+  server_.retry(small);
+  EXPECT_EQ(server_.wait(small).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
 TEST_F(JobServiceTest, TellsEachChangeOnceAlsoToWhoeverComesBack) {
   server_.start();
   const v1::Job job = server_.create(server_.ball(8));
@@ -220,6 +330,23 @@ TEST_F(JobServiceTest, ListsJobsPageByPage) {
   } while (!request.page_token().empty());
   std::reverse(created.begin(), created.end());
   EXPECT_EQ(listed, created);
+}
+
+// Counting this mesh takes longer than the test waits, and the worker's next heartbeat is
+// minutes away.
+TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
+  server_.start({"--job-workers", "1", "--job-lease-seconds", "600"});
+  v1::Job endless = server_.ball(16);
+  endless.mutable_mesh()->clear_levels();
+  endless.mutable_mesh()->set_spacing(1.0 / 1024);
+  const v1::Job job = server_.create(endless);
+  server_.watch(
+      job, [](const v1::JobEvent& event) { return event.change() == v1::JOB_CHANGE_STARTED; });
+  const v1::Job next = server_.create(server_.ball(4));
+  const auto cancelled = std::chrono::steady_clock::now();
+  ASSERT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(server_.wait(next).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_LT(std::chrono::steady_clock::now() - cancelled, std::chrono::seconds(2));
 }
 
 TEST_F(JobServiceTest, LetsWorkersDoItAlthoughOneIsKilled) {

@@ -1,5 +1,6 @@
 #include "server/results/result_store.h"
 
+#include <chrono>
 #include <fstream>
 #include <functional>
 
@@ -16,6 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kMesh[] = "aa00", kOther[] = "bb00";
+const std::string kLongId(64, 'a');
+
+/// Makes a file look as if it had lain there for two hours.
+void age(const fs::path& file) {
+  fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(2));
+}
 
 ChunkMessage chunk_of(const std::string& bytes) {
   const grpc::Slice slices[] = {grpc::Slice(bytes.substr(0, 3)), grpc::Slice(bytes.substr(3))};
@@ -38,8 +45,9 @@ class ResultStoreTest : public testing::Test {
  protected:
   ResultStoreTest() { start_logging("off"); }
 
-  std::unique_ptr<ResultStore> open(std::uint64_t budget = 1 << 20) {
-    return ResultStore::open(folder_.path(), budget).value();
+  std::unique_ptr<ResultStore> open(std::uint64_t budget = 1 << 20,
+                                    absl::Duration keep_damaged = absl::Hours(1)) {
+    return ResultStore::open(folder_.path(), budget, keep_damaged).value();
   }
   static std::shared_ptr<MeshFolder> use(ResultStore& store, const std::string& mesh) {
     return store.make({"default", mesh}).value();
@@ -119,10 +127,37 @@ TEST_F(ResultStoreTest, TakesADamagedPlanForNone) {
   const auto store = open();
   const std::string name(64, 'a');
   EXPECT_FALSE(store->find_plan("default", name));
-  ASSERT_TRUE(store->put_plan("default", name, "a plan").ok());
+  ASSERT_TRUE(store->put_plan({"default", kLongId}, name, "a plan").ok());
   EXPECT_EQ(store->find_plan("default", name), "a plan");
-  fs::resize_file(folder_.path() / "default/plans" / name, 66);
+  fs::resize_file(folder_.path() / "default/plans" / name, 130);
   EXPECT_FALSE(store->find_plan("default", name));
+}
+
+TEST_F(ResultStoreTest, KeepsPlansAsLongAsTheirMeshes) {
+  const auto store = open();
+  const std::string kept(64, 'b'), stale(64, 'c');
+  use(*store, kLongId);
+  ASSERT_TRUE(store->put_plan({"default", kLongId}, kept, "a plan").ok());
+  ASSERT_TRUE(store->put_plan({"default", std::string(64, 'd')}, stale, "a plan").ok());
+  store->sweep();
+  EXPECT_TRUE(store->find_plan("default", stale));  // its mesh may be about to be made
+  for (const std::string& name : {kept, stale}) age(folder_.path() / "default/plans" / name);
+  store->sweep();
+  EXPECT_EQ(store->find_plan("default", kept), "a plan");
+  EXPECT_FALSE(store->find_plan("default", stale));
+}
+
+TEST_F(ResultStoreTest, KeepsDamagedChunksForAWhile) {
+  const auto store = open();
+  const auto mesh = use(*store, kMesh);
+  const ChunkDigest digest = mesh->put_chunk(chunk_of("some bytes")).value();
+  fs::resize_file(file_of(digest), 5);
+  EXPECT_FALSE(get(*mesh, digest).ok());
+  const fs::path damaged = file_of(digest).string() + ".damaged";
+  store->sweep();
+  EXPECT_TRUE(fs::exists(damaged));
+  open(1 << 20, absl::ZeroDuration())->sweep();
+  EXPECT_FALSE(fs::exists(damaged));
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST_F(DecoderPoolTest, DecodesManyFilesWithFewProcesses) {
   std::vector<std::future<absl::Status>> answers;
   for (int i = 0; i < 10; ++i) answers.push_back(ask(pool, request()));
   for (auto& answer : answers) EXPECT_TRUE(answer.get().ok());
-  EXPECT_LE(children().size(), 2U);
+  EXPECT_LE(children().size(), 4U);  // of each original a copy stands ready
 }
 
 TEST_F(DecoderPoolTest, GivesHealthyFilesTheirsWhileOthersCrash) {
@@ -81,7 +81,7 @@ TEST_F(DecoderPoolTest, ReplacesDecodersThatDieWhileTheyWait) {
   DecoderPool pool(settings());
   ASSERT_TRUE(ask(pool, request()).get().ok());
   for (int i = 0; i < 5; ++i) {
-    kill_children(2);
+    kill_children(4);
     const absl::Status status = ask(pool, request()).get();
     EXPECT_TRUE(status.ok()) << status;
   }
@@ -92,7 +92,7 @@ TEST_F(DecoderPoolTest, KeepsItsDecoderWhenAFileIsRefusedWithoutIt) {
   FileRequest broken = request();
   broken.path = directory_.file("broken.vdb");
   std::ofstream(broken.path) << "no volume at all";
-  while (children().empty()) std::this_thread::sleep_for(1ms);
+  while (children().size() < 2) std::this_thread::sleep_for(1ms);
   const std::vector<pid_t> before = children();
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(ask(pool, broken).get().ok());
   EXPECT_EQ(children(), before);
@@ -105,7 +105,7 @@ TEST_F(DecoderPoolTest, TellsTheRequestWhoseDecoderIsKilledAtWork) {
   auto hanging = ask(pool, request("hang"));
   auto waiting = ask(pool, request());
   std::this_thread::sleep_for(300ms);
-  kill_children(1);
+  kill_children(2);
   EXPECT_EQ(failure_name(hanging.get()), "DECODER_CRASHED");
   EXPECT_TRUE(waiting.get().ok());
 }

@@ -11,7 +11,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/decode/find_decoder.h"
 #include "core/grid/load.h"
 #include "tests/core/decode/decode_test_files.h"
 
@@ -25,6 +24,11 @@ using Clock = std::chrono::steady_clock;
 
 class DecoderTest : public test::DecodeTest {
  protected:
+  absl::Status decode_with(Decoder& decoder) const {
+    const auto checked = check_request(request(), 10s);
+    if (!checked.ok()) return checked.status();
+    return decoder.decode(checked->order, checked->file.number(), {10s, nullptr}).status();
+  }
   void expect_crash(const std::string& deed, const std::string& why) {
     expect_failure(deed, "DECODER_CRASHED", why);
   }
@@ -126,6 +130,22 @@ TEST_F(DecoderTest, IsKilledAtOnceWhenNobodyWantsItsResult) {
   EXPECT_TRUE(absl::IsCancelled(decoding.get()));
 }
 
+TEST_F(DecoderTest, CopiesItselfForOneFileAfterAnother) {
+  absl::StatusOr<Decoder> original = Decoder::start({});
+  ASSERT_TRUE(original.ok()) << original.status();
+  ASSERT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
+  for (int i = 0; i < 3; ++i) {
+    absl::StatusOr<Decoder> copy = original->copy(nullptr);
+    ASSERT_TRUE(copy.ok()) << copy.status();
+    EXPECT_NE(copy->pid(), original->pid());
+    EXPECT_EQ(copy->wait_until_ready(nullptr), absl::OkStatus());
+    EXPECT_TRUE(decode_with(*copy).ok());
+    EXPECT_EQ(::kill(original->pid(), 0), 0);
+  }
+  EXPECT_TRUE(decode_with(*original).ok());
+  EXPECT_TRUE(absl::IsUnavailable(original->copy(nullptr).status()));
+}
+
 TEST_F(DecoderTest, LeavesNoProcessBehind) {
   pid_t pid = 0;
   {
@@ -140,16 +160,13 @@ TEST_F(DecoderTest, LeavesNoProcessBehind) {
 TEST_F(DecoderTest, EndsWithTheThreadThatStartedIt) {
   std::optional<absl::StatusOr<Decoder>> decoder;
   std::thread([&] {
-    decoder.emplace(Decoder::start({*find_decoder(""), {}}));
-    EXPECT_TRUE((*decoder)->wait_until_ready({10s, nullptr}));
+    absl::StatusOr<Decoder> original = Decoder::start({});
+    EXPECT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
+    decoder.emplace(original->copy(nullptr));
+    EXPECT_EQ((*decoder)->wait_until_ready(nullptr), absl::OkStatus());
   }).join();
   const Clock::time_point start = Clock::now();
-  const int file = ::open(path_.c_str(), O_RDONLY);
-  DecodeOrder order;
-  order.file_name = "sphere";
-  const absl::Status status = (*decoder)->decode(order, file, {10s, nullptr}).status();
-  ::close(file);
-  EXPECT_FALSE(status.ok());
+  EXPECT_FALSE(decode_with(**decoder).ok());
   EXPECT_LT(Clock::now() - start, 5s);
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/failure_name.h"
+#include "core/decode/await_order.h"
 #include "core/decode/decode_order.h"
 #include "core/decode/decoder_protocol.h"
 #include "core/decode/sandbox.h"
@@ -50,7 +51,7 @@ struct Taken {
 
 [[noreturn]] void crash() {
   std::signal(SIGSEGV, SIG_DFL);  // a sanitizer would make an exit code of it
-  ::raise(SIGSEGV);
+  ::kill(::getpid(), SIGSEGV);
   ::_exit(7);
 }
 
@@ -169,7 +170,7 @@ int main(int, char** argv) {
   if (deed == "asleep") tet::hang();
   tet::prepare_to_carry_out();
   tet::send_ready(tet::kDecoderSocket);
-  const auto received = tet::receive_order(tet::kDecoderSocket);
+  const auto received = tet::await_order(tet::kDecoderSocket);
   if (received) tet::act(deed, {*received});
   return 0;
 }

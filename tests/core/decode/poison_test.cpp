@@ -5,13 +5,14 @@
 //   TETSTREAM_TRIALS=10000 build/release/bin/poison_test     for more than a few
 #include <cstdlib>
 #include <fcntl.h>
+#include <map>
 #include <random>
 #include <string>
 #include <sys/stat.h>
 
 #include <gtest/gtest.h>
 
-#include "core/decode/find_decoder.h"
+#include "core/decode/decoder_supply.h"
 #include "tests/core/decode/decode_test_files.h"
 
 namespace tet {
@@ -30,9 +31,12 @@ class PoisonTest : public test::DecodeTest {
  protected:
   /// The result's bytes, or why there are none.
   std::string decode(const std::string& poison) {
-    absl::StatusOr<Decoder> decoder =
-        Decoder::start({*find_decoder(""), {"MALLOC_PERTURB_=" + poison}});
-    if (!decoder.ok() || !decoder->wait_until_ready({10s, nullptr})) return "not started";
+    DecoderSupply& supply =
+        supplies_
+            .try_emplace(poison, DecoderProgram{"", {"MALLOC_PERTURB_=" + poison}}, nullptr)
+            .first->second;
+    absl::StatusOr<Decoder> decoder = supply.take();
+    if (!decoder.ok() || !decoder->wait_until_ready(nullptr).ok()) return "not started";
     const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
     DecodeOrder order;
     order.file_name = "mutant";
@@ -45,6 +49,9 @@ class PoisonTest : public test::DecodeTest {
   }
 
   void write(const std::string& bytes) { test::write_bytes(path_, bytes); }
+
+ private:
+  std::map<std::string, DecoderSupply> supplies_;  ///< by what memory is filled with
 };
 
 TEST_F(PoisonTest, LeavesNoTraceInTruncatedFiles) {

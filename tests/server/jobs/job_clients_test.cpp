@@ -204,6 +204,53 @@ TEST_P(JobStoreTest, RemovesOnlyWhatIsFinished) {
   EXPECT_NE(store_->create(asked).value().job.id, job.id);
 }
 
+TEST_P(JobStoreTest, RefusesMoreUnfinishedJobsOfANamespaceThanItMayHave) {
+  SqlJobStore::Options rules = kRules;
+  rules.max_unfinished = 2;
+  store_ = home_->open(rules);
+  NewJob asked = wanted("ana");
+  asked.request_id = "7";
+  const Job first = create(asked);
+  create(wanted("ana"));
+  const absl::Status full = store_->create(wanted("ana")).status();
+  EXPECT_EQ(reason_of(full), "QUOTA_EXCEEDED");
+  EXPECT_EQ(full.message(),
+            "jobs that are not finished of one namespace: 3 is over the limit of 2");
+  EXPECT_TRUE(store_->create(asked).value().existed);
+  EXPECT_TRUE(store_->create(wanted("bob")).ok());
+  store_->cancel(first.id).value();
+  EXPECT_TRUE(store_->create(wanted("ana")).ok());
+}
+
+TEST_P(JobStoreTest, CountsJobsNowAndThenOnTheWayToTheLimit) {
+  constexpr std::int64_t kLimit = 110;
+  SqlJobStore::Options rules = kRules;
+  rules.max_unfinished = kLimit;
+  store_ = home_->open(rules);
+  for (std::int64_t i = 0; i < kLimit; ++i) create();
+  EXPECT_EQ(reason_of(store_->create(wanted()).status()), "QUOTA_EXCEEDED");
+}
+
+TEST_P(JobStoreTest, KnowsWhatJobsReadUntilTheyAreFinished) {
+  using testing::UnorderedElementsAre;
+  NewJob asked = wanted("ana");
+  asked.input = "a";
+  const Job first = create(asked);
+  const Job second = create(asked);
+  asked.space = "bob";
+  create(asked);
+  create(wanted("eve"));
+  store_ = home_->open(kRules);
+  const JobInput ana{"ana", "a"}, bob{"bob", "a"};
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
+  store_->cancel(first.id).value();
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
+  store_->cancel(second.id).value();
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(bob));
+  store_->retry(first.id).value();
+  EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
+}
+
 TEST_P(JobStoreTest, CountsWhatThereIs) {
   NewJob twice = wanted();
   twice.max_attempts = 2;

@@ -173,6 +173,19 @@ TEST_P(JobStoreTest, TakesALateCommitWhileNobodyElseHasTheShard) {
   EXPECT_EQ(store_->rescue().value(), 0);
 }
 
+TEST_P(JobStoreTest, TellsWhichLeasesAreLostWithoutExtendingThem) {
+  create();
+  const Job stopped = create();
+  const auto leases = claim(2, "w", absl::Milliseconds(1));
+  ASSERT_THAT(leases, SizeIs(2));
+  store_->cancel(stopped.id).value();
+  const std::vector<LeaseId> ids = {leases[0].id, leases[1].id};
+  EXPECT_THAT(store_->look_at(ids).value(), ElementsAre(LeaseState::kHeld, LeaseState::kLost));
+  sleep(absl::Milliseconds(5));
+  EXPECT_EQ(store_->rescue().value(), 1);
+  EXPECT_THAT(store_->look_at(ids).value(), ElementsAre(LeaseState::kLost, LeaseState::kLost));
+}
+
 TEST_P(JobStoreTest, HeartbeatsKeepLeasesAndTellWhichAreLost) {
   create_planned(2);
   const auto leases = claim(2, "w", absl::Milliseconds(1));

@@ -50,6 +50,20 @@ TEST(PostgresJobStore, RefusesTheSchemaOfALaterVersion) {
   EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW") << status;
 }
 
+TEST(PostgresJobStore, BringsTheFirstVersionUpToDate) {
+  const PostgresHome home;
+  const Job job = home.open({})->create(wanted()).value().job;
+  query(home.connection(),
+        "DROP INDEX jobs_inputs; ALTER TABLE jobs DROP COLUMN input; UPDATE schema_version SET "
+        "version = 1");
+  const auto store = home.open({});
+  EXPECT_EQ(store->get(job.id).value().space, "ana");
+  NewJob asked = wanted();
+  asked.input = "a";
+  EXPECT_TRUE(store->create(asked).ok());
+  EXPECT_EQ(store->inputs().value().size(), 1U);
+}
+
 TEST(PostgresJobStore, ForgetsOldJobsByDroppingTheirPartitions) {
   const PostgresHome home;
   const auto store =

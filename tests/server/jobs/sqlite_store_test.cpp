@@ -27,6 +27,26 @@ TEST(SqliteJobStore, RefusesAFileOfALaterVersion) {
   EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW");
 }
 
+TEST(SqliteJobStore, BringsTheFirstVersionUpToDate) {
+  const SqliteHome home;
+  NewJob asked;
+  asked.space = "ana";
+  const Job job = home.open({})->create(asked).value().job;
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(home.path().c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database,
+                         "DROP INDEX jobs_inputs; ALTER TABLE jobs DROP COLUMN input; PRAGMA "
+                         "user_version = 1",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  const auto store = home.open({});
+  EXPECT_EQ(store->get(job.id).value().space, "ana");
+  asked.input = "a";
+  EXPECT_TRUE(store->create(asked).ok());
+  EXPECT_EQ(store->inputs().value().size(), 1U);
+}
+
 TEST(SqliteJobStore, RefusesAFileThatIsNoDatabase) {
   const TestFolder folder;
   const std::string path = folder.write("jobs.db", std::string(4096, 'x'));

@@ -1,0 +1,167 @@
+// GridStore: room for uploads, and who has to go for it.
+#include <system_error>
+
+#include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+
+#include "proto/wire/sha256.h"
+#include "server/grid_store.h"
+#include "server/status.h"
+
+namespace tet {
+
+namespace {
+
+constexpr absl::Duration kAskAgain = absl::Seconds(5);
+
+// How much the others use is not for everybody to know.
+absl::Status no_room(std::uint64_t size_bytes,
+                     std::uint64_t budget,
+                     const std::string& who,
+                     std::string_view reason) {
+  return with_retry(with_reason(absl::ResourceExhaustedError(absl::StrCat(
+                                    "no room for ", size_bytes, " bytes beside what ", who,
+                                    " use of the store's ", budget)),
+                                reason),
+                    kAskAgain);
+}
+
+}  // namespace
+
+void GridStore::ask_before_evicting(Needed needed) { needed_ = std::move(needed); }
+
+std::uint64_t GridStore::used_bytes() const {
+  std::uint64_t used = 0;
+  for (const auto& [key, entry] : grids_) used += entry.grid->size_bytes;
+  for (const auto& [key, part] : parts_) used += part.size_bytes;
+  return used;
+}
+
+/// Marks the upload as under way, with room for all of it.
+absl::Status GridStore::reserve(const GridKey& key,
+                                std::uint64_t size_bytes,
+                                const Uploader& by) {
+  if (size_bytes > budget_bytes_)
+    return over_limit("grid file, bytes", size_bytes, budget_bytes_);
+  Evictable evictable;
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+    if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
+    evictable = idle_grids();
+  }
+  // Whoever submits a job holds its grid until the job is stored. So a grid that was idle
+  // before the jobs are asked, that none of them needs, and that nobody took since is needed by
+  // none.
+  const absl::Status asked = spare_needed(evictable);
+  const std::lock_guard lock(mutex_);
+  if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+  while (!fits(key, size_bytes)) {
+    if (evict_oldest(key, evictable)) continue;
+    if (!asked.ok()) return asked;
+    if (evictable.needed == 0) {
+      return no_room(size_bytes, budget_bytes_, "other calls", "STORE_BUSY");
+    }
+    return no_room(size_bytes, budget_bytes_, "other calls and jobs that are not finished",
+                   "STORE_HELD_BY_JOBS");
+  }
+  return take_place(key, size_bytes, by);
+}
+
+absl::Status GridStore::check_upload(const GridKey& key,
+                                     std::uint64_t size_bytes,
+                                     const Uploader& by) const {
+  if (grids_.contains(key)) {
+    return absl::AlreadyExistsError(absl::StrCat(name_of_grid(key.digest), " is stored"));
+  }
+  const auto found = parts_.find(key);
+  if (found != parts_.end() && found->second.busy) {
+    return with_retry(
+        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(key.digest),
+                                                    " is being uploaded by another call")),
+                    "UPLOAD_IN_PROGRESS"),
+        absl::Seconds(1));
+  }
+  return check_quota(key, size_bytes, by);
+}
+
+absl::Status GridStore::check_quota(const GridKey& key,
+                                    std::uint64_t size_bytes,
+                                    const Uploader& by) const {
+  std::uint64_t bytes = size_bytes;
+  for (const auto& [part_key, part] : parts_) {
+    if (part.sender == by.name && part_key != key) bytes += part.size_bytes;
+  }
+  if (bytes <= by.max_bytes) return absl::OkStatus();
+  return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
+}
+
+bool GridStore::fits(const GridKey& key, std::uint64_t size_bytes) const {
+  const auto found = parts_.find(key);
+  const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
+  return used_bytes() - held + size_bytes <= budget_bytes_;
+}
+
+absl::Status GridStore::take_place(const GridKey& key,
+                                   std::uint64_t size_bytes,
+                                   const Uploader& by) {
+  parts_[key] = Part{size_bytes, absl::Now(), true, by.name};
+  return absl::OkStatus();
+}
+
+GridStore::Evictable GridStore::idle_grids() const {
+  Evictable idle;
+  for (const auto& [key, entry] : grids_) {
+    if (!entry.in_use()) idle.grids.insert(key);
+  }
+  idle.leases = leases_;
+  return idle;
+}
+
+/// Takes away those that somebody needs who has no lease; all if that cannot be told.
+absl::Status GridStore::spare_needed(Evictable& evictable) const {
+  if (!needed_) return absl::OkStatus();
+  const auto needed = needed_();
+  if (!needed.ok()) {
+    evictable.grids.clear();
+    return needed.status();
+  }
+  for (const GridKey& key : *needed) evictable.needed += evictable.grids.erase(key);
+  return absl::OkStatus();
+}
+
+/// Removes what was used least of the grids that may be evicted and the uploads nobody sends.
+bool GridStore::evict_oldest(const GridKey& except_part, const Evictable& evictable) {
+  auto oldest_grid = grids_.end();
+  for (auto it = grids_.begin(); it != grids_.end(); ++it) {
+    const Entry& entry = it->second;
+    if (entry.in_use() || entry.last_lease > evictable.leases) continue;
+    if (!evictable.grids.contains(it->first)) continue;
+    if (oldest_grid == grids_.end() || entry.last_use < oldest_grid->second.last_use) {
+      oldest_grid = it;
+    }
+  }
+  auto oldest_part = parts_.end();
+  for (auto it = parts_.begin(); it != parts_.end(); ++it) {
+    if (it->second.busy || it->first == except_part) continue;
+    if (oldest_part == parts_.end() || it->second.last_use < oldest_part->second.last_use) {
+      oldest_part = it;
+    }
+  }
+  std::error_code ignored;  // a file that is gone already has been evicted by someone else
+  if (oldest_part != parts_.end() &&
+      (oldest_grid == grids_.end() ||
+       oldest_part->second.last_use < oldest_grid->second.last_use)) {
+    std::filesystem::remove(part_path(oldest_part->first), ignored);
+    parts_.erase(oldest_part);
+    ++gone_.evicted_uploads;
+    return true;
+  }
+  if (oldest_grid == grids_.end()) return false;
+  std::filesystem::remove(oldest_grid->second.grid->path, ignored);
+  grids_.erase(oldest_grid);
+  ++gone_.evicted_files;
+  return true;
+}
+
+}  // namespace tet
