@@ -1,0 +1,61 @@
+"""Workers that are stopped (SIGSTOP) for longer than their leases, and go on (SIGCONT) when others have
+their shards: what they then commit is refused.
+
+    tests/farm/run zombie --runs 100 [--seed S]
+"""
+
+import signal
+import time
+
+from farm_case import LEASE_SECONDS, FarmTest, main, wait_until
+
+
+class Zombies(FarmTest):
+    runs = 4
+
+    def setUp(self):
+        super().setUp()
+        self.farm = self.make_farm()
+        self.grids = [self.farm.make_grid("sphere", voxel) for voxel in (0.05, 0.04, 0.03)]
+        self.stale = set()
+
+    def one_run(self, workers):
+        jobs = {}
+        for _ in range(2):
+            grid = self.chance.choice(self.grids)
+            jobs[self.submit(self.farm, grid)] = grid
+        zombie = self.chance.choice(workers)
+        wait_until(lambda: self.farm.leases(zombie), 60)
+        time.sleep(self.chance.uniform(0, 0.2))
+        zombie.process.send_signal(signal.SIGSTOP)
+        held = self.farm.leases(zombie)
+        # Nobody's any more, or somebody else's.
+        wait_until(lambda: not self.farm.leases(zombie), LEASE_SECONDS + 30)
+        # What the database had got before the stop was in time.
+        lost = held - self.farm.committed()
+        time.sleep(self.chance.uniform(0, 0.5))
+        zombie.process.send_signal(signal.SIGCONT)
+        self.assert_done(self.farm, jobs)
+        self.stale |= lost & self.farm.committed()
+        return len(lost)
+
+    def test_a_late_commit_is_refused(self):
+        workers = [self.farm.start_worker() for _ in range(2)]
+        lost = empty = 0
+        for run in range(self.runs):
+            taken = self.one_run(workers)
+            lost += taken
+            empty += taken == 0
+            print(f"run {run}: {taken} shards lost", flush=True)
+        refused = sum(line["message"].find("no longer holds it") >= 0
+                      for worker in workers for line in worker.log("shard_lost"))
+        given_up = sum(len(worker.log("shard_lost")) for worker in workers) - refused
+        print(f"{self.runs} zombies, {lost} shards taken from {self.runs - empty} of them; when they went "
+              f"on {refused} commits were refused and {given_up} shards given up; "
+              f"{len(self.stale)} stale commits")
+        self.assertEqual(self.stale, set())
+        self.assertGreater(lost, 0)
+
+
+if __name__ == "__main__":
+    main(Zombies)
