@@ -99,7 +99,7 @@ SqlResult rows_of(const PGresult* result) {
   }
   auto* command = const_cast<PGresult*>(result);  // libpq only reads it
   // A SELECT counts what it found.
-  if (!absl::StartsWith(PQcmdStatus(command), "SELECT")) {
+  if (!absl::StartsWith(PQcmdStatus(command), "SELECT ")) {
     read.changed = std::strtoll(PQcmdTuples(command), nullptr, 10);
   }
   return read;
