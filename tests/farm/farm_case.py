@@ -5,6 +5,7 @@ import collections
 import json
 import pathlib
 import random
+import signal
 import subprocess
 import sys
 import tempfile
@@ -155,4 +156,5 @@ def main(test):
     parser.add_argument("--seed", type=int)
     options, rest = parser.parse_known_args()
     test.runs, test.seed = options.runs, options.seed
-    unittest.main(module=sys.modules["__main__"], argv=[sys.argv[0], *rest], verbosity=2)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # by way of what cleans up
+    unittest.main(module=sys.modules["__main__"], argv=[sys.argv[0], *rest], verbosity=2, failfast=True)

@@ -27,7 +27,7 @@ class TenThousandJobs(unittest.TestCase):
         manifest = self.folder / f"{count}.txt"
         manifest.write_text("".join(f"{self.grid} --label number={number}\n" for number in range(count)))
         said = server.tetstream("job", "submit", "--manifest", manifest, "--parallel", 16,
-                                "--journal", self.folder / f"{count}.jsonl")
+                                "--journal", self.folder / f"{count}.jsonl", timeout=600)
         self.assertEqual(said.returncode, 0, said.stderr)
 
     def hold(self, engine, *options):

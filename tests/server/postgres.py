@@ -8,6 +8,7 @@ import tempfile
 import time
 
 PROGRAMS = pathlib.Path("/usr/lib/postgresql/15/bin")
+END = "end of the rows"
 
 
 class Postgres:
@@ -29,7 +30,7 @@ class Postgres:
         for setting in settings:
             self._options += ["-c", setting]
         self._launch = list(launch)
-        self.server = None
+        self.server = self._client = None
         self.address = f"postgresql://tetstream@/postgres?host={self.folder}"
         try:
             self._make()
@@ -66,16 +67,30 @@ class Postgres:
 
     def kill(self):
         """kill -9 of the server, which ends all that it runs."""
+        self._hang_up()
         self.server.kill()
         self.server.wait()
 
     def rows(self, query):
         """A query's rows, as lists of text."""
-        said = subprocess.run(
-            [PROGRAMS / "psql", "-X", "-A", "-t", "-q", "-F", "\t", "-v", "ON_ERROR_STOP=1",
-             "-d", f"postgresql://tetstream@/postgres?host={self.folder}", "-c", query],
-            capture_output=True, text=True, timeout=60, check=True).stdout
-        return [line.split("\t") for line in said.splitlines()]
+        if self._client is None:
+            self._client = subprocess.Popen(
+                [PROGRAMS / "psql", "-X", "-A", "-t", "-q", "-F", "\t", "-v", "ON_ERROR_STOP=1",
+                 "-d", f"postgresql://tetstream@/postgres?host={self.folder}"],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self._client.stdin.write(f"{query};\n\\echo {END}\n")
+        self._client.stdin.flush()
+        lines = []
+        while (line := self._client.stdout.readline()) != f"{END}\n":
+            if not line:
+                raise AssertionError("".join(lines))
+            lines.append(line)
+        return [line.rstrip("\n").split("\t") for line in lines]
+
+    def _hang_up(self):
+        if self._client is not None:
+            self._client.communicate()
+            self._client = None
 
     def close(self):
         if self.server is not None:

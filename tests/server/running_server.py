@@ -104,11 +104,11 @@ class RunningServer(RunningProgram):
                          **more)
         self.address = self.ready["address"]
 
-    def tetstream(self, *arguments, **options):
+    def tetstream(self, *arguments, timeout=120, **options):
         """Runs the command line; the server's address goes where "--server" ends the arguments."""
         return subprocess.run(
             [binaries() / "tetstream", *map(str, arguments), "--server", self.address],
-            capture_output=True, text=True, timeout=120, check=False, **options)
+            capture_output=True, text=True, timeout=timeout, check=False, **options)
 
 
 class RunningWorker(RunningProgram):
