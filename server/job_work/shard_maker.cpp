@@ -8,6 +8,7 @@
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 
+#include "server/background.h"
 #include "server/job_work/stored_mesh.h"
 #include "server/jobs/store_errors.h"
 #include "server/status.h"
@@ -156,8 +157,8 @@ absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {
   if (!order.ok()) return order.status();
   const std::lock_guard one_at_a_time(counting_);
   std::promise<absl::StatusOr<PlannedMesh>> promise;
-  engine_.planner.plan(absl::StrCat("jobs of ", shard.job.space), *std::move(order),
-                       shard.watch, [&promise](absl::StatusOr<PlannedMesh> planned) {
+  engine_.planner.plan(background_client(shard.job.space), *std::move(order), shard.watch,
+                       [&promise](absl::StatusOr<PlannedMesh> planned) {
                          promise.set_value(std::move(planned));
                        });
   return promise.get_future().get();
