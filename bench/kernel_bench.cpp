@@ -43,7 +43,7 @@ struct Prepared {
 
   Octree octree(int levels) const {
     return build_octree({survey.bricks, survey.finest}, field, survey.inside_test(),
-                        {found.inside, {}}, levels);
+                        {found.inside, {}}, {.max_levels = levels});
   }
 };
 

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/grid/to_voxel.h"
 #include "core/scene/scene.h"
 
 namespace tet {
@@ -89,20 +89,6 @@ absl::StatusOr<LatticeBox> all_that_is_reached(const PhiField& field) {
   };
 }
 
-/// The lattice's coordinates of a world point: `linear` is a rotation times the spacing.
-std::array<double, 3> to_lattice(const VoxelTransform& lattice, const WorldPoint& p) {
-  const std::array<double, 3> from{p.x - lattice.translation[0], p.y - lattice.translation[1],
-                                   p.z - lattice.translation[2]};
-  std::array<double, 3> at{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t row = 0; row < 3; ++row) {
-      at[axis] += lattice.linear[row][axis] * from[row];
-    }
-    at[axis] /= lattice.voxel_size * lattice.voxel_size;
-  }
-  return at;
-}
-
 absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& box) {
   const bool ordered = box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
   if (!ordered) {  // not-a-numbers end here too
@@ -110,22 +96,11 @@ absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& bo
         "box (%g, %g, %g) to (%g, %g, %g) is empty: its first corner must be the lower one",
         box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
   }
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  LatticeBox out{
-      { kInf,  kInf,  kInf},
-      {-kInf, -kInf, -kInf}
+  const auto [min, max] = to_voxel_span(field.lattice_transform(), box);
+  return LatticeBox{
+      {min.x, min.y, min.z},
+      {max.x, max.y, max.z}
   };
-  const VoxelTransform lattice = field.lattice_transform();
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto at = to_lattice(lattice, {(corner & 1) != 0 ? box.max.x : box.min.x,
-                                         (corner & 2) != 0 ? box.max.y : box.min.y,
-                                         (corner & 4) != 0 ? box.max.z : box.min.z});
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      out.min[axis] = std::min(out.min[axis], at[axis]);
-      out.max[axis] = std::max(out.max[axis], at[axis]);
-    }
-  }
-  return out;
 }
 
 /// Rotations leave rounding errors; a face this near a brick's face is meant to lie on it.

@@ -3,36 +3,18 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
-#include "core/base/brick_neighbours.h"
 #include "core/base/cancel.h"
 #include "core/base/types.h"
-#include "core/field/find_bricks.h"
 #include "core/field/phi_field.h"
+#include "core/octree/cell_set.h"
+#include "core/octree/leaf_rules.h"
 
 namespace tet {
-
-/// Cells of one level, by brick.
-struct CellSet {
-  std::vector<BrickCoord> bricks;  ///< sorted, unique
-  std::vector<BrickMask> cells;    ///< as many as bricks
-};
-
-/// Adds to a CellSet in any order; `take` sorts and unites.
-class CellSetBuilder {
- public:
-  void add(BrickCoord brick, const BrickMask& cells) { parts_.push_back({brick, cells}); }
-  void add(CellSetBuilder&& other);
-  CellSet take();
-
- private:
-  std::vector<std::pair<BrickCoord, BrickMask>> parts_;
-};
 
 /// One level of the octree; level 0 is the finest. Columns of equal length.
 struct OctreeLevel {
@@ -67,9 +49,6 @@ HaloSet gather_halo(const OctreeLevel& level,
                     const std::vector<BrickMask>& masks,
                     BrickCoord brick) noexcept;
 
-/// The same, of a brick whose neighbours are known.
-HaloSet gather_halo(const std::vector<BrickMask>& masks, const PlacesAround& around) noexcept;
-
 /// The cells with all their siblings: the seven others of the same parent.
 BrickMask with_siblings(BrickMask cells) noexcept;
 
@@ -78,23 +57,13 @@ BrickMask with_siblings(BrickMask cells) noexcept;
 using InsideTest =
     std::function<bool(PhiSampler& sampler, std::int64_t x, std::int64_t y, std::int64_t z)>;
 
-/// What an octree's leaves cover.
-struct OctreeCover {
-  /// Boxes that cover the inside (see FoundBricks), or the domain; looked at only where the
-  /// number of levels keeps leaves from growing as large as they could.
-  std::vector<BrickBox> boxes;
-  /// Leaves cover all of it, whichever side they lie on; without it, the inside alone.
-  std::optional<BrickBox> domain;
-};
-
-/// Grows an octree above the finest leaves, at most `max_levels` levels; with `max_levels` 0
-/// every covered cell is a finest leaf. Cells that are not `finest` have all their nodes on one
-/// side, which `is_inside` tells. Of no use once it is cancelled.
+/// Grows an octree above the finest leaves. Cells that are not `finest` have all their nodes on
+/// one side, which `is_inside` tells. Of no use once it is cancelled.
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
                     const OctreeCover& cover,
-                    int max_levels,
+                    const LeafRules& rules,
                     const Cancellation& cancellation = {});
 
 }  // namespace tet

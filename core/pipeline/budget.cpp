@@ -3,17 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
+#include <variant>
 
 #include <absl/strings/str_format.h>
 
 #include "core/lattice/bcc.h"
+#include "core/octree/sized_cells.h"
 #include "core/pipeline/survey.h"
 #include "core/scene/scene.h"
 
 namespace tet {
 
 namespace {
+
+/// An octree's brick with its nodes and counts.
+constexpr double kBytesPerBrick = 400;
+
+/// Estimates of tets are high by up to so much.
+constexpr double kSlack = 8;
 
 /// Bricks near the surface, and bricks inside.
 struct BrickEstimate {
@@ -41,6 +50,66 @@ BrickEstimate estimate_bricks(const Volume& volume, double spacing) {
   return {surface * finer * finer, inside * finer * finer * finer};
 }
 
+double contents_of(const std::monostate&) { return 0; }
+double contents_of(const ShellRegion&) { return 0; }  // depends on the surface
+double contents_of(const WorldBox& box) {
+  const auto& [min, max] = box;
+  return (max.x - min.x) * (max.y - min.y) * (max.z - min.z);
+}
+double contents_of(const CapsuleRegion& capsule) {
+  const auto& [start, end, radius] = capsule;
+  const double length = std::hypot(end.x - start.x, end.y - start.y, end.z - start.z);
+  return std::numbers::pi * radius * radius * (length + 4.0 / 3 * radius);
+}
+double contents_of(const BallRegion& ball) {
+  return contents_of(CapsuleRegion{ball.centre, ball.centre, ball.radius});
+}
+
+/// Bricks of leaves that a sizing makes smaller than they would be.
+double sized_bricks(const Sizing& sizing, double surface_bricks) {
+  double bricks = surface_bricks * (1 / sizing.growth - 1) / kBrickEdge;
+  for (const SizingRegion& region : sizing.regions) {
+    const double volume =
+        std::visit([](const auto& shape) { return contents_of(shape); }, region.shape);
+    bricks += volume / std::pow(region.size, 3) / kBrickCells;
+  }
+  return bricks;
+}
+
+/// As many leaves as a sizing may ask for: somewhat more than a mesh within the limits has.
+double most_leaves(const MeshLimits& limits) {
+  return std::min(kSlack * static_cast<double>(limits.max_tets) / kTetShapes,
+                  static_cast<double>(limits.max_plan_bytes) / kBytesPerBrick * kBrickCells);
+}
+
+/// Small leaves along the surface, because larger ones may only come far behind
+/// it, or in its shells.
+absl::Status check_layers_budget(const LeafRules& rules,
+                                 const FoundBricks& found,
+                                 const MeshLimits& limits) {
+  const double area = static_cast<double>(found.near_surface.size()) * kBrickEdge * kBrickEdge;
+  const auto cells_within = [&](double depth) {
+    return std::min(area * depth, found.inside_cells);
+  };
+  const double most = most_leaves(limits);
+  const double layered = rules.layers > 1 ? cells_within(rules.layers) : 0;
+  if (layered > most) {
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "sizing.growth keeps %d layers of the finest leaves, about %.3g along this surface; "
+        "there may be %.3g. Let leaves grow faster, or use a larger spacing",
+        rules.layers, layered, most));
+  }
+  for (const auto& [level, depth] : rules.shells) {
+    const double leaves = cells_within(depth) / std::ldexp(1, 3 * (level - 1));
+    if (leaves <= most) continue;
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "a shell of sizing.regions has about %.3g leaves; there may be %.3g. Use a larger size "
+        "or less depth",
+        leaves, most));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
@@ -52,7 +121,9 @@ double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
   const Scene* scene = scene_of(shape);
   const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)
                                                   : estimate_bricks(*volume_of(shape), spacing);
-  const double bricks = request.levels == 0 ? surface + kInsideCost * inside : surface;
+  const double finest =
+      request.levels == 0 ? inside : std::min(inside, sized_bricks(request.sizing, surface));
+  const double bricks = surface + kInsideCost * finest;
   return request.improve ? kImprovement * bricks : bricks;
 }
 
@@ -61,17 +132,13 @@ absl::Status check_inside_budget(const FoundBricks& found,
                                  const MeshLimits& limits) {
   const double leaves = std::ldexp(found.inside_cells, -3 * levels);
   const double tets = leaves * kTetShapes;
-  // Bricks near the surface count as full here, so the estimate is high: thin walls up to
-  // eightfold.
-  constexpr double kSlack = 8;
+  // Bricks near the surface count as full here: thin walls are eightfold.
   if (tets > kSlack * static_cast<double>(limits.max_tets)) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "with levels %d the mesh would have about %.3g tets; the limit is %d. Mesh with more "
         "levels or a larger spacing",
         levels, tets, limits.max_tets));
   }
-  // An octree's brick with its nodes and counts.
-  constexpr double kBytesPerBrick = 400;
   const double bytes = leaves / kBrickCells * kBytesPerBrick;
   if (bytes <= static_cast<double>(limits.max_plan_bytes)) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
@@ -123,6 +190,23 @@ absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits
       "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "
       "spacing, or mesh without improvement",
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
+}
+
+absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
+                                            const Sizing& sizing,
+                                            const PhiField& field,
+                                            const FoundBricks& found,
+                                            const OctreeCover& cover,
+                                            int levels,
+                                            const Cancellation& cancellation) {
+  if (levels == 0) return LeafRules{};
+  absl::StatusOr<LeafRules> rules =
+      leaf_rules(sizing, field, cover, levels, most_leaves(limits), cancellation);
+  if (!rules.ok()) return rules;
+  if (auto status = check_layers_budget(*rules, found, limits); !status.ok()) {
+    return status;
+  }
+  return rules;
 }
 
 }  // namespace tet

@@ -1,10 +1,17 @@
 // Refusals of meshes that would not fit, before anything is allocated for them.
 #pragma once
 
-#include <absl/status/status.h>
+#include <cstddef>
 
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
 #include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/octree/leaf_rules.h"
+#include "core/octree/sizing.h"
 #include "core/pipeline/mesh_request.h"
 #include "core/pipeline/shape.h"
 #include "core/stuffing/stuffed_brick.h"
@@ -37,5 +44,15 @@ absl::Status check_plan_budget(const FoundBricks& found,
 
 /// An improvement for which the mesh could not be kept.
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits);
+
+/// How large the leaves of `cover` may be. Errors: kResourceExhausted (a sizing that asks for
+/// more small leaves than a mesh within the limits has).
+absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
+                                            const Sizing& sizing,
+                                            const PhiField& field,
+                                            const FoundBricks& found,
+                                            const OctreeCover& cover,
+                                            int levels,
+                                            const Cancellation& cancellation);
 
 }  // namespace tet

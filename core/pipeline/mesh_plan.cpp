@@ -336,6 +336,10 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   const absl::StatusOr<FoundBricks> bricks =
       bricks_of(field, *space, asked->levels, limits, cancellation);
   if (!bricks.ok()) return bricks.status();
+  const OctreeCover cover{bricks->inside, space->domain};
+  const absl::StatusOr<LeafRules> rules = leaf_rules_within(
+      limits, request.sizing, field, *bricks, cover, asked->levels, cancellation);
+  if (!rules.ok()) return rules.status();
   absl::StatusOr<Survey> survey =
       survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
   if (!survey.ok()) return survey.status();
@@ -344,7 +348,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   survey->sheets = {};
   survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
-                             {bricks->inside, space->domain}, asked->levels, cancellation);
+                             cover, *rules, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   ThinWalls thin_walls =
       gather_thin_walls(std::exchange(survey->thin, {}), field.lattice_transform());

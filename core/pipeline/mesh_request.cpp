@@ -6,8 +6,10 @@
 #include <utility>
 
 #include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/octree/sized_cells.h"
 #include "core/scene/scene.h"
 
 namespace tet {
@@ -28,6 +30,17 @@ double longest_extent(const Scene& scene) {
   const auto& [min, max] = scene.extent;
   const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
   return std::isfinite(longest) ? longest : 0;
+}
+
+/// What is wrong with a field of the sizing is known as a field of the request.
+absl::Status check_sizing_of(const MeshRequest& request, double spacing) {
+  absl::Status status = check_sizing(request.sizing);
+  if (status.ok()) status = check_sizing(request.sizing, spacing);
+  if (status.ok() && request.sizing.grid && request.sizing.grid->volume == nullptr) {
+    status = absl::InvalidArgumentError("grid is not loaded");
+  }
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat(kSizingField, ".", status.message()));
 }
 
 /// What only grids have, and what does not follow from every scene.
@@ -121,6 +134,8 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
     return absl::InvalidArgumentError(
         absl::StrFormat("levels %d is outside 0..%d", out.levels, kMaxLevels));
   }
+  if (auto status = check_sizing_of(request, out.spacing); !status.ok()) return status;
+  out.levels = levels_of(request.sizing, out.spacing, out.levels);
   out.preset = request.preset;
   if (request.box && !stuffing_rules(request.preset).both_sides) {
     return absl::InvalidArgumentError(absl::StrFormat(

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/mesh/tet_mesh.h"
+#include "core/octree/sizing.h"
 #include "core/pipeline/shape.h"
 #include "core/stuffing/stuffed_brick.h"
 
@@ -39,6 +40,7 @@ struct MeshRequest {
   /// back in their places.
   bool manifold = false;
   bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
+  Sizing sizing;         ///< of leaves away from the surface
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
   std::optional<CoordinateType> coordinates;
   /// uint32 unless given, and uint64 where there are more vertices than that can count.
@@ -67,7 +69,7 @@ struct MeshLimits {
 struct CanonicalRequest {
   double spacing = 0;  ///< world units
   double iso = 0;
-  int levels = 0;
+  int levels = 0;  ///< that the sizing leaves
   Preset preset = Preset::kDefault;
 };
 

@@ -21,6 +21,7 @@
 #include "core/pipeline/mesher.h"
 #include "tests/support/lattice_signs.h"
 #include "tests/support/random_fields.h"
+#include "tests/support/random_sizing.h"
 
 namespace tet::test {
 namespace {
@@ -28,6 +29,9 @@ namespace {
 /// Of three seeds one asks for a manifold, of eight one for better angles.
 bool is_manifold(const FieldCase& given) { return given.seed % 3 == 2; }
 bool is_improved(const FieldCase& given) { return given.seed % 8 == 4; }
+
+/// Of three seeds two ask for sizes, in the graded mesh.
+bool is_sized(const FieldCase& given) { return given.seed % 3 != 2; }
 
 /// What the lattice says of the place where a vertex lies.
 enum VertexPlace : std::uint8_t {
@@ -387,6 +391,15 @@ Outcome check_promises(const FieldCase& given, TaskPool& pool) {
   request.improve = is_improved(given);
   request.coordinates =
       given.seed % 2 == 0 ? CoordinateType::kFloat32 : CoordinateType::kFloat64;
+  if (is_sized(given)) {
+    const double edge = given.edge;
+    request.sizing = random_sizing(given.seed,
+                                   {
+                                       {   0,    0,    0},
+                                       {edge, edge, edge}
+    },
+                                   given.spacing);
+  }
   const auto mesh = [&](int levels) {
     request.levels = levels;
     return mesh_volume(pool, volume, request, {}, Cancellation(), nullptr);

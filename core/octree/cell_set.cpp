@@ -1,0 +1,209 @@
+#include "core/octree/cell_set.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
+#include "core/base/brick_sets.h"
+#include "core/base/parallel.h"
+
+namespace tet {
+namespace {
+
+BrickCoord parent_of(BrickCoord brick) noexcept {
+  return {brick.x >> 1, brick.y >> 1, brick.z >> 1};
+}
+
+/// A row of 16 cells as the 8 of their parents.
+std::uint64_t parents_of_row(std::uint64_t row) noexcept {
+  std::uint64_t bits = (row | row >> 1) & 0x5555;
+  bits = (bits | bits >> 1) & 0x3333;
+  bits = (bits | bits >> 2) & 0x0f0f;
+  return (bits | bits >> 4) & 0xff;
+}
+
+/// Cells of a level as their parents, in halo coordinates of the parent's brick.
+HaloSet parents(const HaloSet& cells, BrickCoord brick) noexcept {
+  HaloSet out;
+  const int ox = (brick.x & 1) * 4, oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;
+  const auto row_of = [&](int x, int y) {
+    const int at = halo_index(x, y, -2);
+    return cells.word[static_cast<std::size_t>(at >> 6)] >> (at & 63) & 0xffff;
+  };
+  for (int x = -1; x < 7; ++x) {
+    for (int y = -1; y < 7; ++y) {
+      const std::uint64_t children = row_of(2 * x, 2 * y) | row_of(2 * x, 2 * y + 1) |
+                                     row_of(2 * x + 1, 2 * y) | row_of(2 * x + 1, 2 * y + 1);
+      const int at = halo_index(ox + x, oy + y, oz - 1);
+      out.word[static_cast<std::size_t>(at >> 6)] |= parents_of_row(children) << (at & 63);
+    }
+  }
+  return out;
+}
+
+/// The set with all that share a face or an edge with it: along any two axes at once.
+HaloSet with_face_and_edge_neighbours(const HaloSet& cells) noexcept {
+  constexpr int kX = offset_index(1, 0, 0), kY = offset_index(0, 1, 0),
+                kZ = offset_index(0, 0, 1);
+  const auto along = [](const HaloSet& set, int step) {
+    return set | seen_from(set, step) | seen_from(set, -step);
+  };
+  const HaloSet z = along(cells, kZ);
+  return along(z, kY) | along(z, kX) | along(along(cells, kY), kX);
+}
+
+/// Hands the bricks around a parent's their parts of `cells`, which reach out of the octant of
+/// its child `brick` by one cell.
+void add_parts(CellSetBuilder& builder, BrickCoord brick, const HaloSet& cells) {
+  const BrickCoord parent = parent_of(brick);
+  const auto first = [](std::int32_t child) { return (child & 1) - 1; };
+  for (int x = first(brick.x); x <= first(brick.x) + 1; ++x) {
+    for (int y = first(brick.y); y <= first(brick.y) + 1; ++y) {
+      for (int z = first(brick.z); z <= first(brick.z) + 1; ++z) {
+        const BrickMask part = brick_part(seen_from(cells, offset_index(8 * x, 8 * y, 8 * z)));
+        if (part.any()) builder.add({parent.x + x, parent.y + y, parent.z + z}, part);
+      }
+    }
+  }
+}
+
+/// The 4 x 4 cells at the start of a slice, each as 2 x 2 of them.
+std::uint64_t doubled(std::uint64_t slice) noexcept {
+  std::uint64_t bits = slice & 0x0f0f0f0f;
+  bits = (bits | bits << 16) & 0x00000f0f00000f0f;
+  bits = (bits | bits << 8) & 0x000f000f000f000f;
+  bits = (bits | bits << 2) & 0x0033003300330033;
+  bits = (bits | bits << 1) & 0x0055005500550055;
+  bits |= bits << 1;
+  return bits | bits << 8;
+}
+
+/// The part of a parent brick's mask that covers child (ox, oy, oz), spread to the child's
+/// cells.
+BrickMask children_of(const BrickMask& parent_cells, int ox, int oy, int oz) noexcept {
+  BrickMask mask;
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t slice = parent_cells.slice[static_cast<std::size_t>(ox * 4) + x / 2];
+    mask.slice[x] = doubled(slice >> (32 * oy + 4 * oz));
+  }
+  return mask;
+}
+
+/// The bricks of a set and those around them, where they have cells after at most two steps.
+CellSet grown_by(const CellSet& cells, int steps, const Cancellation& cancellation) {
+  CellSet out{with_neighbours(cells.bricks), {}};
+  out.cells.resize(out.bricks.size());
+  for_each_range(out.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
+    BrickNeighbours neighbours(cells.bricks);
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+      HaloSet around = gather_halo(cells.cells, neighbours.around(out.bricks[i]));
+      for (int step = 0; step < steps; ++step) around = with_face_and_edge_neighbours(around);
+      out.cells[i] = brick_part(around);
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+void CellSetBuilder::add(CellSetBuilder&& other) {
+  parts_.insert(parts_.end(), std::make_move_iterator(other.parts_.begin()),
+                std::make_move_iterator(other.parts_.end()));
+}
+
+CellSet CellSetBuilder::take() {
+  std::sort(parts_.begin(), parts_.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  CellSet set;
+  for (const auto& [brick, cells] : parts_) {
+    if (set.bricks.empty() || set.bricks.back() != brick) {
+      set.bricks.push_back(brick);
+      set.cells.push_back(cells);
+    } else {
+      set.cells.back() |= cells;
+    }
+  }
+  parts_.clear();
+  return set;
+}
+
+HaloSet gather_halo(const std::vector<BrickMask>& masks, const PlacesAround& around) noexcept {
+  HaloSet set;
+  if (masks.empty()) return set;
+  for (int o = 0; o < 27; ++o) {
+    const std::uint32_t at = around[static_cast<std::size_t>(o)];
+    if (at != kNoBrick) add_brick(set, masks[at], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
+  }
+  return set;
+}
+
+CellSet parents_of(const CellSet& cells, const Cancellation& cancellation) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < cells.bricks.size() && !cancellation.requested(); ++i) {
+    if (!cells.cells[i].any()) continue;
+    HaloSet children;
+    add_brick(children, cells.cells[i], 0, 0, 0);
+    builder.add(parent_of(cells.bricks[i]), brick_part(parents(children, cells.bricks[i])));
+  }
+  return builder.take();
+}
+
+CellSet parents_with_neighbours(const CellSet& cells, const Cancellation& cancellation) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < cells.bricks.size() && !cancellation.requested(); ++i) {
+    HaloSet own;
+    add_brick(own, cells.cells[i], 0, 0, 0);
+    const BrickCoord brick = cells.bricks[i];
+    add_parts(builder, brick, parents(with_face_and_edge_neighbours(own), brick));
+  }
+  return builder.take();
+}
+
+CellSet children_of(const CellSet& parents, const Cancellation& cancellation) {
+  CellSetBuilder builder;
+  for (std::size_t i = 0; i < parents.bricks.size() && !cancellation.requested(); ++i) {
+    const BrickCoord p = parents.bricks[i];
+    for (int o = 0; o < 8; ++o) {
+      const int ox = o >> 2, oy = o >> 1 & 1, oz = o & 1;
+      const BrickMask mask = children_of(parents.cells[i], ox, oy, oz);
+      if (mask.any()) builder.add({2 * p.x + ox, 2 * p.y + oy, 2 * p.z + oz}, mask);
+    }
+  }
+  return builder.take();
+}
+
+void drop_empty(CellSet& cells) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cells.bricks.size(); ++i) {
+    if (!cells.cells[i].any()) continue;
+    cells.bricks[kept] = cells.bricks[i];
+    cells.cells[kept++] = cells.cells[i];
+  }
+  cells.bricks.resize(kept);
+  cells.cells.resize(kept);
+}
+
+CellSet grown(CellSet cells, int steps, const Cancellation& cancellation) {
+  constexpr int kHalo = 2;  // as far as a halo reaches
+  drop_empty(cells);
+  for (; steps > 0 && !cancellation.requested(); steps -= kHalo) {
+    cells = grown_by(cells, std::min(steps, kHalo), cancellation);
+    drop_empty(cells);
+  }
+  return cells;
+}
+
+void unite(CellSet& cells, const CellSet& more) {
+  if (more.bricks.empty()) return;
+  CellSetBuilder builder;
+  for (const CellSet* set : {&std::as_const(cells), &more}) {
+    for (std::size_t i = 0; i < set->bricks.size(); ++i) {
+      builder.add(set->bricks[i], set->cells[i]);
+    }
+  }
+  cells = builder.take();
+}
+
+}  // namespace tet

@@ -1,0 +1,63 @@
+#include "core/pipeline/fill_estimate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/base/parallel.h"
+
+namespace tet {
+namespace {
+
+/// 32 MiB of mesh at most: tens of milliseconds.
+constexpr std::uint64_t kMostChunks = 64;
+
+/// The chunks in the middle of equal parts of the mesh.
+std::vector<std::uint64_t> chunks_to_try(std::uint64_t chunk_count) {
+  std::vector<std::uint64_t> chunks(std::min(chunk_count, kMostChunks));
+  for (std::uint64_t i = 0; i < chunks.size(); ++i) {
+    chunks[i] = (2 * i + 1) * chunk_count / (2 * chunks.size());
+  }
+  return chunks;
+}
+
+ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
+  const ChunkExtent extent = plan.chunk(chunk);
+  return {plan.header(), extent.vertex_count, extent.tet_count};
+}
+
+/// Into memory that nobody has touched, as that of a mesh is.
+void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspace) {
+  const ChunkSizes size = sizes_of(plan, chunk);
+  const auto memory = std::make_unique_for_overwrite<std::byte[]>(size.total());
+  const std::span<std::byte> bytes(memory.get(), size.total());
+  plan.fill_chunk(chunk, workspace,
+                  {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
+                   bytes.last(size.regions)});
+}
+
+}  // namespace
+
+FillEstimate estimate_fill(const MeshPlan& plan, const Cancellation& cancellation) {
+  const MeshHeader& header = plan.header();
+  FillEstimate estimate{ChunkSizes(header, header.vertex_count, header.tet_count).total(), 0};
+  const std::vector<std::uint64_t> chunks = chunks_to_try(header.chunk_count);
+  std::uint64_t tried = 0;
+  for (const std::uint64_t chunk : chunks) tried += sizes_of(plan, chunk).total();
+  if (tried == 0) return estimate;
+  const auto start = std::chrono::steady_clock::now();
+  for_each_range(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    MeshWorkspace workspace;
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+      try_chunk(plan, chunks[i], workspace);
+    }
+  });
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  estimate.seconds =
+      taken.count() * static_cast<double>(estimate.bytes) / static_cast<double>(tried);
+  return estimate;
+}
+
+}  // namespace tet
