@@ -129,6 +129,9 @@ absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::open(
                                 "tetstream",        nullptr};
   std::unique_ptr<PostgresConnection> opened(
       new PostgresConnection(PQconnectdbParams(keys, values, 1)));
+  // What libpq would print, between our log's lines, comes with the error of the call too.
+  PQsetNoticeProcessor(
+      opened->connection_.get(), [](void*, const char*) {}, nullptr);
   if (!opened->usable()) return opened->error(nullptr);
   if (auto set = opened->run_script(kSettings); !set.ok()) return set.status();
   return opened;
