@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/mesh_client.h"
+#include "client/part_receiver.h"
 #include "core/base/cancel.h"
 #include "tetstream/v1/jobs.pb.h"
 
@@ -53,6 +54,15 @@ class JobClient {
   absl::StatusOr<StreamedMesh> read_result(const std::string& name,
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation);
+
+  /// The same in parts, none of which is kept: up to `streams` ranges of chunks are read side
+  /// by side, each in its order. `sink` is called by one thread at a time. `job` is as `get`
+  /// told it.
+  absl::Status read_parts(const v1::Job& job,
+                          int streams,
+                          const PartSink& sink,
+                          const ClientProgress& progress,
+                          const Cancellation& cancellation);
 
  private:
   std::shared_ptr<Connection> connection_;

@@ -10,6 +10,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "client/chunk_message.h"
+#include "client/stream_checks.h"
 #include "core/base/parallel.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/serialized.h"
@@ -18,38 +19,9 @@ namespace tet {
 
 namespace {
 
-// Beyond any mesh that fits a machine, and small enough that sizes in bytes do not overflow.
-constexpr std::int64_t kMaxCount = std::int64_t{1} << 48;
-
-bool is_count(std::int64_t count) { return 0 <= count && count <= kMaxCount; }
-
-bool is_count(std::uint64_t count) { return count <= std::uint64_t{kMaxCount}; }
-
 WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
 
 std::uint64_t unsigned_count(std::int64_t count) { return static_cast<std::uint64_t>(count); }
-
-absl::Status bad_stream(const std::string& message) {
-  return absl::DataLossError(absl::StrCat("the server's stream is broken: ", message));
-}
-
-MeshHeader to_core(const v1::MeshHeader& message) {
-  MeshHeader header;
-  header.vertex_count = unsigned_count(message.vertex_count());
-  header.tet_count = unsigned_count(message.tet_count());
-  header.chunk_count = unsigned_count(message.chunk_count());
-  header.coordinate_type = message.coordinate_type() == v1::COORDINATE_TYPE_FLOAT64
-                               ? CoordinateType::kFloat64
-                               : CoordinateType::kFloat32;
-  header.index_type =
-      message.index_type() == v1::INDEX_TYPE_UINT64 ? IndexType::kUint64 : IndexType::kUint32;
-  header.origin = to_core(message.origin());
-  header.bounds = {to_core(message.bounds().min()), to_core(message.bounds().max())};
-  header.spacing = message.spacing();
-  header.levels = message.levels();
-  header.has_regions = message.has_regions();
-  return header;
-}
 
 Improvement to_core(const v1::Improvement& message) {
   return {.min_dihedral_before_deg = message.min_dihedral_before_deg(),
@@ -73,15 +45,6 @@ ThinWalls to_core(const v1::ThinWalls& message) {
   walls.thickness = message.thickness();
   walls.suggested_spacing = message.suggested_spacing();
   return walls;
-}
-
-bool is_valid(const v1::MeshHeader& header) {
-  return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
-         is_count(header.chunk_count()) &&
-         header.coordinate_type() != v1::COORDINATE_TYPE_UNSPECIFIED &&
-         v1::CoordinateType_IsValid(header.coordinate_type()) &&
-         header.index_type() != v1::INDEX_TYPE_UNSPECIFIED &&
-         v1::IndexType_IsValid(header.index_type());
 }
 
 bool is_valid(const v1::BoundaryTopology& boundary) {
@@ -171,7 +134,8 @@ absl::Status MeshReceiver::take(const v1::MeshEvent& event) {
 }
 
 absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
-  if (!is_valid(header)) return bad_stream("a header with impossible values");
+  const absl::StatusOr<MeshHeader> checked = checked_header(header);
+  if (!checked.ok()) return checked.status();
   received_.cached = header.cached();
   if (has_header_) {
     const bool same =
@@ -182,10 +146,10 @@ absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
     absl::StatusOr<CompactReceiver> compact = CompactReceiver::begin(header);
     if (!compact.ok()) return compact.status();
     compact_ = *std::move(compact);
-    received_.mesh.header = to_core(header);  // its columns come last
+    received_.mesh.header = *checked;  // its columns come last
   } else {
     const absl::Status status =
-        header.has_kept() ? take_kept(header) : allocate(to_core(header));
+        header.has_kept() ? take_kept(header, *checked) : allocate(*checked);
     if (!status.ok()) return status;
   }
   chunks_ =
@@ -207,13 +171,13 @@ absl::Status MeshReceiver::allocate(const MeshHeader& header) {
   }
 }
 
-absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header) {
+absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header, const MeshHeader& checked) {
   if (base_ == nullptr) return bad_stream("parts of a mesh that nobody named");
   if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
   kept_ = {to_core(header.kept().vertices()), to_core(header.kept().tets())};
   absl::StatusOr<TetMesh> mesh = absl::InternalError("not made");
   TaskPool pool;
-  pool.run([&] { mesh = splice_mesh(*base_, to_core(header), kept_); });
+  pool.run([&] { mesh = splice_mesh(*base_, checked, kept_); });
   if (absl::IsInvalidArgument(mesh.status())) return bad_stream(mesh.status().ToString());
   if (!mesh.ok()) return mesh.status();
   received_.mesh = *std::move(mesh);

@@ -52,7 +52,7 @@ class MeshReceiver {
   absl::Status check_place(const ChunkNumbers& chunk) const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk,
                                         const std::array<std::size_t, 3>& column_bytes);
-  absl::Status take_kept(const v1::MeshHeader& header);
+  absl::Status take_kept(const v1::MeshHeader& header, const MeshHeader& checked);
   absl::Status allocate(const MeshHeader& header);
   absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);

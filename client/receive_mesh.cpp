@@ -15,44 +15,56 @@ void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
 }
 
 /// One stream, from the first chunk that is missing on.
-absl::Status receive(const ServerChannel& channel,
-                     const MeshCall& mesh_call,
-                     const ClientProgress& progress,
-                     const Cancellation& cancellation,
-                     MeshReceiver& receiver) {
+absl::Status receive_once(const ServerChannel& channel,
+                          const StreamCall& what,
+                          const Cancellation& cancellation) {
   ClientCall call(channel, cancellation);
-  RawCall stream(channel.channel(), call.context(), mesh_call.service, mesh_call.method);
-  stream.write_last(mesh_call.request(receiver));
+  RawCall stream(channel.channel(), call.context(), what.service, what.method);
+  stream.write_last(what.request());
   absl::Status taken;
-  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) {
-    taken = receiver.take(event);
-    if (const auto& planning = receiver.planning()) {
-      tell(progress.planning, static_cast<std::uint64_t>(planning->done_bricks()),
-           static_cast<std::uint64_t>(planning->total_bricks()));
-    } else {
-      tell(progress.tets, receiver.tets_received(), receiver.tet_count());
-    }
-  }
+  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) taken = what.take(event);
   if (!taken.ok()) call.context().TryCancel();
   const absl::Status ended = call.result(stream.finish());
   if (!taken.ok()) return taken;
-  if (!ended.ok() || receiver.complete()) return ended;
-  return absl::UnavailableError("the stream ended before the mesh was whole");
+  if (!ended.ok() || what.complete()) return ended;
+  return absl::UnavailableError("the stream ended before all of it had come");
 }
 
 }  // namespace
+
+absl::Status receive_stream(Connection& connection,
+                            const StreamCall& call,
+                            const Cancellation& cancellation) {
+  for (Retries retries = connection.begin(cancellation);;) {
+    const ServerChannel& server = connection.server();
+    const auto status = receive_once(server, call, cancellation);
+    if (call.complete()) return absl::OkStatus();
+    if (!connection.again(retries, server, status, call.next_chunk())) return status;
+  }
+}
 
 absl::StatusOr<StreamedMesh> receive_mesh(Connection& connection,
                                           const MeshCall& call,
                                           MeshReceiver receiver,
                                           const ClientProgress& progress,
                                           const Cancellation& cancellation) {
-  for (Retries retries = connection.begin(cancellation);;) {
-    const ServerChannel& server = connection.server();
-    const auto status = receive(server, call, progress, cancellation, receiver);
-    if (receiver.complete()) return std::move(receiver).finish(cancellation);
-    if (!connection.again(retries, server, status, receiver.next_chunk())) return status;
-  }
+  const auto take = [&](grpc::ByteBuffer& event) {
+    absl::Status taken = receiver.take(event);
+    if (const auto& planning = receiver.planning()) {
+      tell(progress.planning, static_cast<std::uint64_t>(planning->done_bricks()),
+           static_cast<std::uint64_t>(planning->total_bricks()));
+    } else {
+      tell(progress.tets, receiver.tets_received(), receiver.tet_count());
+    }
+    return taken;
+  };
+  const absl::Status received = receive_stream(
+      connection,
+      {call.service, call.method, [&] { return call.request(receiver); }, take,
+       [&] { return receiver.complete(); }, [&] { return receiver.next_chunk(); }},
+      cancellation);
+  if (!received.ok()) return received;
+  return std::move(receiver).finish(cancellation);
 }
 
 }  // namespace tet

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -206,37 +207,78 @@ constexpr std::uint64_t kSkeletonBytes = 64 * 1024;
 /// HDF5 prints every failure to stderr unless told not to; ours are told once, by status.
 void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
-void write_at(BlockWriter& writer, haddr_t place, const std::function<void()>& write) {
-  if (place == HADDR_UNDEF) return;  // a column of no rows
-  writer.move_to(place);
+/// Where row `row` of a column lies; nothing of a column without bytes.
+std::optional<std::uint64_t> place_of(haddr_t column,
+                                      std::uint64_t row,
+                                      std::size_t row_bytes) {
+  if (column == HADDR_UNDEF) return std::nullopt;
+  return column + row * row_bytes;
+}
+
+void write_at(BlockWriter& writer,
+              std::optional<std::uint64_t> place,
+              const std::function<void()>& write) {
+  if (!place) return;
+  writer.move_to(*place);
   write();
 }
 
 }  // namespace
 
-absl::Status write_vtkhdf(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
+struct VtkHdfWriter::Impl {
+  ColumnTypes types;
+  Layout layout;
+  BlockWriter writer;
+};
+
+VtkHdfWriter::VtkHdfWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VtkHdfWriter::VtkHdfWriter(VtkHdfWriter&&) noexcept = default;
+VtkHdfWriter::~VtkHdfWriter() = default;
+
+absl::StatusOr<VtkHdfWriter> VtkHdfWriter::begin(AtomicFile& file,
+                                                 const MeshHeader& mesh,
+                                                 const WriteControl& control) {
   silence_hdf5();
-  const ColumnTypes types = choose_column_types(mesh.header);
-  const std::uint64_t tets = mesh.header.tet_count;
-  const std::uint64_t column_bytes = column_sizes(mesh.header, types, tets + 1).total();
+  const ColumnTypes types = choose_column_types(mesh);
+  const std::uint64_t tets = mesh.tet_count;
+  const std::uint64_t column_bytes = column_sizes(mesh, types, tets + 1).total();
   // Limits on file sizes hold for files in memory too, and must not meet HDF5 either.
   absl::Status status = file.resize(column_bytes + kSkeletonBytes);
   if (!status.ok()) return status;
 
   const MemoryFile skeleton;
-  const auto layout =
-      skeleton.ok() ? lay_out(skeleton.path(), mesh.header, types) : std::nullopt;
+  const auto layout = skeleton.ok() ? lay_out(skeleton.path(), mesh, types) : std::nullopt;
   if (!layout) return absl::ResourceExhaustedError("HDF5 cannot lay out a file in memory");
   if (status = file.resize(skeleton.size()); !status.ok()) return status;
 
-  BlockWriter writer(file, column_bytes, control);
+  auto impl =
+      std::unique_ptr<Impl>(new Impl{types, *layout, BlockWriter(file, column_bytes, control)});
+  BlockWriter& writer = impl->writer;
   skeleton.copy_to(writer);
-  write_at(writer, layout->points, [&] { write_points(writer, mesh, types.coordinates); });
-  write_at(writer, layout->connectivity, [&] { write_connectivity(writer, mesh, types.ids); });
-  write_at(writer, layout->offsets, [&] { write_offsets(writer, 0, tets + 1, types.ids); });
-  write_at(writer, layout->types, [&] { write_types(writer, tets); });
-  write_at(writer, layout->regions, [&] { writer.bytes(mesh.regions.bytes()); });
-  return writer.status();
+  write_at(writer, place_of(layout->offsets, 0, 0),
+           [&] { write_offsets(writer, 0, tets + 1, types.ids); });
+  write_at(writer, place_of(layout->types, 0, 0), [&] { write_types(writer, tets); });
+  if (!writer.status().ok()) return writer.status();
+  return VtkHdfWriter(std::move(impl));
+}
+
+absl::Status VtkHdfWriter::put(const TetMesh& part, const ChunkExtent& place) {
+  const ColumnTypes& as = impl_->types;
+  const Layout& layout = impl_->layout;
+  BlockWriter& to = impl_->writer;
+  write_at(to, place_of(layout.points, place.first_vertex, 3 * size_of(as.coordinates)),
+           [&] { write_points(to, part, as.coordinates); });
+  write_at(to, place_of(layout.connectivity, place.first_tet, 4 * size_of(as.ids)),
+           [&] { write_connectivity(to, part, as.ids); });
+  write_at(to, place_of(layout.regions, place.first_tet, 1),
+           [&] { to.bytes(part.regions.bytes()); });
+  return to.status();
+}
+
+absl::Status write_vtkhdf(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
+  auto writer = VtkHdfWriter::begin(file, mesh.header, control);
+  if (!writer.ok()) return writer.status();
+  return writer->put(mesh, {0, mesh.header.vertex_count, 0, mesh.header.tet_count});
 }
 
 }  // namespace tet

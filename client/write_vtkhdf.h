@@ -1,10 +1,36 @@
 // VTK's HDF5 unstructured grid (.vtkhdf), version 1.0.
 #pragma once
 
+#include <memory>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
 #include "client/block_writer.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
+
+/// A mesh that comes in parts, in any order; none of it is kept in memory. The file is the same
+/// as if it had come whole. `file` is left for the caller to commit.
+class VtkHdfWriter {
+ public:
+  /// Writes all but the parts. `file` and `control` outlive the writer. Errors: those of
+  /// AtomicFile, kResourceExhausted (the disk is full), kCancelled.
+  static absl::StatusOr<VtkHdfWriter> begin(AtomicFile& file,
+                                            const MeshHeader& mesh,
+                                            const WriteControl& control);
+  VtkHdfWriter(VtkHdfWriter&&) noexcept;
+  ~VtkHdfWriter();
+
+  /// Writes vertices and tets (with the ids of the whole mesh) to their place in it.
+  absl::Status put(const TetMesh& part, const ChunkExtent& place);
+
+ private:
+  struct Impl;
+  explicit VtkHdfWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
 
 /// Writes the whole mesh as one part, regions as `CellData/region`; `file` is left for the
 /// caller to commit.

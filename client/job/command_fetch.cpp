@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 #include <absl/strings/strip.h>
 
 #include "client/atomic_file.h"
@@ -18,6 +19,8 @@
 #include "client/mesh_file.h"
 #include "client/mesh_report.h"
 #include "client/stopwatch.h"
+#include "client/stream_checks.h"
+#include "client/write_vtkhdf.h"
 
 namespace tet {
 namespace {
@@ -25,7 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExamples = R"(
-The same bytes as of `tetstream mesh`. A connection that breaks is taken up at the first chunk that
+The same bytes as of `tetstream mesh`. A .vtkhdf file is put together from ranges that are read side by
+side, and the mesh is never in memory; the other formats need room for it. A connection that breaks is taken up at the first chunk that
 is missing. In a folder the files are called NAME-ID; those that are there already are not fetched
 again, so that the same command again fetches the rest.
 
@@ -41,6 +45,7 @@ struct FetchArguments {
   SelectionArguments selection;
   std::string output, folder, format = "vtu";
   bool wait = false;
+  int streams = 4;
 };
 
 void describe_options(CLI::App& app, FetchArguments& arguments) {
@@ -54,6 +59,9 @@ void describe_options(CLI::App& app, FetchArguments& arguments) {
   app.add_option("--format", arguments.format, "Of the files in a folder: vtu, msh or vtkhdf")
       ->check(CLI::IsMember({"vtu", "msh", "vtkhdf"}))
       ->needs(folder);
+  app.add_option("--streams", arguments.streams,
+                 "Ranges of a mesh that are read side by side, into .vtkhdf [4]")
+      ->check(CLI::Range(1, 64));
   app.add_flag("--wait", arguments.wait, "Wait for jobs that are not finished");
   describe_session(app, arguments.session);
 }
@@ -77,6 +85,11 @@ std::string path_for(const FetchArguments& arguments, const v1::Job& job) {
   return fs::path(arguments.folder) / absl::StrCat(file_stem(job), ".", arguments.format);
 }
 
+bool is_vtkhdf(const std::string& path) {
+  const auto format = mesh_format_of(path);
+  return format.ok() && *format == MeshFormat::kVtkHdf;
+}
+
 class Fetcher {
  public:
   Fetcher(JobSession& session,
@@ -95,7 +108,7 @@ class Fetcher {
       tell(*job, path, "fetched before", true);
       return absl::OkStatus();
     }
-    return write(*job, path);
+    return is_vtkhdf(path) ? assemble(*job, path) : write(*job, path);
   }
 
  private:
@@ -109,17 +122,45 @@ class Fetcher {
   absl::Status write(const v1::Job& job, const std::string& path) {
     const Stopwatch watch;
     session_.bar.begin("receiving", "tets");
-    const ClientProgress progress{
-        .upload = {}, .planning = {}, .tets = [&](std::uint64_t done, std::uint64_t total) {
-          session_.bar.update(static_cast<double>(done), static_cast<double>(total));
-        }};
-    auto streamed = session_.jobs.read_result(job.name(), progress, cancellation_);
+    auto streamed = session_.jobs.read_result(job.name(), receiving(), cancellation_);
     if (!streamed.ok()) return streamed.status();
     MadeMesh made = made_of(*std::move(streamed), {});
     const absl::Status status = write_made_mesh(path, made, session_.bar, cancellation_);
     if (!status.ok()) return status;
     tell(job, path, summary_line(path, made, watch.seconds()), false);
     return absl::OkStatus();
+  }
+
+  /// Each chunk goes to its place in the file as it comes: the mesh is never in memory.
+  absl::Status assemble(const v1::Job& job, const std::string& path) {
+    const Stopwatch watch;
+    if (job.state() != v1::JOB_STATE_SUCCEEDED) return write(job, path);  // which says why not
+    const auto header = checked_header(job.header());
+    if (!header.ok()) return header.status();
+    auto file = AtomicFile::create(path);
+    if (!file.ok()) return file.status();
+    const WriteControl control{.cancellation = &cancellation_, .progress = {}};
+    auto writer = VtkHdfWriter::begin(*file, *header, control);
+    if (!writer.ok()) return writer.status();
+    session_.bar.begin("receiving", "tets");
+    absl::Status status = session_.jobs.read_parts(
+        job, arguments_.streams,
+        [&](const TetMesh& part, const ChunkExtent& place) { return writer->put(part, place); },
+        receiving(), cancellation_);
+    if (status.ok()) status = file->commit();
+    if (!status.ok()) return status;
+    tell(job, path,
+         absl::StrFormat("%s: %d vertices, %d tets, %.2f s", path, header->vertex_count,
+                         header->tet_count, watch.seconds()),
+         false);
+    return absl::OkStatus();
+  }
+
+  ClientProgress receiving() {
+    return {
+        .upload = {}, .planning = {}, .tets = [this](std::uint64_t done, std::uint64_t total) {
+          session_.bar.update(static_cast<double>(done), static_cast<double>(total));
+        }};
   }
 
   void tell(const v1::Job& job, const std::string& path, const std::string& text, bool before) {

@@ -5,13 +5,15 @@
 
 import filecmp
 import json
+import os
 import pathlib
 import shutil
 import signal
+import subprocess
 import unittest
 
 from command_case import (
-    CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, unused_port, wait_until)
+    CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, binaries, unused_port, wait_until)
 from cutting_link import CuttingLink
 from job_case import JobTest
 
@@ -185,7 +187,7 @@ class JobResults(JobTest):
                 [torus], [torus, "--improve"], [self.inputs / "cube.obj", "--voxel", "0.1"],
                 [sphere, "--spacing", "0.08", "--levels", "1", "--coordinates", "float64"],
                 [sphere, "--preset", "both-sides", "--manifold", "--box", *"-2 -2 -2 2 2 2".split()])):
-            ending = ENDINGS[number % len(ENDINGS)]
+            ending = ENDINGS[(number + 1) % len(ENDINGS)]
             with self.subTest(source=source.name, options=options):
                 name, = self.submit(source, *options)
                 here, there = self.out / f"here{ending}", self.out / f"there{ending}"
@@ -194,6 +196,35 @@ class JobResults(JobTest):
                 self.assert_done(result)
                 self.assertRegex(result.stdout, r"there\.\w+: \d+ vertices, \d+ tets")
                 self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
+    def peak_memory(self, *arguments):
+        """Bytes that `tetstream job` took at most."""
+        process = subprocess.Popen([binaries() / "tetstream", "job", *map(str, arguments)],
+                                   env=self.environment, stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0)
+        return usage.ru_maxrss * 1024
+
+    def test_a_vtkhdf_file_is_put_together_without_the_mesh_in_memory(self):
+        source, spacing = self.inputs / "torus.vdb", ("--spacing", "0.011")
+        here, there = self.out / "here.vtkhdf", self.out / "there.vtkhdf"
+        name, = self.submit(source, *spacing)
+        self.mesh_here(here, source, *spacing)
+        self.assert_done(self.job("wait", name))
+        peaks = {}
+        for streams in (1, 4):
+            link = CuttingLink(self.address, [9 << 20, 20 << 20])
+            self.addCleanup(link.close)
+            peaks[streams] = self.peak_memory("fetch", name, "-o", there, "--streams", streams,
+                                              "--server", link.address)
+            self.assertTrue(filecmp.cmp(here, there, shallow=False))
+            self.assertGreater(len(link.from_server), 1)
+        whole = here.stat().st_size
+        print(f"{whole >> 20} MiB took at most {[peak >> 20 for peak in peaks.values()]} MiB")
+        self.assertGreater(whole, 96 << 20)
+        for streams, peak in peaks.items():  # of the program, and of what is on its way
+            self.assertLess(peak, (64 << 20) + streams * (6 << 20))
 
     def test_a_fetch_that_breaks_goes_on_where_it_was(self):
         source, spacing = self.inputs / "torus.vdb", ("--spacing", "0.013")

@@ -1,0 +1,52 @@
+#include "client/stream_checks.h"
+
+#include <absl/strings/str_cat.h>
+
+namespace tet {
+
+namespace {
+
+// Beyond any mesh that fits a machine, and small enough that sizes in bytes do not overflow.
+constexpr std::int64_t kMaxCount = std::int64_t{1} << 48;
+
+WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
+
+bool is_valid(const v1::MeshHeader& header) {
+  return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
+         is_count(header.chunk_count()) &&
+         header.coordinate_type() != v1::COORDINATE_TYPE_UNSPECIFIED &&
+         v1::CoordinateType_IsValid(header.coordinate_type()) &&
+         header.index_type() != v1::INDEX_TYPE_UNSPECIFIED &&
+         v1::IndexType_IsValid(header.index_type());
+}
+
+}  // namespace
+
+absl::Status bad_stream(const std::string& message) {
+  return absl::DataLossError(absl::StrCat("the server's stream is broken: ", message));
+}
+
+bool is_count(std::int64_t count) { return 0 <= count && count <= kMaxCount; }
+
+bool is_count(std::uint64_t count) { return count <= std::uint64_t{kMaxCount}; }
+
+absl::StatusOr<MeshHeader> checked_header(const v1::MeshHeader& message) {
+  if (!is_valid(message)) return bad_stream("a header with impossible values");
+  MeshHeader header;
+  header.vertex_count = static_cast<std::uint64_t>(message.vertex_count());
+  header.tet_count = static_cast<std::uint64_t>(message.tet_count());
+  header.chunk_count = static_cast<std::uint64_t>(message.chunk_count());
+  header.coordinate_type = message.coordinate_type() == v1::COORDINATE_TYPE_FLOAT64
+                               ? CoordinateType::kFloat64
+                               : CoordinateType::kFloat32;
+  header.index_type =
+      message.index_type() == v1::INDEX_TYPE_UINT64 ? IndexType::kUint64 : IndexType::kUint32;
+  header.origin = to_core(message.origin());
+  header.bounds = {to_core(message.bounds().min()), to_core(message.bounds().max())};
+  header.spacing = message.spacing();
+  header.levels = message.levels();
+  header.has_regions = message.has_regions();
+  return header;
+}
+
+}  // namespace tet
