@@ -78,6 +78,19 @@ void submit(benchmark::State& state) {
   if (state.thread_index() == 0) store.reset();
 }
 
+/// Behind others in the queue, which stays as long as it is.
+void submit_behind(benchmark::State& state) {
+  JobStore& store = filled(state.range(0), state.range(1));
+  for (auto _ : state) {
+    const auto created = store.create(wanted());
+    state.PauseTiming();
+    (void)store.cancel(created.value().job.id);
+    (void)store.remove(created.value().job.id);
+    state.ResumeTiming();
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
 void claim(benchmark::State& state) {
   JobStore& store = filled(state.range(0), state.range(1));
   const std::int64_t batch = state.range(2);
@@ -139,6 +152,12 @@ void list(benchmark::State& state) {
 
 BENCHMARK(submit)->ArgName("engine")->Arg(kSqlite)->Arg(kPostgres)->UseRealTime();
 BENCHMARK(submit)->ArgName("engine")->Arg(kSqlite)->Arg(kPostgres)->Threads(8)->UseRealTime();
+BENCHMARK(submit_behind)
+    ->ArgNames({
+        "engine", "queued"
+})
+    ->ArgsProduct({{kSqlite, kPostgres}, {100, 10'000}})
+    ->UseRealTime();
 BENCHMARK(claim)
     ->ArgNames({
         "engine", "queued", "batch"

@@ -10,9 +10,14 @@
 
 namespace tet {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr absl::Duration kAskAgain = absl::Seconds(5);
+
+/// Jobs are asked once for at least so many grids, which may all be needed.
+constexpr std::size_t kFewGrids = 64;
 
 // How much the others use is not for everybody to know.
 absl::Status no_room(std::uint64_t size_bytes,
@@ -31,8 +36,7 @@ absl::Status no_room(std::uint64_t size_bytes,
 void GridStore::ask_before_evicting(Needed needed) { needed_ = std::move(needed); }
 
 std::uint64_t GridStore::used_bytes() const {
-  std::uint64_t used = 0;
-  for (const auto& [key, entry] : grids_) used += entry.grid->size_bytes;
+  std::uint64_t used = grids_.bytes();
   for (const auto& [key, part] : parts_) used += part.size_bytes;
   return used;
 }
@@ -43,29 +47,29 @@ absl::Status GridStore::reserve(const GridKey& key,
                                 const Uploader& by) {
   if (size_bytes > budget_bytes_)
     return over_limit("grid file, bytes", size_bytes, budget_bytes_);
-  Evictable evictable;
-  {
+  std::set<GridKey> needed;
+  while (true) {
+    Evictable evictable;
+    {
+      const std::lock_guard lock(mutex_);
+      if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+      if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
+      evictable = idle_grids(size_bytes, needed);
+    }
+    // Whoever submits a job holds its grid until the job is stored. So a grid that was idle
+    // before the jobs are asked, that none of them needs, and that nobody took since is needed
+    // by none.
+    const absl::Status asked = spare_needed(evictable, needed);
     const std::lock_guard lock(mutex_);
     if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+    while (!fits(key, size_bytes) && evict_oldest(key, evictable)) continue;
     if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
-    evictable = idle_grids();
-  }
-  // Whoever submits a job holds its grid until the job is stored. So a grid that was idle
-  // before the jobs are asked, that none of them needs, and that nobody took since is needed by
-  // none.
-  const absl::Status asked = spare_needed(evictable);
-  const std::lock_guard lock(mutex_);
-  if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
-  while (!fits(key, size_bytes)) {
-    if (evict_oldest(key, evictable)) continue;
     if (!asked.ok()) return asked;
-    if (evictable.needed == 0) {
-      return no_room(size_bytes, budget_bytes_, "other calls", "STORE_BUSY");
-    }
+    if (!evictable.all) continue;
+    if (needed.empty()) return no_room(size_bytes, budget_bytes_, "other calls", "STORE_BUSY");
     return no_room(size_bytes, budget_bytes_, "other calls and jobs that are not finished",
                    "STORE_HELD_BY_JOBS");
   }
-  return take_place(key, size_bytes, by);
 }
 
 absl::Status GridStore::check_upload(const GridKey& key,
@@ -109,38 +113,50 @@ absl::Status GridStore::take_place(const GridKey& key,
   return absl::OkStatus();
 }
 
-GridStore::Evictable GridStore::idle_grids() const {
-  Evictable idle;
-  for (const auto& [key, entry] : grids_) {
-    if (!entry.in_use()) idle.grids.insert(key);
-  }
-  idle.leases = leases_;
+/// Enough of them to make room for `bytes`, if there are.
+GridStore::Evictable GridStore::idle_grids(std::uint64_t bytes,
+                                           const std::set<GridKey>& needed) const {
+  Evictable idle{{}, absl::Now(), leases_, /*all=*/true};
+  std::uint64_t found_bytes = 0;
+  grids_.oldest_first([&](const StoredGridEntry& entry) {
+    if (entry.in_use() || needed.contains(entry.grid->key)) return true;
+    idle.grids.push_back(entry.grid->key);
+    found_bytes += entry.grid->size_bytes;
+    idle.all = idle.grids.size() < kFewGrids || found_bytes < bytes;
+    return idle.all;
+  });
   return idle;
 }
 
 /// Takes away those that somebody needs who has no lease; all if that cannot be told.
-absl::Status GridStore::spare_needed(Evictable& evictable) const {
-  if (!needed_) return absl::OkStatus();
-  const auto needed = needed_();
-  if (!needed.ok()) {
+absl::Status GridStore::spare_needed(Evictable& evictable, std::set<GridKey>& needed) const {
+  if (!needed_ || evictable.grids.empty()) return absl::OkStatus();
+  auto told = needed_();
+  if (!told.ok()) {
     evictable.grids.clear();
-    return needed.status();
+    return told.status();
   }
-  for (const GridKey& key : *needed) evictable.needed += evictable.grids.erase(key);
+  std::erase_if(evictable.grids, [&](const GridKey& key) {
+    return told->contains(key) && needed.insert(key).second;
+  });
   return absl::OkStatus();
 }
 
-/// Removes what was used least of the grids that may be evicted and the uploads nobody sends.
-bool GridStore::evict_oldest(const GridKey& except_part, const Evictable& evictable) {
-  auto oldest_grid = grids_.end();
-  for (auto it = grids_.begin(); it != grids_.end(); ++it) {
-    const Entry& entry = it->second;
-    if (entry.in_use() || entry.last_lease > evictable.leases) continue;
-    if (!evictable.grids.contains(it->first)) continue;
-    if (oldest_grid == grids_.end() || entry.last_use < oldest_grid->second.last_use) {
-      oldest_grid = it;
-    }
+/// The first that is still there and that nobody has touched since; those before it are
+/// dropped.
+const StoredGridEntry* GridStore::oldest_of(Evictable& evictable) const {
+  for (; !evictable.grids.empty(); evictable.grids.pop_front()) {
+    const StoredGridEntry* const entry = grids_.find(evictable.grids.front());
+    if (entry == nullptr || entry->in_use()) continue;
+    if (entry->last_lease <= evictable.leases && entry->last_use <= evictable.time)
+      return entry;
   }
+  return nullptr;
+}
+
+/// Removes what was used least of the grids that may be evicted and the uploads nobody sends.
+bool GridStore::evict_oldest(const GridKey& except_part, Evictable& evictable) {
+  const StoredGridEntry* const oldest_grid = oldest_of(evictable);
   auto oldest_part = parts_.end();
   for (auto it = parts_.begin(); it != parts_.end(); ++it) {
     if (it->second.busy || it->first == except_part) continue;
@@ -150,16 +166,15 @@ bool GridStore::evict_oldest(const GridKey& except_part, const Evictable& evicta
   }
   std::error_code ignored;  // a file that is gone already has been evicted by someone else
   if (oldest_part != parts_.end() &&
-      (oldest_grid == grids_.end() ||
-       oldest_part->second.last_use < oldest_grid->second.last_use)) {
-    std::filesystem::remove(part_path(oldest_part->first), ignored);
+      (oldest_grid == nullptr || oldest_part->second.last_use < oldest_grid->last_use)) {
+    fs::remove(part_path(oldest_part->first), ignored);
     parts_.erase(oldest_part);
     ++gone_.evicted_uploads;
     return true;
   }
-  if (oldest_grid == grids_.end()) return false;
-  std::filesystem::remove(oldest_grid->second.grid->path, ignored);
-  grids_.erase(oldest_grid);
+  if (oldest_grid == nullptr) return false;
+  fs::remove(oldest_grid->grid->path, ignored);
+  grids_.erase(GridKey(oldest_grid->grid->key));
   ++gone_.evicted_files;
   return true;
 }

@@ -81,8 +81,7 @@ void GridStore::look_again(const GridKey& key) {
   if (!file) {
     grids_.erase(key);
   } else if (!grids_.contains(key)) {
-    auto grid = std::make_shared<StoredGrid>(StoredGrid{key, file->path, file->size_bytes});
-    grids_[key] = Entry{std::move(grid), file->last_use};
+    grids_.put({key, file->path, file->size_bytes}, file->last_use);
   }
 }
 
@@ -103,8 +102,7 @@ absl::Status GridStore::scan_space(const std::string& space) {
   for (const FoundFile& file : *grids) {
     const GridKey key{space, file.path.filename().string()};
     if (!is_sha256_hex(key.digest) || file.path != grid_path(key)) continue;
-    auto grid = std::make_shared<StoredGrid>(StoredGrid{key, file.path, file.size_bytes});
-    grids_[key] = Entry{std::move(grid), file.last_use};
+    grids_.put({key, file.path, file.size_bytes}, file.last_use);
   }
   for (const FoundFile& file : *parts) {
     const GridKey key{space, file.path.stem().string()};
@@ -128,33 +126,33 @@ fs::path GridStore::part_path(const GridKey& key) const {
 
 // The file's own time remembers the order of use across restarts; failing to set it costs only
 // that.
-void GridStore::use(Entry& entry) {
-  entry.last_use = absl::Now();
+void GridStore::use(const StoredGridEntry& entry) {
+  grids_.use(entry.grid->key);
   ::utimensat(AT_FDCWD, entry.grid->path.c_str(), nullptr, 0);
 }
 
 bool GridStore::touch(const GridKey& key) {
   const std::lock_guard lock(mutex_);
-  const auto found = grids_.find(key);
-  if (found == grids_.end()) return false;
-  use(found->second);
+  const StoredGridEntry* const found = grids_.find(key);
+  if (found == nullptr) return false;
+  use(*found);
   return true;
 }
 
 absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
   const std::lock_guard lock(mutex_);
   if (!lock_) look_again(key);
-  const auto found = grids_.find(key);
-  if (found == grids_.end()) return not_stored(key.digest);
-  use(found->second);
-  found->second.last_lease = ++leases_;
-  return found->second.grid;
+  const StoredGridEntry* const found = grids_.find(key);
+  if (found == nullptr) return not_stored(key.digest);
+  use(*found);
+  grids_.lease(key, ++leases_);
+  return found->grid;
 }
 
 UploadState GridStore::upload_state(const GridKey& key) const {
   const std::lock_guard lock(mutex_);
-  if (const auto grid = grids_.find(key); grid != grids_.end()) {
-    return {grid->second.grid->size_bytes, true};
+  if (const StoredGridEntry* const found = grids_.find(key)) {
+    return {found->grid->size_bytes, true};
   }
   const auto part = inspect(part_path(key));
   return {part ? part->size_bytes : 0, false};
@@ -165,8 +163,9 @@ std::vector<ListedGrid> GridStore::list(const std::string& space,
                                         std::size_t limit) const {
   const std::lock_guard lock(mutex_);
   std::vector<ListedGrid> listed;
-  for (auto it = grids_.upper_bound({space, after});
-       it != grids_.end() && it->first.space == space && listed.size() < limit; ++it) {
+  const StoredGrids::ByKey& grids = grids_.by_key();
+  for (auto it = grids.upper_bound({space, after});
+       it != grids.end() && it->first.space == space && listed.size() < limit; ++it) {
     listed.push_back({it->first.digest, it->second.grid->size_bytes, it->second.last_use});
   }
   return listed;
@@ -177,7 +176,7 @@ StoreStats GridStore::stats() const {
   StoreStats stats = gone_;
   stats.bytes = used_bytes();
   stats.budget_bytes = budget_bytes_;
-  stats.files = grids_.size();
+  stats.files = grids_.by_key().size();
   stats.uploads = parts_.size();
   return stats;
 }
@@ -201,12 +200,12 @@ absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKe
 // Several calls may have found the damage: the first one moves the file.
 void GridStore::set_aside(const GridLease& grid) {
   const std::lock_guard lock(mutex_);
-  const auto found = grids_.find(grid->key);
-  if (found == grids_.end() || found->second.grid != grid) return;
+  const StoredGridEntry* const found = grids_.find(grid->key);
+  if (found == nullptr || found->grid != grid) return;
   const fs::path aside = folder_of(grid->key.space) / "corrupt" / grid->key.digest;
   absl::Status moved = make_folder(aside.parent_path());
   if (moved.ok()) moved = move_file(grid->path, aside);
-  grids_.erase(found);
+  grids_.erase(grid->key);
   ++gone_.corrupt_files;
   nlohmann::ordered_json fields;
   fields["grid"] = grid->key.digest;
@@ -233,8 +232,7 @@ absl::Status GridStore::keep(const GridKey& key, std::uint64_t size_bytes) {
   const std::lock_guard lock(mutex_);
   if (status.ok()) status = move_file(part_path(key), path);
   if (!status.ok()) return status;
-  auto grid = std::make_shared<StoredGrid>(StoredGrid{key, path, size_bytes});
-  grids_[key] = Entry{std::move(grid), absl::Now()};
+  grids_.put({key, path, size_bytes}, absl::Now());
   parts_.erase(key);
   return absl::OkStatus();
 }

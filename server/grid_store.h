@@ -1,8 +1,8 @@
 // Grid files on disk, named by their SHA-256, under a size budget.
 #pragma once
 
-#include <compare>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -19,6 +19,7 @@
 #include <absl/time/time.h>
 
 #include "server/store_lock.h"
+#include "server/stored_grids.h"
 
 namespace tet {
 
@@ -26,22 +27,6 @@ class GridUpload;
 
 /// The namespace of everyone where there are no tokens.
 inline constexpr std::string_view kDefaultSpace = "default";
-
-/// Whose file, and which: the same bytes in two namespaces are two files, so that neither tells
-/// anything of the other.
-struct GridKey {
-  std::string space;
-  std::string digest;
-  friend auto operator<=>(const GridKey&, const GridKey&) = default;
-};
-
-/// A whole, verified file. It is not evicted while anyone holds a lease on it.
-struct StoredGrid {
-  GridKey key;
-  std::filesystem::path path;
-  std::uint64_t size_bytes = 0;
-};
-using GridLease = std::shared_ptr<const StoredGrid>;
 
 /// What is there of one file.
 struct UploadState {
@@ -127,12 +112,6 @@ class GridStore {
 
  private:
   friend class GridUpload;
-  struct Entry {
-    std::shared_ptr<StoredGrid> grid;
-    absl::Time last_use;
-    std::uint64_t last_lease = 0;  ///< the store's count of leases when it was given out last
-    bool in_use() const { return grid.use_count() > 1; }
-  };
   struct Part {
     std::uint64_t size_bytes = 0;  ///< on disk, or all that was announced while it is busy
     absl::Time last_use;
@@ -151,13 +130,15 @@ class GridStore {
   void look_again(const GridKey& key);
   absl::Status scan();
   absl::Status scan_space(const std::string& space);
-  void use(Entry& entry);
+  void use(const StoredGridEntry& entry);
 
-  /// Grids that were idle when the store had given out so many leases, less those needed.
+  /// The idle grids that were used least, oldest first, when the store had given out so many
+  /// leases.
   struct Evictable {
-    std::set<GridKey> grids;
+    std::deque<GridKey> grids;
+    absl::Time time;
     std::uint64_t leases = 0;
-    std::uint64_t needed = 0;  ///< how many were taken away
+    bool all = false;  ///< there is no other idle grid
   };
 
   std::uint64_t used_bytes() const;
@@ -167,12 +148,13 @@ class GridStore {
                             const Uploader& by) const;
   bool fits(const GridKey& key, std::uint64_t size_bytes) const;
   absl::Status take_place(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
-  Evictable idle_grids() const;
-  absl::Status spare_needed(Evictable& evictable) const;
+  Evictable idle_grids(std::uint64_t bytes, const std::set<GridKey>& needed) const;
+  absl::Status spare_needed(Evictable& evictable, std::set<GridKey>& needed) const;
   absl::Status check_quota(const GridKey& key,
                            std::uint64_t size_bytes,
                            const Uploader& by) const;
-  bool evict_oldest(const GridKey& except_part, const Evictable& evictable);
+  const StoredGridEntry* oldest_of(Evictable& evictable) const;
+  bool evict_oldest(const GridKey& except_part, Evictable& evictable);
 
   void end_upload(const GridKey& key, std::uint64_t committed_size);
   absl::Status keep(const GridKey& key, std::uint64_t size_bytes);
@@ -185,7 +167,7 @@ class GridStore {
   mutable std::mutex mutex_;
   std::uint64_t leases_ = 0;  ///< given out so far
   StoreStats gone_;           ///< only what is counted since the store was opened
-  std::map<GridKey, Entry> grids_;
+  StoredGrids grids_;
   std::map<GridKey, Part> parts_;
 };
 

@@ -1,12 +1,36 @@
 #include "server/large_plans.h"
 
 #include <optional>
+#include <sys/resource.h>
+#include <thread>
 #include <utility>
+
+#include "core/base/own_threads.h"
+#include "server/background.h"
 
 namespace tet {
 
 namespace {
+
 constexpr auto kAnyone = [](const std::string&) { return true; };
+
+/// The same work on threads of a lower priority: the pool's, which waits for them, has that of
+/// all pools.
+std::function<void()> politely(int threads, std::function<void()> work) {
+  return [threads, work = std::move(work)] {
+    std::jthread([&] {
+      give_way();
+      run_with_own_threads(threads, work);
+    });
+  };
+}
+
+}  // namespace
+
+void give_way() {
+  // On Linux a thread's own; where it fails, only politeness is lost.
+  if (::getpriority(PRIO_PROCESS, 0) >= kBackgroundNice) return;
+  ::setpriority(PRIO_PROCESS, 0, kBackgroundNice);
 }
 
 LargePlans::LargePlans(int threads, std::size_t at_once) {
@@ -22,6 +46,7 @@ LargePlans::~LargePlans() {
 }
 
 void LargePlans::post(const std::string& client, std::function<void()> work) {
+  if (is_background(client)) work = politely(pools_.front()->threads(), std::move(work));
   const std::lock_guard lock(mutex_);
   waiting_.push(client, std::move(work));
   start_waiting();

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -15,6 +16,8 @@
 #include <oneapi/tbb/task_arena.h>
 #endif
 
+#include "core/base/own_threads.h"
+
 namespace tet {
 namespace {
 
@@ -23,7 +26,62 @@ int thread_count(int requested) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+/// How many threads the loops of this one make for themselves; 0: they are the pool's matter.
+thread_local int t_own_threads = 0;
+
+class FirstError {
+ public:
+  template <class Body>
+  void guard(const Body& body) noexcept {
+    try {
+      body();
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+  }
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+/// A loop within a loop stays in its thread.
+void own_ranges(std::size_t count, std::size_t grain, const internal::RangeBody& body) {
+  const std::size_t threads = static_cast<std::size_t>(std::max(1, t_own_threads));
+  const std::size_t step = std::max(grain, count / (threads * 8) + 1);
+  std::atomic<std::size_t> next{0};
+  FirstError error;
+  const auto drain = [&] {
+    const int outer = std::exchange(t_own_threads, 1);
+    error.guard([&] {
+      for (std::size_t begin = next.fetch_add(step); begin < count;
+           begin = next.fetch_add(step)) {
+        body(begin, std::min(count, begin + step));
+      }
+    });
+    t_own_threads = outer;
+  };
+  std::vector<std::thread> helpers;
+  for (std::size_t i = 1; i < threads && i * step < count; ++i) helpers.emplace_back(drain);
+  drain();
+  for (std::thread& helper : helpers) helper.join();
+  error.rethrow();
+}
+
 }  // namespace
+
+void run_with_own_threads(int threads, const std::function<void()>& work) {
+  struct Restore {
+    int outer;
+    ~Restore() { t_own_threads = outer; }
+  };
+  const Restore restore{std::exchange(t_own_threads, thread_count(threads))};
+  work();
+}
 
 #ifndef TET_STD_THREADS
 
@@ -86,6 +144,7 @@ namespace internal {
 
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
   if (count == 0) return;
+  if (t_own_threads > 0) return own_ranges(count, grain, body);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, grain),
       [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
@@ -95,15 +154,11 @@ void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body
 
 #else  // The same contract on std::thread: Debian's oneTBB is opaque to ThreadSanitizer.
 
-namespace {
-thread_local int t_pool_threads = 0;
-}
-
 struct TaskPool::Impl {
   explicit Impl(int threads) {
     for (int i = 0; i < threads; ++i) {
       workers.emplace_back([this, threads] {
-        t_pool_threads = threads;
+        t_own_threads = threads;
         work();
       });
     }
@@ -143,11 +198,7 @@ TaskPool::TaskPool(int threads) : impl_(std::make_unique<Impl>(thread_count(thre
 TaskPool::~TaskPool() = default;
 int TaskPool::threads() const noexcept { return static_cast<int>(impl_->workers.size()); }
 
-void TaskPool::run(const std::function<void()>& work) {
-  const int outer = std::exchange(t_pool_threads, threads());
-  work();
-  t_pool_threads = outer;
-}
+void TaskPool::run(const std::function<void()>& work) { run_with_own_threads(threads(), work); }
 
 void TaskPool::post(std::function<void()> work) {
   {
@@ -162,19 +213,7 @@ void stay_in_one_thread() {}  // only pools make threads
 namespace internal {
 
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
-  const std::size_t threads = static_cast<std::size_t>(std::max(1, t_pool_threads));
-  const std::size_t step = std::max(grain, count / (threads * 8) + 1);
-  std::atomic<std::size_t> next{0};
-  const auto drain = [&] {
-    for (std::size_t begin = next.fetch_add(step); begin < count;
-         begin = next.fetch_add(step)) {
-      body(begin, std::min(count, begin + step));
-    }
-  };
-  std::vector<std::thread> helpers;
-  for (std::size_t i = 1; i < threads && i * step < count; ++i) helpers.emplace_back(drain);
-  drain();
-  for (std::thread& helper : helpers) helper.join();
+  own_ranges(count, grain, body);
 }
 
 }  // namespace internal

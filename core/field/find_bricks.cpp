@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <iterator>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
@@ -136,24 +138,61 @@ void add_runs(BrickCoord row, unsigned bits, std::vector<BrickBox>& boxes) {
   }
 }
 
-void scan_region(SignsAround& signs, BrickCoord region, FoundBricks& found) {
+/// The bricks of a region that lie near the surface, a bit for each.
+struct SurfaceRegion {
+  BrickCoord min;
+  RegionRows bricks;
+};
+
+/// What regions hold. Bricks are listed only once it is known how many there are.
+struct ScannedRegions {
+  std::vector<SurfaceRegion> surface;
+  std::size_t surface_bricks = 0;
+  std::vector<BrickBox> inside;
+};
+
+std::size_t count(const RegionRows& bricks) {
+  std::size_t total = 0;
+  for (const auto row : bricks) total += static_cast<std::size_t>(std::popcount(row));
+  return total;
+}
+
+BrickCoord row_of(BrickCoord region, std::size_t i) {
+  const auto at = static_cast<std::int32_t>(i);
+  return {region.x + at / kRegionBricks, region.y + at % kRegionBricks, region.z};
+}
+
+void scan_region(SignsAround& signs, BrickCoord region, ScannedRegions& scanned) {
   signs.enter(region);
   if (signs.one_sign()) {
     constexpr int kLast = kRegionBricks - 1;
     const BrickCoord last{region.x + kLast, region.y + kLast, region.z + kLast};
-    if (signs.inside()) found.inside.push_back({region, last});
+    if (signs.inside()) scanned.inside.push_back({region, last});
     return;
   }
   const RegionRows near_surface = signs.near_surface();
-  for (std::size_t i = 0; i < near_surface.size(); ++i) {
-    const auto at = static_cast<std::int32_t>(i);
-    const BrickCoord row{region.x + at / kRegionBricks, region.y + at % kRegionBricks,
-                         region.z};
-    for (unsigned bits = near_surface[i]; bits != 0; bits &= bits - 1) {
-      found.near_surface.push_back({row.x, row.y, row.z + std::countr_zero(bits)});
-    }
-    add_runs(row, signs.inside_rows()[i], found.inside);
+  if (const std::size_t bricks = count(near_surface); bricks > 0) {
+    scanned.surface.push_back({region, near_surface});
+    scanned.surface_bricks += bricks;
   }
+  for (std::size_t i = 0; i < near_surface.size(); ++i) {
+    add_runs(row_of(region, i), signs.inside_rows()[i], scanned.inside);
+  }
+}
+
+/// The bricks themselves.
+std::vector<BrickCoord> surface_bricks(const ScannedRegions& scanned) {
+  std::vector<BrickCoord> bricks;
+  bricks.reserve(scanned.surface_bricks);
+  for (const SurfaceRegion& region : scanned.surface) {
+    for (std::size_t i = 0; i < region.bricks.size(); ++i) {
+      const BrickCoord row = row_of(region.min, i);
+      for (unsigned bits = region.bricks[i]; bits != 0; bits &= bits - 1) {
+        bricks.push_back({row.x, row.y, row.z + std::countr_zero(bits)});
+      }
+    }
+  }
+  return bricks;
 }
 
 /// Lattice bricks whose cells, reached out by `reach` cells, meet a box of voxel bricks.
@@ -201,28 +240,55 @@ double cells_in(const PhiField& field, const std::vector<BrickBox>& voxel_bricks
   return bricks * kBrickCells / std::pow(field.spacing_voxels, 3);
 }
 
+/// What several threads find, each in a buffer that is filled again and again: the first touch
+/// of fresh memory would take longer than the search.
+class Gathering {
+ public:
+  ScannedRegions take_buffer() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) return {};
+    ScannedRegions buffer = std::move(spare_.back());
+    spare_.pop_back();
+    return buffer;
+  }
+
+  /// How many bricks near the surface there are now.
+  std::size_t add(ScannedRegions buffer) {
+    const std::lock_guard lock(mutex_);
+    found_.surface.insert(found_.surface.end(), buffer.surface.begin(), buffer.surface.end());
+    found_.inside.insert(found_.inside.end(), buffer.inside.begin(), buffer.inside.end());
+    found_.surface_bricks += std::exchange(buffer.surface_bricks, 0);
+    buffer.surface.clear();
+    buffer.inside.clear();
+    spare_.push_back(std::move(buffer));
+    return found_.surface_bricks;
+  }
+
+  ScannedRegions take() { return std::move(found_); }
+
+ private:
+  std::mutex mutex_;  // taken twice a range; the order of arrival is sorted away
+  ScannedRegions found_;
+  std::vector<ScannedRegions> spare_;
+};
+
 /// Looks at regions side by side, and gives up when there is more surface than can be kept.
-FoundBricks scan_regions(const PhiField& field,
-                         const std::vector<BrickCoord>& regions,
-                         std::size_t most_bricks,
-                         const Cancellation& cancellation) {
+ScannedRegions scan_regions(const PhiField& field,
+                            const std::vector<BrickCoord>& regions,
+                            std::size_t most_bricks,
+                            const Cancellation& cancellation) {
   const std::vector<RegionSigns> of_regions = signs_of_regions(field);
-  FoundBricks found;
-  std::mutex mutex;  // taken once a range; the order of arrival is sorted away
+  Gathering gathering;
   std::atomic<bool> too_many = false;
   for_each_range(regions.size(), 16, [&](std::size_t begin, std::size_t end) {
     SignsAround signs(field, of_regions);
-    FoundBricks mine;
+    ScannedRegions mine = gathering.take_buffer();
     for (std::size_t i = begin; i < end && !too_many && !cancellation.requested(); ++i) {
       scan_region(signs, regions[i], mine);
     }
-    const std::lock_guard lock(mutex);
-    found.near_surface.insert(found.near_surface.end(), mine.near_surface.begin(),
-                              mine.near_surface.end());
-    found.inside.insert(found.inside.end(), mine.inside.begin(), mine.inside.end());
-    too_many = found.near_surface.size() > most_bricks;
+    if (gathering.add(std::move(mine)) > most_bricks) too_many = true;
   });
-  return found;
+  return gathering.take();
 }
 
 }  // namespace
@@ -261,13 +327,16 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
   if (!regions.ok()) return regions.status();
   // At other spacings, a brick found is as many as it meets at most: too many to refuse by.
   const std::size_t most_seen = field.at_voxels() ? most_bricks : kMaxSurfaceBricks;
-  FoundBricks found = scan_regions(field, *regions, most_seen, cancellation);
+  ScannedRegions scanned = scan_regions(field, *regions, most_seen, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
-  const double seen = static_cast<double>(found.near_surface.size());
+  const auto seen = static_cast<double>(scanned.surface_bricks);
   const double per_brick = field.at_voxels() ? 1 : lattice_bricks_per_brick(field);
   if (auto status = check_surface_bricks(seen * per_brick, most_seen); !status.ok())
     return status;
+  FoundBricks found;
+  found.near_surface = surface_bricks(scanned);
+  found.inside = std::move(scanned.inside);
   for (const BrickBox& box : deep_inside(field)) found.inside.push_back(box);
   const double inside_cells = cells_in(field, found.inside);
   if (!field.at_voxels()) found = at_lattice(field, found);

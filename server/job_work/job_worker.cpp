@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <sys/resource.h>
 #include <utility>
 
 #include <absl/time/clock.h>
 
+#include "server/background.h"
 #include "server/jobs/store_errors.h"
 #include "server/logging.h"
 #include "server/status.h"
@@ -14,9 +14,6 @@
 namespace tet {
 
 namespace {
-
-// About a tenth of the weight of the threads that somebody waits for.
-constexpr int kNice = 10;
 
 /// How long an idle worker does not look, though nobody told it of anything: shards that back
 /// off become ready by themselves.
@@ -38,11 +35,6 @@ bool pause(const std::stop_token& stopping, std::chrono::milliseconds time) {
   std::condition_variable_any never;
   std::unique_lock lock(mutex);
   return !never.wait_for(lock, stopping, time, [&] { return stopping.stop_requested(); });
-}
-
-void give_way() {
-  // On Linux a thread's own; where it fails, only politeness is lost.
-  ::setpriority(PRIO_PROCESS, 0, kNice);
 }
 
 void log_trouble(const char* event, const ShardKey& shard, const absl::Status& status) {

@@ -3,8 +3,12 @@
 #include <future>
 #include <utility>
 
+#include <absl/functional/function_ref.h>
 #include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+#include <absl/time/time.h>
 
+#include "server/background.h"
 #include "server/job_work/stored_mesh.h"
 #include "server/jobs/store_errors.h"
 #include "server/status.h"
@@ -34,6 +38,18 @@ absl::Status alarm(const ChunkRange& chunks, const std::string& mesh_id) {
       "DETERMINISM_ALARM");
 }
 
+/// Asks the store until it answers, or nobody wants to know any more: a database that was away
+/// for a while costs no attempt. What is asked for twice is done once.
+absl::Status persist(const Cancellation& cancellation, absl::FunctionRef<absl::Status()> ask) {
+  constexpr absl::Duration kPause = absl::Milliseconds(200);
+  absl::Status answer = ask();
+  while (absl::IsUnavailable(answer) && !cancellation.requested()) {
+    absl::SleepFor(kPause);
+    answer = ask();
+  }
+  return answer;
+}
+
 }  // namespace
 
 bool ShardMaker::is_worth_another_try(const absl::Status& error) {
@@ -56,8 +72,12 @@ bool ShardMaker::lacks_room(const absl::Status& error) {
 
 absl::Status ShardMaker::run(const ShardLease& lease,
                              const std::shared_ptr<PlanningWatch>& watch) {
-  auto job = jobs_.get(lease.id.shard.job);
-  if (!job.ok()) return job.status();
+  absl::StatusOr<Job> job;
+  const absl::Status found = persist(watch->cancellation, [&] {
+    job = jobs_.get(lease.id.shard.job);
+    return job.status();
+  });
+  if (!found.ok()) return found;
   auto spec = spec_of(*job);
   if (!spec.ok()) return spec.status();
   const Shard shard{lease, watch, *std::move(job), *std::move(spec)};
@@ -97,8 +117,10 @@ bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan
 }
 
 absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& plan) {
-  return jobs_.set_plan(shard.lease.id, {Phase::kMesh, plan.SerializeAsString(),
-                                         shards_of(plan.header().chunk_count())});
+  const Plan shards{Phase::kMesh, plan.SerializeAsString(),
+                    shards_of(plan.header().chunk_count())};
+  return persist(shard.watch->cancellation,
+                 [&] { return jobs_.set_plan(shard.lease.id, shards); });
 }
 
 absl::Status ShardMaker::mesh(const Shard& shard) {
@@ -110,7 +132,7 @@ absl::Status ShardMaker::mesh(const Shard& shard) {
   if (!folder.ok()) return folder.status();
   if (!shard.spec.skip_cache()) {
     const auto digests = (*folder)->find_whole_shard(chunks);
-    if (digests) return jobs_.complete(shard.lease.id, *digests);
+    if (digests) return commit_chunks(shard, *digests);
   }
   const auto planned = count(shard);
   if (!planned.ok()) return planned.status();
@@ -120,7 +142,13 @@ absl::Status ShardMaker::mesh(const Shard& shard) {
   const auto before = (*folder)->find_shard(chunks);
   if (before && *before != *made) return alarm(chunks, mesh_id);
   if (auto kept = (*folder)->put_shard(chunks, *made); !kept.ok()) return kept;
-  return jobs_.complete(shard.lease.id, *made);
+  return commit_chunks(shard, *made);
+}
+
+absl::Status ShardMaker::commit_chunks(const Shard& shard,
+                                       const std::vector<ChunkDigest>& digests) {
+  return persist(shard.watch->cancellation,
+                 [&] { return jobs_.complete(shard.lease.id, digests); });
 }
 
 /// Plans that were made lately are at hand.
@@ -129,8 +157,8 @@ absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {
   if (!order.ok()) return order.status();
   const std::lock_guard one_at_a_time(counting_);
   std::promise<absl::StatusOr<PlannedMesh>> promise;
-  engine_.planner.plan(absl::StrCat("jobs of ", shard.job.space), *std::move(order),
-                       shard.watch, [&promise](absl::StatusOr<PlannedMesh> planned) {
+  engine_.planner.plan(background_client(shard.job.space), *std::move(order), shard.watch,
+                       [&promise](absl::StatusOr<PlannedMesh> planned) {
                          promise.set_value(std::move(planned));
                        });
   return promise.get_future().get();

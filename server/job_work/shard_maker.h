@@ -42,6 +42,7 @@ class ShardMaker {
 
   absl::Status plan(const Shard& shard);
   absl::Status mesh(const Shard& shard);
+  absl::Status commit_chunks(const Shard& shard, const std::vector<ChunkDigest>& digests);
   bool is_stored(const std::string& space, const stored::JobPlan& plan) const;
   absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
   absl::StatusOr<PlannedMesh> count(const Shard& shard);

@@ -1,6 +1,7 @@
 #include "server/jobs/postgres_connection.h"
 
 #include <cstdlib>
+#include <poll.h>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,10 @@ constexpr Oid kText = 25;
 
 // Plans are made once. They must be good for a queue of any length: one that was made while it
 // was short would read all of a long one, unless it has to use an index.
+// A process that is paused or cut off in the middle of a transaction keeps its rows locked:
+// until the server ends the session, which must be before those who wait for them give up.
 constexpr char kSettings[] =
-    "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '60s'; "
+    "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '3s'; "
     "SET synchronous_commit = on; SET client_min_messages = warning; SET enable_seqscan = off; "
     "SET plan_cache_mode = force_generic_plan";
 
@@ -96,7 +99,7 @@ SqlResult rows_of(const PGresult* result) {
   }
   auto* command = const_cast<PGresult*>(result);  // libpq only reads it
   // A SELECT counts what it found.
-  if (!absl::StartsWith(PQcmdStatus(command), "SELECT")) {
+  if (!absl::StartsWith(PQcmdStatus(command), "SELECT ")) {
     read.changed = std::strtoll(PQcmdTuples(command), nullptr, 10);
   }
   return read;
@@ -116,11 +119,13 @@ absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::open(
   const char* const keys[] = {"dbname",
                               "connect_timeout",
                               "keepalives_idle",
+                              "keepalives_interval",
+                              "keepalives_count",
                               "tcp_user_timeout",
                               "client_encoding",
                               "application_name",
                               nullptr};
-  const char* const values[] = {connection.c_str(), "5",    "5", "15000", "UTF8",
+  const char* const values[] = {connection.c_str(), "5",    "5", "5", "2", "15000", "UTF8",
                                 "tetstream",        nullptr};
   std::unique_ptr<PostgresConnection> opened(
       new PostgresConnection(PQconnectdbParams(keys, values, 1)));
@@ -132,6 +137,12 @@ absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::open(
 bool PostgresConnection::usable() const {
   return PQstatus(connection_.get()) == CONNECTION_OK &&
          PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;
+}
+
+// A server that ends says so, or hangs up: either can be read. It has nothing else to tell.
+bool PostgresConnection::survived() const {
+  pollfd unasked{socket(), POLLIN, 0};
+  return ::poll(&unasked, 1, 0) == 0;
 }
 
 absl::Status PostgresConnection::error(const PGresult* result) const {

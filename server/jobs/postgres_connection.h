@@ -28,6 +28,7 @@ class PostgresConnection final : public SqlConnection {
   absl::Status commit() override;
   void roll_back() noexcept override;
   bool usable() const override;
+  bool survived() const override;
 
   /// Runs statements without parameters, not prepared.
   absl::StatusOr<SqlResult> run_script(const std::string& sql);

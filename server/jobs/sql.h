@@ -69,6 +69,9 @@ class SqlConnection {
   virtual void roll_back() noexcept = 0;
   /// Whether it is worth keeping for the next who needs one.
   virtual bool usable() const { return true; }
+  /// Whether it still leads to the database after it lay idle, as far as can be told without
+  /// asking.
+  virtual bool survived() const { return true; }
 };
 
 /// Up to `most` connections that are opened when needed and used again. Thread-safe; outlives

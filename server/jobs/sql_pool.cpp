@@ -8,9 +8,10 @@ absl::StatusOr<SqlPool::Lease> SqlPool::take() {
     std::unique_lock lock(mutex_);
     returned_.wait(lock, [&] { return room_ > 0; });
     --room_;
-    if (!idle_.empty()) {
+    while (!connection && !idle_.empty()) {
       connection = std::move(idle_.back());
       idle_.pop_back();
+      if (!connection->survived()) connection.reset();
     }
   }
   const auto back = [this](SqlConnection* used) { give_back(used); };

@@ -2,7 +2,10 @@
 
 #include <cerrno>
 #include <chrono>
+#include <fcntl.h>
+#include <iterator>
 #include <thread>
+#include <unistd.h>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -31,8 +34,18 @@ int wait_for_lock(void* most_steps, int steps) {
 
 constexpr char kFull[] = "the disk of the jobs' database is full";
 
-bool lacks_room(int system_error) {
-  return system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG;
+/// By trying: SQLite forgets why a file could not be made. Not with the database's own file,
+/// since closing that would end this process's locks on it.
+bool is_on_a_full_disk(const std::string& database) {
+  const std::string probe = database + ".probe";
+  const int descriptor = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  const std::string page(4096, '.');
+  const bool fits =
+      descriptor >= 0 && ::write(descriptor, page.data(), page.size()) == std::ssize(page);
+  const int error = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  ::unlink(probe.c_str());
+  return !fits && (error == ENOSPC || error == EDQUOT || error == EFBIG);
 }
 
 void bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
@@ -113,8 +126,7 @@ absl::Status SqliteConnection::error(const std::string& action) const {
       return store_full(kFull);
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:
-      return lacks_room(sqlite3_system_errno(database_.get())) ? store_full(kFull)
-                                                               : store_broken(message);
+      return is_on_a_full_disk(path_) ? store_full(kFull) : store_broken(message);
     default:
       return store_broken(message);
   }

@@ -40,13 +40,15 @@ class SqliteConnection final : public SqlConnection {
   using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
 
   SqliteConnection(sqlite3* database, const SqliteOptions& options)
-      : database_(database),
+      : path_(options.path),
+        database_(database),
         clock_(options.clock),
         most_busy_steps_(static_cast<int>(absl::ToInt64Milliseconds(options.busy_timeout))) {}
   absl::Status set_up();
   absl::StatusOr<sqlite3_stmt*> prepare(std::string_view sql);
   absl::Status error(const std::string& action) const;
 
+  const std::string path_;
   const std::unique_ptr<sqlite3, Close> database_;
   const std::function<absl::Time()> clock_;
   int most_busy_steps_;                                    ///< of a millisecond

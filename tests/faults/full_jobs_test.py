@@ -29,6 +29,10 @@ class FullJobDisk(FaultTest):
              "--server", server.address], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "XDG_STATE_HOME": str(self.folder)})
 
+    def assert_submitted(self, submission):
+        _, said = submission.communicate(timeout=60)
+        self.assertEqual(submission.returncode, 0, said)
+
     def assert_fetched(self, server):
         waited = server.tetstream("job", "wait", "--all")
         self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)
@@ -57,7 +61,7 @@ class FullJobDisk(FaultTest):
                          ("RESOURCE_EXHAUSTED", "JOB_STORE_FULL"))
         self.assertNotIn(str(self.folder), refused[0]["message"])
         self.full.unlink()
-        self.assertEqual(submission.wait(60), 0, submission.stderr.read())
+        self.assert_submitted(submission)
         self.assertTrue(wait_until(lambda: self.is_up(server)))
         self.assertEqual(len(server.log("jobs_up")), 1)
         self.assert_fetched(server)
@@ -68,7 +72,7 @@ class FullJobDisk(FaultTest):
         self.assertEqual(self.health(server), 0)
         self.full.touch()
         submission = self.submit(server, "--max-attempts", "1")
-        self.assertEqual(submission.wait(60), 0, submission.stderr.read())
+        self.assert_submitted(submission)
         given_back = wait_until(lambda: server.log("shard_given_back"))
         self.assertEqual(given_back[0]["reason"], "DISK_FULL")
         self.assert_meshed(self.mesh(server))
@@ -78,7 +82,7 @@ class FullJobDisk(FaultTest):
     def test_a_database_that_fills_loses_nothing(self):
         server = self.start_on("jobs.sqlite")
         submission = self.submit(server, "--max-attempts", "1")
-        self.assertEqual(submission.wait(60), 0, submission.stderr.read())
+        self.assert_submitted(submission)
         self.full.touch()
         self.assert_meshed(self.mesh(server))
         self.full.unlink()

@@ -40,8 +40,10 @@ struct Options {
   std::uint64_t max_bytes = std::uint64_t{1} << 30;
 };
 
-const std::vector<std::string> kSettings{"--store-bytes", "256MiB", "--resident-bytes",
-                                         "256MiB"};
+/// A small server's. A few kilobytes of tiles may claim a solid with more surface than a
+/// minute's counting: what a plan may hold also bounds the work for it.
+const std::vector<std::string> kSettings{"--store-bytes", "256MiB",       "--resident-bytes",
+                                         "256MiB",        "--plan-bytes", "128MiB"};
 
 constexpr std::uint64_t kToldEach = 10'000;
 

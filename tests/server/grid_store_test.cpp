@@ -145,6 +145,28 @@ TEST_F(StoreTest, NeverEvictsAGridThatIsNeeded) {
   EXPECT_TRUE(put(*store, content(1)).ok());
 }
 
+TEST_F(StoreTest, FindsTheOneGridThatNobodyNeedsBehindManyOlderOnes) {
+  const auto store = open(20'000);
+  std::set<GridKey> needed;
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_TRUE(put(*store, content(i)).ok());
+    if (i < 199) needed.insert(key_of(content(i)));
+  }
+  store->ask_before_evicting([&] { return needed; });
+  EXPECT_TRUE(put(*store, content(200)).ok());
+  EXPECT_FALSE(store->touch(key_of(content(199))));
+  for (const GridKey& key : needed) EXPECT_TRUE(store->touch(key));
+}
+
+TEST_F(StoreTest, EvictsAsManySmallGridsAsALargeOneTakes) {
+  const auto store = open(30'000);
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(put(*store, content(i)).ok());
+  ASSERT_TRUE(put(*store, std::string(20'050, 'x')).ok());
+  const StoreStats stats = store->stats();
+  EXPECT_EQ(stats.evicted_files, 201U);
+  EXPECT_EQ(stats.bytes, 20'050U + 99 * 100);
+}
+
 TEST_F(StoreTest, NeverEvictsAGridThatWasTakenWhileItAskedWhoNeedsIt) {
   const auto store = open(100);
   ASSERT_TRUE(put(*store, content(0)).ok());

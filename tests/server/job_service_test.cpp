@@ -338,7 +338,7 @@ TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
   server_.start({"--job-workers", "1", "--job-lease-seconds", "600"});
   v1::Job endless = server_.ball(16);
   endless.mutable_mesh()->clear_levels();
-  endless.mutable_mesh()->set_spacing(1.0 / 1024);
+  endless.mutable_mesh()->set_spacing(1.0 / 300);
   const v1::Job job = server_.create(endless);
   server_.watch(
       job, [](const v1::JobEvent& event) { return event.change() == v1::JOB_CHANGE_STARTED; });

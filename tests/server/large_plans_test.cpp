@@ -1,11 +1,17 @@
 #include "server/large_plans.h"
 
+#include <algorithm>
 #include <future>
+#include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <sys/resource.h>
 
 #include <gtest/gtest.h>
+
+#include "server/background.h"
 
 namespace tet {
 namespace {
@@ -49,6 +55,26 @@ TEST(LargePlans, OneRunsBesideAnotherThatDoesNotEnd) {
   plans.post("a", [&] { second.set_value(); });
   second.get_future().wait();
   first.set_value();
+}
+
+TEST(LargePlans, ThoseOfJobsGiveWay) {
+  std::mutex mutex;
+  std::map<std::string, std::set<int>> priorities;
+  {
+    LargePlans plans(2, 1);
+    for (const std::string& client : {background_client("space"), std::string("somebody")}) {
+      plans.post(client, [&, client] {
+        for_each_index(8, [&](std::size_t) {
+          const std::lock_guard lock(mutex);
+          priorities[client].insert(::getpriority(PRIO_PROCESS, 0));
+        });
+      });
+    }
+  }
+  const int ours = ::getpriority(PRIO_PROCESS, 0);
+  const int background = std::max(ours, kBackgroundNice);
+  EXPECT_EQ(priorities[background_client("space")], std::set<int>{background});
+  EXPECT_EQ(priorities["somebody"], std::set<int>{ours});
 }
 
 TEST(FairTasks, ClientsTakeTurnsTaskByTask) {

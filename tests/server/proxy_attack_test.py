@@ -1,10 +1,11 @@
-"""tetstreamd behind docker/haproxy.cfg, attacked over HTTP/2 while others use it.
+"""tetstreamd behind docker/haproxy.cfg: attacked over HTTP/2 while others use it, and with TLS.
 
     TETSTREAM_BIN=build/release/bin python3 tests/server/proxy_attack_test.py
 """
 
 import os
 import pathlib
+import re
 import resource
 import socket
 import subprocess
@@ -48,7 +49,9 @@ class WithoutAProxy(unittest.TestCase):
             self.assertEqual(len(server.log("stopped_listening")), 1)
 
 
-class ProxyAttack(unittest.TestCase):
+class BehindAProxy(unittest.TestCase):
+    client_options = ()
+
     @classmethod
     def setUpClass(cls):
         scratch = tempfile.TemporaryDirectory()
@@ -57,7 +60,7 @@ class ProxyAttack(unittest.TestCase):
         cls.grid = cls.folder / "sphere.vdb"
         subprocess.run([binaries() / "make_fixture", "sphere", "0.05", cls.grid], check=True)
         cls.server = cls.start_server()
-        cls.start_proxy()
+        cls.start_proxy(cls.configuration())
         wait_until(lambda: cls.client("health").returncode == 0)
 
     @classmethod
@@ -69,11 +72,15 @@ class ProxyAttack(unittest.TestCase):
         return server
 
     @classmethod
-    def start_proxy(cls):
+    def configuration(cls):
+        return CONFIGURATION
+
+    @classmethod
+    def start_proxy(cls, configuration):
         cls.address = f"127.0.0.1:{unused_port()}"
         host, port = cls.server.metrics.rsplit(":", 1)
         cls.proxy = subprocess.Popen(
-            ["haproxy", "-f", CONFIGURATION, "-db"],
+            ["haproxy", "-f", configuration, "-db"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             env={**os.environ, "TETSTREAM_PROXY_LISTEN": cls.address,
                  "TETSTREAM_PROXY_SERVER": cls.server.address,
@@ -89,12 +96,15 @@ class ProxyAttack(unittest.TestCase):
     @classmethod
     def client(cls, command, *arguments):
         return subprocess.run(
-            [binaries() / "tetstream", command, *arguments, "--server", cls.address],
+            [binaries() / "tetstream", command, *arguments, "--server", cls.address,
+             *cls.client_options],
             capture_output=True, text=True, timeout=30, check=False)
 
     def mesh(self):
         return self.client("mesh", self.grid, "-o", self.folder / "mesh.vtu")
 
+
+class ProxyAttack(BehindAProxy):
     def test_healthy_traffic_goes_on_during_every_attack(self):
         half_a_preface = self.connect_from("127.0.0.50")
         half_a_preface.send(PREFACE[:10])
@@ -155,6 +165,47 @@ class ProxyAttack(unittest.TestCase):
         for process in (self.server.process, self.proxy):
             self.assertIsNone(process.poll())
             self.assertLess(resident_mb(process), MAX_RESIDENT_MB)
+
+
+class ProxyWithTls(BehindAProxy):
+    """The line of docker/haproxy.cfg that is there for TLS, in place of the one without."""
+
+    @classmethod
+    def configuration(cls):
+        certificate = cls.folder / "server.pem"
+        subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
+             "-nodes", "-subj", "/CN=proxy", "-addext", "subjectAltName=IP:127.0.0.1",
+             "-keyout", cls.folder / "server.key", "-out", certificate],
+            check=True, capture_output=True)
+        cls.client_options = ("--tls-ca", certificate)
+        both = cls.folder / "both.pem"
+        both.write_text(certificate.read_text() + (cls.folder / "server.key").read_text())
+        text = CONFIGURATION.read_text()
+        example = re.search(r"# TLS: bind :7447 (ssl crt )/etc/haproxy/server.pem( alpn h2)", text)
+        bind = f'  bind "${{TETSTREAM_PROXY_LISTEN}}" {example[1]}{both}{example[2]}'
+        secured, count = re.subn("^  bind .*$", bind, text, flags=re.MULTILINE)
+        assert count == 1, text
+        configuration = cls.folder / "haproxy.cfg"
+        configuration.write_text(secured)
+        return configuration
+
+    def test_meshes_the_same_bytes_as_without_a_proxy(self):
+        result = self.mesh()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        direct = self.folder / "direct.vtu"
+        subprocess.run([binaries() / "tetstream", "mesh", self.grid, "-o", direct, "--server",
+                        self.server.address], check=True, capture_output=True)
+        self.assertEqual((self.folder / "mesh.vtu").read_bytes(), direct.read_bytes())
+
+    def test_turns_away_who_does_not_speak_tls_or_does_not_trust_it(self):
+        for options, words in (((), "--tls"), (("--tls",), "--tls-ca")):
+            with self.subTest(options=options):
+                result = subprocess.run(
+                    [binaries() / "tetstream", "health", "--server", self.address, *options],
+                    capture_output=True, text=True, timeout=30, check=False)
+                self.assertNotEqual(result.returncode, 0)
+                self.assertIn(words, result.stderr)
 
 
 if __name__ == "__main__":

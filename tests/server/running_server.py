@@ -36,28 +36,31 @@ def fetch(address, path):
         return error.code, error.read().decode()
 
 
-class RunningServer:
-    """Serves `store` until it is stopped. `address` and `metrics` are host:port."""
+class RunningProgram:
+    """tetstreamd with these arguments, until it is stopped. `metrics` is host:port.
 
-    def __init__(self, store, *options, listen="127.0.0.1:0", environment=None):
+    `launch` is put before its command, and must become it (exec).
+    """
+
+    def __init__(self, ready_event, *arguments, environment=None, launch=()):
         self._log = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
-            [binaries() / "tetstreamd", "--store", store, "--listen", listen,
-             "--metrics-listen", "127.0.0.1:0", "--threads", "2", *options],
+            [*launch, binaries() / "tetstreamd", *map(str, arguments),
+             "--metrics-listen", "127.0.0.1:0"],
             stdout=subprocess.DEVNULL, stderr=self._log,
             env={**os.environ, **(environment or {})})
         try:
-            serving = wait_until(self._serving)
+            self.ready = wait_until(lambda: self._line(ready_event))
         except AssertionError:
             said = self.text()
             self.close()
             raise AssertionError(said) from None
-        self.address, self.metrics = serving["address"], serving["metrics"]
+        self.metrics = self.ready["metrics"]
 
-    def _serving(self):
+    def _line(self, event):
         if self.process.poll() is not None:
             raise AssertionError("tetstreamd ended")
-        return next((line for line in self.log() if line["event"] == "serving"), None)
+        return next(iter(self.log(event)), None)
 
     def text(self):
         """What it has written to standard error."""
@@ -72,12 +75,6 @@ class RunningServer:
         """{name{labels}: value} of /metrics."""
         text = fetch(self.metrics, "/metrics")[1]
         return {m[1]: float(m[2]) for m in re.finditer(r"^([^#\s]\S*) (\S+)$", text, re.MULTILINE)}
-
-    def tetstream(self, *arguments, **options):
-        """Runs the command line; the server's address goes where "--server" ends the arguments."""
-        return subprocess.run(
-            [binaries() / "tetstream", *map(str, arguments), "--server", self.address],
-            capture_output=True, text=True, timeout=120, check=False, **options)
 
     def kill(self):
         self.process.kill()
@@ -97,3 +94,26 @@ class RunningServer:
 
     def __exit__(self, *_):
         self.close()
+
+
+class RunningServer(RunningProgram):
+    """Serves `store`. `address` is host:port."""
+
+    def __init__(self, store, *options, listen="127.0.0.1:0", **more):
+        super().__init__("serving", "--store", store, "--listen", listen, "--threads", "2", *options,
+                         **more)
+        self.address = self.ready["address"]
+
+    def tetstream(self, *arguments, timeout=120, **options):
+        """Runs the command line; the server's address goes where "--server" ends the arguments."""
+        return subprocess.run(
+            [binaries() / "tetstream", *map(str, arguments), "--server", self.address],
+            capture_output=True, text=True, timeout=timeout, check=False, **options)
+
+
+class RunningWorker(RunningProgram):
+    """Does jobs for the servers of `store` that keep them at `jobs`."""
+
+    def __init__(self, store, jobs, *options, **more):
+        super().__init__("working", "worker", "--store", store, "--jobs", jobs, "--threads", "1",
+                         *options, **more)

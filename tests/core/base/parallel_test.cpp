@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <atomic>
 #include <latch>
+#include <mutex>
 #include <numeric>
+#include <set>
+#include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "core/base/own_threads.h"
 
 namespace tet {
 namespace {
@@ -28,6 +34,37 @@ TEST(Parallel, CoversTheRangeWithRanges) {
     for_each_range(0, 7, [&](std::size_t, std::size_t) { covered += 1000000; });
   });
   EXPECT_EQ(covered, 1000U);
+}
+
+TEST(OwnThreads, TakeALoopTogetherAndLoopsWithinItAlone) {
+  std::vector<int> visits(1000);
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  std::latch both(2);
+  run_with_own_threads(2, [&] {
+    for_each_index(2, [&](std::size_t half) {
+      both.arrive_and_wait();  // would never open if one thread had both
+      const auto mine = std::this_thread::get_id();
+      for_each_index(500, [&](std::size_t i) {
+        EXPECT_EQ(std::this_thread::get_id(), mine);
+        ++visits[500 * half + i];
+      });
+      const std::lock_guard lock(mutex);
+      threads.insert(mine);
+    });
+  });
+  EXPECT_EQ(threads.size(), 2U);
+  EXPECT_TRUE(threads.contains(std::this_thread::get_id()));
+  EXPECT_EQ(visits, std::vector<int>(1000, 1));
+}
+
+TEST(OwnThreads, HandOnWhatALoopThrows) {
+  const auto loop = [] {
+    for_each_index(100, [](std::size_t i) {
+      if (i == 77) throw std::runtime_error("77");
+    });
+  };
+  EXPECT_THROW(run_with_own_threads(3, loop), std::runtime_error);
 }
 
 TEST(TaskPool, FinishesAllThatWasPostedBeforeItGoes) {

@@ -211,6 +211,10 @@ TEST(PostgresKilled, LosesNothingThatWasAcknowledged) {
   killer.join();
   EXPECT_EQ(ids.size(), 60U);
   crew.wait();
+  server.kill();
+  server.start();
+  EXPECT_TRUE(store->counts().ok())
+      << "connections that broke while they were idle are replaced";
   for (const std::string& id : ids) {
     const Job job = store->get(id).value();
     EXPECT_EQ(job.state, JobState::kSucceeded) << job.error;

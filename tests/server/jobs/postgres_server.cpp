@@ -37,7 +37,8 @@ void give_to_postgres(const std::filesystem::path& folder) {
 
 }  // namespace
 
-PostgresServer::PostgresServer(bool durable) : durable_(durable) {
+PostgresServer::PostgresServer(bool durable, int max_connections)
+    : durable_(durable), max_connections_(max_connections) {
   give_to_postgres(folder_.path());
   const pid_t initdb = spawn({std::string(kPrograms) + "initdb", "-D", folder_.file("data"),
                               "-U", "tetstream", "--auth=trust", "--encoding=UTF8",
@@ -76,10 +77,10 @@ void PostgresServer::start() {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (std::chrono::steady_clock::now() < end) {
     if (server_ <= 0 || ::waitpid(server_, nullptr, WNOHANG) == server_) {
-      server_ =
-          spawn({std::string(kPrograms) + "postgres", "-D", folder_.file("data"), "-k",
-                 folder_.path().string(), "-c", "listen_addresses=", "-c", "max_connections=60",
-                 "-c", "shared_buffers=32MB", "-c", durable_ ? "fsync=on" : "fsync=off"});
+      server_ = spawn({std::string(kPrograms) + "postgres", "-D", folder_.file("data"), "-k",
+                       folder_.path().string(), "-c", "listen_addresses=", "-c",
+                       "max_connections=" + std::to_string(max_connections_), "-c",
+                       "shared_buffers=32MB", "-c", durable_ ? "fsync=on" : "fsync=off"});
     }
     if (answers()) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

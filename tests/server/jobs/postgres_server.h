@@ -17,7 +17,7 @@ class PostgresServer {
  public:
   /// Without `durable`, commits survive a killed server as well, though not a power cut: tests
   /// do the one and not the other, and need not wait for the disk.
-  explicit PostgresServer(bool durable = false);
+  explicit PostgresServer(bool durable = false, int max_connections = 60);
   ~PostgresServer();
   PostgresServer(const PostgresServer&) = delete;
   PostgresServer& operator=(const PostgresServer&) = delete;
@@ -38,6 +38,7 @@ class PostgresServer {
   bool answers() const;
 
   const bool durable_;
+  const int max_connections_;
   const TestFolder folder_;
   pid_t server_ = -1;
 };

@@ -3,6 +3,7 @@
 #include <libpq-fe.h>
 #include <thread>
 
+#include "server/jobs/postgres_connection.h"
 #include "tests/server/jobs/job_store_fixture.h"
 #include "tests/server/jobs/postgres_home.h"
 
@@ -90,6 +91,17 @@ TEST(PostgresJobStore, KeepsJobsOfSpansThatHaveNoPartition) {
   store->cancel(job.id).value();
   EXPECT_EQ(store->purge(absl::Now() + absl::Hours(1)).value(), 1);
   EXPECT_TRUE(absl::IsNotFound(store->get(job.id).status()));
+}
+
+TEST(PostgresJobStore, IsNotHeldUpByAProcessThatStoppedInTheMiddleOfATransaction) {
+  const PostgresHome home;
+  const auto store = home.open({});
+  const Job job = store->create(wanted()).value().job;
+  const auto stopped = PostgresConnection::open(home.connection()).value();
+  ASSERT_TRUE(stopped->begin().ok());
+  ASSERT_TRUE(stopped->run("SELECT id FROM jobs WHERE id = $1 FOR UPDATE", {{job.id}}).ok());
+  EXPECT_EQ(store->cancel(job.id).value().state, JobState::kCancelled);
+  EXPECT_TRUE(absl::IsUnavailable(stopped->commit()));
 }
 
 TEST(PostgresJobStore, FindsChangesWithoutNotifications) {

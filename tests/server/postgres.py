@@ -1,0 +1,105 @@
+"""A PostgreSQL server of a test's own, which may be killed and started again."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import time
+
+PROGRAMS = pathlib.Path("/usr/lib/postgresql/15/bin")
+END = "end of the rows"
+
+
+class Postgres:
+    """Debian's PostgreSQL 15 in a folder of its own, on a Unix socket there and on `host`, if given.
+
+    It does not run as root: where the test does, it is the user postgres. `launch` is put before its
+    command, and must become it (exec).
+    """
+
+    def __init__(self, host="", launch=(), settings=()):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tetstream-postgres-"))
+        self._user = []
+        if os.getuid() == 0:
+            shutil.chown(self.folder, "postgres", "postgres")
+            self._user = ["setpriv", "--reuid=postgres", "--regid=postgres", "--clear-groups"]
+        self._log = open(self.folder / "log", "wb")
+        self._options = ["-k", self.folder, "-c", f"listen_addresses={host}",
+                         "-c", "max_connections=200", "-c", "shared_buffers=32MB"]
+        for setting in settings:
+            self._options += ["-c", setting]
+        self._launch = list(launch)
+        self.server = self._client = None
+        self.address = f"postgresql://tetstream@/postgres?host={self.folder}"
+        try:
+            self._make()
+            self.start()
+        except BaseException:
+            self.close()
+            raise
+        if host:
+            self.address = f"postgresql://tetstream@{host}/postgres"
+
+    def _make(self):
+        data = self.folder / "data"
+        subprocess.run([*self._user, PROGRAMS / "initdb", "-D", data, "-U", "tetstream", "--auth=trust",
+                        "--encoding=UTF8", "--locale=C", "--no-sync", "--no-instructions"],
+                       check=True, stdout=self._log, stderr=self._log, cwd="/")
+        with open(data / "pg_hba.conf", "a", encoding="ascii") as access:
+            access.write("host all all samenet trust\n")
+
+    def start(self):
+        """On what the disk has. After a kill it waits for what it ran to be gone."""
+        deadline = time.monotonic() + 60
+        while not self._answers():
+            if self.server is None or self.server.poll() is not None:
+                self.server = subprocess.Popen(
+                    [*self._launch, *self._user, PROGRAMS / "postgres", "-D", self.folder / "data",
+                     *self._options], stdout=self._log, stderr=self._log, cwd="/")
+            if time.monotonic() > deadline:
+                raise AssertionError((self.folder / "log").read_text())
+            time.sleep(0.02)
+
+    def _answers(self):
+        return self.server is not None and subprocess.run(
+            [PROGRAMS / "pg_isready", "-q", "-h", self.folder], check=False).returncode == 0
+
+    def kill(self):
+        """kill -9 of the server, which ends all that it runs."""
+        self._hang_up()
+        self.server.kill()
+        self.server.wait()
+
+    def rows(self, query):
+        """A query's rows, as lists of text."""
+        if self._client is None:
+            self._client = subprocess.Popen(
+                [PROGRAMS / "psql", "-X", "-A", "-t", "-q", "-F", "\t", "-v", "ON_ERROR_STOP=1",
+                 "-d", f"postgresql://tetstream@/postgres?host={self.folder}"],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self._client.stdin.write(f"{query};\n\\echo {END}\n")
+        self._client.stdin.flush()
+        lines = []
+        while (line := self._client.stdout.readline()) != f"{END}\n":
+            if not line:
+                raise AssertionError("".join(lines))
+            lines.append(line)
+        return [line.rstrip("\n").split("\t") for line in lines]
+
+    def _hang_up(self):
+        if self._client is not None:
+            self._client.communicate()
+            self._client = None
+
+    def close(self):
+        if self.server is not None:
+            self.kill()
+        self._log.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
