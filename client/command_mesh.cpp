@@ -9,14 +9,10 @@
 #include "client/atomic_file.h"
 #include "client/command.h"
 #include "client/finish_mesh.h"
+#include "client/mesh_arguments.h"
 #include "client/mesh_file.h"
-#include "client/mesh_input.h"
 #include "client/mesh_maker.h"
 #include "client/mesh_report.h"
-#include "client/read_grids.h"
-#include "client/request_options.h"
-#include "client/scene_input.h"
-#include "client/server_options.h"
 #include "client/stopwatch.h"
 
 namespace tet {
@@ -41,30 +37,18 @@ Examples:
       a closed surface; it becomes a level set with voxels of 0.1 first
   tetstream mesh part.json -o part.vtu --spacing 0.05
       a scene: solids as formulas, put together; docs/scenes.md
+  tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"growth": 0.25, "coarsest": 0.4}'
+      smaller tets inside; docs/sizing.md
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
 
-/// What the command line says, before it is understood.
-struct MeshArguments {
-  MeshOptions options;
-  RequestArguments request;
-  ServerArguments server;
-};
-
 void describe_options(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
   app.footer(kExamples);
-  app.add_option("INPUT", options.input,
-                 "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
-      ->required();
   app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
       ->required();
-  describe_request(app, arguments.request);
-  app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
-  app.add_option("--threads", options.threads, "Threads of this process [every core]")
-      ->check(CLI::NonNegativeNumber);
-  app.add_flag("--trust", options.trust, kTrustHelp);
+  describe_input(app, arguments);
   app.add_flag(
       "--compact", options.compact,
       "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s");
@@ -72,19 +56,6 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
                "Have a server make the mesh though it has it as a job's result");
   app.add_option("--report", options.report,
                  "JSON file for counts, times, angles, boundary and regions");
-  describe_server(app, arguments.server);
-}
-
-/// Scenes have neither grids nor voxels.
-absl::Status check_scene_options(const MeshOptions& options) {
-  if (!options.grid.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--grid ", options.grid, ": a scene has no grids"));
-  }
-  if (options.voxel) {
-    return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
-  }
-  return absl::OkStatus();
 }
 
 absl::Status check_encoding(const MeshOptions& options) {
@@ -104,37 +75,15 @@ absl::Status check_cache(const MeshOptions& options) {
   return absl::InvalidArgumentError("--skip-cache is about a server's results: add --server");
 }
 
-absl::Status check_trust(const MeshOptions& options) {
-  if (!options.trust || options.server.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "--trust is about a file that is read here: leave --trust or --server out");
-}
-
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
-  absl::Status status = is_scene_file(options.input)
-                            ? check_scene_options(options)
-                            : check_mesh_input({options.input, options.grid, options.voxel});
+  absl::Status status = check_input(options);
   if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = check_cache(options);
-  if (status.ok()) status = check_trust(options);
   if (status.ok()) status = mesh_format_of(options.output).status();
   if (status.ok()) status = check_can_create(options.output);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
   return status;
-}
-
-absl::StatusOr<MeshOptions> understand(const MeshArguments& arguments) {
-  MeshOptions options = arguments.options;
-  absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
-  if (!request.ok()) return request.status();
-  options.request = *std::move(request);
-  options.grid = arguments.request.grid;
-  options.server = arguments.server.address;
-  absl::StatusOr<ChannelOptions> channel = understand_server(arguments.server);
-  if (!channel.ok()) return channel.status();
-  options.channel = *std::move(channel);
-  return options;
 }
 
 absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
@@ -146,7 +95,7 @@ absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
 
 absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
   const Stopwatch watch;
-  const absl::StatusOr<MeshOptions> options = understand(arguments);
+  const absl::StatusOr<MeshOptions> options = understand_input(arguments);
   if (!options.ok()) return options.status();
   if (auto status = check_options(*options); !status.ok()) return status;
 

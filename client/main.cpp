@@ -42,6 +42,7 @@ std::vector<NamedCommand> add_commands(CLI::App& app) {
     return NamedCommand{command, describe(*command)};
   };
   return {add("mesh", "Mesh a .vdb grid or a closed surface", add_mesh_command),
+          add("estimate", "Count a mesh, and tell what it takes", add_estimate_command),
           add("info", "List the grids of a .vdb file", add_info_command),
           add("convert", "Make a .vdb level set of a surface", add_convert_command),
           add("health", "Ask a server whether it is serving", add_health_command),

@@ -4,46 +4,12 @@
 #include "client/error_details.h"
 #include "client/finish_mesh.h"
 #include "client/mesh_client.h"
-#include "client/mesh_input.h"
 #include "client/mesh_maker.h"
-#include "client/request_options.h"
-#include "client/scene_input.h"
+#include "client/prepare_request.h"
 #include "client/stopwatch.h"
 
 namespace tet {
 namespace {
-
-absl::StatusOr<std::string> upload(MeshClient& client,
-                                   const MeshOptions& options,
-                                   ProgressBar& bar,
-                                   const Cancellation& interruption) {
-  bar.begin("uploading", "B");
-  const UploadWatch watch{.bytes =
-                              [&](std::uint64_t done, std::uint64_t total) {
-                                bar.update(static_cast<double>(done),
-                                           static_cast<double>(total));
-                              },
-                          .say = [&](const std::string& line) { bar.say(line); }};
-  return upload_input(client, {options.input, options.grid, options.voxel}, watch,
-                      interruption);
-}
-
-/// The request for the input, once the server has what it needs of it.
-absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
-                                                const MeshOptions& options,
-                                                ProgressBar& bar,
-                                                const Cancellation& interruption) {
-  if (is_scene_file(options.input)) {
-    absl::StatusOr<v1::Scene> scene = read_scene_file(options.input);
-    if (!scene.ok()) return scene.status();
-    v1::MeshRequest request = wire_request(options.request, "", "");
-    *request.mutable_scene() = *std::move(scene);
-    return request;
-  }
-  const absl::StatusOr<std::string> name = upload(client, options, bar, interruption);
-  if (!name.ok()) return name.status();
-  return wire_request(options.request, *name, options.grid);
-}
 
 /// Shows both halves of a stream, and tells when the first ended.
 class StreamWatch {

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_format.h>
 
+#include "proto/sizing/sizing_message.h"
+
 namespace tet {
 namespace {
 
@@ -48,6 +50,10 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
                  "extent / 128]");
   app.add_option("--levels", request.levels,
                  "Coarser octree levels inside; 0 is uniform [all]");
+  app.add_option("--sizing", arguments.sizing.sizing,
+                 "JSON file, or JSON, that says how large tets may be inside, and where: "
+                 "docs/sizing.md")
+      ->type_name("FILE");
   app.add_option("--preset", arguments.preset,
                  "default, min-angle (the best smallest angle) or both-sides (meshes the "
                  "outside too)")
@@ -78,6 +84,9 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;
   if (absl::Status status = check_box(request); !status.ok()) return status;
+  absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
+  if (!sizing.ok()) return sizing.status();
+  request.sizing = *std::move(sizing);
   return request;
 }
 
@@ -98,6 +107,7 @@ v1::MeshRequest wire_request(const MeshRequest& request,
     set_point(request.box->max, *message.mutable_box()->mutable_max());
   }
   message.set_manifold(request.manifold);
+  if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
   return message;
 }
 

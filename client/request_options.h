@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/mesh_client.h"
+#include "client/sizing_input.h"
 #include "core/pipeline/mesh_request.h"
 
 namespace CLI {
@@ -23,13 +24,15 @@ struct RequestArguments {
   std::string preset = "default";
   std::optional<std::array<double, 6>> box;
   std::string coordinates;
+  SizingArguments sizing;
 };
 
-/// Adds --grid, --iso, --spacing, --levels, --preset, --box, --manifold, --improve,
+/// Adds --grid, --iso, --spacing, --levels, --sizing, --preset, --box, --manifold, --improve,
 /// --coordinates.
 void describe_request(CLI::App& app, RequestArguments& arguments);
 
-/// Errors: kInvalidArgument (options that do not go together).
+/// The grid of its sizing is not loaded: see read_sizing. Errors: kInvalidArgument (options
+/// that do not go together), and those of read_sizing.
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
 
 /// The same for a server, which stores the file under `name`.

@@ -2,8 +2,11 @@
 
 #include <string>
 
+#include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_replace.h>
 
+#include "core/octree/sizing.h"
 #include "proto/wire/sha256.h"
 #include "server/status.h"
 
@@ -60,6 +63,11 @@ absl::Status about_file(const absl::Status& status,
 }
 
 absl::Status about_mesh(const absl::Status& status) {
+  // What is below a default spacing is known only now.
+  if (absl::IsInvalidArgument(status) &&
+      absl::StartsWith(status.message(), absl::StrCat(kSizingField, "."))) {
+    return within_field("mesh", invalid_field(std::string(status.message())));
+  }
   return status.ok() ? status : with_reason_of(status, kOfMesh);
 }
 

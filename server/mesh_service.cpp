@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/pipeline/fill_estimate.h"
 #include "server/mesh_stream.h"
 #include "server/request.h"
 #include "server/status.h"
@@ -60,6 +61,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
   void finish(const absl::StatusOr<PlannedMesh>& planned) {
     if (planned.ok()) {
       to_proto(planned->plan->header(), response_);
+      response_.set_fill_seconds(estimate_fill(*planned->plan, watch_->cancellation).seconds);
       v1::MeshRequest& canonical = *response_.mutable_canonical_request();
       canonical = planned->canonical;
       canonical.set_improve(improve_);

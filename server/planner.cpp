@@ -58,28 +58,45 @@ void Planner::plan(const std::string& client,
   Job job{client, std::move(order), std::move(watch), std::move(done)};
   if (job.order.scene == nullptr) return plan_grid(std::move(job));
   job.shape = job.order.scene;
-  threads_.pool.post([this, job = std::move(job)] { plan_input(job); });
+  threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
 }
 
 void Planner::plan_grid(Job job) {
-  const MeshOrder& order = job.order;
-  auto grid = store_.acquire({order.space, order.digest});
-  if (!grid.ok()) {
-    threads_.pool.post([done = std::move(job.done), status = grid.status()] { done(status); });
+  const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
+  load(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    loaded.grid = std::move(grid);
+    loaded.shape = std::move(volume);
+    load_sizes(std::move(loaded));
+  });
+}
+
+void Planner::load(Job job, const VolumeKey& key, Loaded then) {
+  auto lease = store_.acquire({key.space, key.digest});
+  if (!lease.ok()) {
+    threads_.pool.post([done = std::move(job.done), status = lease.status()] { done(status); });
     return;
   }
-  const VolumeKey key{order.space, order.digest, order.grid_name};
-  const std::string path = (*grid)->path.string();
+  const std::string path = (*lease)->path.string();
   const auto cancelled = [watch = job.watch] { return watch->cancellation.requested(); };
-  job.grid = *std::move(grid);
-  volumes_.get(key, path, cancelled, [this, job = std::move(job)](const auto& volume) mutable {
-    if (!volume.ok()) {
-      const StoredGrid& file = *job.grid;
-      if (absl::IsDataLoss(volume.status())) store_.set_aside(job.grid);
-      return job.done(about_file(volume.status(), file.key.digest, file.path.string()));
-    }
-    job.shape = *volume;
-    plan_input(std::move(job));
+  volumes_.get(key, path, cancelled,
+               [this, job = std::move(job), grid = *std::move(lease),
+                then = std::move(then)](const auto& volume) mutable {
+                 if (volume.ok()) return then(std::move(job), std::move(grid), *volume);
+                 if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
+                 job.done(about_file(volume.status(), grid->key.digest, grid->path.string()));
+               });
+}
+
+/// On the pool.
+void Planner::load_sizes(Job job) {
+  const auto& grid = job.order.request.sizing.grid;
+  if (!grid) return plan_input(std::move(job));
+  const std::string digest =
+      grid->file.empty() ? job.order.digest : std::string(digest_of_name(grid->file));
+  const VolumeKey key{job.order.space, digest, grid->name};
+  load(std::move(job), key, [this](Job loaded, const GridLease&, auto volume) {
+    loaded.order.request.sizing.grid->volume = std::move(volume);
+    plan_input(std::move(loaded));
   });
 }
 

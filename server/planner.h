@@ -1,5 +1,5 @@
-// From a valid order to a counted mesh: find the file, load the grid, plan; each step once. A
-// scene is only planned.
+// From a valid order to a counted mesh: find the file, load the grid, load the grid of its
+// sizing if there is one, plan; each step once. A scene has no grid of its own.
 #pragma once
 
 #include <atomic>
@@ -95,7 +95,12 @@ class Planner {
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
   };
 
+  /// On the pool: the job, with what was loaded.
+  using Loaded = std::function<void(Job, GridLease, std::shared_ptr<const Volume>)>;
+
   void plan_grid(Job job);
+  void load(Job job, const VolumeKey& key, Loaded then);
+  void load_sizes(Job job);
   void plan_input(Job job);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job);
 

@@ -8,6 +8,7 @@
 
 #include "proto/scene/scene_message.h"
 #include "proto/wire/sha256.h"
+#include "server/sizing_request.h"
 #include "server/status.h"
 
 namespace tet {
@@ -106,7 +107,7 @@ void set_box(const WorldBox& box, v1::Box& message) {
 }
 
 /// Every bit of a box, as hexadecimal floats; nothing for none.
-std::string exact_text(const v1::MeshRequest& request) {
+std::string exact_box(const v1::MeshRequest& request) {
   if (!request.has_box()) return "";
   const v1::Point &min = request.box().min(), &max = request.box().max();
   return absl::StrFormat("%a %a %a %a %a %a", min.x(), min.y(), min.z(), max.x(), max.y(),
@@ -172,6 +173,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (!box.ok()) return box.status();
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
+  if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
 
   if (request.has_spacing()) order.request.spacing = request.spacing();
   if (request.has_iso()) order.request.iso = request.iso();
@@ -247,6 +249,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
+  set_canonical_sizing(order.request.sizing, canonical);
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
   const auto coordinates =
@@ -271,7 +274,7 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       canonical.name(), canonical.spacing(), canonical.iso(), canonical.levels(),
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
-      exact_text(canonical), canonical.grid_name()));
+      absl::StrCat(exact_box(canonical), exact_sizing(canonical)), canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();
 }
@@ -326,6 +329,8 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
+  message.set_mesh_bytes(
+      signed_count(ChunkSizes(header, header.vertex_count, header.tet_count).total()));
 }
 
 void to_proto(const KeptParts& kept, v1::KeptParts& message) {

@@ -5,7 +5,8 @@
 #include <variant>
 
 #include <absl/strings/str_cat.h>
-#include <google/protobuf/util/json_util.h>
+
+#include "proto/scene/message_parts.h"
 
 namespace tet {
 namespace {
@@ -24,12 +25,8 @@ class NodeReader {
  private:
   template <class Field, class Numbers>
   void read(const char* field, const Field& given, Numbers& numbers) {
-    if (given.empty()) return;  // its default, or what make_scene refuses
-    if (given.size() != 3) {
-      complaint_ = absl::StrCat(field, " has ", given.size(), " numbers, not 3");
-      return;
-    }
-    for (int i = 0; i < 3; ++i) numbers[static_cast<std::size_t>(i)] = given[i];
+    std::string wrong = read_three(field, given, numbers);
+    if (!wrong.empty()) complaint_ = std::move(wrong);
   }
 
   scene::PeriodicSurface periodic(scene::PeriodicKind kind, const v1::PeriodicSurface& given) {
@@ -125,15 +122,6 @@ decltype(scene::Node::kind) NodeReader::kind() {
   }
 }
 
-/// What protobuf says of JSON in one line: its second and third line point at a place.
-std::string in_one_line(const std::string& message) {
-  const std::size_t end = message.find('\n');
-  if (end == std::string::npos) return message;
-  const std::size_t place_end = message.find('\n', end + 1);
-  return absl::StrCat(message.substr(0, end),
-                      " Near: ", message.substr(end + 1, place_end - end - 1));
-}
-
 }  // namespace
 
 absl::StatusOr<scene::Description> to_description(const v1::Scene& message) {
@@ -154,11 +142,7 @@ absl::StatusOr<Scene> scene_of_message(const v1::Scene& message) {
 }
 
 absl::StatusOr<v1::Scene> scene_from_json(const std::string& json) {
-  v1::Scene message;
-  const auto status = google::protobuf::util::JsonStringToMessage(json, &message);
-  if (status.ok()) return message;
-  return absl::InvalidArgumentError(
-      absl::StrCat("is not a scene: ", in_one_line(std::string(status.message()))));
+  return message_from_json<v1::Scene>(json, "scene");
 }
 
 }  // namespace tet

@@ -12,6 +12,7 @@ CORE = ["core/base", "core/grid", "core/decode", "core/scene", "core/field", "co
         "core/lattice", "core/stuffing", "core/mesh", "core/pipeline"]
 LAYERS = {folder: CORE[:i + 1] for i, folder in enumerate(CORE)}
 LAYERS["proto/scene"] = [*CORE, "proto"]
+LAYERS["proto/sizing"] = [*CORE, "proto"]
 LAYERS["proto"] = ["proto"]
 LAYERS["server"] = [*CORE, "proto", "server"]
 LAYERS["client"] = [*CORE, "proto", "client"]

@@ -1,6 +1,7 @@
 // Every reason provoked over a real connection: what a client is told, held against a text
 // file.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <sys/resource.h>
 
@@ -178,6 +179,7 @@ class ErrorsTest : public ServiceTest {
 
   void wrong_requests();
   void wrong_scenes();
+  void wrong_sizings();
   void wrong_grids();
   void wrong_streams();
   void wrong_uploads();
@@ -211,6 +213,17 @@ void ErrorsTest::wrong_scenes() {
   tell("a scene's torus without a tube", estimate(request));
   request.mutable_scene()->mutable_nodes(0)->mutable_gyroid()->set_period(1);
   tell("a scene without an end", estimate(request));
+}
+
+void ErrorsTest::wrong_sizings() {
+  v1::MeshRequest request = ball_;
+  v1::SizingRegion& region = *request.mutable_sizing()->add_regions();
+  region.mutable_ball()->set_radius(1);
+  tell("a sizing of 0", estimate(request));
+  region.set_size(1e-4);
+  tell("a sizing below the voxels' size", estimate(request));
+  request.mutable_sizing()->set_growth(std::nan(""));
+  tell("a sizing that grows by no number", estimate(request));
 }
 
 void ErrorsTest::wrong_grids() {
@@ -339,6 +352,7 @@ void ErrorsTest::shutdown() {
 TEST_F(ErrorsTest, SayTheirReasonAndNoMoreThanTheyShould) {
   wrong_requests();
   wrong_scenes();
+  wrong_sizings();
   wrong_grids();
   wrong_streams();
   wrong_uploads();

@@ -222,5 +222,51 @@ TEST(Request, NamesAMeshByItsScene) {
   EXPECT_NE(id_of(request), id);
 }
 
+v1::MeshRequest sized_request() {
+  v1::MeshRequest request = scene_request();
+  v1::SizingRegion& region = *request.mutable_sizing()->add_regions();
+  region.set_size(0.5);
+  region.mutable_ball()->set_radius(1);
+  return request;
+}
+
+TEST(Request, TakesASizing) {
+  v1::MeshRequest request = sized_request();
+  request.mutable_sizing()->set_coarsest(2);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->request.sizing.coarsest, 2);
+  EXPECT_EQ(order->request.sizing.growth, 1);
+  ASSERT_EQ(order->request.sizing.regions.size(), 1U);
+  EXPECT_EQ(order->request.sizing.regions[0].size, 0.5);
+}
+
+TEST(Request, NamesTheFieldOfASizing) {
+  v1::MeshRequest request = sized_request();
+  request.mutable_sizing()->mutable_regions(0)->mutable_ball()->add_centre(1);
+  EXPECT_EQ(refusal(request), "regions[0].ball.centre has 1 numbers, not 3");
+  request = sized_request();
+  request.set_spacing(0.6);
+  EXPECT_EQ(refusal(request), "regions[0].size 0.5 is below the spacing 0.6, which no leaf is");
+}
+
+TEST(MeshId, TellsEverySizingApart) {
+  const auto id = [](const v1::MeshRequest& request) {
+    const auto order = parse_mesh_request(request);
+    return mesh_id_of(canonical_request(*order, order->scene, nullptr));
+  };
+  const v1::MeshRequest sized = sized_request();
+  EXPECT_NE(id(sized), id(scene_request()));
+  v1::MeshRequest other = sized;
+  other.mutable_sizing()->mutable_regions(0)->set_size(std::nextafter(0.5, 1.0));
+  EXPECT_NE(id(other), id(sized));
+  other = sized;
+  other.mutable_sizing()->set_growth(1);
+  EXPECT_EQ(id(other), id(sized)) << "its default";
+  other = scene_request();
+  other.mutable_sizing();
+  EXPECT_EQ(id(other), id(scene_request())) << "one that asks for nothing";
+}
+
 }  // namespace
 }  // namespace tet

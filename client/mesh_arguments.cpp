@@ -1,0 +1,87 @@
+#include "client/mesh_arguments.h"
+
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
+
+#include "client/mesh_input.h"
+#include "client/read_grids.h"
+#include "client/scene_input.h"
+#include "client/surface_input.h"
+
+namespace tet {
+namespace {
+
+/// Scenes have neither grids nor voxels.
+absl::Status check_scene_options(const MeshOptions& options) {
+  if (!options.grid.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", options.grid, ": a scene has no grids"));
+  }
+  if (options.voxel) {
+    return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
+  }
+  return absl::OkStatus();
+}
+
+/// A grid of sizes is in a .vdb file.
+absl::Status check_sizing_grid(const MeshOptions& options) {
+  const auto& grid = options.request.sizing.grid;
+  if (!grid) return absl::OkStatus();
+  const std::string& file = grid->file.empty() ? options.input : grid->file;
+  if (!is_scene_file(file) && !is_surface_file(file)) {
+    return check_mesh_input({file, grid->name, {}});
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(file, " has no grids: name the .vdb of the sizing's with --sizing-grid"));
+}
+
+absl::Status check_trust(const MeshOptions& options) {
+  if (!options.trust || options.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--trust is about a file that is read here: leave --trust or --server out");
+}
+
+}  // namespace
+
+void describe_input(CLI::App& app, MeshArguments& arguments) {
+  MeshOptions& options = arguments.options;
+  app.add_option("INPUT", options.input,
+                 "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
+      ->required();
+  describe_request(app, arguments.request);
+  app.add_option("--sizing-grid", arguments.request.sizing.grid,
+                 "A .vdb with the sizing's grid of sizes, if that is not in the input")
+      ->type_name("FILE");
+  app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
+  app.add_option("--threads", options.threads, "Threads of this process [every core]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--trust", options.trust, kTrustHelp);
+  describe_server(app, arguments.server);
+}
+
+absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
+  MeshOptions options = arguments.options;
+  absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
+  if (!request.ok()) return request.status();
+  options.request = *std::move(request);
+  options.grid = arguments.request.grid;
+  options.server = arguments.server.address;
+  absl::StatusOr<ChannelOptions> channel = understand_server(arguments.server);
+  if (!channel.ok()) return channel.status();
+  options.channel = *std::move(channel);
+  return options;
+}
+
+absl::Status check_input(const MeshOptions& options) {
+  absl::Status status = is_scene_file(options.input)
+                            ? check_scene_options(options)
+                            : check_mesh_input({options.input, options.grid, options.voxel});
+  if (status.ok()) status = check_sizing_grid(options);
+  if (status.ok()) status = check_trust(options);
+  return status;
+}
+
+}  // namespace tet

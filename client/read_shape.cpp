@@ -1,0 +1,61 @@
+#include "client/read_shape.h"
+
+#include <memory>
+#include <utility>
+
+#include "client/read_grids.h"
+#include "client/scene_input.h"
+#include "client/surface_input.h"
+
+namespace tet {
+namespace {
+
+absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& bar) {
+  absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+  if (!input.ok()) return input.status();
+  absl::StatusOr<SurfaceVolume> converted =
+      surface_to_volume(input->surface, input->voxel_size);
+  if (!converted.ok()) return converted.status();
+  bar.say(options.input + ": " + describe_conversion(converted->report, input->voxel_size));
+  return std::move(converted->volume);
+}
+
+absl::StatusOr<Volume> read_grid(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
+  if (is_surface_file(options.input)) return convert_surface(options, bar);
+  return read_volume(options.input, options.grid,
+                     options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
+}
+
+/// Takes what was read.
+template <class Input>
+absl::StatusOr<Shape> shared(absl::StatusOr<Input> read) {
+  if (!read.ok()) return read.status();
+  return std::make_shared<const Input>(*std::move(read));
+}
+
+}  // namespace
+
+absl::StatusOr<Shape> read_shape(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
+  bar.begin("reading");
+  return is_scene_file(options.input) ? shared(read_scene(options.input))
+                                      : shared(read_grid(options, bar, interruption));
+}
+
+absl::StatusOr<MeshRequest> read_sizes(const MeshOptions& options,
+                                       const Cancellation& interruption) {
+  MeshRequest request = options.request;
+  auto& grid = request.sizing.grid;
+  if (!grid) return request;
+  absl::StatusOr<Volume> volume =
+      read_volume(grid->file.empty() ? options.input : grid->file, grid->name,
+                  options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
+  if (!volume.ok()) return volume.status();
+  grid->volume = std::make_shared<const Volume>(*std::move(volume));
+  return request;
+}
+
+}  // namespace tet

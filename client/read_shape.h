@@ -1,0 +1,23 @@
+// What is meshed in this process: files become shapes.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "client/mesh_options.h"
+#include "client/progress_bar.h"
+#include "core/base/cancel.h"
+#include "core/pipeline/shape.h"
+
+namespace tet {
+
+/// The input of a command; run it on a TaskPool. Errors: those of read_volume, read_scene and
+/// surface_to_volume.
+absl::StatusOr<Shape> read_shape(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption);
+
+/// The request with the grid of its sizing, if it has one. Errors: those of read_volume.
+absl::StatusOr<MeshRequest> read_sizes(const MeshOptions& options,
+                                       const Cancellation& interruption);
+
+}  // namespace tet
