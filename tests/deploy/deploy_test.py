@@ -17,7 +17,7 @@ DRAIN_SECONDS = 30
 
 
 def tetstreamd():
-    return pathlib.Path(os.environ["TETSTREAM_BIN"]) / "tetstreamd"
+    return pathlib.Path(os.environ["TETSTREAM_BIN"]).resolve() / "tetstreamd"
 
 
 def run(*command, **options):

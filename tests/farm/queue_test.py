@@ -42,7 +42,7 @@ class TenThousandJobs(unittest.TestCase):
             seconds = time.monotonic() - began
             queued = memory()
             began = time.monotonic()
-            listed = server.tetstream("job", "list", "--all", "--json")
+            listed = server.tetstream("job", "list", "--json", timeout=600)
             listing = time.monotonic() - began
             self.assertEqual(len(listed.stdout.splitlines()), JOBS + 100)
             after = memory()
