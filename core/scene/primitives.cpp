@@ -56,7 +56,7 @@ void rounded_box(const Instruction& leaf,
                  const Points& p,
                  std::size_t n,
                  Values& out) noexcept {
-  const auto [hx, hy, hz] = leaf.size;
+  const double hx = leaf.size[0], hy = leaf.size[1], hz = leaf.size[2];
   fill(leaf, p, n, out, [=](double x, double y, double z) {
     const double dx = std::abs(x) - hx, dy = std::abs(y) - hy, dz = std::abs(z) - hz;
     return smaller(larger(dx, larger(dy, dz)), 0.0) +
@@ -67,7 +67,7 @@ void rounded_box(const Instruction& leaf,
 /// size: radius, half the height.
 TET_VECTOR_CLONES
 void cylinder(const Instruction& leaf, const Points& p, std::size_t n, Values& out) noexcept {
-  const auto [radius, half_height, unused] = leaf.size;
+  const double radius = leaf.size[0], half_height = leaf.size[1];
   fill(leaf, p, n, out, [=](double x, double y, double z) {
     return beyond_sides(length(x, y) - radius, std::abs(z) - half_height);
   });
@@ -76,7 +76,7 @@ void cylinder(const Instruction& leaf, const Points& p, std::size_t n, Values& o
 /// size: radius at the bottom, radius at the top, half the height.
 TET_VECTOR_CLONES
 void cone(const Instruction& leaf, const Points& p, std::size_t n, Values& out) noexcept {
-  const auto [bottom, top, half_height] = leaf.size;
+  const double bottom = leaf.size[0], top = leaf.size[1], half_height = leaf.size[2];
   const double slant_r = top - bottom, slant_z = 2 * half_height;
   const double per_square = 1 / (slant_r * slant_r + slant_z * slant_z);
   fill(leaf, p, n, out, [=](double x, double y, double z) {
@@ -98,7 +98,7 @@ void cone(const Instruction& leaf, const Points& p, std::size_t n, Values& out) 
 /// size: radius of the circle, radius of the tube around it.
 TET_VECTOR_CLONES
 void torus(const Instruction& leaf, const Points& p, std::size_t n, Values& out) noexcept {
-  const auto [major, minor, unused] = leaf.size;
+  const double major = leaf.size[0], minor = leaf.size[1];
   fill(leaf, p, n, out,
        [=](double x, double y, double z) { return length(length(x, y) - major, z) - minor; });
 }
@@ -106,7 +106,7 @@ void torus(const Instruction& leaf, const Points& p, std::size_t n, Values& out)
 /// size: radius, half the length.
 TET_VECTOR_CLONES
 void capsule(const Instruction& leaf, const Points& p, std::size_t n, Values& out) noexcept {
-  const auto [radius, half_length, unused] = leaf.size;
+  const double radius = leaf.size[0], half_length = leaf.size[1];
   fill(leaf, p, n, out, [=](double x, double y, double z) {
     return length(x, y, larger(std::abs(z) - half_length, 0.0)) - radius;
   });

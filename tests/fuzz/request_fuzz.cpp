@@ -8,6 +8,7 @@
 
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/scene/scene.h"
 #include "server/request.h"
 #include "server/status.h"
 #include "server/upload_piece.h"
