@@ -10,6 +10,8 @@
 
 #include "core/grid/volume_reader.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/conformity.h"
+#include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
 
 namespace tet::test {
@@ -33,6 +35,16 @@ inline bool same_bytes(const TetMesh& a, const TetMesh& b) {
   return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
          std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
          std::ranges::equal(a.regions.bytes(), b.regions.bytes());
+}
+
+/// Conforming, and within the preset's bounds on angles.
+inline void expect_sound(const MeshResult& result, Preset preset = Preset::kDefault) {
+  const ConformityReport report = check_conformity(result.mesh);
+  EXPECT_TRUE(report.conforming()) << report.describe();
+  const QualityStats measured = measure_quality(result.mesh);
+  const auto [min, max] = angle_bounds(preset, CoordinateType::kFloat64);
+  EXPECT_GT(measured.min_dihedral_deg, min);
+  EXPECT_LT(measured.max_dihedral_deg, max);
 }
 
 /// Root mean square and largest |phi| over the boundary's vertices, in voxels.

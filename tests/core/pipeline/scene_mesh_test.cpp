@@ -11,8 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
-#include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/stuffing/scene_zeros.h"
@@ -22,6 +20,7 @@
 namespace tet {
 namespace {
 
+using test::expect_sound;
 using test::known_scenes;
 using test::KnownScene;
 using test::same_bytes;
@@ -47,15 +46,6 @@ MeshResult mesh(const Scene& scene, const MeshRequest& request, int threads = 2)
   auto result = try_to_mesh(scene, request, threads);
   EXPECT_TRUE(result.ok()) << result.status();
   return result.ok() ? *std::move(result) : MeshResult{};
-}
-
-void expect_sound(const MeshResult& result, Preset preset = Preset::kDefault) {
-  const ConformityReport report = check_conformity(result.mesh);
-  EXPECT_TRUE(report.conforming()) << report.describe();
-  const QualityStats measured = measure_quality(result.mesh);
-  const auto [min, max] = angle_bounds(preset, CoordinateType::kFloat64);
-  EXPECT_GT(measured.min_dihedral_deg, min);
-  EXPECT_LT(measured.max_dihedral_deg, max);
 }
 
 /// Largest |phi| over the vertices of the inside's boundary.

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/mesh/conformity.h"
-#include "core/mesh/quality.h"
 #include "core/pipeline/counted_mesh.h"
 #include "core/pipeline/mesh_plan.h"
 #include "tests/core/pipeline/meshing.h"
@@ -16,6 +14,7 @@
 namespace tet {
 namespace {
 
+using test::expect_sound;
 using test::mesh;
 using test::same_bytes;
 
@@ -110,12 +109,7 @@ TEST(SizedMesh, ConformsWithTheSameSurfaceAndTheSameBytes) {
     request.preset = preset;
     const MeshResult result = mesh(ball, request);
     EXPECT_GT(result.mesh.header.tet_count, plain.mesh.header.tet_count);
-    const ConformityReport report = check_conformity(result.mesh);
-    EXPECT_TRUE(report.conforming()) << report.describe();
-    const QualityStats measured = measure_quality(result.mesh);
-    const auto [min, max] = angle_bounds(preset, CoordinateType::kFloat64);
-    EXPECT_GT(measured.min_dihedral_deg, min);
-    EXPECT_LT(measured.max_dihedral_deg, max);
+    expect_sound(result, preset);
     EXPECT_TRUE(same_bytes(result.mesh, mesh(ball, request, 1).mesh));
     if (preset != Preset::kDefault) continue;
     EXPECT_TRUE(result.boundary == plain.boundary);
