@@ -9,6 +9,7 @@
 // more memory than --max-bytes, when it died, or when it no longer meshes a good file.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -47,6 +48,10 @@ const std::vector<std::string> kSettings{"--store-bytes", "256MiB",       "--res
 
 constexpr std::uint64_t kToldEach = 10'000;
 
+/// Beside others a file waits for them, and for whatever else the machine does: it is judged
+/// when it has been tried again alone.
+constexpr std::chrono::seconds kPatienceBesideOthers{60};
+
 /// Mutants [first, first + mutants), shared out to clients.
 CampaignResult attack(const Mutator& mutator,
                       const Options& options,
@@ -59,7 +64,7 @@ CampaignResult attack(const Mutator& mutator,
     const std::uint64_t begin = options.mutants * c / options.clients;
     const std::uint64_t end = options.mutants * (c + 1) / options.clients;
     clients.emplace_back([&, begin, end] {
-      ServiceTrial service(address);
+      ServiceTrial service(address, kPatienceBesideOthers);
       std::ostringstream log;
       const CampaignResult result = run_campaign(
           mutator, {options.first + begin, end - begin},

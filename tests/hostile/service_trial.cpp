@@ -13,11 +13,12 @@ namespace tet::test {
 
 namespace {
 
-constexpr std::chrono::seconds kPatience{10};
 constexpr std::size_t kPieceBytes = std::size_t{512} << 10;
 
 struct Call {
-  Call() { context.set_deadline(std::chrono::system_clock::now() + kPatience); }
+  explicit Call(std::chrono::seconds patience) {
+    context.set_deadline(std::chrono::system_clock::now() + patience);
+  }
   grpc::ClientContext context;
 };
 
@@ -33,8 +34,9 @@ std::shared_ptr<grpc::Channel> connect(const std::string& address) {
 
 }  // namespace
 
-ServiceTrial::ServiceTrial(const std::string& address)
-    : channel_(connect(address)),
+ServiceTrial::ServiceTrial(const std::string& address, std::chrono::seconds patience)
+    : patience_(patience),
+      channel_(connect(address)),
       grids_(v1::GridService::NewStub(channel_)),
       meshes_(v1::MeshService::NewStub(channel_)) {}
 
@@ -49,7 +51,7 @@ absl::Status ServiceTrial::run(std::string_view file) {
 }
 
 grpc::Status ServiceTrial::upload(const std::string& name, std::string_view file) {
-  Call call;
+  Call call(patience_);
   v1::UploadGridResponse response;
   const auto writer = grids_->UploadGrid(&call.context, &response);
   v1::UploadGridRequest message;
@@ -66,7 +68,7 @@ grpc::Status ServiceTrial::upload(const std::string& name, std::string_view file
 }
 
 grpc::Status ServiceTrial::look_into(const std::string& name) {
-  Call call;
+  Call call(patience_);
   v1::GetGridInfoRequest request;
   request.set_name(name);
   v1::GridFile response;
@@ -74,7 +76,7 @@ grpc::Status ServiceTrial::look_into(const std::string& name) {
 }
 
 grpc::Status ServiceTrial::mesh(const std::string& name) {
-  Call call;
+  Call call(patience_);
   v1::StreamMeshRequest request;
   request.mutable_mesh()->set_name(name);
   const auto reader = meshes_->StreamMesh(&call.context, request);
