@@ -30,6 +30,7 @@ struct Config {
   std::uint64_t job_workers = 2;
   std::uint64_t job_lease_seconds = 30;
   std::uint64_t job_idle_seconds = 0;
+  std::uint64_t job_count_bricks = 32'768;
   std::uint64_t job_keep_hours = 168;
   std::uint64_t max_namespace_jobs = 100'000;
   std::uint64_t result_bytes = std::uint64_t{64} << 30;

@@ -54,26 +54,45 @@ Planner::Planner(const PlannerThreads& threads,
 void Planner::plan(const std::string& client,
                    MeshOrder order,
                    std::shared_ptr<PlanningWatch> watch,
-                   Done done) {
-  Job job{client, std::move(order), std::move(watch), std::move(done)};
-  if (job.order.scene == nullptr) return plan_grid(std::move(job));
-  job.shape = job.order.scene;
-  threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
+                   Done done,
+                   SurveyedBlocks surveyed) {
+  const auto then = [this, done = std::move(done), surveyed = std::move(surveyed)](
+                        const Job& job, const absl::Status& loaded) {
+    loaded.ok() ? plan_loaded(job, surveyed, done) : done(loaded);
+  };
+  load_shape({client, std::move(order), std::move(watch), then});
 }
 
-void Planner::plan_grid(Job job) {
+void Planner::load(const std::string& client,
+                   MeshOrder order,
+                   std::shared_ptr<PlanningWatch> watch,
+                   Loaded done) {
+  const auto then = [done = std::move(done)](Job job, const absl::Status& loaded) {
+    if (!loaded.ok()) return done(loaded);
+    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grid)});
+  };
+  load_shape({client, std::move(order), std::move(watch), then});
+}
+
+void Planner::load_shape(Job job) {
+  if (job.order.scene != nullptr) {
+    job.shape = job.order.scene;
+    threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
+    return;
+  }
   const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
-  load(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
     loaded.grid = std::move(grid);
     loaded.shape = std::move(volume);
     load_sizes(std::move(loaded));
   });
 }
 
-void Planner::load(Job job, const VolumeKey& key, Loaded then) {
+void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
   auto lease = store_.acquire({key.space, key.digest});
   if (!lease.ok()) {
-    threads_.pool.post([done = std::move(job.done), status = lease.status()] { done(status); });
+    threads_.pool.post(
+        [job = std::move(job), status = lease.status()] { job.then(job, status); });
     return;
   }
   const std::string path = (*lease)->path.string();
@@ -83,38 +102,38 @@ void Planner::load(Job job, const VolumeKey& key, Loaded then) {
                 then = std::move(then)](const auto& volume) mutable {
                  if (volume.ok()) return then(std::move(job), std::move(grid), *volume);
                  if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
-                 job.done(about_file(volume.status(), grid->key.digest, grid->path.string()));
+                 job.then(job,
+                          about_file(volume.status(), grid->key.digest, grid->path.string()));
                });
 }
 
 /// On the pool.
 void Planner::load_sizes(Job job) {
   const auto& grid = job.order.request.sizing.grid;
-  if (!grid) return plan_input(std::move(job));
+  if (!grid) return job.then(job, absl::OkStatus());
   const std::string digest =
       grid->file.empty() ? job.order.digest : std::string(digest_of_name(grid->file));
   const VolumeKey key{job.order.space, digest, grid->name};
-  load(std::move(job), key, [this](Job loaded, const GridLease&, auto volume) {
+  load_grid(std::move(job), key, [](Job loaded, const GridLease&, auto volume) {
     loaded.order.request.sizing.grid->volume = std::move(volume);
-    plan_input(std::move(loaded));
+    loaded.then(loaded, absl::OkStatus());
   });
 }
 
 /// On the pool.
-void Planner::plan_input(Job job) {
+void Planner::plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done) {
   const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
-  job.name = absl::StrCat(job.order.space, " ", mesh_id);
-  auto plan = plans_.recall(job.name);
+  const std::string name = absl::StrCat(job.order.space, " ", mesh_id);
+  auto plan = plans_.recall(name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
-  if (plan != nullptr) return job.done(job.planned(std::move(plan)));
-  const bool large = estimate_bricks_to_plan(job.shape, job.order.request) > kLargePlanBricks;
-  const std::string client = job.client;
-  auto work = [this, job = std::move(job)] {
-    auto made = make_plan(job);
-    job.done(made.ok() ? job.planned(*std::move(made))
-                       : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
+  if (plan != nullptr) return done(job.planned(std::move(plan)));
+  auto work = [this, job, name, surveyed, done] {
+    auto made = make_plan(job, name, surveyed);
+    done(made.ok() ? job.planned(*std::move(made))
+                   : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
   };
-  large ? threads_.large.post(client, std::move(work)) : work();
+  const bool large = estimate_bricks_to_plan(job.shape, job.order.request) > kLargePlanBricks;
+  large ? threads_.large.post(job.client, std::move(work)) : work();
 }
 
 PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
@@ -123,17 +142,18 @@ PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
   return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
 }
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(const Job& job) {
+absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
+    const Job& job, const std::string& name, const SurveyedBlocks& surveyed) {
   // Much may have happened while it waited.
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
-  if (auto plan = plans_.recall(job.name)) return plan;
+  if (auto plan = plans_.recall(name)) return plan;
   running_.fetch_add(1);
   auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
-                        &job.watch->progress);
+                        &job.watch->progress, surveyed);
   running_.fetch_sub(1);
   give_back_free_memory();
   if (!plan.ok()) return plan.status();
-  return plans_.remember(job.name, *std::move(plan));
+  return plans_.remember(name, *std::move(plan));
 }
 
 PlannerStats Planner::stats() const {

@@ -21,6 +21,13 @@
 
 namespace tet {
 
+/// What a mesh is planned from, in memory.
+struct MeshInput {
+  Shape shape;
+  MeshRequest request;       ///< with the sizes of its sizing, where those are a grid's
+  GridLease grid = nullptr;  ///< keeps the file from being evicted; null of a scene
+};
+
 /// A counted mesh and its names.
 struct PlannedMesh {
   std::shared_ptr<const MeshPlan> plan;
@@ -63,6 +70,7 @@ struct PlannerThreads {
 class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
+  using Loaded = std::function<void(absl::StatusOr<MeshInput>)>;
 
   Planner(const PlannerThreads& threads,
           DecoderPool& decoders,
@@ -70,39 +78,51 @@ class Planner {
           const PlannerMemory& memory,
           MeshLimits limits);
 
-  /// Calls `done` on one of the threads. Errors: those of GridStore::acquire,
-  /// DecoderPool::decode, volume_of and plan_mesh.
+  /// Calls `done` on one of the threads. What was surveyed before is taken, if the plan is not
+  /// at hand. Errors: those of `load` and plan_mesh.
   void plan(const std::string& client,
             MeshOrder order,
             std::shared_ptr<PlanningWatch> watch,
-            Done done);
+            Done done,
+            SurveyedBlocks surveyed = {});
+
+  /// Only loads what it would be planned from. Calls `done` on one of the threads. Errors:
+  /// those of GridStore::acquire, DecoderPool::decode and volume_of.
+  void load(const std::string& client,
+            MeshOrder order,
+            std::shared_ptr<PlanningWatch> watch,
+            Loaded done);
+
+  /// Of each mesh.
+  const MeshLimits& limits() const noexcept { return limits_; }
 
   /// Plans being made now.
   int running() const noexcept { return running_.load(); }
   PlannerStats stats() const;
 
  private:
-  /// A mesh to be planned.
+  /// A mesh to be planned, or only loaded.
   struct Job {
     std::string client;
     MeshOrder order;
     std::shared_ptr<PlanningWatch> watch;
-    Done done;
-    GridLease grid = nullptr;  ///< null where there is a scene
+    std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
+    GridLease grid = nullptr;                                   ///< null where there is a scene
     Shape shape = {};
-    std::string name = {};  ///< of the plan
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
   };
 
   /// On the pool: the job, with what was loaded.
-  using Loaded = std::function<void(Job, GridLease, std::shared_ptr<const Volume>)>;
+  using GridLoaded = std::function<void(Job, GridLease, std::shared_ptr<const Volume>)>;
 
-  void plan_grid(Job job);
-  void load(Job job, const VolumeKey& key, Loaded then);
+  void load_shape(Job job);
+  void load_grid(Job job, const VolumeKey& key, GridLoaded then);
   void load_sizes(Job job);
-  void plan_input(Job job);
-  absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job);
+  void plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done);
+  absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job,
+                                                            const std::string& name,
+                                                            const SurveyedBlocks& surveyed);
 
   const PlannerThreads threads_;
   GridStore& store_;

@@ -28,7 +28,7 @@ std::string show(const google::protobuf::Duration& duration) {
 }
 
 std::string show(const v1::JobProgress& progress) {
-  if (progress.chunk_count() == 0) return "";
+  if (progress.chunk_count() == 0) return progress.shard_count() > 1 ? "counting" : "";
   return absl::StrFormat("%d/%d chunks", progress.done_chunks(), progress.chunk_count());
 }
 
@@ -52,8 +52,9 @@ std::string show(const google::rpc::Status& error) {
 
 std::string show_rate(const v1::JobProgress& progress) {
   std::string text = show(progress);
-  absl::StrAppendFormat(&text, ", %d of %d shards done, %d running", progress.done_shards(),
-                        progress.shard_count(), progress.running_shards());
+  absl::StrAppendFormat(&text, "%s%d of %d shards done, %d running", text.empty() ? "" : ", ",
+                        progress.done_shards(), progress.shard_count(),
+                        progress.running_shards());
   if (progress.dead_shards() > 0)
     absl::StrAppendFormat(&text, ", %d failed", progress.dead_shards());
   if (progress.chunks_per_second() > 0)

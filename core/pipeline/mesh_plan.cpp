@@ -11,14 +11,14 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
-#include "core/field/domain.h"
-#include "core/field/find_scene_bricks.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
 #include "core/pipeline/counted_mesh.h"
+#include "core/pipeline/divided_survey.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/fill_mesh.h"
+#include "core/pipeline/prepared_mesh.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
@@ -27,70 +27,6 @@ namespace {
 /// A float32 coordinate is off by at most 2^-24 of its size, so within this many spacings of
 /// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
 constexpr double kMaxFloat32Extent = 4096;
-
-PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
-  PhiField field;
-  field.scene = scene_of(shape);
-  field.spacing_voxels = request.spacing;
-  if (field.scene != nullptr) return field;
-  const Volume& volume = *volume_of(shape);
-  field.volume = &volume;
-  field.iso = static_cast<float>(request.iso);
-  const double ratio = request.spacing / volume.transform.voxel_size;
-  // A spacing typed with a few digits means the voxels themselves.
-  constexpr double kSameSpacing = 1e-6;
-  field.spacing_voxels = std::abs(ratio - 1) < kSameSpacing ? 1 : ratio;
-  return field;
-}
-
-/// Between two nodes thin walls are looked for voxel by voxel, so a brick takes as long as the
-/// spacing is wide.
-absl::Status check_spacing(const PhiField& field) {
-  constexpr double kMaxSpacingVoxels = 256;
-  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
-    return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
-                      field.spacing_voxels, kMaxSpacingVoxels));
-}
-
-/// Both sides of a domain, or the inside alone, which must have an end.
-absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
-                                     const MeshRequest& request,
-                                     const MeshLimits& limits) {
-  MeshedSpace space{
-      stuffing_rules(request.preset), {}, request.manifold, limits.kept_geometry_bytes};
-  if (!space.rules.both_sides) {
-    if (auto status = check_inside_ends(field); !status.ok()) return status;
-    return space;
-  }
-  const absl::StatusOr<BrickBox> domain = mesh_domain(field, request.box);
-  if (!domain.ok()) return domain.status();
-  if (auto status = check_domain_budget(*domain, request.levels, limits); !status.ok()) {
-    return status;
-  }
-  space.domain = *domain;
-  return space;
-}
-
-/// The bricks to look at, within budget.
-absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
-                                      const MeshedSpace& space,
-                                      int levels,
-                                      const MeshLimits& limits,
-                                      const Cancellation& cancellation) {
-  // A domain may leave few of many.
-  const std::size_t most =
-      space.domain ? kMaxSurfaceBricks : most_surface_bricks(space.rules, limits);
-  absl::StatusOr<FoundBricks> found =
-      field.scene != nullptr ? find_scene_bricks(field, space.domain, most, cancellation)
-                             : find_bricks(field, most, cancellation);
-  if (!found.ok()) return found;
-  if (space.domain) keep_domain(*space.domain, *found);
-  if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
-  if (auto status = check_plan_budget(*found, space.rules, limits); !status.ok()) return status;
-  return found;
-}
 
 /// The corners at the ends of a domain.
 VoxelBox corner_box(const BrickBox& domain) {
@@ -324,24 +260,16 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
-                                                          MeshProgress* progress) {
-  const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
-  if (!asked.ok()) return asked.status();
-  const PhiField field = field_of(shape, *asked);
-  if (auto status = check_spacing(field); !status.ok()) return status;
-  const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
-  if (!space.ok()) return space.status();
-
-  const bool uniform = asked->levels == 0;
-  const absl::StatusOr<FoundBricks> bricks =
-      bricks_of(field, *space, asked->levels, limits, cancellation);
-  if (!bricks.ok()) return bricks.status();
-  const OctreeCover cover{bricks->inside, space->domain};
+                                                          MeshProgress* progress,
+                                                          const SurveyedBlocks& surveyed) {
+  absl::StatusOr<PreparedMesh> prepared = prepare_mesh(shape, request, limits, cancellation);
+  if (!prepared.ok()) return prepared.status();
+  const auto& [asked, field, space, bricks] = *prepared;
+  const OctreeCover cover{bricks.inside, space.domain};
   const absl::StatusOr<LeafRules> rules = leaf_rules_within(
-      limits, request.sizing, field, *bricks, cover, asked->levels, cancellation);
+      limits, request.sizing, field, bricks, cover, asked.levels, cancellation);
   if (!rules.ok()) return rules.status();
-  absl::StatusOr<Survey> survey =
-      survey_bricks(field, bricks->near_surface, *space, cancellation, progress);
+  absl::StatusOr<Survey> survey = join_survey(*prepared, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
   const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -352,16 +280,16 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   ThinWalls thin_walls =
       gather_thin_walls(std::exchange(survey->thin, {}), field.lattice_transform());
-  CountedMesh mesh(field, *std::move(survey), std::move(tree), space->rules, uniform,
+  CountedMesh mesh(field, *std::move(survey), std::move(tree), space.rules, asked.levels == 0,
                    cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   const MeshHeader header = header_of(mesh, request);
-  if (auto status = check_tets(header, *asked, thin_walls, limits); !status.ok()) return status;
+  if (auto status = check_tets(header, asked, thin_walls, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
       MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}});
   impl->thin_walls = std::move(thin_walls);
-  impl->place_in_world(request, space->domain);
+  impl->place_in_world(request, space.domain);
   impl->cut_into_chunks(limits.chunk_bytes);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;

@@ -45,6 +45,13 @@ struct MeshProgress {
   std::atomic<std::uint64_t> done{0}, total{0};  ///< bricks surveyed, of those to survey
 };
 
+/// A survey that was made before, in blocks of so many bricks near the surface.
+struct SurveyedBlocks {
+  std::size_t block_bricks = 0;
+  /// The bytes of one block; nothing where it has to be surveyed again. Null: all of them have.
+  std::function<std::optional<std::vector<std::byte>>(std::size_t block)> find = nullptr;
+};
+
 /// Where the lattice of a compact mesh lies, and how it was stuffed.
 struct CompactFrame {
   LatticeToWorld to_world;
@@ -122,7 +129,9 @@ class MeshPlan {
 
 /// Counts the mesh: signs, cut points and warps are surveyed, leaves chosen, and every vertex
 /// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null. A request
-/// to improve the mesh makes the whole of it here once, and keeps the improved positions.
+/// to improve the mesh makes the whole of it here once, and keeps the improved positions. What
+/// other hosts surveyed is not surveyed again (see divided_survey.h); the plan's chunks are the
+/// same.
 ///
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
@@ -131,6 +140,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
-                                                          MeshProgress* progress);
+                                                          MeshProgress* progress,
+                                                          const SurveyedBlocks& surveyed = {});
 
 }  // namespace tet

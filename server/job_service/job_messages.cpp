@@ -138,7 +138,7 @@ void set_asked(const Job& job, v1::Job& message) {
 
 void set_plan(const Job& job, bool with_header, v1::Job& message) {
   stored::JobPlan plan;
-  if (job.header.empty() || !plan.ParseFromString(job.header)) return;
+  if (job.header.empty() || !plan.ParseFromString(job.header) || !plan.has_header()) return;
   message.set_cached(plan.cached());
   if (with_header) *message.mutable_header() = std::move(*plan.mutable_header());
 }

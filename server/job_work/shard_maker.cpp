@@ -8,7 +8,10 @@
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 
+#include "core/pipeline/budget.h"
+#include "core/pipeline/divided_survey.h"
 #include "server/background.h"
+#include "server/explain.h"
 #include "server/job_work/stored_mesh.h"
 #include "server/jobs/store_errors.h"
 #include "server/status.h"
@@ -20,6 +23,7 @@ struct ShardMaker::Shard {
   const std::shared_ptr<PlanningWatch>& watch;
   Job job;
   stored::JobSpec spec;
+  stored::JobPlan plan;  ///< nothing before it is counted, or divided to be
 };
 
 namespace {
@@ -80,8 +84,18 @@ absl::Status ShardMaker::run(const ShardLease& lease,
   if (!found.ok()) return found;
   auto spec = spec_of(*job);
   if (!spec.ok()) return spec.status();
-  const Shard shard{lease, watch, *std::move(job), *std::move(spec)};
-  return lease.id.shard.phase == Phase::kMesh ? mesh(shard) : plan(shard);
+  auto plan_so_far = plan_of(*job);
+  if (!plan_so_far.ok()) return plan_so_far.status();
+  const Shard shard{lease, watch, *std::move(job), *std::move(spec), *std::move(plan_so_far)};
+  switch (lease.id.shard.phase) {
+    case Phase::kPlan:
+      return plan(shard);
+    case Phase::kCount:
+      return survey(shard);
+    case Phase::kMesh:
+      return mesh(shard);
+  }
+  return absl::InternalError("a shard of no known phase");
 }
 
 absl::Status ShardMaker::plan(const Shard& shard) {
@@ -94,15 +108,97 @@ absl::Status ShardMaker::plan(const Shard& shard) {
       return commit_plan(shard, plan);
     }
   }
+  if (shard.plan.survey_block_bricks() == 0) {
+    const auto blocks = count_blocks(shard);
+    if (!blocks.ok()) return blocks.status();
+    if (*blocks > 1) return divide(shard, *blocks);
+  }
   const auto planned = count(shard);
   if (!planned.ok()) return planned.status();
   if (auto status = check_size(planned->plan->header()); !status.ok()) return status;
   plan = plan_of(*planned);
+  plan.set_survey_block_bricks(shard.plan.survey_block_bricks());
   const absl::Status kept =
       results_.put_plan({shard.job.space, planned->mesh_id}, name, plan.SerializeAsString());
   if (!kept.ok()) return kept;
   plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
   return commit_plan(shard, plan);
+}
+
+/// Blocks that the survey of the mesh is to be divided into; 1 where that is not worth it.
+absl::StatusOr<std::size_t> ShardMaker::count_blocks(const Shard& shard) {
+  const auto input = load(shard);
+  if (!input.ok()) return input.status();
+  const auto block_bricks = static_cast<std::size_t>(engine_.config.job_count_bricks);
+  const double worth_it = 2.0 * static_cast<double>(block_bricks);
+  if (estimate_bricks_to_plan(input->shape, input->request) < worth_it) return 1;
+  absl::StatusOr<std::size_t> blocks;
+  run_large(shard, [&] {
+    blocks = count_survey_blocks(input->shape, input->request, engine_.planner.limits(),
+                                 block_bricks, shard.watch->cancellation);
+  });
+  if (!blocks.ok()) return about_mesh(blocks.status());
+  return *blocks > 2 ? *blocks : 1;
+}
+
+absl::Status ShardMaker::divide(const Shard& shard, std::size_t blocks) {
+  stored::JobPlan plan;
+  plan.set_survey_block_bricks(static_cast<std::int64_t>(engine_.config.job_count_bricks));
+  Plan shards{Phase::kCount, plan.SerializeAsString(), {}};
+  for (std::int64_t block = 0; block < static_cast<std::int64_t>(blocks); ++block) {
+    shards.shards.push_back({block, block + 1});
+  }
+  return persist(shard.watch->cancellation,
+                 [&] { return jobs_.set_plan(shard.lease.id, shards); });
+}
+
+absl::Status ShardMaker::survey(const Shard& shard) {
+  const auto survey = survey_of(shard);
+  if (!survey.ok()) return survey.status();
+  const std::int64_t block = shard.lease.chunks.first;
+  if (!shard.spec.skip_cache()) {
+    if (const auto digest = (*survey)->digest_of(block)) return commit_chunks(shard, {*digest});
+  }
+  const auto input = load(shard);
+  if (!input.ok()) return input.status();
+  absl::StatusOr<std::vector<std::byte>> bytes;
+  run_large(shard, [&] {
+    bytes = survey_block(input->shape, input->request, engine_.planner.limits(),
+                         static_cast<std::size_t>(shard.plan.survey_block_bricks()),
+                         static_cast<std::size_t>(block), shard.watch->cancellation);
+  });
+  if (!bytes.ok()) return about_mesh(bytes.status());
+  const auto digest = (*survey)->put(block, *bytes);
+  if (!digest.ok()) return digest.status();
+  return commit_chunks(shard, {*digest});
+}
+
+/// On many threads, one shard's work at a time.
+void ShardMaker::run_large(const Shard& shard, absl::FunctionRef<void()> work) {
+  const std::lock_guard one_at_a_time(counting_);
+  std::promise<void> done;
+  engine_.large.post(background_client(shard.job.space), [&work, &done] {
+    work();
+    done.set_value();
+  });
+  done.get_future().wait();
+}
+
+absl::StatusOr<MeshInput> ShardMaker::load(const Shard& shard) {
+  auto order = order_of(shard.job, shard.spec);
+  if (!order.ok()) return order.status();
+  std::promise<absl::StatusOr<MeshInput>> promise;
+  engine_.planner.load(
+      background_client(shard.job.space), *std::move(order), shard.watch,
+      [&promise](absl::StatusOr<MeshInput> input) { promise.set_value(std::move(input)); });
+  return promise.get_future().get();
+}
+
+/// What the workers share of the mesh's survey.
+absl::StatusOr<std::shared_ptr<SharedSurvey>> ShardMaker::survey_of(const Shard& shard) {
+  return SharedSurvey::open(
+      results_, engine_.blocks,
+      {shard.job.space, name_of_request(shard.spec.mesh()), shard.plan.survey_block_bricks()});
 }
 
 /// What can never be stored is not worth making.
@@ -124,9 +220,7 @@ absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& 
 }
 
 absl::Status ShardMaker::mesh(const Shard& shard) {
-  const auto plan = plan_of(shard.job);
-  if (!plan.ok()) return plan.status();
-  const std::string& mesh_id = plan->header().mesh_id();
+  const std::string& mesh_id = shard.plan.header().mesh_id();
   const ChunkRange& chunks = shard.lease.chunks;
   const auto folder = results_.make({shard.job.space, mesh_id});
   if (!folder.ok()) return folder.status();
@@ -155,12 +249,20 @@ absl::Status ShardMaker::commit_chunks(const Shard& shard,
 absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {
   auto order = order_of(shard.job, shard.spec);
   if (!order.ok()) return order.status();
+  SurveyedBlocks surveyed;
+  if (shard.plan.survey_block_bricks() > 0) {
+    auto survey = survey_of(shard);
+    if (!survey.ok()) return survey.status();
+    surveyed = SharedSurvey::blocks(*std::move(survey));
+  }
   const std::lock_guard one_at_a_time(counting_);
   std::promise<absl::StatusOr<PlannedMesh>> promise;
-  engine_.planner.plan(background_client(shard.job.space), *std::move(order), shard.watch,
-                       [&promise](absl::StatusOr<PlannedMesh> planned) {
-                         promise.set_value(std::move(planned));
-                       });
+  engine_.planner.plan(
+      background_client(shard.job.space), *std::move(order), shard.watch,
+      [&promise](absl::StatusOr<PlannedMesh> planned) {
+        promise.set_value(std::move(planned));
+      },
+      std::move(surveyed));
   return promise.get_future().get();
 }
 

@@ -1,4 +1,5 @@
-// What a worker does with a shard: count the mesh, or make chunks of it and store them.
+// What a worker does with a shard: count the mesh, alone or a part of it, or make chunks of it
+// and store them.
 #pragma once
 
 #include <memory>
@@ -6,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include <absl/functional/function_ref.h>
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "server/job_work/job_spec.h"
+#include "server/job_work/shared_survey.h"
 #include "server/jobs/job_store.h"
 #include "server/mesh_engine.h"
 #include "server/results/result_store.h"
@@ -41,10 +44,16 @@ class ShardMaker {
   struct Shard;
 
   absl::Status plan(const Shard& shard);
+  absl::StatusOr<std::size_t> count_blocks(const Shard& shard);
+  absl::Status divide(const Shard& shard, std::size_t blocks);
+  absl::Status survey(const Shard& shard);
   absl::Status mesh(const Shard& shard);
   absl::Status commit_chunks(const Shard& shard, const std::vector<ChunkDigest>& digests);
   bool is_stored(const std::string& space, const stored::JobPlan& plan) const;
   absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
+  void run_large(const Shard& shard, absl::FunctionRef<void()> work);
+  absl::StatusOr<MeshInput> load(const Shard& shard);
+  absl::StatusOr<std::shared_ptr<SharedSurvey>> survey_of(const Shard& shard);
   absl::StatusOr<PlannedMesh> count(const Shard& shard);
   absl::Status check_size(const MeshHeader& header) const;
   absl::StatusOr<std::vector<ChunkDigest>> make_chunks(const Shard& shard,

@@ -49,7 +49,7 @@ class Scaling(FarmTest):
             jobs[self.submit(self.farm, grid, "--levels", 0)] = grid
         for _ in range(workers):
             self.quotas.append(Quota(len(self.quotas)))
-            self.farm.start_worker(launch=self.quotas[-1].within())
+            self.farm.start_worker(launch=self.quotas[-1].within(), count_bricks=4096)
         said = self.farm.job("wait", *jobs)
         self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
         for worker in list(self.farm.workers):

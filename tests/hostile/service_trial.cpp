@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/create_channel.h>
@@ -13,6 +14,7 @@ namespace tet::test {
 
 namespace {
 
+constexpr std::chrono::milliseconds kPause{20};
 constexpr std::size_t kPieceBytes = std::size_t{512} << 10;
 
 struct Call {
@@ -44,7 +46,15 @@ absl::Status ServiceTrial::run(std::string_view file) {
   Sha256 digest;
   digest.add(file);
   const std::string name = name_of_grid(digest.finish_hex());
-  if (const grpc::Status status = upload(name, file); !status.ok()) return to_absl(status);
+  grpc::Status uploaded = upload(name, file);
+  // Of two clients that bring the same bytes at the same time one is told to try again.
+  const auto give_up = std::chrono::steady_clock::now() + patience_;
+  while (uploaded.error_code() == grpc::StatusCode::ABORTED &&
+         std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(kPause);
+    uploaded = upload(name, file);
+  }
+  if (!uploaded.ok()) return to_absl(uploaded);
   const grpc::Status seen = look_into(name);
   const grpc::Status meshed = mesh(name);
   return to_absl(seen.ok() ? meshed : seen);

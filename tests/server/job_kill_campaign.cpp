@@ -19,7 +19,9 @@
 namespace tet::test {
 namespace {
 
-constexpr int kRadii[] = {8, 12, 16};
+constexpr int kRadii[] = {8, 16, 24};
+/// So that the largest are counted in shards.
+const std::vector<std::string> kOptions{"--job-count-bricks", "64"};
 constexpr int kJobs = 3, kMostKills = 3, kMostMs = 700;
 
 /// Of all runs of a campaign.
@@ -43,15 +45,15 @@ class Run {
 
   /// What went wrong; empty if nothing.
   std::string play(const Meshes& undisturbed, Tally& tally) {
-    server_.start();
-    auto worker = server_.start_worker();
+    server_.start(kOptions);
+    auto worker = server_.start_worker(kOptions);
     for (int i = 0; i < kJobs; ++i) submit();
     const int kills = between(1, kMostKills);
     for (int i = 0; i < kills; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(between(0, kMostMs)));
       const int victim = between(0, 2);
-      if (victim != 0) server_.start();
-      if (victim != 1) worker = server_.start_worker();
+      if (victim != 0) server_.start(kOptions);
+      if (victim != 1) worker = server_.start_worker(kOptions);
       tally.server_kills += victim != 0 ? 1 : 0;
       tally.worker_kills += victim != 1 ? 1 : 0;
     }
@@ -85,14 +87,19 @@ class Run {
     if (done.state() != v1::JOB_STATE_SUCCEEDED) return "it is " + done.ShortDebugString();
     if (done.determinism_alarms() != 0) return "it came with other bytes";
     if (chunks_of(server_.result(job)) != mesh) return "its result is another";
-    std::map<std::int64_t, int> committed;
+    std::map<std::int64_t, int> counted, meshed;  // commits, by how many there were
     for (const v1::JobEvent& event : server_.watch(job, JobServer::is_finished)) {
-      if (JobServer::has_a_shard(event)) ++committed[event.progress().done_shards()];
+      if (!JobServer::has_a_shard(event)) continue;
+      const bool counting = event.progress().chunk_count() == 0;
+      ++(counting ? counted : meshed)[event.progress().done_shards()];
     }
-    for (const auto& [shard, times] : committed) {
-      if (times != 1) return absl::StrCat("shard ", shard, " was committed ", times, " times");
+    for (const auto& commits : {counted, meshed}) {
+      for (const auto& [shard, times] : commits) {
+        if (times != 1)
+          return absl::StrCat("shard ", shard, " was committed ", times, " times");
+      }
     }
-    if (std::ssize(committed) != done.progress().shard_count()) return "shards are missing";
+    if (std::ssize(meshed) != done.progress().shard_count()) return "shards are missing";
     return "";
   }
 
