@@ -19,13 +19,20 @@ namespace {
 // By then it may be known that there is room again.
 constexpr absl::Duration kAskAgain = absl::Seconds(2);
 
-/// A job as GetJob and CreateJob tell it.
-absl::Status tell(JobDesk& desk, const absl::StatusOr<Job>& job, v1::Job& response) {
+// Counting takes as long as the queue: whoever submits thousands does not wait for it.
+constexpr std::int64_t kMostCounted = 1000;
+
+/// A job as GetJob and CreateJob tell it, with its place in the queue if no more than `most`
+/// come before it.
+absl::Status tell(JobDesk& desk,
+                  const absl::StatusOr<Job>& job,
+                  v1::Job& response,
+                  std::int64_t most = INT64_MAX - 1) {
   if (!job.ok()) return job.status();
   to_proto(*job, true, response);
   if (job->state != JobState::kQueued) return absl::OkStatus();
-  const auto position = desk.jobs.queue_position(job->id);
-  if (position.ok()) response.set_queue_position(*position);
+  const auto position = desk.jobs.queue_position(job->id, most + 1);
+  if (position.ok() && *position <= most) response.set_queue_position(*position);
   return absl::IsNotFound(position.status()) ? absl::OkStatus() : position.status();
 }
 
@@ -46,7 +53,7 @@ absl::Status create(JobDesk& desk,
   const auto created = desk.jobs.create(*wanted);
   if (!created.ok()) return within_field("job", created.status());
   call.note("job", created->job.id);
-  return tell(desk, created->job, response);
+  return tell(desk, created->job, response, kMostCounted);
 }
 
 /// Needs the grid only if there is something to be made.
@@ -60,7 +67,7 @@ absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& res
   const auto grid = grids.acquire({job.space, order->digest});
   const bool is_done = job.state == JobState::kSucceeded && lost->empty();
   if (!grid.ok() && is_finished(job.state) && !is_done) return grid.status();
-  return tell(desk, desk.jobs.retry(job.id, *lost), response);
+  return tell(desk, desk.jobs.retry(job.id, *lost), response, kMostCounted);
 }
 
 // The list is read first: whoever watches from the revision on misses no change of it.

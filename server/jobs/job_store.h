@@ -100,8 +100,9 @@ class JobStore {
   /// The newest first. A job is on one page at most, and on one if it is there all the time.
   /// Errors: kInvalidArgument (INVALID_FIELD: page size; a token of another filter).
   virtual absl::StatusOr<JobPage> list(const ListJobs& query) = 0;
-  /// Jobs that come before it; 0 unless it is queued.
-  virtual absl::StatusOr<std::int64_t> queue_position(const std::string& id) = 0;
+  /// Jobs that come before it, counted up to `most` of them; 0 unless it is queued.
+  virtual absl::StatusOr<std::int64_t> queue_position(const std::string& id,
+                                                      std::int64_t most = INT64_MAX) = 0;
   /// Events in the order of their revisions: whoever goes on after the last it saw misses none
   /// and sees none twice. Waits as long as told while there are none. Errors: kOutOfRange
   /// (REVISION_COMPACTED: events after this revision were purged; REVISION_UNKNOWN: it lies in

@@ -198,14 +198,17 @@ absl::StatusOr<JobPage> SqlJobStore::list(const ListJobs& query) {
   return page;
 }
 
-absl::StatusOr<std::int64_t> SqlJobStore::queue_position(const std::string& id) {
+absl::StatusOr<std::int64_t> SqlJobStore::queue_position(const std::string& id,
+                                                         std::int64_t most) {
   std::int64_t position = 0;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
     const auto job = t.run("SELECT rank, state FROM jobs WHERE id = $1", {id});
     if (job.rows.empty()) return job_not_found(id);
     if (job.rows[0].integer(1) != number_of(JobState::kQueued)) return absl::OkStatus();
-    position = t.integer("SELECT count(*) FROM jobs WHERE state = 1 AND (rank, id) < ($1, $2)",
-                         {job.rows[0].integer(0), id});
+    position = t.integer(
+        "SELECT count(*) FROM (SELECT id FROM jobs WHERE state = 1 AND (rank, id) < ($1, $2) "
+        "LIMIT $3) AS earlier",
+        {job.rows[0].integer(0), id, most});
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

@@ -43,7 +43,8 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<CreatedJob> create(const NewJob& wanted) override;
   absl::StatusOr<Job> get(const std::string& id) override;
   absl::StatusOr<JobPage> list(const ListJobs& query) override;
-  absl::StatusOr<std::int64_t> queue_position(const std::string& id) override;
+  absl::StatusOr<std::int64_t> queue_position(const std::string& id,
+                                              std::int64_t most) override;
   absl::StatusOr<EventPage> watch(const WatchJobs& query) override;
   absl::StatusOr<std::int64_t> revision() override;
   absl::StatusOr<Job> cancel(const std::string& id) override;

@@ -21,7 +21,7 @@ namespace {
 constexpr char kSettings[] =
     "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA journal_size_limit = "
     "67108864; "
-    "PRAGMA temp_store = MEMORY; PRAGMA cache_size = -16384";
+    "PRAGMA temp_store = MEMORY; PRAGMA cache_size = -4096";
 
 // SQLite's own handler waits up to 100 ms between tries; commits take about one.
 constexpr auto kBusyStep = std::chrono::milliseconds(1);

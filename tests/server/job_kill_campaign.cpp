@@ -86,7 +86,9 @@ class Run {
     const v1::Job done = server_.wait(job);
     if (done.state() != v1::JOB_STATE_SUCCEEDED) return "it is " + done.ShortDebugString();
     if (done.determinism_alarms() != 0) return "it came with other bytes";
-    if (chunks_of(server_.result(job)) != mesh) return "its result is another";
+    const auto result = chunks_of(server_.result(job));
+    if (!server_.status.ok()) return "its result: " + server_.status.error_message();
+    if (result != mesh) return "its result is another";
     std::map<std::int64_t, int> counted, meshed;  // commits, by how many there were
     for (const v1::JobEvent& event : server_.watch(job, JobServer::is_finished)) {
       if (!JobServer::has_a_shard(event)) continue;

@@ -188,6 +188,7 @@ TEST_P(JobStoreTest, KnowsAJobsPlaceInTheQueue) {
   EXPECT_EQ(store_->queue_position(overtakes.id).value(), 0);
   EXPECT_EQ(store_->queue_position(first.id).value(), 1);
   EXPECT_EQ(store_->queue_position(second.id).value(), 2);
+  EXPECT_EQ(store_->queue_position(second.id, 1).value(), 1);
   claim(2);
   EXPECT_EQ(store_->queue_position(first.id).value(), 0);
   EXPECT_EQ(store_->queue_position(second.id).value(), 0);
