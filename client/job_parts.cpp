@@ -113,6 +113,7 @@ absl::Status JobClient::read_parts(const v1::Job& job,
   std::vector<PartReceiver> receivers = divide(*header, job.header().mesh_id(), streams, parts);
   {
     std::vector<std::jthread> threads;
+    threads.reserve(receivers.size());
     for (PartReceiver& receiver : receivers) {
       threads.emplace_back(
           [&] { parts.ended(receive(*connection_, job.name(), receiver, cancellation)); });

@@ -33,8 +33,9 @@ absl::Status upload_sizes(MeshClient& client,
   if (!grid || grid->file.empty()) return absl::OkStatus();
   absl::StatusOr<std::string> name =
       upload(client, {grid->file, grid->name, {}}, bar, interruption);
-  if (name.ok()) grid->file = *std::move(name);
-  return name.status();
+  if (!name.ok()) return name.status();
+  grid->file = *std::move(name);
+  return absl::OkStatus();
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ absl::Status receive_once(const ServerChannel& channel,
   absl::Status taken;
   for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) taken = what.take(event);
   if (!taken.ok()) call.context().TryCancel();
-  const absl::Status ended = call.result(stream.finish());
+  absl::Status ended = call.result(stream.finish());
   if (!taken.ok()) return taken;
   if (!ended.ok() || what.complete()) return ended;
   return absl::UnavailableError("the stream ended before all of it had come");
@@ -37,7 +37,7 @@ absl::Status receive_stream(Connection& connection,
                             const Cancellation& cancellation) {
   for (Retries retries = connection.begin(cancellation);;) {
     const ServerChannel& server = connection.server();
-    const auto status = receive_once(server, call, cancellation);
+    absl::Status status = receive_once(server, call, cancellation);
     if (call.complete()) return absl::OkStatus();
     if (!connection.again(retries, server, status, call.next_chunk())) return status;
   }

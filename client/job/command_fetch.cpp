@@ -125,7 +125,7 @@ class Fetcher {
     auto streamed = session_.jobs.read_result(job.name(), receiving(), cancellation_);
     if (!streamed.ok()) return streamed.status();
     MadeMesh made = made_of(*std::move(streamed), {});
-    const absl::Status status = write_made_mesh(path, made, session_.bar, cancellation_);
+    absl::Status status = write_made_mesh(path, made, session_.bar, cancellation_);
     if (!status.ok()) return status;
     tell(job, path, summary_line(path, made, watch.seconds()), false);
     return absl::OkStatus();

@@ -24,7 +24,7 @@ void DecoderSupply::start_anew() {
 absl::Status DecoderSupply::start() {
   absl::StatusOr<Decoder> started = Decoder::start(program_);
   if (!started.ok()) return started.status();
-  const absl::Status ready = started->wait_until_ready(cancelled_);
+  absl::Status ready = started->wait_until_ready(cancelled_);
   if (ready.ok()) original_.emplace(*std::move(started));
   return ready;
 }
