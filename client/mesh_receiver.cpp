@@ -148,8 +148,7 @@ absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
     compact_ = *std::move(compact);
     received_.mesh.header = *checked;  // its columns come last
   } else {
-    absl::Status status =
-        header.has_kept() ? take_kept(header, *checked) : allocate(*checked);
+    absl::Status status = header.has_kept() ? take_kept(header, *checked) : allocate(*checked);
     if (!status.ok()) return status;
   }
   chunks_ =
