@@ -13,6 +13,17 @@ namespace {
 // that several workers have something of it.
 constexpr std::int64_t kShardChunks = 64, kSmallShardChunks = 4, kShardsOfAMesh = 16;
 
+constexpr std::int64_t kMostCountShards = 1000;
+
+/// [0, count) in ranges of `size`; the last may be shorter.
+std::vector<ChunkRange> cut(std::int64_t count, std::int64_t size) {
+  std::vector<ChunkRange> ranges;
+  for (std::int64_t first = 0; first < count; first += size) {
+    ranges.push_back({first, std::min(first + size, count)});
+  }
+  return ranges;
+}
+
 }  // namespace
 
 absl::StatusOr<stored::JobSpec> spec_of(const Job& job) {
@@ -56,13 +67,12 @@ v1::MeshEvent trailer_event(const stored::JobPlan& plan,
 }
 
 std::vector<ChunkRange> shards_of(std::int64_t chunk_count) {
-  const std::int64_t size =
-      std::clamp(chunk_count / kShardsOfAMesh, kSmallShardChunks, kShardChunks);
-  std::vector<ChunkRange> shards;
-  for (std::int64_t first = 0; first < chunk_count; first += size) {
-    shards.push_back({first, std::min(first + size, chunk_count)});
-  }
-  return shards;
+  return cut(chunk_count,
+             std::clamp(chunk_count / kShardsOfAMesh, kSmallShardChunks, kShardChunks));
+}
+
+std::vector<ChunkRange> count_shards_of(std::int64_t block_count) {
+  return cut(block_count, (block_count + kMostCountShards - 1) / kMostCountShards);
 }
 
 }  // namespace tet

@@ -33,4 +33,8 @@ v1::MeshEvent trailer_event(const stored::JobPlan& plan,
 /// Contiguous, and the same for every mesh of so many chunks.
 std::vector<ChunkRange> shards_of(std::int64_t chunk_count);
 
+/// The same for a survey of so many blocks: one each, unless there are more than a job is to
+/// have shards.
+std::vector<ChunkRange> count_shards_of(std::int64_t block_count);
+
 }  // namespace tet

@@ -1,6 +1,5 @@
 #include "server/job_work/shard_maker.h"
 
-#include <future>
 #include <utility>
 
 #include <absl/functional/function_ref.h>
@@ -8,10 +7,6 @@
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 
-#include "core/pipeline/budget.h"
-#include "core/pipeline/divided_survey.h"
-#include "server/background.h"
-#include "server/explain.h"
 #include "server/job_work/stored_mesh.h"
 #include "server/jobs/store_errors.h"
 #include "server/status.h"
@@ -20,9 +15,9 @@ namespace tet {
 
 struct ShardMaker::Shard {
   const ShardLease& lease;
-  const std::shared_ptr<PlanningWatch>& watch;
   Job job;
   stored::JobSpec spec;
+  CountOrder order;
   stored::JobPlan plan;  ///< nothing before it is counted, or divided to be
 };
 
@@ -86,7 +81,15 @@ absl::Status ShardMaker::run(const ShardLease& lease,
   if (!spec.ok()) return spec.status();
   auto plan_so_far = plan_of(*job);
   if (!plan_so_far.ok()) return plan_so_far.status();
-  const Shard shard{lease, watch, *std::move(job), *std::move(spec), *std::move(plan_so_far)};
+  auto mesh_order = order_of(*job, *spec);
+  if (!mesh_order.ok()) return mesh_order.status();
+  const Shard shard{
+      lease,
+      *std::move(job),
+      *std::move(spec),
+      {*std::move(mesh_order), watch},
+      *std::move(plan_so_far)
+  };
   switch (lease.id.shard.phase) {
     case Phase::kPlan:
       return plan(shard);
@@ -109,7 +112,7 @@ absl::Status ShardMaker::plan(const Shard& shard) {
     }
   }
   if (shard.plan.survey_block_bricks() == 0) {
-    const auto blocks = count_blocks(shard);
+    const auto blocks = counter_.blocks(shard.order, block_bricks_);
     if (!blocks.ok()) return blocks.status();
     if (*blocks > 1) return divide(shard, *blocks);
   }
@@ -125,80 +128,47 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   return commit_plan(shard, plan);
 }
 
-/// Blocks that the survey of the mesh is to be divided into; 1 where that is not worth it.
-absl::StatusOr<std::size_t> ShardMaker::count_blocks(const Shard& shard) {
-  const auto input = load(shard);
-  if (!input.ok()) return input.status();
-  const auto block_bricks = static_cast<std::size_t>(engine_.config.job_count_bricks);
-  const double worth_it = 2.0 * static_cast<double>(block_bricks);
-  if (estimate_bricks_to_plan(input->shape, input->request) < worth_it) return 1;
-  absl::StatusOr<std::size_t> blocks;
-  run_large(shard, [&] {
-    blocks = count_survey_blocks(input->shape, input->request, engine_.planner.limits(),
-                                 block_bricks, shard.watch->cancellation);
-  });
-  if (!blocks.ok()) return about_mesh(blocks.status());
-  return *blocks > 2 ? *blocks : 1;
-}
-
-absl::Status ShardMaker::divide(const Shard& shard, std::size_t blocks) {
+absl::Status ShardMaker::divide(const Shard& shard, std::int64_t blocks) {
   stored::JobPlan plan;
-  plan.set_survey_block_bricks(static_cast<std::int64_t>(engine_.config.job_count_bricks));
-  Plan shards{Phase::kCount, plan.SerializeAsString(), {}};
-  for (std::int64_t block = 0; block < static_cast<std::int64_t>(blocks); ++block) {
-    shards.shards.push_back({block, block + 1});
-  }
-  return persist(shard.watch->cancellation,
+  plan.set_survey_block_bricks(block_bricks_);
+  const Plan shards{Phase::kCount, plan.SerializeAsString(), count_shards_of(blocks)};
+  return persist(shard.order.watch->cancellation,
                  [&] { return jobs_.set_plan(shard.lease.id, shards); });
 }
 
 absl::Status ShardMaker::survey(const Shard& shard) {
   const auto survey = survey_of(shard);
   if (!survey.ok()) return survey.status();
-  const std::int64_t block = shard.lease.chunks.first;
-  if (!shard.spec.skip_cache()) {
-    if (const auto digest = (*survey)->digest_of(block)) return commit_chunks(shard, {*digest});
+  std::vector<ChunkDigest> digests;
+  for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
+    auto digest = survey_block(shard, **survey, i);
+    if (!digest.ok()) return digest.status();
+    digests.push_back(*std::move(digest));
   }
-  const auto input = load(shard);
-  if (!input.ok()) return input.status();
-  absl::StatusOr<std::vector<std::byte>> bytes;
-  run_large(shard, [&] {
-    bytes = survey_block(input->shape, input->request, engine_.planner.limits(),
-                         static_cast<std::size_t>(shard.plan.survey_block_bricks()),
-                         static_cast<std::size_t>(block), shard.watch->cancellation);
-  });
-  if (!bytes.ok()) return about_mesh(bytes.status());
-  const auto digest = (*survey)->put(block, *bytes);
-  if (!digest.ok()) return digest.status();
-  return commit_chunks(shard, {*digest});
+  return commit_chunks(shard, digests);
 }
 
-/// On many threads, one shard's work at a time.
-void ShardMaker::run_large(const Shard& shard, absl::FunctionRef<void()> work) {
-  const std::lock_guard one_at_a_time(counting_);
-  std::promise<void> done;
-  engine_.large.post(background_client(shard.job.space), [&work, &done] {
-    work();
-    done.set_value();
-  });
-  done.get_future().wait();
-}
-
-absl::StatusOr<MeshInput> ShardMaker::load(const Shard& shard) {
-  auto order = order_of(shard.job, shard.spec);
-  if (!order.ok()) return order.status();
-  std::promise<absl::StatusOr<MeshInput>> promise;
-  engine_.planner.load(
-      background_client(shard.job.space), *std::move(order), shard.watch,
-      [&promise](absl::StatusOr<MeshInput> input) { promise.set_value(std::move(input)); });
-  return promise.get_future().get();
+absl::StatusOr<ChunkDigest> ShardMaker::survey_block(const Shard& shard,
+                                                     SharedSurvey& survey,
+                                                     std::int64_t block) {
+  if (!shard.spec.skip_cache()) {
+    if (auto digest = survey.digest_of(block)) return *std::move(digest);
+  }
+  const auto bytes = counter_.survey(shard.order, shard.plan.survey_block_bricks(), block);
+  if (!bytes.ok()) return bytes.status();
+  return survey.put(block, *bytes);
 }
 
 /// What the workers share of the mesh's survey.
 absl::StatusOr<std::shared_ptr<SharedSurvey>> ShardMaker::survey_of(const Shard& shard) {
+  const std::int64_t block_bricks = shard.plan.survey_block_bricks();
+  if (block_bricks <= 0) {
+    return store_broken(absl::StrCat("job ", shard.job.id, " is surveyed in blocks of ",
+                                     block_bricks, " bricks"));
+  }
   return SharedSurvey::open(
       results_, engine_.blocks,
-      {shard.job.space, name_of_request(shard.spec.mesh()), shard.plan.survey_block_bricks()});
+      {shard.job.space, name_of_request(shard.spec.mesh()), block_bricks});
 }
 
 /// What can never be stored is not worth making.
@@ -215,7 +185,7 @@ bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan
 absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& plan) {
   const Plan shards{Phase::kMesh, plan.SerializeAsString(),
                     shards_of(plan.header().chunk_count())};
-  return persist(shard.watch->cancellation,
+  return persist(shard.order.watch->cancellation,
                  [&] { return jobs_.set_plan(shard.lease.id, shards); });
 }
 
@@ -241,29 +211,15 @@ absl::Status ShardMaker::mesh(const Shard& shard) {
 
 absl::Status ShardMaker::commit_chunks(const Shard& shard,
                                        const std::vector<ChunkDigest>& digests) {
-  return persist(shard.watch->cancellation,
+  return persist(shard.order.watch->cancellation,
                  [&] { return jobs_.complete(shard.lease.id, digests); });
 }
 
-/// Plans that were made lately are at hand.
 absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {
-  auto order = order_of(shard.job, shard.spec);
-  if (!order.ok()) return order.status();
-  SurveyedBlocks surveyed;
-  if (shard.plan.survey_block_bricks() > 0) {
-    auto survey = survey_of(shard);
-    if (!survey.ok()) return survey.status();
-    surveyed = SharedSurvey::blocks(*std::move(survey));
-  }
-  const std::lock_guard one_at_a_time(counting_);
-  std::promise<absl::StatusOr<PlannedMesh>> promise;
-  engine_.planner.plan(
-      background_client(shard.job.space), *std::move(order), shard.watch,
-      [&promise](absl::StatusOr<PlannedMesh> planned) {
-        promise.set_value(std::move(planned));
-      },
-      std::move(surveyed));
-  return promise.get_future().get();
+  if (shard.plan.survey_block_bricks() == 0) return counter_.count(shard.order, {});
+  auto survey = survey_of(shard);
+  if (!survey.ok()) return survey.status();
+  return counter_.count(shard.order, SharedSurvey::blocks(*std::move(survey)));
 }
 
 absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& shard,
@@ -272,7 +228,7 @@ absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& sh
   const ChunkSource source{planned.plan, nullptr, false};
   std::vector<ChunkDigest> digests;
   for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
-    const absl::Status wanted = check_cancelled(shard.watch->cancellation);
+    const absl::Status wanted = check_cancelled(shard.order.watch->cancellation);
     if (!wanted.ok()) return wanted;
     const ChunkMessage chunk = make_chunk(source, static_cast<std::uint64_t>(i),
                                           {engine_.workspaces, engine_.blocks}, nullptr);

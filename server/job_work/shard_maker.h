@@ -1,17 +1,17 @@
-// What a worker does with a shard: count the mesh, alone or a part of it, or make chunks of it
-// and store them.
+// What a worker does with a shard: have the mesh or a part of it counted, or make chunks of it;
+// and store what came out.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
-#include <absl/functional/function_ref.h>
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "server/job_work/job_spec.h"
+#include "server/job_work/mesh_counter.h"
 #include "server/job_work/shared_survey.h"
 #include "server/jobs/job_store.h"
 #include "server/mesh_engine.h"
@@ -29,7 +29,11 @@ namespace tet {
 class ShardMaker {
  public:
   ShardMaker(MeshEngine& engine, JobStore& jobs, ResultStore& results)
-      : engine_(engine), jobs_(jobs), results_(results) {}
+      : engine_(engine),
+        jobs_(jobs),
+        results_(results),
+        counter_(engine),
+        block_bricks_(static_cast<std::int64_t>(engine.config.job_count_bricks)) {}
 
   /// Does the shard and commits it. Errors: what the shard fails with; kAborted (LEASE_LOST);
   /// kCancelled (`watch`).
@@ -44,15 +48,15 @@ class ShardMaker {
   struct Shard;
 
   absl::Status plan(const Shard& shard);
-  absl::StatusOr<std::size_t> count_blocks(const Shard& shard);
-  absl::Status divide(const Shard& shard, std::size_t blocks);
+  absl::Status divide(const Shard& shard, std::int64_t blocks);
   absl::Status survey(const Shard& shard);
   absl::Status mesh(const Shard& shard);
   absl::Status commit_chunks(const Shard& shard, const std::vector<ChunkDigest>& digests);
   bool is_stored(const std::string& space, const stored::JobPlan& plan) const;
   absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
-  void run_large(const Shard& shard, absl::FunctionRef<void()> work);
-  absl::StatusOr<MeshInput> load(const Shard& shard);
+  absl::StatusOr<ChunkDigest> survey_block(const Shard& shard,
+                                           SharedSurvey& survey,
+                                           std::int64_t block);
   absl::StatusOr<std::shared_ptr<SharedSurvey>> survey_of(const Shard& shard);
   absl::StatusOr<PlannedMesh> count(const Shard& shard);
   absl::Status check_size(const MeshHeader& header) const;
@@ -63,7 +67,8 @@ class ShardMaker {
   MeshEngine& engine_;
   JobStore& jobs_;
   ResultStore& results_;
-  std::mutex counting_;
+  MeshCounter counter_;
+  const std::int64_t block_bricks_;
 };
 
 }  // namespace tet

@@ -62,6 +62,19 @@ TEST_F(JobServiceTest, MakesOneJobOfOneRequest) {
   EXPECT_EQ(reason_of(status_), "tetstream/REQUEST_ID_REUSED");
 }
 
+TEST_F(JobServiceTest, CountsALongQueueOnlyForWhoeverAsks) {
+  server_.start({"--job-workers", "0"});
+  const v1::Job wanted = server_.ball(4);
+  constexpr int kCountedWhenMade = 1000;
+  for (int i = 0; i < kCountedWhenMade; ++i) {
+    ASSERT_EQ(server_.create(wanted).queue_position(), i);
+  }
+  EXPECT_EQ(server_.create(wanted).queue_position(), kCountedWhenMade);
+  const v1::Job last = server_.create(wanted);
+  EXPECT_FALSE(last.has_queue_position());
+  EXPECT_EQ(server_.get(last).queue_position(), kCountedWhenMade + 1);
+}
+
 TEST_F(JobServiceTest, RefusesWhatOnlyTheServerMaySay) {
   server_.start({"--job-workers", "0"});
   v1::Job wanted = server_.ball(4);
