@@ -3,6 +3,7 @@
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -67,8 +68,11 @@ class Postgres:
 
     def kill(self):
         """kill -9 of the server, which ends all that it runs."""
+        self._end(signal.SIGKILL)
+
+    def _end(self, how):
         self._hang_up()
-        self.server.kill()
+        self.server.send_signal(how)
         self.server.wait()
 
     def rows(self, query):
@@ -94,7 +98,8 @@ class Postgres:
 
     def close(self):
         if self.server is not None:
-            self.kill()
+            # At once, but what is killed leaves its shared memory to the machine.
+            self._end(signal.SIGQUIT)
         self._log.close()
         shutil.rmtree(self.folder, ignore_errors=True)
 

@@ -49,8 +49,9 @@ PostgresServer::PostgresServer(bool durable, int max_connections)
   start();
 }
 
+/// Told to stop at once, not killed: what is killed leaves its shared memory to the machine.
 PostgresServer::~PostgresServer() {
-  if (server_ > 0) kill();
+  if (server_ > 0) end(SIGQUIT);
 }
 
 pid_t PostgresServer::spawn(std::vector<std::string> arguments) const {
@@ -88,8 +89,10 @@ void PostgresServer::start() {
   throw std::runtime_error("PostgreSQL does not start: " + read_text(folder_.file("log")));
 }
 
-void PostgresServer::kill() {
-  ::kill(server_, SIGKILL);
+void PostgresServer::kill() { end(SIGKILL); }
+
+void PostgresServer::end(int signal) {
+  ::kill(server_, signal);
   ::waitpid(server_, nullptr, 0);
   server_ = -1;
 }

@@ -35,6 +35,7 @@ class PostgresServer {
 
  private:
   pid_t spawn(std::vector<std::string> arguments) const;
+  void end(int signal);
   bool answers() const;
 
   const bool durable_;
