@@ -62,8 +62,10 @@ void add(Solid solid, const BenchSize& size, bool uniform) {
   bench("survey_block", [](benchmark::State& state, const Counted& counted) {
     std::size_t bytes = 0;
     for (auto _ : state) bytes = survey(counted, kBlocks / 2).size();
-    state.counters["bytes/brick"] =
-        static_cast<double>(bytes) / static_cast<double>(counted.block_bricks);
+    const auto bricks = static_cast<double>(counted.block_bricks);
+    state.counters["bytes/brick"] = static_cast<double>(bytes) / bricks;
+    state.counters["bricks/s"] =
+        benchmark::Counter(bricks, benchmark::Counter::kIsIterationInvariantRate);
   });
   bench("plan_from_blocks", [](benchmark::State& state, const Counted& counted) {
     std::vector<std::vector<std::byte>> blocks;

@@ -316,6 +316,7 @@ class JobQueue(JobTest):
         self.assertIn("nose", table[1])
         job, = self.objects(self.job("show", two, "--json"))
         self.assertIsInstance(job["queue_position"], int)
+        self.assertRegex(self.job("show", two).stdout, r"progress +0 of 1 shards done, 0 running\n")
 
     def test_cancels_retries_and_deletes(self):
         names = self.submit(*[self.inputs / "sphere.vdb"] * 3, "--label", "c=1")
