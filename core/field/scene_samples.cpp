@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 
 namespace tet {
 namespace {
@@ -62,7 +61,7 @@ void sample_scene(SceneEvaluator& evaluator,
   constexpr double kMiddle = 4, kHalfEdge = 6;  // of a brick and its halo, cells
   evaluator.focus({spacing * (8.0 * brick.x + kMiddle), spacing * (8.0 * brick.y + kMiddle),
                    spacing * (8.0 * brick.z + kMiddle)},
-                  spacing * kHalfEdge * std::numbers::sqrt3);
+                  spacing * kHalfEdge);
   sample_nodes(evaluator, spacing, brick, 0, kCorners, samples.corner);
   sample_nodes(evaluator, spacing, brick, 0.5, kCentres, samples.centre);
 }
