@@ -1,12 +1,17 @@
-#include "core/scene/grid_levels.h"
+#include "core/scene/check_grids.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include "core/scene/check_nodes.h"
+#include "core/scene/scene.h"
 
 namespace tet::scene {
 namespace {
@@ -82,6 +87,19 @@ absl::Status check_leaf(const std::string& path,
 }
 
 }  // namespace
+
+absl::Status check_grid_count(const Description& description) {
+  std::set<std::pair<std::string, std::string>> grids;
+  for (std::size_t i = 0; i < description.nodes.size(); ++i) {
+    const auto* grid = std::get_if<GridSolid>(&description.nodes[i].kind);
+    if (grid == nullptr) continue;
+    grids.emplace(grid->file, grid->name);
+    if (grids.size() <= Scene::kMaxGrids) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        path_of(description, i), " is one grid too many; the limit is ", Scene::kMaxGrids));
+  }
+  return absl::OkStatus();
+}
 
 absl::Status check_loaded(const Description& description) {
   for (std::size_t i = 0; i < description.nodes.size(); ++i) {
