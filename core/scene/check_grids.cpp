@@ -74,9 +74,10 @@ absl::Status check_leaf(const std::string& path,
                         const GridSource& grid) {
   const Interval known = known_to(leaf, grid);
   if (!(known.low < 0 && known.high > 0)) {
+    const auto [min, max] = grid.bounds.all();
     return absl::InvalidArgumentError(
-        absl::StrFormat("%s has no surface at iso %g: its values less that are from %g to %g",
-                        path, leaf.size[0], known.low, known.high));
+        absl::StrFormat("%s has no surface at iso %g: its values are from %g to %g", path,
+                        leaf.size[0], min, max));
   }
   const double own = 1 / leaf.frame.scale;
   if (own * asked.low > known.low && own * asked.high < known.high) return absl::OkStatus();
