@@ -35,6 +35,8 @@ struct MeshOrder {
       {};                        ///< whose grids are loaded later; no nodes where there is none
   v1::Scene scene_message = {};  ///< the same, as it was sent
   std::shared_ptr<const Scene> made_scene = nullptr;  ///< unless it has grids
+  std::shared_ptr<const Volume> volume = nullptr;  ///< instead of the stored grid, once changed
+  bool is_frame = false;  ///< of a session: its plan is kept for nobody else
 
   bool is_scene() const noexcept { return !scene.nodes.empty(); }
 };

@@ -121,6 +121,15 @@ void SceneEvaluator::focus(const WorldPoint& centre, double half_edge) noexcept 
   std::reverse(active_.begin(), active_.end());
 }
 
+bool SceneEvaluator::same_in_focus(const SceneEvaluator& other) const noexcept {
+  return std::ranges::equal(active_, other.active_, [&](std::uint32_t i, std::uint32_t j) {
+    const Instruction &a = scene_->program[i], &b = other.scene_->program[j];
+    if (!scene::same_values(a, b)) return false;
+    return a.op != Op::kGrid ||
+           scene_->grids[a.grid].volume == other.scene_->grids[b.grid].volume;
+  });
+}
+
 const double* SceneEvaluator::run(const std::vector<std::uint32_t>& program,
                                   const scene::Points& points,
                                   std::size_t count) noexcept {

@@ -39,7 +39,7 @@ struct NewJob {
   /// Names of what the job reads, with a space between two: all must stay. At most 2 KiB of
   /// printable ASCII.
   std::string input;
-  Labels labels;      ///< at most 32
+  Labels labels;                                  ///< at most 32
   std::int64_t priority = 0;                      ///< -100 to 100, the highest first
   absl::Duration ttl = absl::InfiniteDuration();  ///< from creation to its end, else EXPIRED
   absl::Duration timeout = absl::InfiniteDuration();  ///< from the first claim on, else FAILED
