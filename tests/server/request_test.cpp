@@ -240,7 +240,7 @@ TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
   EXPECT_EQ(order->made_scene, nullptr) << "its grids are not loaded";
   EXPECT_THAT(files_of(*order), ElementsAre(file('a'), file('b'), file('c')));
   request.mutable_scene()->mutable_nodes(1)->mutable_grid()->set_name("b.vdb");
-  EXPECT_THAT(refusal(request), StartsWith("scene.nodes[1].grid.name \"b.vdb\" is not grids/"));
+  EXPECT_THAT(refusal(request), StartsWith("nodes[1].grid.name \"b.vdb\" is not grids/"));
 }
 
 v1::MeshRequest sized_request() {
