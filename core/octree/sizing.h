@@ -51,6 +51,9 @@ struct Sizing {
   double growth = 1;
   std::vector<SizingRegion> regions = {};
   std::optional<SizingGrid> grid = {};
+  /// An edge as long as a leaf at the surface departs from it by at most this.
+  std::optional<double> chord_error = {};
+  int leaves_across = 0;  ///< walls are at least so many leaves thick; 0: any
 
   static constexpr std::size_t kMaxRegions = 256;
   static constexpr double kMinGrowth = 0.0625;
