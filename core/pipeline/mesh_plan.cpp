@@ -18,15 +18,13 @@
 #include "core/pipeline/divided_survey.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/fill_mesh.h"
+#include "core/pipeline/graded_mesh.h"
+#include "core/pipeline/mesh_place.h"
 #include "core/pipeline/prepared_mesh.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
 namespace {
-
-/// A float32 coordinate is off by at most 2^-24 of its size, so within this many spacings of
-/// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
-constexpr double kMaxFloat32Extent = 4096;
 
 /// The corners at the ends of a domain.
 VoxelBox corner_box(const BrickBox& domain) {
@@ -51,14 +49,6 @@ VoxelBox corner_box(const CountedMesh& mesh) {
                std::max(box.max.z, 8 * b.z + 8)};
   }
   return box;
-}
-
-VoxelPoint point_of(VoxelCoord v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-
-VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
-  return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
 }
 
 /// Why there is no mesh, though what is meshed and the request are fine.
@@ -103,36 +93,10 @@ struct MeshPlan::Impl {
   LatticeToWorld to_world;
   ThinWalls thin_walls;
   std::vector<std::size_t> first_brick;  // of each chunk, and one more
+  std::optional<GradedMesh> graded;      // made already; then there are no bricks
 
-  void place_in_world(const MeshRequest& request, const std::optional<BrickBox>& domain);
   void cut_into_chunks(std::size_t chunk_bytes);
 };
-
-void MeshPlan::Impl::place_in_world(const MeshRequest& request,
-                                    const std::optional<BrickBox>& domain) {
-  const VoxelTransform lattice = field.lattice_transform();
-  const VoxelBox box = domain ? corner_box(*domain) : corner_box(mesh);
-  const auto middle = [](std::int32_t a, std::int32_t b) {
-    return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
-  };
-  const VoxelCoord centre{middle(box.min.x, box.max.x), middle(box.min.y, box.max.y),
-                          middle(box.min.z, box.max.z)};
-  const double extent = std::max({static_cast<double>(box.max.x) - centre.x,
-                                  static_cast<double>(box.max.y) - centre.y,
-                                  static_cast<double>(box.max.z) - centre.z});
-  header.origin =
-      lattice.to_world({static_cast<double>(centre.x), static_cast<double>(centre.y),
-                        static_cast<double>(centre.z)});
-  // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
-  // faces of a domain that no surface cuts are flat.
-  const double beyond = domain && boundary ? 0 : 0.5;
-  header.bounds = lattice.to_world_box(shifted(point_of(box.min), -beyond),
-                                       shifted(point_of(box.max), beyond));
-  header.spacing = lattice.voxel_size;
-  header.coordinate_type = request.coordinates.value_or(
-      extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
-  to_world = {lattice.linear, centre, lattice.mirrors()};
-}
 
 void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   const auto bytes_before = [&](std::size_t brick) {
@@ -158,12 +122,16 @@ const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
   return impl_->boundary;
 }
 
+bool MeshPlan::has_bricks() const noexcept { return !impl_->graded; }
+
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
+  if (impl_->graded) return impl_->graded->chunk(index);
   return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
 }
 
 std::uint64_t MeshPlan::bytes() const noexcept {
-  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + positions_.size();
+  const std::uint64_t made = impl_->graded ? impl_->graded->bytes() : 0;
+  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + made + positions_.size();
 }
 
 ComparedMesh MeshPlan::counted() const noexcept { return {impl_->mesh, impl_->field}; }
@@ -178,14 +146,19 @@ ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
-  const QualityStats stats = fill_bricks(
-      {impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace, columns);
-  if (!improvement_) return stats;
+  QualityStats stats;
+  if (impl_->graded) {
+    impl_->graded->fill_chunk(index, columns);
+  } else {
+    stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace,
+                        columns);
+  }
+  if (!impl_->graded && !improvement_) return stats;
+  const std::span<const std::byte> positions =
+      improvement_ ? positions_.bytes() : impl_->graded->mesh.positions.bytes();
   const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
-  std::memcpy(columns.positions.data(), positions_.bytes().data() + first,
-              columns.positions.size());
-  return measure_tets(
-      {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
+  std::memcpy(columns.positions.data(), positions.data() + first, columns.positions.size());
+  return measure_tets({header().coordinate_type, header().index_type, positions, columns.tets});
 }
 
 QualityStats MeshPlan::fill_bricks(const BrickRange& range,
@@ -208,7 +181,7 @@ QualityStats MeshPlan::fill_bricks(const BrickRange& range,
 void MeshPlan::encode_chunk(std::uint64_t index,
                             MeshWorkspace& workspace,
                             std::vector<std::byte>& bytes) const {
-  TET_CHECK(!improvement_);
+  TET_CHECK(!improvement_ && has_bricks());
   encode_bricks(impl_->mesh, impl_->field, impl_->first_brick[index],
                 impl_->first_brick[index + 1], workspace.impl().stuffing, bytes);
 }
@@ -218,7 +191,9 @@ CompactFrame MeshPlan::compact_frame() const noexcept {
 }
 
 Improvement MeshPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
-  return improve_mesh(mesh, impl_->field, impl_->to_world, cancellation);
+  const std::span<const std::uint8_t> levels =
+      impl_->graded ? std::span(impl_->graded->vertex_levels) : std::span<const std::uint8_t>();
+  return improve_mesh(mesh, impl_->field, impl_->to_world, levels, cancellation);
 }
 
 std::shared_ptr<const MeshPlan> MeshPlan::with_positions(ByteBuffer positions,
@@ -254,6 +229,35 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   return header;
 }
 
+/// Of a mesh without bricks, as it was made.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
+                                                            const PreparedMesh& prepared,
+                                                            const MeshRequest& request,
+                                                            const LeafRules& rules,
+                                                            const MeshLimits& limits,
+                                                            const Cancellation& cancellation) {
+  absl::StatusOr<GradedMesh> graded =
+      make_graded_mesh(prepared, request, rules, limits, cancellation);
+  if (!graded.ok()) return graded.status();
+  const MeshHeader header = graded->mesh.header;
+  if (auto status = check_tets(header, prepared.asked, {}, limits); !status.ok()) return status;
+  MeshStructure no_bricks;
+  no_bricks.tree.levels.emplace_back();
+  auto impl = std::make_unique<MeshPlan::Impl>(
+      MeshPlan::Impl{shape,
+                     prepared.field,
+                     CountedMesh(std::move(no_bricks), prepared.space.rules),
+                     header,
+                     graded->boundary,
+                     graded->to_world,
+                     {},
+                     {},
+                     *std::move(graded)});
+  const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
+  if (!request.improve) return plan;
+  return improve_plan(*plan, limits, cancellation);
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
@@ -269,6 +273,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   const absl::StatusOr<LeafRules> rules = leaf_rules_within(
       limits, request.sizing, field, bricks, cover, asked.levels, cancellation);
   if (!rules.ok()) return rules.status();
+  if (request.sizing.grade_surface) {
+    return plan_graded(shape, *prepared, request, *rules, limits, cancellation);
+  }
   absl::StatusOr<Survey> survey = join_survey(*prepared, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
   const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
@@ -286,10 +293,14 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
 
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, asked, thin_walls, limits); !status.ok()) return status;
-  auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}});
+  auto impl = std::make_unique<MeshPlan::Impl>(MeshPlan::Impl{
+      std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}, {}});
   impl->thin_walls = std::move(thin_walls);
-  impl->place_in_world(request, space.domain);
+  // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
+  // faces of a domain that no surface cuts are flat.
+  impl->to_world =
+      place_in_world(field, space.domain ? corner_box(*space.domain) : corner_box(impl->mesh),
+                     space.domain && boundary ? 0 : 0.5, request.coordinates, impl->header);
   impl->cut_into_chunks(limits.chunk_bytes);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;
