@@ -89,6 +89,9 @@ absl::Status check_sizing(const Sizing& sizing) {
     is.say("growth",
            absl::StrFormat("%g is not from %g to 1", sizing.growth, Sizing::kMinGrowth));
   }
+  if (sizing.grade_surface && !sizing.coarsest) {
+    is.say("coarsest", "must be set where grade_surface is: leaves at the surface are as long");
+  }
   if (sizing.regions.size() > Sizing::kMaxRegions) {
     is.say("regions", absl::StrCat("has ", sizing.regions.size(), " entries; the limit is ",
                                    Sizing::kMaxRegions));

@@ -84,7 +84,8 @@ double most_leaves(const MeshLimits& limits) {
 
 /// Small leaves along the surface, because larger ones may only come far behind
 /// it, or in its shells.
-absl::Status check_layers_budget(const LeafRules& rules,
+absl::Status check_layers_budget(const Sizing& sizing,
+                                 const LeafRules& rules,
                                  const FoundBricks& found,
                                  const MeshLimits& limits) {
   const double area = static_cast<double>(found.near_surface.size()) * kBrickEdge * kBrickEdge;
@@ -92,7 +93,8 @@ absl::Status check_layers_budget(const LeafRules& rules,
     return std::min(area * depth, found.inside_cells);
   };
   const double most = most_leaves(limits);
-  const double layered = rules.layers > 1 ? cells_within(rules.layers) : 0;
+  const bool finest_at_surface = !sizing.grade_surface;
+  const double layered = finest_at_surface && rules.layers > 1 ? cells_within(rules.layers) : 0;
   if (layered > most) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "sizing.growth keeps %d layers of the finest leaves, about %.3g along this surface; "
@@ -203,7 +205,7 @@ absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
   absl::StatusOr<LeafRules> rules =
       leaf_rules(sizing, field, cover, levels, most_leaves(limits), cancellation);
   if (!rules.ok()) return rules;
-  if (auto status = check_layers_budget(*rules, found, limits); !status.ok()) {
+  if (auto status = check_layers_budget(sizing, *rules, found, limits); !status.ok()) {
     return status;
   }
   return rules;

@@ -94,6 +94,7 @@ absl::StatusOr<Sizing> sizing_of_message(const v1::Sizing& message) {
   if (message.has_grid()) {
     sizing.grid = SizingGrid{message.grid().name(), message.grid().grid_name()};
   }
+  sizing.grade_surface = message.grade_surface();
   if (auto status = check_sizing(sizing); !status.ok()) return status;
   return sizing;
 }
@@ -111,6 +112,7 @@ v1::Sizing message_of_sizing(const Sizing& sizing) {
     message.mutable_grid()->set_name(sizing.grid->file);
     message.mutable_grid()->set_grid_name(sizing.grid->name);
   }
+  message.set_grade_surface(sizing.grade_surface);
   return message;
 }
 

@@ -269,6 +269,13 @@ TEST(Request, NamesTheFieldOfASizing) {
   request = sized_request();
   request.set_spacing(0.6);
   EXPECT_EQ(refusal(request), "regions[0].size 0.5 is below the spacing 0.6, which no leaf is");
+  request = sized_request();
+  request.mutable_sizing()->set_grade_surface(true);
+  EXPECT_EQ(refusal(request),
+            "coarsest must be set where grade_surface is: leaves at the surface are as long");
+  request.mutable_sizing()->set_coarsest(2);
+  request.set_manifold(true);
+  EXPECT_EQ(refusal(request), "grade_surface does not go with manifold: set one of them");
 }
 
 TEST(MeshId, TellsEverySizingApart) {
@@ -284,6 +291,10 @@ TEST(MeshId, TellsEverySizingApart) {
   other = sized;
   other.mutable_sizing()->set_growth(1);
   EXPECT_EQ(id(other), id(sized)) << "its default";
+  other.mutable_sizing()->set_coarsest(2);
+  const std::string coarse = id(other);
+  other.mutable_sizing()->set_grade_surface(true);
+  EXPECT_NE(id(other), coarse);
   other = scene_request();
   other.mutable_sizing();
   EXPECT_EQ(id(other), id(scene_request())) << "one that asks for nothing";
