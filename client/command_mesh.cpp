@@ -39,6 +39,8 @@ Examples:
       a scene: solids as formulas, put together; docs/scenes.md
   tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"growth": 0.25, "coarsest": 0.4}'
       smaller tets inside; docs/sizing.md
+  tetstream mesh fire.vdb -o fire.vtu --grid density --field temperature --field v=flow.vdb:vel
+      the values of other grids at the vertices, as named arrays; docs/fields.md
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
@@ -66,6 +68,10 @@ absl::Status check_encoding(const MeshOptions& options) {
   if (options.request.improve) {
     return absl::InvalidArgumentError(
         "--compact cannot carry an improved mesh: leave --compact or --improve out");
+  }
+  if (!options.request.fields.empty()) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry fields: leave --compact or --field out");
   }
   return absl::OkStatus();
 }

@@ -68,7 +68,10 @@ void MeshStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
     stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, plan_of(planned_),
                                order_.start_chunk, order_.end_chunk);
   }
-  if (order_.base_digest.empty()) return begin(check_mesh());
+  // A mesh with fields is sent whole.
+  if (order_.base_digest.empty() || !order_.mesh.request.fields.empty()) {
+    return begin(check_mesh());
+  }
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
   engine_.planner.plan(call_.client(), std::move(base), watch_,

@@ -1,5 +1,6 @@
-// From a valid order to a counted mesh: find the file, load the grid, load the grid of its
-// sizing if there is one, plan; each step once. A scene has no grid of its own.
+// From a valid order to a counted mesh: find the file, load the grid, load the grids of its
+// sizing and of its fields if there are any, plan; each step once. A scene has no grid of its
+// own.
 #pragma once
 
 #include <atomic>
@@ -24,7 +25,7 @@ namespace tet {
 /// What a mesh is planned from, in memory.
 struct MeshInput {
   Shape shape;
-  MeshRequest request;       ///< with the sizes of its sizing, where those are a grid's
+  MeshRequest request;       ///< with the grids of its sizing and its fields
   GridLease grid = nullptr;  ///< keeps the file from being evicted; null of a scene
 };
 
@@ -109,8 +110,11 @@ class Planner {
     std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
     GridLease grid = nullptr;                                   ///< null where there is a scene
     Shape shape = {};
+    std::size_t field = 0;  ///< of the request's, that is loaded next
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
+    /// Ends it, on the pool: what `key` names cannot be had.
+    void fail(const VolumeKey& key, const absl::Status& status) const;
   };
 
   /// On the pool: the job, with what was loaded.
@@ -119,6 +123,7 @@ class Planner {
   void load_shape(Job job);
   void load_grid(Job job, const VolumeKey& key, GridLoaded then);
   void load_sizes(Job job);
+  void load_fields(Job job);
   void plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job,
                                                             const std::string& name,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -50,6 +51,10 @@ struct StreamOrder {
 absl::StatusOr<std::string> parse_grid_name(const std::string& name);
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
+
+/// Digests of all files that a mesh is made from, each once: that of the grid that is meshed
+/// first.
+std::vector<std::string> files_of(const MeshOrder& order);
 
 /// The request with every default filled in, but for a box: without one it is the
 /// shape's extent. `coordinates` stays unset only if `header` is null.

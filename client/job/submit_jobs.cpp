@@ -78,6 +78,9 @@ class Submitter {
     auto job = create(worker, i);
     if (reason_of_failure(job.status()) == "GRID_NOT_FOUND") {  // evicted in between
       uploads_.forget(orders_[i].input);
+      for (const v1::Field& field : orders_[i].job.mesh().fields()) {
+        uploads_.forget({field.grid(), "", {}});
+      }
       job = create(worker, i);
     }
     absl::Status status = job.status();
@@ -103,6 +106,12 @@ class Submitter {
     if (!grid.ok()) return grid.status();
     v1::Job job = orders_[i].job;
     job.mutable_mesh()->set_name(*grid);
+    for (v1::Field& field : *job.mutable_mesh()->mutable_fields()) {
+      if (field.grid().empty()) continue;
+      auto name = uploads_.name_of({field.grid(), "", {}}, watch, cancellation_);
+      if (!name.ok()) return name.status();
+      field.set_grid(*std::move(name));
+    }
     return jobs_.create(job, request_ids_[i], cancellation_);
   }
 

@@ -181,10 +181,10 @@ absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshL
 }
 
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
-  // The mesh, and for its poor tets 1.3 times as much again on random signs, where they are
-  // most.
-  const std::uint64_t bytes =
-      ChunkSizes(header, header.vertex_count, header.tet_count).total() * 5 / 2;
+  // The mesh, without fields, and for its poor tets 1.3 times as much again on random signs,
+  // where they are most.
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  const std::uint64_t bytes = (sizes.total() - sizes.fields) * 5 / 2;
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "

@@ -38,6 +38,7 @@ std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
 std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
                                                     std::shared_ptr<const MeshPlan> mesh) {
   const ComparedMesh before = earlier.counted(), now = mesh->counted();
+  // Whether a field's values changed, too, nobody has compared.
   if (earlier.improvement() || mesh->improvement() ||
       !can_splice(earlier.header(), mesh->header()) ||
       !same_rules(before.mesh.rules(), now.mesh.rules())) {

@@ -19,6 +19,7 @@
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/prepared_mesh.h"
+#include "core/pipeline/sample_fields.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
@@ -85,7 +86,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& pla
   if (auto status = check_improvement_budget(plan.header(), limits); !status.ok()) {
     return status;
   }
-  absl::StatusOr<FilledMesh> filled = fill_mesh(plan, cancellation, nullptr);
+  absl::StatusOr<FilledMesh> filled =
+      fill_mesh(plan, cancellation, nullptr, {}, FieldValues::kLater);
   if (!filled.ok()) return filled.status();
   const Improvement improvement = plan.improve(filled->mesh, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -102,7 +104,8 @@ struct MeshPlan::Impl {
   std::optional<BoundaryTopology> boundary;
   LatticeToWorld to_world;
   ThinWalls thin_walls;
-  std::vector<std::size_t> first_brick;  // of each chunk, and one more
+  std::vector<std::size_t> first_brick = {};  // of each chunk, and one more
+  std::vector<VertexField> fields = {};
 
   void place_in_world(const MeshRequest& request, const std::optional<BrickBox>& domain);
   void cut_into_chunks(std::size_t chunk_bytes);
@@ -178,15 +181,22 @@ ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
-  const QualityStats stats = fill_bricks(
-      {impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace, columns);
-  if (!improvement_) return stats;
-  const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
-  std::memcpy(columns.positions.data(), positions_.bytes().data() + first,
-              columns.positions.size());
-  return measure_tets(
-      {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
+  QualityStats stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]},
+                                   workspace, columns);
+  if (improvement_) {
+    const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
+    std::memcpy(columns.positions.data(), positions_.bytes().data() + first,
+                columns.positions.size());
+    stats = measure_tets(
+        {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
+  }
+  if (!columns.fields.empty()) {
+    sample_fields(impl_->fields, header(), columns.positions, columns.fields);
+  }
+  return stats;
 }
+
+void MeshPlan::add_fields(TetMesh& mesh) const { tet::add_fields(impl_->fields, mesh); }
 
 QualityStats MeshPlan::fill_bricks(const BrickRange& range,
                                    MeshWorkspace& workspace,
@@ -249,6 +259,7 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   header.tet_count = mesh.first_tet(mesh.brick_count());
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.has_regions = mesh.rules().both_sides;
+  header.fields = arrays_of(request.fields);
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
   header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
   return header;
@@ -287,8 +298,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, asked, thin_walls, limits); !status.ok()) return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
-      MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}});
+      MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}});
   impl->thin_walls = std::move(thin_walls);
+  impl->fields = request.fields;
   impl->place_in_world(request, space.domain);
   impl->cut_into_chunks(limits.chunk_bytes);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));

@@ -4,6 +4,7 @@
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 #include <absl/time/clock.h>
 #include <google/protobuf/util/time_util.h>
 
@@ -97,7 +98,7 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   NewJob wanted;
   wanted.display_name = job.display_name();
   wanted.spec = spec.SerializeAsString();
-  wanted.input = mesh->digest;
+  wanted.input = absl::StrJoin(files_of(*mesh), " ");
   wanted.labels = {job.labels().begin(), job.labels().end()};
   wanted.priority = job.priority();
   wanted.ttl = *ttl;

@@ -143,6 +143,47 @@ TEST_F(JobServiceTest, KeepsTheGridOfAJobUntilItIsFinished) {
   EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
 }
 
+v1::Job with_fields(JobServer& server, v1::Job job) {
+  const std::string path = server.folder.file("fields.vdb");
+  write_fixture("fields", 0.25, path);
+  v1::Field& field = *job.mutable_mesh()->add_fields();
+  field.set_grid(server.client->upload_file(path, {}, Cancellation()).value());
+  field.set_grid_name("velocity");
+  return job;
+}
+
+TEST_F(JobServiceTest, MakesTheFieldsThatAStreamSends) {
+  server_.start();
+  const v1::Job job = server_.create(with_fields(server_, server_.ball(12)));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  const std::vector<std::string> result = server_.result(job);
+  EXPECT_EQ(result, server_.stream(job));
+  v1::MeshEvent header;
+  ASSERT_TRUE(header.ParseFromString(result.front()));
+  EXPECT_EQ(header.header().fields(0).name(), "velocity");
+  EXPECT_EQ(header.header().fields(0).components(), 3);
+}
+
+TEST_F(JobServiceTest, KeepsEveryFileOfAJobUntilItIsFinished) {
+  server_.start();
+  const v1::Job wanted = with_fields(server_, server_.ball(4));
+  const auto size = fs::file_size(server_.folder.file("ball4.vdb")) +
+                    fs::file_size(server_.folder.file("fields.vdb"));
+  const std::vector<std::string> tight = {"--job-workers", "0", "--store-bytes",
+                                          std::to_string(size + 100)};
+  server_.start(tight);
+  const v1::Job job = server_.create(wanted);
+  const std::string other(200, 'x');
+  const auto upload = [&] {
+    return upload_text(*server_.grids, grid_name_of(other), other, other.size()).status;
+  };
+  EXPECT_EQ(reason_of(upload()), "tetstream/STORE_HELD_BY_JOBS");
+  EXPECT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_TRUE(upload().ok());
+  server_.create(wanted);
+  EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
+}
+
 TEST_F(JobServiceTest, TellsHowManyJobsANamespaceMayHaveAndRefusesMore) {
   server_.start({"--job-workers", "0", "--max-namespace-jobs", "1"});
   EXPECT_EQ(server_.client->capabilities(Cancellation())->limits().max_namespace_jobs(), 1);
