@@ -72,10 +72,10 @@ void Planner::plan(const std::string& client,
                    MeshOrder order,
                    std::shared_ptr<PlanningWatch> watch,
                    Done done,
-                   SurveyedBlocks surveyed) {
-  const auto then = [this, done = std::move(done), surveyed = std::move(surveyed)](
+                   SurveyedBefore before) {
+  const auto then = [this, done = std::move(done), before = std::move(before)](
                         const Job& job, const absl::Status& loaded) {
-    loaded.ok() ? plan_loaded(job, surveyed, done) : done(loaded);
+    loaded.ok() ? plan_loaded(job, before, done) : done(loaded);
   };
   load_shape({client, std::move(order), std::move(watch), then});
 }
@@ -94,6 +94,11 @@ void Planner::load(const std::string& client,
 void Planner::load_shape(Job job) {
   if (job.order.scene != nullptr) {
     job.shape = job.order.scene;
+    threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
+    return;
+  }
+  if (job.order.volume != nullptr) {
+    job.shape = job.order.volume;
     threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
     return;
   }
@@ -157,14 +162,14 @@ void Planner::load_fields(Job job) {
 }
 
 /// On the pool.
-void Planner::plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done) {
+void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done) {
   const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
   const std::string name = absl::StrCat(job.order.space, " ", mesh_id);
   auto plan = plans_.recall(name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return done(job.planned(std::move(plan)));
-  auto work = [this, job, name, surveyed, done] {
-    auto made = make_plan(job, name, surveyed);
+  auto work = [this, job, name, before, done] {
+    auto made = make_plan(job, name, before);
     done(made.ok() ? job.planned(*std::move(made))
                    : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
   };
@@ -179,17 +184,18 @@ PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
 }
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
-    const Job& job, const std::string& name, const SurveyedBlocks& surveyed) {
+    const Job& job, const std::string& name, const SurveyedBefore& before) {
   // Much may have happened while it waited.
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
   if (auto plan = plans_.recall(name)) return plan;
   running_.fetch_add(1);
   auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
-                        &job.watch->progress, surveyed);
+                        &job.watch->progress, before.blocks, before.earlier.get());
   running_.fetch_sub(1);
   give_back_free_memory();
   if (!plan.ok()) return plan.status();
-  return plans_.remember(name, *std::move(plan));
+  return job.order.is_frame ? plans_.admit(*std::move(plan))
+                            : plans_.remember(name, *std::move(plan));
 }
 
 PlannerStats Planner::stats() const {

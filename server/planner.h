@@ -51,6 +51,12 @@ struct PlannerStats {
   std::uint64_t plan_bytes = 0, plan_budget_bytes = 0;  ///< of plans held or in use
 };
 
+/// What need not be surveyed again.
+struct SurveyedBefore {
+  SurveyedBlocks blocks = {};
+  std::shared_ptr<const MeshPlan> earlier = nullptr;  ///< of what may be alike in part
+};
+
 /// How much a planner may keep, bytes.
 struct PlannerMemory {
   std::uint64_t volume_bytes = 0;
@@ -79,13 +85,13 @@ class Planner {
           const PlannerMemory& memory,
           MeshLimits limits);
 
-  /// Calls `done` on one of the threads. What was surveyed before is taken, if the plan is not
-  /// at hand. Errors: those of `load` and plan_mesh.
+  /// Calls `done` on one of the threads. What was surveyed before, for an earlier plan or by
+  /// other hosts, is taken if the plan is not at hand. Errors: those of `load` and plan_mesh.
   void plan(const std::string& client,
             MeshOrder order,
             std::shared_ptr<PlanningWatch> watch,
             Done done,
-            SurveyedBlocks surveyed = {});
+            SurveyedBefore before = {});
 
   /// Only loads what it would be planned from. Calls `done` on one of the threads. Errors:
   /// those of GridStore::acquire, DecoderPool::decode and volume_of.
@@ -124,10 +130,10 @@ class Planner {
   void load_grid(Job job, const VolumeKey& key, GridLoaded then);
   void load_sizes(Job job);
   void load_fields(Job job);
-  void plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done);
+  void plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job,
                                                             const std::string& name,
-                                                            const SurveyedBlocks& surveyed);
+                                                            const SurveyedBefore& before);
 
   const PlannerThreads threads_;
   GridStore& store_;

@@ -90,6 +90,12 @@ absl::Status check_box(const v1::MeshRequest& request, Preset preset) {
                                     " the mesh ends where the inside does"));
 }
 
+absl::StatusOr<std::optional<WorldPoint>> parse_origin(const v1::MeshRequest& request) {
+  if (!request.has_origin()) return std::nullopt;
+  if (is_finite(request.origin())) return to_core(request.origin());
+  return invalid_field(absl::StrCat("origin ", text_of(request.origin()), " is not finite"));
+}
+
 absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request,
                                                   Preset preset) {
   if (!request.has_box()) return std::nullopt;
@@ -114,6 +120,12 @@ std::string exact_box(const v1::MeshRequest& request) {
   const v1::Point &min = request.box().min(), &max = request.box().max();
   return absl::StrFormat("%a %a %a %a %a %a", min.x(), min.y(), min.z(), max.x(), max.y(),
                          max.z());
+}
+
+std::string exact_origin(const v1::MeshRequest& request) {
+  if (!request.has_origin()) return "";
+  const v1::Point& origin = request.origin();
+  return absl::StrFormat(" origin %a %a %a", origin.x(), origin.y(), origin.z());
 }
 
 /// What grids have and scenes have not.
@@ -173,6 +185,8 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (!preset.ok()) return preset.status();
   const auto box = parse_box(request, *preset);
   if (!box.ok()) return box.status();
+  const auto origin = parse_origin(request);
+  if (!origin.ok()) return origin.status();
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
@@ -183,6 +197,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (request.has_levels()) order.request.levels = request.levels();
   order.request.preset = *preset;
   order.request.box = *box;
+  order.request.origin = *origin;
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
@@ -269,6 +284,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
+  if (order.request.origin) set_point(*order.request.origin, *canonical.mutable_origin());
   set_canonical_sizing(order.request.sizing, canonical);
   set_canonical_fields(order.request.fields, canonical);
   canonical.set_manifold(order.request.manifold);
@@ -295,7 +311,8 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       canonical.name(), canonical.spacing(), canonical.iso(), canonical.levels(),
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
-      absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_fields(canonical)),
+      absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
+                   exact_fields(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();

@@ -31,7 +31,9 @@ struct MeshOrder {
   MeshRequest request;
   std::string space = {};  ///< the caller's namespace, from whoever knows the call
   std::shared_ptr<const Scene> scene = nullptr;
-  v1::Scene scene_message = {};  ///< the same, as it was sent
+  v1::Scene scene_message = {};                    ///< the same, as it was sent
+  std::shared_ptr<const Volume> volume = nullptr;  ///< instead of the stored grid, once changed
+  bool is_frame = false;  ///< of a session: its plan is kept for nobody else
 };
 
 /// A valid request for chunks of it.

@@ -11,6 +11,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
+#include "core/grid/to_voxel.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -62,6 +63,40 @@ VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
   return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
 }
 
+VoxelCoord middle_of(const VoxelBox& box) {
+  const auto middle = [](std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
+  };
+  return {middle(box.min.x, box.max.x), middle(box.min.y, box.max.y),
+          middle(box.min.z, box.max.z)};
+}
+
+/// The lattice corner next to a point.
+absl::StatusOr<VoxelCoord> corner_next_to(const WorldPoint& point,
+                                          const VoxelTransform& lattice) {
+  const VoxelPoint at = to_voxel(lattice, point);
+  const double reach = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+  if (!(reach <= kMaxVoxelCoord)) {  // not-a-numbers end here too
+    return absl::InvalidArgumentError(
+        absl::StrFormat("origin (%g, %g, %g) is %g spacings from the lattice's own; the limit "
+                        "is %d",
+                        point.x, point.y, point.z, reach, kMaxVoxelCoord));
+  }
+  const auto rounded = [](double v) { return static_cast<std::int32_t>(std::lround(v)); };
+  return VoxelCoord{rounded(at.x), rounded(at.y), rounded(at.z)};
+}
+
+/// How far a box reaches from a corner along any axis.
+double reach_from(VoxelCoord corner, const VoxelBox& box) {
+  const auto farther = [](std::int32_t from, std::int32_t min, std::int32_t max) {
+    return std::max(std::abs(static_cast<double>(max) - from),
+                    std::abs(static_cast<double>(min) - from));
+  };
+  return std::max({farther(corner.x, box.min.x, box.max.x),
+                   farther(corner.y, box.min.y, box.max.y),
+                   farther(corner.z, box.min.z, box.max.z)});
+}
+
 /// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
   if (stuffing_rules(asked.preset).both_sides) {
@@ -107,34 +142,30 @@ struct MeshPlan::Impl {
   std::vector<std::size_t> first_brick = {};  // of each chunk, and one more
   std::vector<VertexField> fields = {};
 
-  void place_in_world(const MeshRequest& request, const std::optional<BrickBox>& domain);
+  absl::Status place_in_world(const MeshRequest& request,
+                              const std::optional<BrickBox>& domain);
   void cut_into_chunks(std::size_t chunk_bytes);
 };
 
-void MeshPlan::Impl::place_in_world(const MeshRequest& request,
-                                    const std::optional<BrickBox>& domain) {
+absl::Status MeshPlan::Impl::place_in_world(const MeshRequest& request,
+                                            const std::optional<BrickBox>& domain) {
   const VoxelTransform lattice = field.lattice_transform();
   const VoxelBox box = domain ? corner_box(*domain) : corner_box(mesh);
-  const auto middle = [](std::int32_t a, std::int32_t b) {
-    return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
-  };
-  const VoxelCoord centre{middle(box.min.x, box.max.x), middle(box.min.y, box.max.y),
-                          middle(box.min.z, box.max.z)};
-  const double extent = std::max({static_cast<double>(box.max.x) - centre.x,
-                                  static_cast<double>(box.max.y) - centre.y,
-                                  static_cast<double>(box.max.z) - centre.z});
-  header.origin =
-      lattice.to_world({static_cast<double>(centre.x), static_cast<double>(centre.y),
-                        static_cast<double>(centre.z)});
+  const absl::StatusOr<VoxelCoord> origin =
+      request.origin ? corner_next_to(*request.origin, lattice) : middle_of(box);
+  if (!origin.ok()) return origin.status();
+  header.origin = lattice.to_world(point_of(*origin));
   // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
   // faces of a domain that no surface cuts are flat.
   const double beyond = domain && boundary ? 0 : 0.5;
   header.bounds = lattice.to_world_box(shifted(point_of(box.min), -beyond),
                                        shifted(point_of(box.max), beyond));
   header.spacing = lattice.voxel_size;
-  header.coordinate_type = request.coordinates.value_or(
-      extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
-  to_world = {lattice.linear, centre, lattice.mirrors()};
+  const bool far = reach_from(*origin, box) > kMaxFloat32Extent;
+  header.coordinate_type =
+      request.coordinates.value_or(far ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
+  to_world = {lattice.linear, *origin, lattice.mirrors()};
+  return absl::OkStatus();
 }
 
 void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
@@ -267,12 +298,37 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
 
 }  // namespace
 
+namespace {
+
+/// Surveys what neither an earlier plan nor other hosts have surveyed.
+absl::StatusOr<Survey> survey_rest(const PreparedMesh& prepared,
+                                   const MeshPlan* earlier,
+                                   const SurveyedBlocks& surveyed,
+                                   const Cancellation& cancellation,
+                                   MeshProgress* progress) {
+  if (earlier != nullptr) {
+    const auto [mesh, field] = earlier->counted();
+    const bool alike =
+        mesh.rules() == prepared.space.rules && can_reuse(mesh.survey(), prepared.space);
+    const auto difference = alike ? FieldDifference::between(field, prepared.field) : nullptr;
+    if (difference != nullptr) {
+      const EarlierSurvey before{mesh.survey(), *difference};
+      return survey_bricks(prepared.field, prepared.bricks.near_surface, prepared.space,
+                           cancellation, progress, &before);
+    }
+  }
+  return join_survey(prepared, surveyed, cancellation, progress);
+}
+
+}  // namespace
+
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshRequest& request,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
                                                           MeshProgress* progress,
-                                                          const SurveyedBlocks& surveyed) {
+                                                          const SurveyedBlocks& surveyed,
+                                                          const MeshPlan* earlier) {
   absl::StatusOr<PreparedMesh> prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
   const auto& [asked, field, space, bricks] = *prepared;
@@ -280,17 +336,15 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   const absl::StatusOr<LeafRules> rules = leaf_rules_within(
       limits, request.sizing, field, bricks, cover, asked.levels, cancellation);
   if (!rules.ok()) return rules.status();
-  absl::StatusOr<Survey> survey = join_survey(*prepared, surveyed, cancellation, progress);
+  absl::StatusOr<Survey> survey =
+      survey_rest(*prepared, earlier, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
   const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  survey->sheets = {};
-  survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              cover, *rules, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  ThinWalls thin_walls =
-      gather_thin_walls(std::exchange(survey->thin, {}), field.lattice_transform());
+  ThinWalls thin_walls = gather_thin_walls(survey->thin, field.lattice_transform());
   CountedMesh mesh(field, *std::move(survey), std::move(tree), space.rules, asked.levels == 0,
                    cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -301,7 +355,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
       MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}});
   impl->thin_walls = std::move(thin_walls);
   impl->fields = request.fields;
-  impl->place_in_world(request, space.domain);
+  if (auto status = impl->place_in_world(request, space.domain); !status.ok()) return status;
   impl->cut_into_chunks(limits.chunk_bytes);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;

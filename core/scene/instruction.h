@@ -41,6 +41,8 @@ struct Frame {
   /// World units for one of the primitive's: its values are multiplied by this, so that none
   /// changes faster than one per world unit.
   double scale = 1;
+
+  friend bool operator==(const Frame&, const Frame&) = default;
 };
 
 struct Instruction {
@@ -54,6 +56,11 @@ struct Instruction {
   /// distance, half the thickness, or the smoothing.
   std::array<double, 3> size{};
 };
+
+/// Whether two make the same value of the same operands.
+inline bool same_values(const Instruction& a, const Instruction& b) noexcept {
+  return a.op == b.op && a.frame == b.frame && a.size == b.size;
+}
 
 /// Points are evaluated up to this many at a time: a slice of a brick and its halo, 13 * 13.
 inline constexpr std::size_t kMaxPoints = 176;

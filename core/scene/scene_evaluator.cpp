@@ -95,6 +95,12 @@ void SceneEvaluator::focus(const WorldPoint& centre, double reach) noexcept {
   std::reverse(active_.begin(), active_.end());
 }
 
+bool SceneEvaluator::same_in_focus(const SceneEvaluator& other) const noexcept {
+  return std::ranges::equal(active_, other.active_, [&](std::uint32_t a, std::uint32_t b) {
+    return scene::same_values(scene_->program[a], other.scene_->program[b]);
+  });
+}
+
 const double* SceneEvaluator::run(const std::vector<std::uint32_t>& program,
                                   const scene::Points& points,
                                   std::size_t count) noexcept {

@@ -24,6 +24,9 @@ class SceneEvaluator {
   /// there are left out. At first everywhere is in focus.
   void focus(const WorldPoint& centre, double reach) noexcept;
 
+  /// True only if the two have the same values at every point that both are focused on.
+  bool same_in_focus(const SceneEvaluator& other) const noexcept;
+
   /// phi of the first `count` points of `points`, all of them in focus; they stay until the
   /// next call.
   const double* evaluate(const scene::Points& points, std::size_t count) noexcept;

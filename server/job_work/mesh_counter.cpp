@@ -14,12 +14,11 @@ absl::StatusOr<PlannedMesh> MeshCounter::count(const CountOrder& order,
                                                SurveyedBlocks surveyed) {
   const std::lock_guard one_at_a_time(counting_);
   std::promise<absl::StatusOr<PlannedMesh>> promise;
-  engine_.planner.plan(
-      background_client(order.mesh.space), order.mesh, order.watch,
-      [&promise](absl::StatusOr<PlannedMesh> planned) {
-        promise.set_value(std::move(planned));
-      },
-      std::move(surveyed));
+  engine_.planner.plan(background_client(order.mesh.space), order.mesh, order.watch,
+                       [&promise](absl::StatusOr<PlannedMesh> planned) {
+                         promise.set_value(std::move(planned));
+                       },
+                       {.blocks = std::move(surveyed)});
   return promise.get_future().get();
 }
 
@@ -60,7 +59,7 @@ absl::StatusOr<MeshInput> MeshCounter::load(const CountOrder& order) {
   mesh.request.fields.clear();  // which no survey looks at
   std::promise<absl::StatusOr<MeshInput>> promise;
   engine_.planner.load(
-      background_client(mesh.space), std::move(mesh), order.watch,
+      background_client(order.mesh.space), std::move(mesh), order.watch,
       [&promise](absl::StatusOr<MeshInput> input) { promise.set_value(std::move(input)); });
   return promise.get_future().get();
 }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/remesh_session.h"
 #include "core/grid/load.h"
 #include "core/pipeline/mesher.h"
 #include "proto/scene/scene_message.h"
@@ -26,6 +27,17 @@ VertexField field_of(const std::string& path,
     field.components.push_back(std::make_shared<const Volume>(std::move(volume)));
   }
   return field;
+}
+
+/// The first field is what the fixture's is.
+void expect_heat(const TetMesh& mesh) {
+  const auto* value = reinterpret_cast<const float*>(mesh.fields.bytes().data());
+  ASSERT_GT(mesh.header.vertex_count, 0U);
+  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
+    const WorldPoint p = mesh.vertex(i);
+    ASSERT_NEAR(*value, 1 + 2 * p.x - 3 * p.y + p.z / 2, 2e-6);
+    value += mesh.header.field_values();
+  }
 }
 
 class FieldServiceTest : public ServiceTest {
@@ -122,11 +134,7 @@ TEST_F(FieldServiceTest, TakesAnotherFileAlsoForAScene) {
   add("heat", "").set_grid(name);
   const auto of_scene = received();
   ASSERT_TRUE(of_scene.ok()) << of_scene.status();
-  const auto* value = reinterpret_cast<const float*>(of_scene->mesh.fields.bytes().data());
-  for (std::uint64_t i = 0; i < of_scene->mesh.header.vertex_count; ++i) {
-    const WorldPoint p = of_scene->mesh.vertex(i);
-    ASSERT_NEAR(value[i], 1 + 2 * p.x - 3 * p.y + p.z / 2, 2e-6);
-  }
+  expect_heat(of_scene->mesh);
 }
 
 TEST_F(FieldServiceTest, SendsAMeshWholeToWhoeverHasABase) {
@@ -136,6 +144,20 @@ TEST_F(FieldServiceTest, SendsAMeshWholeToWhoeverHasABase) {
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(text_of(first->mesh.fields), text_of(again->mesh.fields));
   EXPECT_EQ(first->mesh_id, again->mesh_id);
+}
+
+TEST_F(FieldServiceTest, FollowsAShapeThroughASession) {
+  const auto session = client_->begin_session(mesh_, never_);
+  ASSERT_TRUE(session.ok()) << session.status();
+  expect_heat((*session)->mesh().mesh);
+  v1::LeafUpdate leaf;
+  leaf.set_x(8);
+  const float outside = 0.3F;
+  leaf.set_values(&outside, sizeof(outside));
+  ASSERT_EQ((*session)->update(std::vector{leaf}), absl::OkStatus());
+  EXPECT_EQ((*session)->mesh().mesh.header.fields.size(), 2U);
+  expect_heat((*session)->mesh().mesh);
+  EXPECT_EQ((*session)->end(), absl::OkStatus());
 }
 
 TEST_F(FieldServiceTest, KeepsVolumesOfFieldsApartFromThoseThatAreMeshed) {

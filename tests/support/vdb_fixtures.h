@@ -17,9 +17,9 @@ namespace tet::test {
 /// - refused: "empty", "vec3", "points", "sheared".
 ///
 /// And "fields", a file of several: the level set "sphere"; "heat" (float), which is
-/// 1 + 2x - 3y + z/2 within 1.6 of the origin on each axis and -7 elsewhere, in voxels 1.5 times
-/// as wide that lie between those of the sphere; "velocity" (vec3s), (x - y, 2z, 1 + x/4) and
-/// else (0, 0, -1), in voxels twice as wide; and "count", of whole numbers.
+/// 1 + 2x - 3y + z/2 within 1.6 of the origin on each axis and -7 elsewhere, in voxels 1.5
+/// times as wide that lie between those of the sphere; "velocity" (vec3s), (x - y, 2z, 1 + x/4)
+/// and else (0, 0, -1), in voxels twice as wide; and "count", of whole numbers.
 std::vector<std::string_view> fixture_kinds();
 
 /// Writes one grid named after its kind, with voxels of `voxel` world units, centred at the
