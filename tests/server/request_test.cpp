@@ -278,6 +278,23 @@ TEST(Request, NamesTheFieldOfASizing) {
   EXPECT_EQ(refusal(request), "grade_surface does not go with manifold: set one of them");
 }
 
+TEST(Request, TakesFieldsAndTheFilesThatTheyAreIn) {
+  v1::MeshRequest request = valid_request();
+  request.mutable_sizing()->mutable_grid()->set_name(name_of_grid(std::string(64, 'b')));
+  for (const char digit : {'c', 'b', 'c'}) {
+    v1::Field& field = *request.add_fields();
+    field.set_name(std::string(1, static_cast<char>('w' + request.fields_size())));
+    field.set_grid(name_of_grid(std::string(64, digit)));
+  }
+  request.add_fields()->set_grid_name("heat");
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->request.fields[3].grid, "heat");
+  const std::vector<std::string> files{std::string(digest_of_name(request.name())),
+                                       std::string(64, 'b'), std::string(64, 'c')};
+  EXPECT_EQ(files_of(*order), files);
+}
+
 TEST(MeshId, TellsEverySizingApart) {
   const auto id = [](const v1::MeshRequest& request) {
     const auto order = parse_mesh_request(request);
