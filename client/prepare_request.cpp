@@ -55,7 +55,10 @@ absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
     return status;
   }
   if (is_scene_file(options.input)) {
-    absl::StatusOr<v1::Scene> scene = read_scene_file(options.input);
+    const auto store = [&](const std::string& path) {
+      return upload(uploads, {path, "", {}}, bar, interruption);
+    };
+    absl::StatusOr<v1::Scene> scene = read_scene_message(options.input, store);
     if (!scene.ok()) return scene.status();
     v1::MeshRequest request = wire_request(named, "", "");
     *request.mutable_scene() = *std::move(scene);

@@ -1,6 +1,7 @@
 #include "client/read_shape.h"
 
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "client/read_grids.h"
@@ -9,6 +10,10 @@
 
 namespace tet {
 namespace {
+
+FileTrust trust(const MeshOptions& options) {
+  return options.trust ? FileTrust::kFull : FileTrust::kNone;
+}
 
 absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& bar) {
   absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
@@ -20,15 +25,11 @@ absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& 
   return std::move(converted->volume);
 }
 
-FileTrust trust_of(const MeshOptions& options) {
-  return options.trust ? FileTrust::kFull : FileTrust::kNone;
-}
-
 absl::StatusOr<Volume> read_grid(const MeshOptions& options,
                                  ProgressBar& bar,
                                  const Cancellation& interruption) {
   if (is_surface_file(options.input)) return convert_surface(options, bar);
-  return read_volume(options.input, options.grid, trust_of(options), interruption);
+  return read_volume(options.input, options.grid, trust(options), interruption);
 }
 
 /// Takes what was read.
@@ -44,7 +45,7 @@ absl::Status read_sizes(const MeshOptions& options,
   auto& grid = sizing.grid;
   if (!grid) return absl::OkStatus();
   absl::StatusOr<Volume> volume = read_volume(grid->file.empty() ? options.input : grid->file,
-                                              grid->name, trust_of(options), interruption);
+                                              grid->name, trust(options), interruption);
   if (!volume.ok()) return volume.status();
   grid->volume = std::make_shared<const Volume>(*std::move(volume));
   return absl::OkStatus();
@@ -57,7 +58,7 @@ absl::Status read_components(const MeshOptions& options,
   std::uint32_t count = 1;
   for (std::uint32_t i = 0; i < count; ++i) {
     absl::StatusOr<Volume> volume = read_field(field.file.empty() ? options.input : field.file,
-                                               field.grid, i, trust_of(options), interruption);
+                                               field.grid, i, trust(options), interruption);
     if (!volume.ok()) return volume.status();
     count = components_of(volume->kind);
     field.components.push_back(std::make_shared<const Volume>(*std::move(volume)));
@@ -71,7 +72,10 @@ absl::StatusOr<Shape> read_shape(const MeshOptions& options,
                                  ProgressBar& bar,
                                  const Cancellation& interruption) {
   bar.begin("reading");
-  return is_scene_file(options.input) ? shared(read_scene(options.input))
+  const auto read = [&](const std::string& path, const std::string& grid_name) {
+    return read_volume(path, grid_name, trust(options), interruption);
+  };
+  return is_scene_file(options.input) ? shared(read_scene(options.input, read))
                                       : shared(read_grid(options, bar, interruption));
 }
 

@@ -3,10 +3,8 @@
 #include <filesystem>
 #include <unistd.h>
 #include <utility>
-#include <vector>
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_split.h>
 
 #include "server/jobs/open_job_store.h"
 
@@ -77,10 +75,7 @@ absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs) {
   const auto inputs = jobs.inputs();
   if (!inputs.ok()) return inputs.status();
   std::set<GridKey> grids;
-  for (const JobInput& input : *inputs) {
-    const std::vector<std::string> names = absl::StrSplit(input.name, ' ');
-    for (const std::string& name : names) grids.insert({input.space, name});
-  }
+  for (const JobInput& input : *inputs) grids.insert({input.space, input.name});
   return grids;
 }
 

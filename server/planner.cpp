@@ -1,5 +1,7 @@
 #include "server/planner.h"
 
+#include <algorithm>
+
 #include <absl/strings/str_cat.h>
 
 #include "core/decode/decode_file.h"
@@ -7,6 +9,8 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/explain.h"
+#include "server/scene_request.h"
+#include "server/status.h"
 #include "server/verify.h"
 
 namespace tet {
@@ -86,15 +90,14 @@ void Planner::load(const std::string& client,
                    Loaded done) {
   const auto then = [done = std::move(done)](Job job, const absl::Status& loaded) {
     if (!loaded.ok()) return done(loaded);
-    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grid)});
+    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grids)});
   };
   load_shape({client, std::move(order), std::move(watch), then});
 }
 
 void Planner::load_shape(Job job) {
-  if (job.order.scene != nullptr) {
-    job.shape = job.order.scene;
-    threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
+  if (job.order.is_scene()) {
+    threads_.pool.post([this, job = std::move(job)] { load_scene(job); });
     return;
   }
   if (job.order.volume != nullptr) {
@@ -104,7 +107,7 @@ void Planner::load_shape(Job job) {
   }
   const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
   load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
-    loaded.grid = std::move(grid);
+    loaded.grids.push_back(std::move(grid));
     loaded.shape = std::move(volume);
     load_sizes(std::move(loaded));
   });
@@ -132,6 +135,37 @@ void Planner::Job::fail(const VolumeKey& key, const absl::Status& status) const 
   then(*this, key.component ? about_field(status, field) : status);
 }
 
+/// On the pool; its grids one after another.
+void Planner::load_scene(Job job) {
+  if (job.order.made_scene != nullptr) {
+    job.shape = job.order.made_scene;
+    return load_sizes(std::move(job));
+  }
+  const auto grids = job.order.scene.grids();
+  const auto next = std::ranges::find_if(
+      grids, [](const scene::GridSolid* grid) { return grid->volume == nullptr; });
+  if (next == grids.end()) return make_scene(std::move(job));
+  const VolumeKey key{job.order.space, std::string(digest_of_name((*next)->file)),
+                      (*next)->name};
+  load_grid(std::move(job), key,
+            [this, file = (*next)->file, name = (*next)->name](Job loaded, GridLease lease,
+                                                               const auto& volume) {
+              loaded.grids.push_back(std::move(lease));
+              for (scene::GridSolid* grid : loaded.order.scene.grids()) {
+                if (grid->file == file && grid->name == name) grid->volume = volume;
+              }
+              load_scene(std::move(loaded));
+            });
+}
+
+/// On the pool.
+void Planner::make_scene(Job job) {
+  const auto scene = scene_of_order(job.order);
+  if (!scene.ok()) return job.then(job, within_field("mesh", scene.status()));
+  job.shape = *scene;
+  load_sizes(std::move(job));
+}
+
 /// On the pool.
 void Planner::load_sizes(Job job) {
   const auto& grid = job.order.request.sizing.grid;
@@ -155,7 +189,8 @@ void Planner::load_fields(Job job) {
       field.file.empty() ? job.order.digest : std::string(digest_of_name(field.file));
   const VolumeKey key{job.order.space, digest, field.grid,
                       static_cast<std::uint32_t>(field.components.size())};
-  load_grid(std::move(job), key, [this](Job loaded, const GridLease&, auto volume) {
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    loaded.grids.push_back(std::move(grid));
     loaded.order.request.fields[loaded.field].components.push_back(std::move(volume));
     load_fields(std::move(loaded));
   });
@@ -180,7 +215,7 @@ void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Do
 PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
   v1::MeshRequest canonical = canonical_request(order, shape, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
-  return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
+  return {std::move(plan), std::move(canonical), std::move(mesh_id), grids};
 }
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(

@@ -1,12 +1,13 @@
 // From a valid order to a counted mesh: find the file, load the grid, load the grids of its
-// sizing and of its fields if there are any, plan; each step once. A scene has no grid of its
-// own.
+// sizing and of its fields if there are any, plan; each step once. A scene has any number of
+// grids.
 #pragma once
 
 #include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -25,8 +26,8 @@ namespace tet {
 /// What a mesh is planned from, in memory.
 struct MeshInput {
   Shape shape;
-  MeshRequest request;       ///< with the grids of its sizing and its fields
-  GridLease grid = nullptr;  ///< keeps the file from being evicted; null of a scene
+  MeshRequest request;                ///< with the grids of its sizing and its fields
+  std::vector<GridLease> grids = {};  ///< keep the files from being evicted
 };
 
 /// A counted mesh and its names.
@@ -34,7 +35,7 @@ struct PlannedMesh {
   std::shared_ptr<const MeshPlan> plan;
   v1::MeshRequest canonical;
   std::string mesh_id;
-  GridLease grid;  ///< keeps the file from being evicted; null of a scene
+  std::vector<GridLease> grids;  ///< keep the files from being evicted
 };
 
 /// What a caller of the planner shares with the work done for it; outlives both by shared_ptr.
@@ -114,7 +115,7 @@ class Planner {
     MeshOrder order;
     std::shared_ptr<PlanningWatch> watch;
     std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
-    GridLease grid = nullptr;                                   ///< null where there is a scene
+    std::vector<GridLease> grids = {};
     Shape shape = {};
     std::size_t field = 0;  ///< of the request's, that is loaded next
 
@@ -128,6 +129,8 @@ class Planner {
 
   void load_shape(Job job);
   void load_grid(Job job, const VolumeKey& key, GridLoaded then);
+  void load_scene(Job job);
+  void make_scene(Job job);
   void load_sizes(Job job);
   void load_fields(Job job);
   void plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done);

@@ -164,7 +164,7 @@ absl::Status RemeshStream::take_frame(const v1::RemeshFrame& frame) {
 }
 
 absl::Status RemeshStream::take_scene(const v1::Scene& scene) {
-  if (order_.scene == nullptr) {
+  if (!order_.is_scene()) {
     return invalid_field("scene is set, but the session began with a grid");
   }
   *request_.mutable_scene() = scene;
@@ -177,7 +177,7 @@ absl::Status RemeshStream::take_scene(const v1::Scene& scene) {
 }
 
 absl::Status RemeshStream::take_leaves(const v1::RemeshFrame& frame) {
-  if (order_.scene != nullptr) {
+  if (order_.is_scene()) {
     return invalid_field("leaves are set, but the session began with a scene");
   }
   const auto leaves = FrameLeaves::of(frame);

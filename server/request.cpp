@@ -1,15 +1,16 @@
 #include "server/request.h"
 
-#include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
+#include <variant>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "proto/scene/scene_message.h"
 #include "proto/wire/sha256.h"
 #include "server/field_request.h"
+#include "server/scene_request.h"
 #include "server/sizing_request.h"
 #include "server/status.h"
 
@@ -128,35 +129,6 @@ std::string exact_origin(const v1::MeshRequest& request) {
   return absl::StrFormat(" origin %a %a %a", origin.x(), origin.y(), origin.z());
 }
 
-/// What grids have and scenes have not.
-absl::Status check_scene_alone(const v1::MeshRequest& request) {
-  if (!request.name().empty()) {
-    return invalid_field("name is set beside scene: mesh one or the other");
-  }
-  if (!request.grid_name().empty()) {
-    return invalid_field("grid_name is set, but a scene has no grids");
-  }
-  if (!request.has_iso()) return absl::OkStatus();
-  return invalid_field(absl::StrCat(
-      "iso ", request.iso(),
-      " is for grids: a scene has its surface at 0, and a node `offset` moves it"));
-}
-
-absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order) {
-  if (auto status = check_scene_alone(request); !status.ok()) return status;
-  absl::StatusOr<Scene> scene = scene_of_message(request.scene());
-  absl::Status status = scene.status();
-  if (status.ok() && !request.has_box()) status = check_ends(*scene);
-  if (!status.ok()) return within_field("scene", invalid_field(std::string(status.message())));
-  if (!request.has_spacing() && !scene->ends()) {
-    return invalid_field("spacing must be set where the scene has no end");
-  }
-  order.scene = std::make_shared<const Scene>(*std::move(scene));
-  order.scene_message = request.scene();
-  order.scene_message.DiscardUnknownFields();
-  return absl::OkStatus();
-}
-
 absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
   if (request.has_scene()) return parse_scene(request, order);
   absl::StatusOr<std::string> digest = parse_grid_name(request.name());
@@ -201,6 +173,10 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
+  if (!order.is_scene() || order.scene.has_grids()) return order;
+  const auto made = scene_of_order(order);
+  if (!made.ok()) return made.status();
+  order.made_scene = *made;
   return order;
 }
 
@@ -239,12 +215,12 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   if (request.base_mesh_id().empty() != request.base_name().empty()) {
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }
-  const bool stored = !compact && !request.skip_cache() && order.mesh.scene == nullptr;
+  const bool stored = !compact && !request.skip_cache();
   if (request.base_name().empty()) {
     if (stored) order.stored_name = name_of_request(request.mesh());
     return order;
   }
-  if (order.mesh.scene != nullptr) {
+  if (order.mesh.is_scene()) {
     return invalid_field("base_name is for grids: a scene's mesh is sent whole");
   }
   if (compact) {
@@ -258,15 +234,18 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
 }
 
 std::vector<std::string> files_of(const MeshOrder& order) {
-  std::vector<std::string> files;
-  const auto add = [&](std::string_view digest) {
-    const bool known = std::find(files.begin(), files.end(), digest) != files.end();
-    if (!digest.empty() && !known) files.emplace_back(digest);
-  };
-  add(order.digest);
-  if (order.request.sizing.grid) add(digest_of_name(order.request.sizing.grid->file));
-  for (const VertexField& field : order.request.fields) add(digest_of_name(field.file));
-  return files;
+  std::set<std::string> digests;
+  if (!order.digest.empty()) digests.insert(order.digest);
+  const auto add = [&](const std::string& name) { digests.emplace(digest_of_name(name)); };
+  const auto& sizes = order.request.sizing.grid;
+  if (sizes && !sizes->file.empty()) add(sizes->file);
+  for (const VertexField& field : order.request.fields) {
+    if (!field.file.empty()) add(field.file);
+  }
+  for (const scene::Node& node : order.scene.nodes) {
+    if (const auto* grid = std::get_if<scene::GridSolid>(&node.kind)) add(grid->file);
+  }
+  return {digests.begin(), digests.end()};
 }
 
 v1::MeshRequest canonical_request(const MeshOrder& order,
@@ -278,7 +257,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
     canonical.set_grid_name(volume->name);
     canonical.set_iso(order.request.iso.value_or(default_iso(shape)));
   } else {
-    *canonical.mutable_scene() = order.scene_message;
+    set_canonical_scene(order, canonical);
   }
   canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));
   canonical.set_levels(order.request.levels);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 
 namespace tet {
 namespace {
@@ -59,7 +58,7 @@ void focus_on_samples(SceneEvaluator& evaluator, double spacing, BrickCoord bric
   constexpr double kMiddle = 4, kHalfEdge = 6;  // of a brick and its halo, cells
   evaluator.focus({spacing * (8.0 * brick.x + kMiddle), spacing * (8.0 * brick.y + kMiddle),
                    spacing * (8.0 * brick.z + kMiddle)},
-                  spacing * kHalfEdge * std::numbers::sqrt3);
+                  spacing * kHalfEdge);
 }
 
 void sample_scene(SceneEvaluator& evaluator,

@@ -27,6 +27,11 @@ constexpr std::uint32_t components_of(VolumeKind kind) noexcept {
   return kind == VolumeKind::kVectorField ? 3 : 1;
 }
 
+/// The value at the surface unless another is asked for.
+constexpr double default_iso(VolumeKind kind) noexcept {
+  return kind == VolumeKind::kFogVolume ? 0.5 : 0;
+}
+
 /// world = linear * voxel + translation, where `linear` is `voxel_size` times a rotation (or a
 /// rotation and a mirror: every angle is kept).
 struct VoxelTransform {

@@ -82,10 +82,6 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   if (auto status = check_unset(job); !status.ok()) return status;
   const auto mesh = parse_mesh_request(job.mesh());
   if (!mesh.ok()) return within_field("mesh", mesh.status());
-  if (mesh->scene != nullptr) {
-    return invalid_field(
-        "mesh.scene is for StreamMesh and EstimateMesh: jobs mesh stored grids");
-  }
   const auto ttl = parse_span(job.has_ttl(), job.ttl(), "ttl");
   if (!ttl.ok()) return ttl.status();
   const auto timeout = parse_span(job.has_timeout(), job.timeout(), "timeout");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
@@ -37,16 +38,17 @@ absl::Status tell(JobDesk& desk,
   return absl::IsNotFound(position.status()) ? absl::OkStatus() : position.status();
 }
 
-absl::StatusOr<std::vector<GridLease>> acquire_all(GridStore& grids,
-                                                   const std::string& space,
-                                                   const std::vector<std::string>& files) {
-  std::vector<GridLease> leases;
-  for (const std::string& digest : files) {
-    auto lease = grids.acquire({space, digest});
-    if (!lease.ok()) return lease.status();
-    leases.push_back(*std::move(lease));
+/// All of them. Errors: those of GridStore::acquire.
+absl::StatusOr<std::vector<GridLease>> acquire(GridStore& grids,
+                                               const std::string& space,
+                                               const std::vector<std::string>& digests) {
+  std::vector<GridLease> held;
+  for (const std::string& digest : digests) {
+    auto grid = grids.acquire({space, digest});
+    if (!grid.ok()) return grid.status();
+    held.push_back(*std::move(grid));
   }
-  return leases;
+  return held;
 }
 
 absl::Status create(JobDesk& desk,
@@ -56,13 +58,13 @@ absl::Status create(JobDesk& desk,
                     v1::Job& response) {
   const auto wanted = parse_create(request, call.space());
   if (!wanted.ok()) return wanted.status();
-  const std::vector<std::string> files = absl::StrSplit(wanted->input, ' ');
-  call.note("grid", files.front());
+  call.note("grid", wanted->input);
   if (const absl::Status health = desk.health.status(); !health.ok()) {
     return with_retry(health, kAskAgain);
   }
   // Held until the store knows that the job needs them.
-  const auto held = acquire_all(grids, call.space(), files);
+  const auto held =
+      acquire(grids, call.space(), absl::StrSplit(wanted->input, ' ', absl::SkipEmpty()));
   if (!held.ok()) return held.status();
   const auto created = desk.jobs.create(*wanted);
   if (!created.ok()) return within_field("job", created.status());
@@ -78,9 +80,9 @@ absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& res
   if (!spec.ok()) return spec.status();
   const auto order = order_of(job, *spec);
   if (!order.ok()) return order.status();
-  const auto held = acquire_all(grids, job.space, files_of(*order));
+  const auto grid = acquire(grids, job.space, files_of(*order));
   const bool is_done = job.state == JobState::kSucceeded && lost->empty();
-  if (!held.ok() && is_finished(job.state) && !is_done) return held.status();
+  if (!grid.ok() && is_finished(job.state) && !is_done) return grid.status();
   return tell(desk, desk.jobs.retry(job.id, *lost), response, kMostCounted);
 }
 

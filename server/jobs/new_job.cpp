@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kMaxIdBytes = 128;
 constexpr std::size_t kMaxNameBytes = 256;
+constexpr std::size_t kMaxInputBytes = 2 << 10;
 constexpr std::size_t kMaxSpecBytes = 64 << 10;
-constexpr std::size_t kMaxInputBytes = 2048;
 constexpr std::size_t kMaxLabels = 32;
 constexpr std::size_t kMaxLabelBytes = 63;
 constexpr std::int64_t kMaxPriority = 100;

@@ -10,6 +10,7 @@
 
 #include "core/field/find_bricks.h"
 #include "core/field/find_scene_bricks.h"
+#include "tests/support/grid_scenes.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
 
@@ -119,6 +120,29 @@ TEST(FieldDifference, FindsWhichBricksOfASceneSeeWhatMoved) {
   const Counts counts = expect_honest(earlier, now, bricks);
   EXPECT_GT(counts.same, counts.bricks * 4 / 10);
   EXPECT_LT(counts.same, counts.bricks * 6 / 10);
+}
+
+TEST(FieldDifference, TakesGridsInScenesForTheSameOnlyWhereTheyAreOne) {
+  const auto bored = [](std::shared_ptr<const Volume> grid, double x) {
+    test::SceneWriter writer;
+    const std::string scan = writer.add(test::leaf(std::move(grid)));
+    const std::string hole = writer.add_moved({x, 0, 0}, writer.add(scene::Sphere{0.3}));
+    writer.add(scene::Combination{scene::Combine::kDifference, {scan, hole}, 0});
+    return writer.scene();
+  };
+  const auto grid = test::grid_of({.voxel = 0.05}), copy = test::grid_of({.voxel = 0.05});
+  const Scene one = bored(grid, 1), other = bored(grid, 1.02), another = bored(copy, 1);
+  PhiField earlier, now, apart;
+  earlier.scene = &one;
+  now.scene = &other;
+  apart.scene = &another;
+  earlier.spacing_voxels = now.spacing_voxels = apart.spacing_voxels = 0.04;
+  const auto bricks =
+      find_scene_bricks(earlier, std::nullopt, kMaxSurfaceBricks, Cancellation())->near_surface;
+  const Counts counts = expect_honest(earlier, now, bricks);
+  EXPECT_GT(counts.same, counts.bricks / 2);
+  EXPECT_LT(counts.same, counts.bricks);
+  EXPECT_EQ(expect_honest(earlier, apart, bricks).same, 0U);
 }
 
 TEST(FieldDifference, ComparesOnlyWhatLiesOnOneLattice) {
