@@ -39,6 +39,8 @@ Examples:
       a scene: solids as formulas, and grids, put together; docs/scenes.md
   tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"growth": 0.25, "coarsest": 0.4}'
       smaller tets inside; docs/sizing.md
+  tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"coarsest": 0.2, "grade_surface": true}'
+      larger ones at the surface, too
   tetstream mesh fire.vdb -o fire.vtu --grid density --field temperature --field v=flow.vdb:vel
       the values of other grids at the vertices, as named arrays; docs/fields.md
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
@@ -68,6 +70,11 @@ absl::Status check_encoding(const MeshOptions& options) {
   if (options.request.improve) {
     return absl::InvalidArgumentError(
         "--compact cannot carry an improved mesh: leave --compact or --improve out");
+  }
+  if (options.request.sizing.grade_surface) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry a mesh with a graded surface: leave --compact or the sizing's "
+        "grade_surface out");
   }
   if (!options.request.fields.empty()) {
     return absl::InvalidArgumentError(

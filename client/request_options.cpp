@@ -52,7 +52,7 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
   app.add_option("--levels", request.levels,
                  "Coarser octree levels inside; 0 is uniform [all]");
   app.add_option("--sizing", arguments.sizing.sizing,
-                 "JSON file, or JSON, that says how large tets may be inside, and where: "
+                 "JSON file, or JSON, that says how large tets may be, and where: "
                  "docs/sizing.md")
       ->type_name("FILE");
   app.add_option("--preset", arguments.preset,

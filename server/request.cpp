@@ -161,9 +161,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (!origin.ok()) return origin.status();
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
-  if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   if (const auto status = parse_fields(request, order.request); !status.ok()) return status;
-
   if (request.has_spacing()) order.request.spacing = request.spacing();
   if (request.has_iso()) order.request.iso = request.iso();
   if (request.has_levels()) order.request.levels = request.levels();
@@ -173,6 +171,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
+  if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   if (!order.is_scene() || order.scene.has_grids()) return order;
   const auto made = scene_of_order(order);
   if (!made.ok()) return made.status();
@@ -199,6 +198,11 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field(
         "encoding ENCODING_COMPACT cannot carry an improved mesh: leave improve unset, or ask "
         "for ENCODING_PLAIN");
+  }
+  if (compact && mesh->request.sizing.grade_surface) {
+    return invalid_field(
+        "encoding ENCODING_COMPACT cannot carry a mesh with a graded surface: leave "
+        "sizing.grade_surface unset, or ask for ENCODING_PLAIN");
   }
   if (compact && !mesh->request.fields.empty()) {
     return invalid_field(

@@ -31,6 +31,7 @@ absl::Status parse_sizing(const v1::MeshRequest& request, MeshRequest& out) {
   absl::StatusOr<Sizing> sizing = sizing_of_message(request.sizing());
   absl::Status status = sizing.status();
   if (status.ok() && request.has_spacing()) status = check_sizing(*sizing, request.spacing());
+  if (status.ok()) status = check_graded_surface(*sizing, out);
   if (!status.ok()) {
     return within_field(kSizingField, invalid_field(std::string(status.message())));
   }

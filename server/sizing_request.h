@@ -10,8 +10,8 @@
 
 namespace tet {
 
-/// A sizing by itself, and beside a spacing; beside a default spacing it is looked at when that
-/// is known. Errors: kInvalidArgument, with the field.
+/// A sizing by itself, beside a spacing, and beside what `out` has already; beside a default
+/// spacing it is looked at when that is known. Errors: kInvalidArgument, with the field.
 absl::Status parse_sizing(const ::tetstream::v1::MeshRequest& request, MeshRequest& out);
 
 /// Fills in every default of a sizing whose grid is loaded. The file is named already.

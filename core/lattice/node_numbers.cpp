@@ -160,6 +160,7 @@ std::uint64_t NodeNumbers::corner(int level, BrickCoord brick, int x, int y, int
 
 std::uint64_t NodeNumbers::finer_corner(
     int level, BrickCoord brick, int x, int y, int z) noexcept {
+  if (level == 0) return corner(level, brick, x / 2, y / 2, z / 2);  // nothing is finer
   int fx = x, fy = y, fz = z;
   const BrickCoord finer = settle({2 * brick.x, 2 * brick.y, 2 * brick.z}, fx, fy, fz);
   if (used(level - 1, finer, fx, fy, fz)) return corner(level - 1, finer, fx, fy, fz);

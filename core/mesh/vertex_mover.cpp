@@ -10,11 +10,11 @@
 namespace tet {
 namespace {
 
-// Steps in spacings. Bunny, torus and gyroid end within a tenth of a degree of the same angles
+// Steps in leaves. Bunny, torus and gyroid end within a tenth of a degree of the same angles
 // with a first step of 0.08 to 0.3 and a last one of 0.005; half a degree lower with one of
 // 0.05.
 constexpr double kFirstStep = 0.15, kLastStep = 0.02;
-/// Over which a cost is differentiated, in spacings.
+/// Over which a cost is differentiated, in leaves.
 constexpr double kDifference = 1e-3;
 /// A cost must fall by this, about a hundredth of a degree: what is worth a move.
 constexpr double kLeastGain = 1e-4;
@@ -96,7 +96,8 @@ VertexMover::Freedom VertexMover::freedom_of(std::span<const TetCorner> star,
 
 VertexMover::Outcome VertexMover::move(std::uint64_t vertex,
                                        std::span<const TetCorner> star,
-                                       const WorldPoint& home) noexcept {
+                                       const WorldPoint& home,
+                                       double leaf) noexcept {
   const WorldPoint start = mesh_.stored_position(vertex);
   star_.gather(mesh_, star);
   const AngleRange before = star_.angles(start);
@@ -105,6 +106,7 @@ VertexMover::Outcome VertexMover::move(std::uint64_t vertex,
   if (freedom_ == Freedom::kNowhere) return {};
 
   home_ = home;
+  leaf_ = leaf * mesh_.header.spacing;
   place_ = start;
   bound_.range = {std::max(before.largest_cosine, limit_.largest_cosine) - kRounding,
                   std::min(before.smallest_cosine, limit_.smallest_cosine) + kRounding};
@@ -119,9 +121,8 @@ VertexMover::Outcome VertexMover::move(std::uint64_t vertex,
 
 /// Down the slope of the worst tet, as far as it leads.
 bool VertexMover::go_downhill(double step) noexcept {
-  const double spacing = mesh_.header.spacing;
   star_.angles(place_);
-  const Vector way = along_surface(star_.descent(place_, kDifference * spacing));
+  const Vector way = along_surface(star_.descent(place_, kDifference * leaf_));
   bool gone = false;
   while (go(way, step)) gone = true;
   return gone;
@@ -133,15 +134,15 @@ bool VertexMover::go_anywhere(double step) noexcept {
 }
 
 bool VertexMover::go(const Vector& way, double step) noexcept {
-  const double far = length(way), spacing = mesh_.header.spacing;
+  const double far = length(way);
   if (!(far > 0) || bound_.cost <= goal_.good_cost()) return false;
-  const double scale = step * spacing / far;
+  const double scale = step * leaf_ / far;
   const WorldPoint ahead{place_.x + scale * way.x, place_.y + scale * way.y,
                          place_.z + scale * way.z};
   const std::optional<WorldPoint> place = freedom_ == Freedom::kSurface
                                               ? projector_.project(ahead, slope_)
                                               : projector_.rounded(ahead);
-  if (!place || length(from_to(home_, *place)) > kReach * spacing) return false;
+  if (!place || length(from_to(home_, *place)) > kReach * leaf_) return false;
   const std::optional<double> cost = star_.cost_below(bound_, *place);
   if (!cost) return false;
   bound_.cost = *cost - kLeastGain;

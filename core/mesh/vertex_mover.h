@@ -29,12 +29,14 @@ class VertexMover {
     bool good = false;                ///< the star now meets the goal
   };
 
-  /// A better place, `kReach` spacings from `home` at most: every tet of the star stays
-  /// positive, the costliest gets cheaper, and no angle passes all of the star's own, unless it
-  /// is good and does not pass all of the mesh's either.
+  /// A better place, `kReach` leaves from `home` at most, where the leaves around the vertex
+  /// are `leaf` spacings long: every tet of the star stays positive, the costliest gets
+  /// cheaper, and no angle passes all of the star's own, unless it is good and does not pass
+  /// all of the mesh's either.
   Outcome move(std::uint64_t vertex,
                std::span<const TetCorner> star,
-               const WorldPoint& home) noexcept;
+               const WorldPoint& home,
+               double leaf) noexcept;
 
   static constexpr double kReach = 0.5;
 
@@ -59,6 +61,7 @@ class VertexMover {
   Star star_;
 
   // Of the vertex that is being moved.
+  double leaf_ = 0;  // world units
   WorldPoint home_, place_;
   Freedom freedom_ = Freedom::kAnywhere;
   Vector slope_{};  // of phi where a vertex on the surface was before the move

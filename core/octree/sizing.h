@@ -43,7 +43,7 @@ struct SizingGrid {
   std::shared_ptr<const Volume> volume = nullptr;  ///< loaded before anything is meshed
 };
 
-/// Sizes of leaves away from the surface, where all are finest. Lengths are world units.
+/// Sizes of leaves; at the surface all are finest unless it is graded. Lengths are world units.
 struct Sizing {
   std::optional<double> coarsest = {};  ///< of any leaf
   /// A leaf whose middle lies d from the surface is at most spacing + growth * d long, and one
@@ -51,11 +51,22 @@ struct Sizing {
   double growth = 1;
   std::vector<SizingRegion> regions = {};
   std::optional<SizingGrid> grid = {};
+  /// Leaves at the surface are as large as the rest of this lets them be; it needs `coarsest`.
+  bool grade_surface = false;
+  /// An edge as long as a leaf at the surface departs from it by at most this.
+  std::optional<double> chord_error = {};
+  int leaves_across = 0;  ///< walls are at least so many leaves thick; 0: any
 
+  static constexpr int kMaxLeavesAcross = 64;
   static constexpr std::size_t kMaxRegions = 256;
   static constexpr double kMinGrowth = 0.0625;
 
-  bool any() const noexcept { return coarsest || growth != 1 || !regions.empty() || grid; }
+  /// By its shape.
+  bool sizes_surface() const noexcept { return chord_error || leaves_across > 0; }
+  bool any() const noexcept {
+    return coarsest || growth != 1 || !regions.empty() || grid || grade_surface ||
+           sizes_surface();
+  }
 };
 
 /// A sizing's field in a request: what refusals begin with.

@@ -11,6 +11,7 @@
 
 #include "core/lattice/bcc.h"
 #include "core/octree/sized_cells.h"
+#include "core/octree/surface_sizes.h"
 #include "core/pipeline/survey.h"
 #include "core/scene/scene.h"
 
@@ -84,7 +85,8 @@ double most_leaves(const MeshLimits& limits) {
 
 /// Small leaves along the surface, because larger ones may only come far behind
 /// it, or in its shells.
-absl::Status check_layers_budget(const LeafRules& rules,
+absl::Status check_layers_budget(const Sizing& sizing,
+                                 const LeafRules& rules,
                                  const FoundBricks& found,
                                  const MeshLimits& limits) {
   const double area = static_cast<double>(found.near_surface.size()) * kBrickEdge * kBrickEdge;
@@ -92,7 +94,8 @@ absl::Status check_layers_budget(const LeafRules& rules,
     return std::min(area * depth, found.inside_cells);
   };
   const double most = most_leaves(limits);
-  const double layered = rules.layers > 1 ? cells_within(rules.layers) : 0;
+  const bool finest_at_surface = !sizing.grade_surface;
+  const double layered = finest_at_surface && rules.layers > 1 ? cells_within(rules.layers) : 0;
   if (layered > most) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "sizing.growth keeps %d layers of the finest leaves, about %.3g along this surface; "
@@ -192,6 +195,17 @@ absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
 }
 
+namespace {
+
+void refine_more(LeafRules& rules, const std::vector<CellSet>& more) {
+  rules.refined.resize(std::max(rules.refined.size(), more.size()));
+  for (std::size_t level = 0; level < more.size(); ++level) {
+    unite(rules.refined[level], more[level]);
+  }
+}
+
+}  // namespace
+
 absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
                                             const Sizing& sizing,
                                             const PhiField& field,
@@ -203,7 +217,11 @@ absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
   absl::StatusOr<LeafRules> rules =
       leaf_rules(sizing, field, cover, levels, most_leaves(limits), cancellation);
   if (!rules.ok()) return rules;
-  if (auto status = check_layers_budget(*rules, found, limits); !status.ok()) {
+  if (sizing.sizes_surface()) {
+    refine_more(*rules, surface_cells_to_refine(sizing, field, found.near_surface,
+                                                rules->max_levels, cancellation));
+  }
+  if (auto status = check_layers_budget(sizing, *rules, found, limits); !status.ok()) {
     return status;
   }
   return rules;

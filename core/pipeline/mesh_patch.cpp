@@ -32,6 +32,7 @@ std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
 
 std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
                                                     std::shared_ptr<const MeshPlan> mesh) {
+  if (!earlier.has_bricks() || !mesh->has_bricks()) return nullptr;
   const ComparedMesh before = earlier.counted(), now = mesh->counted();
   // Whether a field's values changed, too, nobody has compared.
   if (earlier.improvement() || mesh->improvement() ||

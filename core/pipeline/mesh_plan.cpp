@@ -11,7 +11,6 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
-#include "core/grid/to_voxel.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -19,16 +18,14 @@
 #include "core/pipeline/divided_survey.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/fill_mesh.h"
+#include "core/pipeline/graded_mesh.h"
+#include "core/pipeline/mesh_place.h"
 #include "core/pipeline/prepared_mesh.h"
 #include "core/pipeline/sample_fields.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
 namespace {
-
-/// A float32 coordinate is off by at most 2^-24 of its size, so within this many spacings of
-/// the origin by 2^-12 of a spacing: what that does to angles is in angle_bounds.
-constexpr double kMaxFloat32Extent = 4096;
 
 /// The corners at the ends of a domain.
 VoxelBox corner_box(const BrickBox& domain) {
@@ -53,48 +50,6 @@ VoxelBox corner_box(const CountedMesh& mesh) {
                std::max(box.max.z, 8 * b.z + 8)};
   }
   return box;
-}
-
-VoxelPoint point_of(VoxelCoord v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-
-VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
-  return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
-}
-
-VoxelCoord middle_of(const VoxelBox& box) {
-  const auto middle = [](std::int32_t a, std::int32_t b) {
-    return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
-  };
-  return {middle(box.min.x, box.max.x), middle(box.min.y, box.max.y),
-          middle(box.min.z, box.max.z)};
-}
-
-/// The lattice corner next to a point.
-absl::StatusOr<VoxelCoord> corner_next_to(const WorldPoint& point,
-                                          const VoxelTransform& lattice) {
-  const VoxelPoint at = to_voxel(lattice, point);
-  const double reach = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
-  if (!(reach <= kMaxVoxelCoord)) {  // not-a-numbers end here too
-    return absl::InvalidArgumentError(
-        absl::StrFormat("origin (%g, %g, %g) is %g spacings from the lattice's own; the limit "
-                        "is %d",
-                        point.x, point.y, point.z, reach, kMaxVoxelCoord));
-  }
-  const auto rounded = [](double v) { return static_cast<std::int32_t>(std::lround(v)); };
-  return VoxelCoord{rounded(at.x), rounded(at.y), rounded(at.z)};
-}
-
-/// How far a box reaches from a corner along any axis.
-double reach_from(VoxelCoord corner, const VoxelBox& box) {
-  const auto farther = [](std::int32_t from, std::int32_t min, std::int32_t max) {
-    return std::max(std::abs(static_cast<double>(max) - from),
-                    std::abs(static_cast<double>(min) - from));
-  };
-  return std::max({farther(corner.x, box.min.x, box.max.x),
-                   farther(corner.y, box.min.y, box.max.y),
-                   farther(corner.z, box.min.z, box.max.z)});
 }
 
 /// Why there is no mesh, though what is meshed and the request are fine.
@@ -140,33 +95,11 @@ struct MeshPlan::Impl {
   LatticeToWorld to_world;
   ThinWalls thin_walls;
   std::vector<std::size_t> first_brick = {};  // of each chunk, and one more
+  std::optional<GradedMesh> graded = {};      // made already; then there are no bricks
   std::vector<VertexField> fields = {};
 
-  absl::Status place_in_world(const MeshRequest& request,
-                              const std::optional<BrickBox>& domain);
   void cut_into_chunks(std::size_t chunk_bytes);
 };
-
-absl::Status MeshPlan::Impl::place_in_world(const MeshRequest& request,
-                                            const std::optional<BrickBox>& domain) {
-  const VoxelTransform lattice = field.lattice_transform();
-  const VoxelBox box = domain ? corner_box(*domain) : corner_box(mesh);
-  const absl::StatusOr<VoxelCoord> origin =
-      request.origin ? corner_next_to(*request.origin, lattice) : middle_of(box);
-  if (!origin.ok()) return origin.status();
-  header.origin = lattice.to_world(point_of(*origin));
-  // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
-  // faces of a domain that no surface cuts are flat.
-  const double beyond = domain && boundary ? 0 : 0.5;
-  header.bounds = lattice.to_world_box(shifted(point_of(box.min), -beyond),
-                                       shifted(point_of(box.max), beyond));
-  header.spacing = lattice.voxel_size;
-  const bool far = reach_from(*origin, box) > kMaxFloat32Extent;
-  header.coordinate_type =
-      request.coordinates.value_or(far ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
-  to_world = {lattice.linear, *origin, lattice.mirrors()};
-  return absl::OkStatus();
-}
 
 void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   const auto bytes_before = [&](std::size_t brick) {
@@ -192,12 +125,16 @@ const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
   return impl_->boundary;
 }
 
+bool MeshPlan::has_bricks() const noexcept { return !impl_->graded; }
+
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
+  if (impl_->graded) return impl_->graded->chunk(index);
   return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
 }
 
 std::uint64_t MeshPlan::bytes() const noexcept {
-  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + positions_.size();
+  const std::uint64_t made = impl_->graded ? impl_->graded->bytes() : 0;
+  return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + made + positions_.size();
 }
 
 ComparedMesh MeshPlan::counted() const noexcept { return {impl_->mesh, impl_->field}; }
@@ -212,14 +149,20 @@ ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
-  QualityStats stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]},
-                                   workspace, columns);
-  if (improvement_) {
+  QualityStats stats;
+  if (impl_->graded) {
+    impl_->graded->fill_chunk(index, columns);
+  } else {
+    stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace,
+                        columns);
+  }
+  if (impl_->graded || improvement_) {
+    const std::span<const std::byte> positions =
+        improvement_ ? positions_.bytes() : impl_->graded->mesh.positions.bytes();
     const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
-    std::memcpy(columns.positions.data(), positions_.bytes().data() + first,
-                columns.positions.size());
-    stats = measure_tets(
-        {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
+    std::memcpy(columns.positions.data(), positions.data() + first, columns.positions.size());
+    stats =
+        measure_tets({header().coordinate_type, header().index_type, positions, columns.tets});
   }
   if (!columns.fields.empty()) {
     sample_fields(impl_->fields, header(), columns.positions, columns.fields);
@@ -249,7 +192,7 @@ QualityStats MeshPlan::fill_bricks(const BrickRange& range,
 void MeshPlan::encode_chunk(std::uint64_t index,
                             MeshWorkspace& workspace,
                             std::vector<std::byte>& bytes) const {
-  TET_CHECK(!improvement_);
+  TET_CHECK(!improvement_ && has_bricks());
   encode_bricks(impl_->mesh, impl_->field, impl_->first_brick[index],
                 impl_->first_brick[index + 1], workspace.impl().stuffing, bytes);
 }
@@ -259,7 +202,9 @@ CompactFrame MeshPlan::compact_frame() const noexcept {
 }
 
 Improvement MeshPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
-  return improve_mesh(mesh, impl_->field, impl_->to_world, cancellation);
+  const std::span<const std::uint8_t> levels =
+      impl_->graded ? std::span(impl_->graded->vertex_levels) : std::span<const std::uint8_t>();
+  return improve_mesh(mesh, impl_->field, impl_->to_world, levels, cancellation);
 }
 
 std::shared_ptr<const MeshPlan> MeshPlan::with_positions(ByteBuffer positions,
@@ -296,9 +241,36 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   return header;
 }
 
-}  // namespace
-
-namespace {
+/// Of a mesh without bricks, as it was made.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
+                                                            const PreparedMesh& prepared,
+                                                            const MeshRequest& request,
+                                                            const LeafRules& rules,
+                                                            const MeshLimits& limits,
+                                                            const Cancellation& cancellation) {
+  absl::StatusOr<GradedMesh> graded =
+      make_graded_mesh(prepared, request, rules, limits, cancellation);
+  if (!graded.ok()) return graded.status();
+  MeshHeader header = graded->mesh.header;
+  header.fields = arrays_of(request.fields);
+  if (auto status = check_tets(header, prepared.asked, {}, limits); !status.ok()) return status;
+  MeshStructure no_bricks;
+  no_bricks.tree.levels.emplace_back();
+  auto impl = std::make_unique<MeshPlan::Impl>(
+      MeshPlan::Impl{shape,
+                     prepared.field,
+                     CountedMesh(std::move(no_bricks), prepared.space.rules),
+                     header,
+                     graded->boundary,
+                     graded->to_world,
+                     {},
+                     {},
+                     *std::move(graded),
+                     request.fields});
+  const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
+  if (!request.improve) return plan;
+  return improve_plan(*plan, limits, cancellation);
+}
 
 /// Surveys what neither an earlier plan nor other hosts have surveyed.
 absl::StatusOr<Survey> survey_rest(const PreparedMesh& prepared,
@@ -306,7 +278,7 @@ absl::StatusOr<Survey> survey_rest(const PreparedMesh& prepared,
                                    const SurveyedBlocks& surveyed,
                                    const Cancellation& cancellation,
                                    MeshProgress* progress) {
-  if (earlier != nullptr) {
+  if (earlier != nullptr && earlier->has_bricks()) {
     const auto [mesh, field] = earlier->counted();
     const bool alike =
         mesh.rules() == prepared.space.rules && can_reuse(mesh.survey(), prepared.space);
@@ -336,6 +308,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   const absl::StatusOr<LeafRules> rules = leaf_rules_within(
       limits, request.sizing, field, bricks, cover, asked.levels, cancellation);
   if (!rules.ok()) return rules.status();
+  if (request.sizing.grade_surface) {
+    return plan_graded(shape, *prepared, request, *rules, limits, cancellation);
+  }
   absl::StatusOr<Survey> survey =
       survey_rest(*prepared, earlier, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
@@ -355,7 +330,13 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
       MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}});
   impl->thin_walls = std::move(thin_walls);
   impl->fields = request.fields;
-  if (auto status = impl->place_in_world(request, space.domain); !status.ok()) return status;
+  // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
+  // faces of a domain that no surface cuts are flat.
+  const absl::StatusOr<LatticeToWorld> to_world =
+      place_in_world(field, space.domain ? corner_box(*space.domain) : corner_box(impl->mesh),
+                     space.domain && boundary ? 0 : 0.5, request, impl->header);
+  if (!to_world.ok()) return to_world.status();
+  impl->to_world = *to_world;
   impl->cut_into_chunks(limits.chunk_bytes);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;

@@ -111,6 +111,10 @@ class MeshPlan {
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept;
 
+  /// False where the surface is graded: the mesh was made when it was planned, as a whole. All
+  /// that follows is for meshes of bricks.
+  bool has_bricks() const noexcept;
+
   /// The same by bricks, of which there are any number in a chunk; without fields.
   ComparedMesh counted() const noexcept;
   ChunkExtent bricks(const BrickRange& range) const noexcept;

@@ -37,6 +37,7 @@ absl::Status check_sizing_of(const MeshRequest& request, double spacing) {
   if (status.ok() && request.sizing.grid && request.sizing.grid->volume == nullptr) {
     status = absl::InvalidArgumentError("grid is not loaded");
   }
+  if (status.ok()) status = check_graded_surface(request.sizing, request);
   if (status.ok()) return status;
   return absl::InvalidArgumentError(absl::StrCat(kSizingField, ".", status.message()));
 }
@@ -111,6 +112,17 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
       return rounded ? AngleBounds{9.3, 157.6} : AngleBounds{9.4, 157.4};
   }
   return {};
+}
+
+absl::Status check_graded_surface(const Sizing& sizing, const MeshRequest& request) {
+  if (!sizing.grade_surface) return absl::OkStatus();
+  if (stuffing_rules(request.preset).both_sides) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("grade_surface is for the inside alone; preset %s meshes both sides",
+                        preset_name(request.preset)));
+  }
+  if (!request.manifold) return absl::OkStatus();
+  return absl::InvalidArgumentError("grade_surface does not go with manifold: set one of them");
 }
 
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {

@@ -5,44 +5,34 @@
 
 namespace tet {
 
-/// Where the faces of a prism disagree (p stands on the longer column at m, q at n, or the
-/// reverse) one diagonal of its quad would close a cycle; the other is forced.
-std::optional<QuadSplit> CutTet::forced_split(const Nodes& plus,
-                                              const Nodes& minus) const noexcept {
-  const bool first = second_longer(plus[0], plus[1], minus[0]);
-  const bool second = second_longer(plus[0], plus[1], minus[1]);
-  if (first == second) return std::nullopt;
-  return second ? QuadSplit::kSecondDiagonal : QuadSplit::kFirstDiagonal;
-}
-
 /// The quad's nodes as seen from inside, whichever region is written: both must decide alike.
 /// Seen from outside p, q and m, n change places, b and d too, and the diagonals stay what they
 /// are.
 CutTet::Quad CutTet::quad() const noexcept {
-  if (region_ == MeshRegion::kInside) return {nodes_.plus, nodes_.minus};
-  return {nodes_.minus, nodes_.plus};
+  if (region_ == MeshRegion::kInside) return {columns_.nodes().plus, columns_.nodes().minus};
+  return {columns_.nodes().minus, columns_.nodes().plus};
 }
 
 bool CutTet::has_fan() const noexcept {
   if (!rules_.both_sides || !has_quad()) return false;
   const auto [plus, minus] = quad();
-  const auto inside = forced_split(plus, minus);
-  const auto outside = forced_split(minus, plus);
+  const auto inside = columns_.forced_split(plus, minus);
+  const auto outside = columns_.forced_split(minus, plus);
   return inside && outside && *inside != *outside;
 }
 
 QuadSplit CutTet::quad_split() const noexcept {
   if (has_fan()) return QuadSplit::kFan;
   const auto [plus, minus] = quad();
-  if (const auto inside = forced_split(plus, minus)) return *inside;
+  if (const auto inside = columns_.forced_split(plus, minus)) return *inside;
   if (rules_.both_sides) {
-    if (const auto outside = forced_split(minus, plus)) return *outside;
+    if (const auto outside = columns_.forced_split(minus, plus)) return *outside;
   }
   const auto [p, q, r, s] = plus;
   const auto [m, n, o, t] = minus;
   // Each region's apex is the node of its longer columns.
-  const std::array<WorldPoint, 2> apex{place_of_node(second_longer(p, q, m) ? q : p),
-                                       place_of_node(second_longer(m, n, p) ? n : m)};
+  const std::array<WorldPoint, 2> apex{place_of_node(columns_.second_longer(p, q, m) ? q : p),
+                                       place_of_node(columns_.second_longer(m, n, p) ? n : m)};
   const bool second = second_diagonal_is_better(
       std::span(apex).first(rules_.both_sides ? 2 : 1), place_of_cut(p, m), place_of_cut(q, m),
       place_of_cut(q, n), place_of_cut(p, n));

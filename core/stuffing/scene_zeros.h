@@ -9,14 +9,12 @@
 #include "core/base/types.h"
 #include "core/field/phi_field.h"
 #include "core/lattice/bcc.h"
+#include "core/stuffing/zero_bracket.h"
 
 namespace tet {
 
 /// Edges of one family are worked on this many at a time.
 inline constexpr std::size_t kSceneEdges = 64;
-
-/// How far a cut point may be from a zero of the scene, in edges.
-inline constexpr double kZeroTolerance = 1e-6;
 
 /// Up to kSceneEdges edges in one direction, by their lower nodes.
 struct SceneEdges {
@@ -30,9 +28,6 @@ struct SceneEdges {
 
 /// Fractions of the edges, from the lower node: within kZeroTolerance of a zero, and the same
 /// whichever brick asks, beside whichever other edges. `sampler` sampled the brick last.
-///
-/// Begins with the zero of the line between the ends, and goes on with Chandrupatla's steps
-/// (Adv. Eng. Software 28, 1997): inverse quadratic where that is safe, else halves.
 void find_scene_zeros(PhiSampler& sampler, const SceneEdges& edges, float* fraction) noexcept;
 
 }  // namespace tet

@@ -8,6 +8,7 @@
 #include "core/stuffing/stencil.h"
 #include "core/stuffing/stuffed_brick.h"
 #include "tests/certificate/problem.h"
+#include "tests/certificate/sliding_cases.h"
 
 namespace tet::certificate {
 
@@ -21,9 +22,6 @@ struct SignedTet {
 
 /// The first node lies in cell (0, 0, 0) of a brick.
 SignedTet unsigned_tet(const TetShape& shape);
-
-/// How columns are compared: the second only to see the proof fail.
-enum class ColumnRule { kLonger, kShorter };
 
 /// The tets that one lattice tet may become, in both regions if both are meshed. Named by the
 /// signs as its region sees them: `++0-`.

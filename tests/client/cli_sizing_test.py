@@ -55,6 +55,7 @@ class Sizings(CommandTest):
     def test_refuses_with_the_field(self):
         self.refuse('{"growth": 2}', "--sizing: growth 2 is not from 0.0625 to 1")
         self.refuse('{"coarsest": 0.01}', "sizing.coarsest 0.01 is below the spacing 0.05")
+        self.refuse('{"grade_surface": true}', "coarsest must be set where grade_surface is")
         self.refuse('{"regions": [{"size": 0.1, "ball": {"radius": "NaN"}}]}',
                     "regions[0].ball.radius nan")
 
@@ -122,6 +123,19 @@ class SizingsOnAServer(ServerTest):
                     "mesh", BRACKET, "-o", path, "--spacing", "0.05",
                     "--sizing", DOCS / "sizings" / "bracket.json", *server))
             self.assertTrue(filecmp.cmp(here, there, shallow=False), ways)
+
+    def test_grades_the_surface_alike(self):
+        sizing = ('{"coarsest": 0.2, "grade_surface": true,'
+                  ' "regions": [{"size": 0.05, "ball": {"radius": 0.5}}]}')
+        here, there, estimated = (self.out / name for name in ("h.vtu", "t.vtu", "report.json"))
+        command = ("mesh", BRACKET, "--spacing", "0.05", "--sizing", sizing)
+        self.assert_done(self.tetstream(*command, "-o", here, "--report", estimated))
+        self.assert_done(self.tetstream(*command, "-o", there, "--server", self.address))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+        self.assertGreaterEqual(json.loads(estimated.read_text())["min_dihedral_deg"], 5)
+        self.assert_fails(
+            self.tetstream(*command, "-o", there, "--server", self.address, "--compact"),
+            REFUSED, "--compact", "grade_surface")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import sys
 
 # A request passes through these in order; a folder includes itself and those before it.
 CORE = ["core/base", "core/grid", "core/decode", "core/scene", "core/field", "core/octree",
-        "core/lattice", "core/stuffing", "core/mesh", "core/pipeline"]
+        "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/pipeline"]
 LAYERS = {folder: CORE[:i + 1] for i, folder in enumerate(CORE)}
 LAYERS["proto/scene"] = [*CORE, "proto"]
 LAYERS["proto/sizing"] = [*CORE, "proto"]

@@ -218,6 +218,11 @@ TEST_F(MeshServiceTest, RefusesWhatItCannotMesh) {
   improved.mutable_mesh()->set_improve(true);
   improved.set_encoding(v1::ENCODING_COMPACT);
   EXPECT_EQ(refusal(improved), grpc::StatusCode::INVALID_ARGUMENT);
+  v1::StreamMeshRequest graded = stream_of(ball);
+  graded.mutable_mesh()->mutable_sizing()->set_coarsest(4);
+  graded.mutable_mesh()->mutable_sizing()->set_grade_surface(true);
+  graded.set_encoding(v1::ENCODING_COMPACT);
+  EXPECT_EQ(refusal(graded), grpc::StatusCode::INVALID_ARGUMENT);
   ball.set_grid_name("nothing");
   EXPECT_EQ(refusal(stream_of(ball)), grpc::StatusCode::NOT_FOUND);
   ball.set_name("grids/" + std::string(64, '0'));

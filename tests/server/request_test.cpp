@@ -240,7 +240,7 @@ TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
   EXPECT_EQ(order->made_scene, nullptr) << "its grids are not loaded";
   EXPECT_THAT(files_of(*order), ElementsAre(file('a'), file('b'), file('c')));
   request.mutable_scene()->mutable_nodes(1)->mutable_grid()->set_name("b.vdb");
-  EXPECT_THAT(refusal(request), StartsWith("scene.nodes[1].grid.name \"b.vdb\" is not grids/"));
+  EXPECT_THAT(refusal(request), StartsWith("nodes[1].grid.name \"b.vdb\" is not grids/"));
 }
 
 v1::MeshRequest sized_request() {
@@ -269,6 +269,13 @@ TEST(Request, NamesTheFieldOfASizing) {
   request = sized_request();
   request.set_spacing(0.6);
   EXPECT_EQ(refusal(request), "regions[0].size 0.5 is below the spacing 0.6, which no leaf is");
+  request = sized_request();
+  request.mutable_sizing()->set_grade_surface(true);
+  EXPECT_EQ(refusal(request),
+            "coarsest must be set where grade_surface is: leaves at the surface are as long");
+  request.mutable_sizing()->set_coarsest(2);
+  request.set_manifold(true);
+  EXPECT_EQ(refusal(request), "grade_surface does not go with manifold: set one of them");
 }
 
 TEST(Request, TakesFieldsAndTheFilesThatTheyAreIn) {
@@ -301,6 +308,10 @@ TEST(MeshId, TellsEverySizingApart) {
   other = sized;
   other.mutable_sizing()->set_growth(1);
   EXPECT_EQ(id(other), id(sized)) << "its default";
+  other.mutable_sizing()->set_coarsest(2);
+  const std::string coarse = id(other);
+  other.mutable_sizing()->set_grade_surface(true);
+  EXPECT_NE(id(other), coarse);
   other = scene_request();
   other.mutable_sizing();
   EXPECT_EQ(id(other), id(scene_request())) << "one that asks for nothing";

@@ -48,7 +48,7 @@ Improvement improve(TetMesh& mesh, int threads = 2, const Cancellation& cancella
   const LatticeToWorld to_world{volume.transform.linear, {}, false};
   Improvement improvement;
   TaskPool(threads).run(
-      [&] { improvement = improve_mesh(mesh, field, to_world, cancellation); });
+      [&] { improvement = improve_mesh(mesh, field, to_world, {}, cancellation); });
   return improvement;
 }
 

@@ -1,0 +1,42 @@
+// The octree of a fully graded mesh, whose leaves are large at the surface too, and the numbers
+// of its nodes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/field/find_bricks.h"
+#include "core/lattice/node_numbers.h"
+#include "core/octree/leaf_rules.h"
+#include "core/octree/octree.h"
+
+namespace tet {
+
+/// Leaves that cover the inside, the surface and somewhat more, each as large as the rules let
+/// it be, and a number for each of their nodes: level by level, finest first, by brick.
+struct GradedTree {
+  Octree tree;
+  std::vector<LevelNodes> nodes;  ///< of each level
+  std::uint64_t node_count = 0;
+  std::uint64_t tet_count = 0;  ///< of the background, those outside included
+};
+
+/// Leaves of one size lie at least so many behind each other where surfaces are graded: leaves
+/// that share a corner then differ by one level at most.
+inline constexpr int kGradedLayers = 2;
+
+/// The finest cells around the surface, for shells: those whose nodes are not all on one side.
+CellSet cells_at_surface(const PhiField& field,
+                         const std::vector<BrickCoord>& near_surface,
+                         const Cancellation& cancellation);
+
+/// Every node inside is in `found`. `at_surface` are the finest cells that shells begin at. Of
+/// no use once it is cancelled.
+GradedTree grow_graded_tree(const FoundBricks& found,
+                            const CellSet& at_surface,
+                            const LeafRules& rules,
+                            const Cancellation& cancellation);
+
+}  // namespace tet
