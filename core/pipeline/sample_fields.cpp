@@ -77,6 +77,7 @@ void sample_fields(std::span<const VertexField> fields,
 }
 
 void add_fields(std::span<const VertexField> fields, TetMesh& mesh) {
+  if (fields.empty()) return;
   constexpr std::size_t kVerticesPerRange = 16 * kBatch;
   mesh.header.fields = arrays_of(fields);
   const std::uint64_t vertices = mesh.header.vertex_count;
