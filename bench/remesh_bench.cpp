@@ -52,8 +52,8 @@ Volume inflated_at_one_place(const Volume& volume) {
   return changed;
 }
 
-Plan plan(const std::shared_ptr<const Volume>& volume) {
-  return plan_mesh(volume, {}, {}, {}, nullptr).value();
+Plan plan(const std::shared_ptr<const Volume>& volume, const MeshPlan* earlier = nullptr) {
+  return plan_mesh(volume, {}, {}, {}, nullptr, {}, earlier).value();
 }
 
 /// Seconds of one update, by part.
@@ -67,7 +67,7 @@ void update_once(const Plan& earlier,
                  Parts& parts,
                  double& sent_tets) {
   auto start = Clock::now();
-  const Plan now = plan(volume);
+  const Plan now = plan(volume, earlier.get());
   parts.plan += seconds_since(start);
   start = Clock::now();
   const auto patch = MeshPatch::between(*earlier, now);

@@ -36,7 +36,7 @@ Examples:
   tetstream mesh part.stl -o part.vtu --voxel 0.1
       a closed surface; it becomes a level set with voxels of 0.1 first
   tetstream mesh part.json -o part.vtu --spacing 0.05
-      a scene: solids as formulas, put together; docs/scenes.md
+      a scene: solids as formulas, and grids, put together; docs/scenes.md
   tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"growth": 0.25, "coarsest": 0.4}'
       smaller tets inside; docs/sizing.md
   tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"coarsest": 0.2, "grade_surface": true}'

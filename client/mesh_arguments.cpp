@@ -14,18 +14,6 @@
 namespace tet {
 namespace {
 
-/// Scenes have neither grids nor voxels.
-absl::Status check_scene_options(const MeshOptions& options) {
-  if (!options.grid.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--grid ", options.grid, ": a scene has no grids"));
-  }
-  if (options.voxel) {
-    return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
-  }
-  return absl::OkStatus();
-}
-
 /// A grid of sizes is in a .vdb file.
 absl::Status check_sizing_grid(const MeshOptions& options) {
   const auto& grid = options.request.sizing.grid;
@@ -76,9 +64,7 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 }
 
 absl::Status check_input(const MeshOptions& options) {
-  absl::Status status = is_scene_file(options.input)
-                            ? check_scene_options(options)
-                            : check_mesh_input({options.input, options.grid, options.voxel});
+  absl::Status status = check_mesh_input({options.input, options.grid, options.voxel});
   if (status.ok()) status = check_sizing_grid(options);
   if (status.ok()) status = check_trust(options);
   return status;

@@ -8,6 +8,7 @@
 #include "client/local_file.h"
 #include "client/mesh_receiver.h"
 #include "client/receive_mesh.h"
+#include "client/remesh_session.h"
 #include "client/upload.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/wire/serialized.h"
@@ -141,6 +142,11 @@ absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& requ
   message.set_base_name(earlier.canonical_request.name());
   return receive_mesh(*connection_, stream_call(std::move(message)),
                       MeshReceiver(&earlier.mesh), progress, cancellation);
+}
+
+absl::StatusOr<std::unique_ptr<RemeshSession>> MeshClient::begin_session(
+    const v1::MeshRequest& request, const Cancellation& cancellation) {
+  return RemeshSession::begin(*connection_, request, cancellation);
 }
 
 }  // namespace tet

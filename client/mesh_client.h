@@ -25,6 +25,7 @@ namespace tet {
 namespace v1 = ::tetstream::v1;
 
 class Connection;
+class RemeshSession;
 
 /// How often a broken call is taken up again.
 struct RetryPolicy {
@@ -114,6 +115,11 @@ class MeshClient {
                                            const StreamedMesh& earlier,
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation);
+
+  /// A mesh that follows its shape, change by change: see remesh_session.h. This client and
+  /// `cancellation` outlive it.
+  absl::StatusOr<std::unique_ptr<RemeshSession>> begin_session(
+      const v1::MeshRequest& request, const Cancellation& cancellation);
 
  private:
   std::shared_ptr<Connection> connection_;

@@ -7,6 +7,7 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/scene_input.h"
 #include "client/surface_input.h"
 #include "proto/wire/sha256.h"
 
@@ -48,6 +49,16 @@ absl::Status convert_surface(const MeshInput& input,
   return absl::OkStatus();
 }
 
+/// Scenes have voxels only in their grids, which have names of their own.
+absl::Status check_scene_input(const MeshInput& input) {
+  if (!input.grid.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", input.grid, ": a scene names its grids itself"));
+  }
+  if (!input.voxel) return absl::OkStatus();
+  return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
+}
+
 }  // namespace
 
 absl::Status check_mesh_input(const MeshInput& input) {
@@ -56,13 +67,8 @@ absl::Status check_mesh_input(const MeshInput& input) {
     return absl::InvalidArgumentError(
         absl::StrCat("--grid ", input.grid, ": a surface file has no grids"));
   }
-  const std::string name = absl::AsciiStrToLower(input.path);
-  if (absl::EndsWith(name, ".json")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        input.path,
-        " is a scene: `tetstream mesh` takes it, and jobs take .vdb, .obj, .stl and .ply"));
-  }
-  if (!absl::EndsWith(name, ".vdb")) {
+  if (is_scene_file(input.path)) return check_scene_input(input);
+  if (!absl::EndsWith(absl::AsciiStrToLower(input.path), ".vdb")) {
     return absl::InvalidArgumentError(
         absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl, .ply or .json"));
   }

@@ -1,4 +1,4 @@
-// What commands mesh: volumes and closed surfaces, in files or stored already.
+// What commands mesh: volumes, closed surfaces and scenes, in files or stored already.
 #pragma once
 
 #include <functional>
@@ -31,7 +31,7 @@ struct UploadWatch {
   std::function<void(const std::string& line)> say;  ///< what a surface was converted to
 };
 
-/// The stored file's name. A surface goes up as the level set it becomes here.
+/// The stored file's name; not of a scene. A surface goes up as the level set it becomes here.
 /// Errors: those of read_surface and surface_to_vdb, and of MeshClient::upload_file.
 absl::StatusOr<std::string> upload_input(MeshClient& client,
                                          const MeshInput& input,

@@ -255,6 +255,7 @@ absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t chec
   }
   next_vertex_ = chunk.first_vertex + chunk.vertex_count;
   next_tet_ = chunk.first_tet + chunk.tet_count;
+  tets_sent_ += chunk.tet_count;
   ++next_chunk_;
   return absl::OkStatus();
 }

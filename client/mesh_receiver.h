@@ -37,6 +37,8 @@ class MeshReceiver {
   std::uint64_t next_chunk() const noexcept { return next_chunk_; }
   const std::string& mesh_id() const noexcept { return received_.mesh_id; }
   std::uint64_t tets_received() const noexcept { return next_tet_; }
+  /// Of the chunks that came, without those kept.
+  std::uint64_t tets_sent() const noexcept { return tets_sent_; }
   std::uint64_t tet_count() const noexcept { return received_.mesh.header.tet_count; }
   /// Every chunk is here and the server has said that there are no more.
   bool complete() const noexcept { return complete_; }
@@ -64,7 +66,7 @@ class MeshReceiver {
   std::uint64_t chunks_ = 0;                ///< that come, once there is a header
   std::optional<CompactReceiver> compact_;  ///< where chunks are compact
   std::optional<v1::MeshProgress> planning_;
-  std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0;
+  std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0, tets_sent_ = 0;
   bool has_header_ = false, keeps_parts_ = false, has_quality_ = false, complete_ = false;
 };
 

@@ -47,7 +47,10 @@ absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
   MeshRequest sized = options.request;
   if (auto status = upload_sizes(client, sized, bar, interruption); !status.ok()) return status;
   if (is_scene_file(options.input)) {
-    absl::StatusOr<v1::Scene> scene = read_scene_file(options.input);
+    const auto store = [&](const std::string& path) {
+      return upload(client, {path, "", {}}, bar, interruption);
+    };
+    absl::StatusOr<v1::Scene> scene = read_scene_message(options.input, store);
     if (!scene.ok()) return scene.status();
     v1::MeshRequest request = wire_request(sized, "", "");
     *request.mutable_scene() = *std::move(scene);

@@ -11,7 +11,7 @@
 namespace tet {
 
 /// The request for a command's input, once the server has what it needs of it. Errors: those of
-/// upload_input and read_scene_file.
+/// upload_input and read_scene_message.
 absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
                                                 const MeshOptions& options,
                                                 ProgressBar& bar,

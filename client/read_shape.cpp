@@ -1,6 +1,7 @@
 #include "client/read_shape.h"
 
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "client/read_grids.h"
@@ -9,6 +10,10 @@
 
 namespace tet {
 namespace {
+
+FileTrust trust(const MeshOptions& options) {
+  return options.trust ? FileTrust::kFull : FileTrust::kNone;
+}
 
 absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& bar) {
   absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
@@ -24,8 +29,7 @@ absl::StatusOr<Volume> read_grid(const MeshOptions& options,
                                  ProgressBar& bar,
                                  const Cancellation& interruption) {
   if (is_surface_file(options.input)) return convert_surface(options, bar);
-  return read_volume(options.input, options.grid,
-                     options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
+  return read_volume(options.input, options.grid, trust(options), interruption);
 }
 
 /// Takes what was read.
@@ -41,7 +45,10 @@ absl::StatusOr<Shape> read_shape(const MeshOptions& options,
                                  ProgressBar& bar,
                                  const Cancellation& interruption) {
   bar.begin("reading");
-  return is_scene_file(options.input) ? shared(read_scene(options.input))
+  const auto read = [&](const std::string& path, const std::string& grid_name) {
+    return read_volume(path, grid_name, trust(options), interruption);
+  };
+  return is_scene_file(options.input) ? shared(read_scene(options.input, read))
                                       : shared(read_grid(options, bar, interruption));
 }
 
@@ -50,9 +57,8 @@ absl::StatusOr<MeshRequest> read_sizes(const MeshOptions& options,
   MeshRequest request = options.request;
   auto& grid = request.sizing.grid;
   if (!grid) return request;
-  absl::StatusOr<Volume> volume =
-      read_volume(grid->file.empty() ? options.input : grid->file, grid->name,
-                  options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
+  absl::StatusOr<Volume> volume = read_volume(grid->file.empty() ? options.input : grid->file,
+                                              grid->name, trust(options), interruption);
   if (!volume.ok()) return volume.status();
   grid->volume = std::make_shared<const Volume>(*std::move(volume));
   return request;

@@ -1,6 +1,7 @@
 // Scenes as input: JSON files, read as the messages that a server takes.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <absl/status/statusor.h>
@@ -13,11 +14,21 @@ namespace tet {
 /// Whether a path ends like a scene file: .json.
 bool is_scene_file(const std::string& path);
 
-/// A scene file's message. Errors: kNotFound, kInvalidArgument (not a scene; says where), both
-/// with the path.
-absl::StatusOr<::tetstream::v1::Scene> read_scene_file(const std::string& path);
+/// Reads a grid: a .vdb file's path, and the grid's name within it, which may be empty.
+using ReadGrid = std::function<absl::StatusOr<Volume>(const std::string& path,
+                                                      const std::string& grid_name)>;
 
-/// The same, ready to mesh. Errors also: those of make_scene, with the path.
-absl::StatusOr<Scene> read_scene(const std::string& path);
+/// A scene file, ready to mesh. Names of grids are paths, seen from the scene's own folder or
+/// else from the working directory; each grid is read once. Errors: kNotFound, kInvalidArgument
+/// (not a scene; says where), those of make_scene, all with the path; those of `read`.
+absl::StatusOr<Scene> read_scene(const std::string& path, const ReadGrid& read);
+
+/// Hands a .vdb file over to a server: the name that it has there.
+using StoreFile = std::function<absl::StatusOr<std::string>(const std::string& path)>;
+
+/// A scene file as a message whose grids are stored: each file once. What is named as stored
+/// files are is taken to be there. Errors: as those of read_scene, and of `store`.
+absl::StatusOr<::tetstream::v1::Scene> read_scene_message(const std::string& path,
+                                                          const StoreFile& store);
 
 }  // namespace tet

@@ -30,6 +30,7 @@ const MethodScope kMethodScopes[] = {
     {      "UploadGrid", Scope::kGridsWrite},
     {    "EstimateMesh",       Scope::kMesh},
     {      "StreamMesh",       Scope::kMesh},
+    {   "RemeshSession",       Scope::kMesh},
     { "GetCapabilities",       std::nullopt},
     {       "CreateJob",  Scope::kJobsWrite},
     {          "GetJob",   Scope::kJobsRead},

@@ -29,27 +29,73 @@ ChunkStream::ChunkStream(MeshEngine& engine,
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
     const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed) {
-  stream->self_ = stream;
-  stream->engine_.stalls.add(stream);
-  stream->begin(parsed);
-  return stream.get();
+  using Reactor = ChunkReactorOf<grpc::ServerWriteReactor<grpc::ByteBuffer>>;
+  auto* const reactor = new Reactor(stream);  // ends itself
+  stream->begin(*reactor, parsed);
+  return reactor;
 }
 
-void ChunkStream::begin(const absl::Status& parsed) {
+void ChunkStream::begin(ChunkReactor& reactor, const absl::Status& parsed) {
+  reactor_ = &reactor;
+  engine_.stalls.add(weak_from_this());
   const absl::Status may_call = call_.admission();
   const absl::Status status = may_call.ok() ? parsed : may_call;
-  if (!status.ok()) {
-    end(status);
-    return advance();
-  }
+  if (!status.ok()) return close(status);
   admitted();
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->cut();
   });
+  await();
+}
+
+void ChunkStream::queue() {
   place_ = engine_.admit(call_, watch_->cancellation.deadline(),
                          [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
                            self->enter(std::move(ticket));
                          });
+}
+
+void ChunkStream::close(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    end(status);
+  }
+  advance();
+}
+
+/// Whoever sees the stream's end, or its pause, may begin the next at once.
+void ChunkStream::give_turn_back() {
+  Ticket last;  // given back without the lock
+  const std::lock_guard lock(mutex_);
+  last.swap(ticket_);
+}
+
+bool ChunkStream::reopen() {
+  const std::lock_guard lock(mutex_);
+  if (phase_ == Phase::kEnded) return false;
+  phase_ = Phase::kOpening;
+  progress_due_ = false;
+  quality_ = {};
+  opening_since_ = call_.seconds();
+  watch_->progress.done = 0;
+  watch_->progress.total = 0;
+  return true;
+}
+
+/// That may bring events here and now, so not under the lock; and gRPC must not be done
+/// meanwhile.
+void ChunkStream::start_operation(const std::function<void()>& start) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::kEnded) return;
+    held_ = true;
+  }
+  start();
+  {
+    const std::lock_guard lock(mutex_);
+    held_ = false;
+  }
+  advance();
 }
 
 void ChunkStream::enter(absl::StatusOr<Ticket> ticket) {
@@ -164,28 +210,21 @@ void ChunkStream::advance() {
     case Step::kWait:
       return;
     case Step::kWrite:
-      return StartWrite(&outgoing_);
+      return reactor_->write(&outgoing_);
     case Step::kFinish:
-      make_room();
-      return Finish(call_.finish(status_));
+      give_turn_back();
+      return reactor_->finish(call_.finish(status_));
   }
-}
-
-/// Whoever sees the stream's end may begin the next at once.
-void ChunkStream::make_room() {
-  Ticket last;  // given back without the lock
-  const std::lock_guard lock(mutex_);
-  last.swap(ticket_);
 }
 
 ChunkStream::Step ChunkStream::next_step() {
   const std::lock_guard lock(mutex_);
-  if (writing_ || finished_ || cancelling_) return Step::kWait;
+  if (writing_ || finished_ || held_) return Step::kWait;
   if (phase_ == Phase::kEnded) {
     finished_ = true;
     progress_timer_.reset();
     call_.note("tets", tets_written_);
-    call_.note("chunks", next_ - first_);
+    call_.note("chunks", chunks_written_);
     call_.note("bytes_out", bytes_written_);
     return Step::kFinish;
   }
@@ -213,13 +252,15 @@ bool ChunkStream::prepare_message() {
     case Phase::kTrailer:
       outgoing_ = serialized(trailer(first_, end_, quality_));
       return true;
+    case Phase::kSent:
     case Phase::kEnded:
       break;
   }
   return false;
 }
 
-void ChunkStream::OnWriteDone(bool ok) {
+void ChunkStream::written(bool ok) {
+  bool all = false;
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
@@ -228,36 +269,41 @@ void ChunkStream::OnWriteDone(bool ok) {
       watch_->cancellation.cancel();
       end(client_gone(watch_->cancellation));
     }
-    if (phase_ != Phase::kEnded) after_write();
+    if (phase_ != Phase::kEnded) all = after_write();
   }
+  if (all) sent_all();
   advance();
 }
 
-void ChunkStream::after_write() {
-  if (written_ == Phase::kOpening) return;
-  if (written_ == Phase::kTrailer) return end(absl::OkStatus());
+/// True after the last message there is.
+bool ChunkStream::after_write() {
+  if (written_ == Phase::kOpening) return false;
   if (written_ == Phase::kChunks) after_chunk();
+  const bool sent_trailer = written_ == Phase::kTrailer;
   if (next_ < end_) {
     phase_ = Phase::kChunks;
-  } else if (end_ == chunk_count()) {
+  } else if (end_ == chunk_count() && !sent_trailer) {
     phase_ = Phase::kTrailer;
   } else {
-    end(absl::OkStatus());
+    phase_ = Phase::kSent;
   }
+  return phase_ == Phase::kSent;
 }
 
 /// Counts the chunk that was written and reuses its slot.
 void ChunkStream::after_chunk() {
   Slot& slot = slot_of(next_);
   if (next_ == first_) {
-    engine_.calls.metrics().first_chunk(call_.seconds());
-    call_.note("first_chunk_ms", 1e3 * call_.seconds());
+    const double seconds = call_.seconds() - opening_since_;
+    engine_.calls.metrics().first_chunk(seconds);
+    call_.note("first_chunk_ms", 1e3 * seconds);
   }
   engine_.calls.metrics().chunk_sent(slot.made.tets, slot.made.bytes);
   quality_.add(slot.made.quality);
   tets_written_ += slot.made.tets;
   bytes_written_ += slot.made.bytes;
   slot.ready = false;
+  ++chunks_written_;
   ++next_;
   post_chunks();
 }
@@ -284,14 +330,14 @@ void ChunkStream::give_up(std::chrono::seconds waited) {
     const std::lock_guard lock(mutex_);
     if (!writing_ || phase_ == Phase::kEnded) return;
     end(status);
-    cancelling_ = true;
+    held_ = true;
   }
   watch_->cancellation.cancel();
   grpc_call_cancel_with_status(context_.c_call(), GRPC_STATUS_ABORTED,
                                std::string(status.message()).c_str(), nullptr);
   {
     const std::lock_guard lock(mutex_);
-    cancelling_ = false;
+    held_ = false;
   }
   advance();
 }
@@ -306,7 +352,7 @@ void ChunkStream::cut() {
   advance();
 }
 
-void ChunkStream::OnCancel() {
+void ChunkStream::cancelled() {
   watch_->cancellation.cancel();
   engine_.calls.admission().leave(place_);
   {
@@ -315,7 +361,5 @@ void ChunkStream::OnCancel() {
   }
   advance();
 }
-
-void ChunkStream::OnDone() { const std::shared_ptr<ChunkStream> last = std::move(self_); }
 
 }  // namespace tet

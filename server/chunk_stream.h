@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -20,7 +22,18 @@
 
 namespace tet {
 
-/// The reactor of one stream: opens what it sends, then keeps a few chunks being made on the
+class ChunkStream;
+
+/// gRPC's side of a stream of chunks, whichever kind of call it is. Owned by nobody: it ends
+/// itself when gRPC is done with it.
+class ChunkReactor {
+ public:
+  virtual ~ChunkReactor() = default;
+  virtual void write(grpc::ByteBuffer* message) = 0;
+  virtual void finish(const grpc::Status& status) = 0;
+};
+
+/// The logic of one stream: opens what it sends, then keeps a few chunks being made on the
 /// pool and writes them in order. It never waits: each event (opened, chunk made, message
 /// written, client gone) moves it one step, on whichever thread the event came.
 ///
@@ -29,9 +42,12 @@ namespace tet {
 /// that reads nothing for too long loses its stream.
 ///
 /// Lives until gRPC is done with it and the last task that refers to it has run.
-class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
-                    public Stallable,
-                    public std::enable_shared_from_this<ChunkStream> {
+class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkStream> {
+ public:
+  // Events of gRPC's.
+  void written(bool ok);
+  void cancelled();
+
  protected:
   using Block = std::shared_ptr<SendBudget::Lease>;
 
@@ -41,8 +57,15 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(
       const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed);
 
+  /// Begins the call with gRPC's side of it, which lives until gRPC is done.
+  void begin(ChunkReactor& reactor, const absl::Status& parsed);
+
   /// The call was admitted, and not yet as a mesh.
   virtual void admitted() {}
+  /// The call waits for what it is to open; or queues for its turn at once.
+  virtual void await() { queue(); }
+  /// Waits for its turn to make a mesh, then opens it.
+  void queue();
   /// Finds out what is sent, then calls `begin_chunks`, on any thread.
   virtual void open() = 0;
   /// Notes for the log how that ended; with the lock.
@@ -56,6 +79,20 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                                 std::uint64_t end,
                                 const QualityStats& quality) const = 0;
 
+  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  void give_up(std::chrono::seconds waited) override;
+
+  /// All was sent. Ends the call, or waits for more.
+  virtual void sent_all() { close(absl::OkStatus()); }
+  /// The call ends with `status`, as soon as nothing is being written.
+  void close(const absl::Status& status);
+  /// Makes room for others while this call waits for what is to be opened next.
+  void give_turn_back();
+  /// Begins to open that. False when the call ends.
+  bool reopen();
+  /// Calls `start`, which begins an operation of gRPC's, unless the call ends.
+  void start_operation(const std::function<void()>& start);
+
   /// Sends chunks [start, end), or up to the last where `end` is 0; or ends the call.
   void begin_chunks(const absl::Status& opened, std::uint64_t start, std::uint64_t end);
   /// Tells the client every now and then how far opening is.
@@ -68,7 +105,7 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
  private:
   /// What is written next.
-  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kEnded };
+  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kSent, kEnded };
   enum class Step { kWait, kWrite, kFinish };
 
   /// A chunk being made (`ready` is false) or waiting to be written.
@@ -77,13 +114,6 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
     bool ready = false;
   };
 
-  void OnWriteDone(bool ok) override;
-  void OnCancel() override;
-  void OnDone() override;
-  std::optional<Stallable::Clock::time_point> waiting_since() override;
-  void give_up(std::chrono::seconds waited) override;
-
-  void begin(const absl::Status& parsed);
   void enter(absl::StatusOr<Ticket> ticket);
   void report_progress();
   absl::Status set_range(std::uint64_t start, std::uint64_t end);
@@ -93,18 +123,17 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void fill_slot(std::uint64_t index, Block block);
 
   void advance();
-  void make_room();
   Step next_step();
   bool prepare_message();
-  void after_write();
+  bool after_write();
   void after_chunk();
   void end(const absl::Status& status);
   void cut();
 
   Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
 
-  std::shared_ptr<ChunkStream> self_;  ///< until gRPC is done
-  Admission::Place place_ = 0;         ///< in the queue; 0: in none
+  ChunkReactor* reactor_ = nullptr;  ///< there until the call is finished
+  Admission::Place place_ = 0;       ///< in the queue; 0: in none
 
   std::mutex mutex_;  ///< guards all below
   std::unique_ptr<grpc::Alarm> progress_timer_;
@@ -113,7 +142,7 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   Phase written_ = Phase::kOpening;  ///< phase of the message being written
   bool writing_ = false;
   Stallable::Clock::time_point write_start_{};
-  bool cancelling_ = false;  ///< the call may not finish now
+  bool held_ = false;  ///< the call may not finish now
   bool finished_ = false;
   bool progress_due_ = false;
   absl::Status status_;        ///< how the call ends
@@ -124,7 +153,25 @@ class ChunkStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   std::uint64_t posted_ = 0;   ///< chunk to be posted next
   std::uint64_t end_ = 0;      ///< one past the last chunk
   QualityStats quality_;       ///< of the chunks written, in their order
-  std::uint64_t tets_written_ = 0, bytes_written_ = 0;
+  std::uint64_t tets_written_ = 0, bytes_written_ = 0, chunks_written_ = 0;
+  double opening_since_ = 0;  ///< seconds since the call arrived
+};
+
+/// Events of one kind of reactor become the stream's.
+template <class Reactor>
+class ChunkReactorOf : public Reactor, public ChunkReactor {
+ public:
+  explicit ChunkReactorOf(std::shared_ptr<ChunkStream> stream) : stream_(std::move(stream)) {}
+
+  void write(grpc::ByteBuffer* message) override { this->StartWrite(message); }
+  void finish(const grpc::Status& status) override { this->Finish(status); }
+
+ private:
+  void OnWriteDone(bool ok) override { stream_->written(ok); }
+  void OnCancel() override { stream_->cancelled(); }
+  void OnDone() override { delete this; }
+
+  const std::shared_ptr<ChunkStream> stream_;
 };
 
 }  // namespace tet

@@ -5,6 +5,7 @@
 
 #include "core/pipeline/fill_estimate.h"
 #include "server/mesh_stream.h"
+#include "server/remesh_stream.h"
 #include "server/request.h"
 #include "server/status.h"
 
@@ -121,6 +122,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   limits.set_max_client_uploads(static_cast<std::int32_t>(config.max_client_uploads));
   limits.set_max_client_upload_bytes(static_cast<std::int64_t>(config.max_client_upload_bytes));
   limits.set_stall_seconds(static_cast<std::int32_t>(config.stall_seconds));
+  limits.set_session_idle_seconds(static_cast<std::int32_t>(config.session_idle_seconds));
   if (!config.has_jobs()) return;
   limits.set_max_namespace_jobs(static_cast<std::int64_t>(config.max_namespace_jobs));
 }
@@ -143,6 +145,11 @@ grpc::ServerUnaryReactor* MeshService::EstimateMesh(grpc::CallbackServerContext*
                                                     const v1::EstimateMeshRequest* request,
                                                     v1::MeshHeader* response) {
   return Estimate::start(engine_, *context, request->mesh(), *response);
+}
+
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MeshService::RemeshSession(
+    grpc::CallbackServerContext* context) {
+  return RemeshStream::start(engine_, *context);
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshService::StreamMesh(

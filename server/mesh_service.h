@@ -6,10 +6,11 @@
 
 namespace tet {
 
-/// The generated service, but StreamMesh in bytes: MeshStream writes its messages itself.
+/// The generated service, but its streams in bytes: ChunkStream writes its messages itself.
 using RawStreamService = v1::MeshService::WithCallbackMethod_GetCapabilities<
     v1::MeshService::WithCallbackMethod_EstimateMesh<
-        v1::MeshService::WithRawCallbackMethod_StreamMesh<v1::MeshService::Service>>>;
+        v1::MeshService::WithRawCallbackMethod_StreamMesh<
+            v1::MeshService::WithRawCallbackMethod_RemeshSession<v1::MeshService::Service>>>>;
 
 /// gRPC's side of the mesher. Thread-safe; the engine outlives it.
 class MeshService final : public RawStreamService {
@@ -24,6 +25,8 @@ class MeshService final : public RawStreamService {
                                          v1::MeshHeader* response) override;
   grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamMesh(
       grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* RemeshSession(
+      grpc::CallbackServerContext* context) override;
 
  private:
   MeshEngine& engine_;

@@ -52,35 +52,36 @@ bool MeshStream::find_stored() {
   return stored_ != nullptr;
 }
 
+/// A base that is not what the client has, or not here any more, is no reason to fail.
 void MeshStream::plan() {
-  engine_.planner.plan(call_.client(), order_.mesh, watch_,
-                       [self = self()](absl::StatusOr<PlannedMesh> planned) {
-                         self->plan_base(std::move(planned));
+  if (order_.base_digest.empty()) return plan_mesh(nullptr);
+  MeshOrder base = order_.mesh;
+  base.digest = order_.base_digest;
+  engine_.planner.plan(call_.client(), std::move(base), watch_,
+                       [self = self()](const absl::StatusOr<PlannedMesh>& planned) {
+                         const bool found =
+                             planned.ok() && planned->mesh_id == self->order_.base_mesh_id;
+                         self->plan_mesh(found ? planned->plan : nullptr);
                        });
 }
 
-void MeshStream::plan_base(absl::StatusOr<PlannedMesh> planned) {
-  if (!planned.ok()) return begin(planned.status());
-  planned_ = *std::move(planned);
+void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
+  engine_.planner.plan(call_.client(), order_.mesh, watch_,
+                       [self = self(), base](absl::StatusOr<PlannedMesh> planned) {
+                         if (!planned.ok()) return self->begin(planned.status());
+                         self->planned_ = *std::move(planned);
+                         self->find_patches(base);
+                       },
+                       {.earlier = base});
+}
+
+void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
   source_ = {planned_.plan, nullptr, order_.compact};
+  if (base != nullptr) source_.patch = MeshPatch::between(*base, planned_.plan);
   // Asked for in other words than a job that has made it.
   if (engine_.results != nullptr && !order_.stored_name.empty()) {
     stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, plan_of(planned_),
                                order_.start_chunk, order_.end_chunk);
-  }
-  if (order_.base_digest.empty()) return begin(check_mesh());
-  MeshOrder base = order_.mesh;
-  base.digest = order_.base_digest;
-  engine_.planner.plan(call_.client(), std::move(base), watch_,
-                       [self = self()](absl::StatusOr<PlannedMesh> planned_base) {
-                         self->find_patches(planned_base);
-                       });
-}
-
-/// A base that is not what the client has, or not here any more, is no reason to fail.
-void MeshStream::find_patches(const absl::StatusOr<PlannedMesh>& base) {
-  if (base.ok() && base->mesh_id == order_.base_mesh_id) {
-    source_.patch = MeshPatch::between(*base->plan, planned_.plan);
   }
   begin(check_mesh());
 }

@@ -32,8 +32,8 @@ class MeshStream final : public ChunkStream {
 
   bool find_stored();
   void plan();
-  void plan_base(absl::StatusOr<PlannedMesh> planned);
-  void find_patches(const absl::StatusOr<PlannedMesh>& base);
+  void plan_mesh(std::shared_ptr<const MeshPlan> base);
+  void find_patches(const std::shared_ptr<const MeshPlan>& base);
   const std::string& mesh_id() const;
   absl::Status check_mesh() const;
   absl::StatusOr<ChunkMessage> read(std::uint64_t index, Block block);

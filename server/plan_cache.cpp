@@ -28,20 +28,28 @@ PlanCache::Plan PlanCache::recall(const std::string& name) {
 }
 
 absl::StatusOr<PlanCache::Plan> PlanCache::remember(const std::string& name, Plan plan) {
-  const std::uint64_t bytes = plan->bytes();
-  if (bytes > budget_bytes_) return over_limit(kWhat, bytes, budget_bytes_);
   const std::lock_guard lock(mutex_);
   if (Plan made = find(name)) return made;
-  while (!recent_.empty() &&
-         (*alive_ + bytes > budget_bytes_ || recent_.size() >= kRecentPlans)) {
-    recent_.pop_back();
-  }
-  if (*alive_ + bytes > budget_bytes_) {
-    return with_retry(over_limit(kWhat, *alive_ + bytes, budget_bytes_, "SERVER_BUSY"),
-                      kRetryDelay);
-  }
+  if (auto status = make_room(plan->bytes(), kRecentPlans - 1); !status.ok()) return status;
   recent_.emplace_front(name, counted(std::move(plan)));
   return recent_.front().second;
+}
+
+absl::StatusOr<PlanCache::Plan> PlanCache::admit(Plan plan) {
+  const std::lock_guard lock(mutex_);
+  if (auto status = make_room(plan->bytes(), kRecentPlans); !status.ok()) return status;
+  return counted(std::move(plan));
+}
+
+/// Lets go of what is held, until there is room and no more than so many are left.
+absl::Status PlanCache::make_room(std::uint64_t bytes, std::size_t most_held) {
+  if (bytes > budget_bytes_) return over_limit(kWhat, bytes, budget_bytes_);
+  while (!recent_.empty() && (*alive_ + bytes > budget_bytes_ || recent_.size() > most_held)) {
+    recent_.pop_back();
+  }
+  if (*alive_ + bytes <= budget_bytes_) return absl::OkStatus();
+  return with_retry(over_limit(kWhat, *alive_ + bytes, budget_bytes_, "SERVER_BUSY"),
+                    kRetryDelay);
 }
 
 void PlanCache::forget() {

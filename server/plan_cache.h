@@ -34,6 +34,9 @@ class PlanCache {
   /// not even alone).
   absl::StatusOr<Plan> remember(const std::string& name, Plan plan);
 
+  /// Counts a plan that nobody else will ask for, and does not hold it. Errors: as above.
+  absl::StatusOr<Plan> admit(Plan plan);
+
   void forget();
 
   std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
@@ -44,6 +47,7 @@ class PlanCache {
   using NamedPlan = std::pair<std::string, Plan>;
 
   Plan find(const std::string& name);
+  absl::Status make_room(std::uint64_t bytes, std::size_t most_held);
   Plan counted(Plan plan);
 
   const std::uint64_t budget_bytes_;

@@ -1,5 +1,7 @@
 #include "server/planner.h"
 
+#include <algorithm>
+
 #include <absl/strings/str_cat.h>
 
 #include "core/decode/decode_file.h"
@@ -7,6 +9,8 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/explain.h"
+#include "server/scene_request.h"
+#include "server/status.h"
 #include "server/verify.h"
 
 namespace tet {
@@ -55,10 +59,10 @@ void Planner::plan(const std::string& client,
                    MeshOrder order,
                    std::shared_ptr<PlanningWatch> watch,
                    Done done,
-                   SurveyedBlocks surveyed) {
-  const auto then = [this, done = std::move(done), surveyed = std::move(surveyed)](
+                   SurveyedBefore before) {
+  const auto then = [this, done = std::move(done), before = std::move(before)](
                         const Job& job, const absl::Status& loaded) {
-    loaded.ok() ? plan_loaded(job, surveyed, done) : done(loaded);
+    loaded.ok() ? plan_loaded(job, before, done) : done(loaded);
   };
   load_shape({client, std::move(order), std::move(watch), then});
 }
@@ -69,20 +73,24 @@ void Planner::load(const std::string& client,
                    Loaded done) {
   const auto then = [done = std::move(done)](Job job, const absl::Status& loaded) {
     if (!loaded.ok()) return done(loaded);
-    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grid)});
+    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grids)});
   };
   load_shape({client, std::move(order), std::move(watch), then});
 }
 
 void Planner::load_shape(Job job) {
-  if (job.order.scene != nullptr) {
-    job.shape = job.order.scene;
+  if (job.order.is_scene()) {
+    threads_.pool.post([this, job = std::move(job)] { load_scene(job); });
+    return;
+  }
+  if (job.order.volume != nullptr) {
+    job.shape = job.order.volume;
     threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
     return;
   }
   const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
   load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
-    loaded.grid = std::move(grid);
+    loaded.grids.push_back(std::move(grid));
     loaded.shape = std::move(volume);
     load_sizes(std::move(loaded));
   });
@@ -107,6 +115,37 @@ void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
                });
 }
 
+/// On the pool; its grids one after another.
+void Planner::load_scene(Job job) {
+  if (job.order.made_scene != nullptr) {
+    job.shape = job.order.made_scene;
+    return load_sizes(std::move(job));
+  }
+  const auto grids = job.order.scene.grids();
+  const auto next = std::ranges::find_if(
+      grids, [](const scene::GridSolid* grid) { return grid->volume == nullptr; });
+  if (next == grids.end()) return make_scene(std::move(job));
+  const VolumeKey key{job.order.space, std::string(digest_of_name((*next)->file)),
+                      (*next)->name};
+  load_grid(std::move(job), key,
+            [this, file = (*next)->file, name = (*next)->name](Job loaded, GridLease lease,
+                                                               const auto& volume) {
+              loaded.grids.push_back(std::move(lease));
+              for (scene::GridSolid* grid : loaded.order.scene.grids()) {
+                if (grid->file == file && grid->name == name) grid->volume = volume;
+              }
+              load_scene(std::move(loaded));
+            });
+}
+
+/// On the pool.
+void Planner::make_scene(Job job) {
+  const auto scene = scene_of_order(job.order);
+  if (!scene.ok()) return job.then(job, within_field("mesh", scene.status()));
+  job.shape = *scene;
+  load_sizes(std::move(job));
+}
+
 /// On the pool.
 void Planner::load_sizes(Job job) {
   const auto& grid = job.order.request.sizing.grid;
@@ -121,14 +160,14 @@ void Planner::load_sizes(Job job) {
 }
 
 /// On the pool.
-void Planner::plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done) {
+void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done) {
   const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
   const std::string name = absl::StrCat(job.order.space, " ", mesh_id);
   auto plan = plans_.recall(name);
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return done(job.planned(std::move(plan)));
-  auto work = [this, job, name, surveyed, done] {
-    auto made = make_plan(job, name, surveyed);
+  auto work = [this, job, name, before, done] {
+    auto made = make_plan(job, name, before);
     done(made.ok() ? job.planned(*std::move(made))
                    : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
   };
@@ -139,21 +178,22 @@ void Planner::plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const 
 PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
   v1::MeshRequest canonical = canonical_request(order, shape, &plan->header());
   std::string mesh_id = mesh_id_of(canonical);
-  return {std::move(plan), std::move(canonical), std::move(mesh_id), grid};
+  return {std::move(plan), std::move(canonical), std::move(mesh_id), grids};
 }
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
-    const Job& job, const std::string& name, const SurveyedBlocks& surveyed) {
+    const Job& job, const std::string& name, const SurveyedBefore& before) {
   // Much may have happened while it waited.
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
   if (auto plan = plans_.recall(name)) return plan;
   running_.fetch_add(1);
   auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
-                        &job.watch->progress, surveyed);
+                        &job.watch->progress, before.blocks, before.earlier.get());
   running_.fetch_sub(1);
   give_back_free_memory();
   if (!plan.ok()) return plan.status();
-  return plans_.remember(name, *std::move(plan));
+  return job.order.is_frame ? plans_.admit(*std::move(plan))
+                            : plans_.remember(name, *std::move(plan));
 }
 
 PlannerStats Planner::stats() const {

@@ -1,11 +1,12 @@
 // From a valid order to a counted mesh: find the file, load the grid, load the grid of its
-// sizing if there is one, plan; each step once. A scene has no grid of its own.
+// sizing if there is one, plan; each step once. A scene has any number of grids.
 #pragma once
 
 #include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -24,8 +25,8 @@ namespace tet {
 /// What a mesh is planned from, in memory.
 struct MeshInput {
   Shape shape;
-  MeshRequest request;       ///< with the sizes of its sizing, where those are a grid's
-  GridLease grid = nullptr;  ///< keeps the file from being evicted; null of a scene
+  MeshRequest request;  ///< with the sizes of its sizing, where those are a grid's
+  std::vector<GridLease> grids = {};  ///< keep the files from being evicted
 };
 
 /// A counted mesh and its names.
@@ -33,7 +34,7 @@ struct PlannedMesh {
   std::shared_ptr<const MeshPlan> plan;
   v1::MeshRequest canonical;
   std::string mesh_id;
-  GridLease grid;  ///< keeps the file from being evicted; null of a scene
+  std::vector<GridLease> grids;  ///< keep the files from being evicted
 };
 
 /// What a caller of the planner shares with the work done for it; outlives both by shared_ptr.
@@ -48,6 +49,12 @@ struct PlannerStats {
   CacheStats volumes;
   std::uint64_t hits = 0, misses = 0;
   std::uint64_t plan_bytes = 0, plan_budget_bytes = 0;  ///< of plans held or in use
+};
+
+/// What need not be surveyed again.
+struct SurveyedBefore {
+  SurveyedBlocks blocks = {};
+  std::shared_ptr<const MeshPlan> earlier = nullptr;  ///< of what may be alike in part
 };
 
 /// How much a planner may keep, bytes.
@@ -78,13 +85,13 @@ class Planner {
           const PlannerMemory& memory,
           MeshLimits limits);
 
-  /// Calls `done` on one of the threads. What was surveyed before is taken, if the plan is not
-  /// at hand. Errors: those of `load` and plan_mesh.
+  /// Calls `done` on one of the threads. What was surveyed before, for an earlier plan or by
+  /// other hosts, is taken if the plan is not at hand. Errors: those of `load` and plan_mesh.
   void plan(const std::string& client,
             MeshOrder order,
             std::shared_ptr<PlanningWatch> watch,
             Done done,
-            SurveyedBlocks surveyed = {});
+            SurveyedBefore before = {});
 
   /// Only loads what it would be planned from. Calls `done` on one of the threads. Errors:
   /// those of GridStore::acquire, DecoderPool::decode and volume_of.
@@ -107,7 +114,7 @@ class Planner {
     MeshOrder order;
     std::shared_ptr<PlanningWatch> watch;
     std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
-    GridLease grid = nullptr;                                   ///< null where there is a scene
+    std::vector<GridLease> grids = {};
     Shape shape = {};
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
@@ -118,11 +125,13 @@ class Planner {
 
   void load_shape(Job job);
   void load_grid(Job job, const VolumeKey& key, GridLoaded then);
+  void load_scene(Job job);
+  void make_scene(Job job);
   void load_sizes(Job job);
-  void plan_loaded(const Job& job, const SurveyedBlocks& surveyed, const Done& done);
+  void plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job,
                                                             const std::string& name,
-                                                            const SurveyedBlocks& surveyed);
+                                                            const SurveyedBefore& before);
 
   const PlannerThreads threads_;
   GridStore& store_;

@@ -1,13 +1,15 @@
 #include "server/request.h"
 
 #include <cmath>
+#include <set>
 #include <utility>
+#include <variant>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "proto/scene/scene_message.h"
 #include "proto/wire/sha256.h"
+#include "server/scene_request.h"
 #include "server/sizing_request.h"
 #include "server/status.h"
 
@@ -88,6 +90,12 @@ absl::Status check_box(const v1::MeshRequest& request, Preset preset) {
                                     " the mesh ends where the inside does"));
 }
 
+absl::StatusOr<std::optional<WorldPoint>> parse_origin(const v1::MeshRequest& request) {
+  if (!request.has_origin()) return std::nullopt;
+  if (is_finite(request.origin())) return to_core(request.origin());
+  return invalid_field(absl::StrCat("origin ", text_of(request.origin()), " is not finite"));
+}
+
 absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request,
                                                   Preset preset) {
   if (!request.has_box()) return std::nullopt;
@@ -114,33 +122,10 @@ std::string exact_box(const v1::MeshRequest& request) {
                          max.z());
 }
 
-/// What grids have and scenes have not.
-absl::Status check_scene_alone(const v1::MeshRequest& request) {
-  if (!request.name().empty()) {
-    return invalid_field("name is set beside scene: mesh one or the other");
-  }
-  if (!request.grid_name().empty()) {
-    return invalid_field("grid_name is set, but a scene has no grids");
-  }
-  if (!request.has_iso()) return absl::OkStatus();
-  return invalid_field(absl::StrCat(
-      "iso ", request.iso(),
-      " is for grids: a scene has its surface at 0, and a node `offset` moves it"));
-}
-
-absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order) {
-  if (auto status = check_scene_alone(request); !status.ok()) return status;
-  absl::StatusOr<Scene> scene = scene_of_message(request.scene());
-  absl::Status status = scene.status();
-  if (status.ok() && !request.has_box()) status = check_ends(*scene);
-  if (!status.ok()) return within_field("scene", invalid_field(std::string(status.message())));
-  if (!request.has_spacing() && !scene->ends()) {
-    return invalid_field("spacing must be set where the scene has no end");
-  }
-  order.scene = std::make_shared<const Scene>(*std::move(scene));
-  order.scene_message = request.scene();
-  order.scene_message.DiscardUnknownFields();
-  return absl::OkStatus();
+std::string exact_origin(const v1::MeshRequest& request) {
+  if (!request.has_origin()) return "";
+  const v1::Point& origin = request.origin();
+  return absl::StrFormat(" origin %a %a %a", origin.x(), origin.y(), origin.z());
 }
 
 absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
@@ -171,6 +156,8 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (!preset.ok()) return preset.status();
   const auto box = parse_box(request, *preset);
   if (!box.ok()) return box.status();
+  const auto origin = parse_origin(request);
+  if (!origin.ok()) return origin.status();
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
   if (request.has_spacing()) order.request.spacing = request.spacing();
@@ -178,10 +165,15 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (request.has_levels()) order.request.levels = request.levels();
   order.request.preset = *preset;
   order.request.box = *box;
+  order.request.origin = *origin;
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
+  if (!order.is_scene() || order.scene.has_grids()) return order;
+  const auto made = scene_of_order(order);
+  if (!made.ok()) return made.status();
+  order.made_scene = *made;
   return order;
 }
 
@@ -220,12 +212,12 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   if (request.base_mesh_id().empty() != request.base_name().empty()) {
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }
-  const bool stored = !compact && !request.skip_cache() && order.mesh.scene == nullptr;
+  const bool stored = !compact && !request.skip_cache();
   if (request.base_name().empty()) {
     if (stored) order.stored_name = name_of_request(request.mesh());
     return order;
   }
-  if (order.mesh.scene != nullptr) {
+  if (order.mesh.is_scene()) {
     return invalid_field("base_name is for grids: a scene's mesh is sent whole");
   }
   if (compact) {
@@ -238,6 +230,18 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   return order;
 }
 
+std::vector<std::string> files_of(const MeshOrder& order) {
+  std::set<std::string> digests;
+  if (!order.digest.empty()) digests.insert(order.digest);
+  const auto add = [&](const std::string& name) { digests.emplace(digest_of_name(name)); };
+  const auto& sizes = order.request.sizing.grid;
+  if (sizes && !sizes->file.empty()) add(sizes->file);
+  for (const scene::Node& node : order.scene.nodes) {
+    if (const auto* grid = std::get_if<scene::GridSolid>(&node.kind)) add(grid->file);
+  }
+  return {digests.begin(), digests.end()};
+}
+
 v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Shape& shape,
                                   const MeshHeader* header) {
@@ -247,12 +251,13 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
     canonical.set_grid_name(volume->name);
     canonical.set_iso(order.request.iso.value_or(default_iso(shape)));
   } else {
-    *canonical.mutable_scene() = order.scene_message;
+    set_canonical_scene(order, canonical);
   }
   canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
+  if (order.request.origin) set_point(*order.request.origin, *canonical.mutable_origin());
   set_canonical_sizing(order.request.sizing, canonical);
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
@@ -278,7 +283,8 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       canonical.name(), canonical.spacing(), canonical.iso(), canonical.levels(),
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
-      absl::StrCat(exact_box(canonical), exact_sizing(canonical)), canonical.grid_name()));
+      absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical)),
+      canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -16,6 +17,7 @@
 #include "core/pipeline/mesh_request.h"
 #include "core/pipeline/shape.h"
 #include "core/pipeline/thin_walls.h"
+#include "core/scene/scene_nodes.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -29,8 +31,14 @@ struct MeshOrder {
   std::string grid_name;  ///< within it; may be empty
   MeshRequest request;
   std::string space = {};  ///< the caller's namespace, from whoever knows the call
-  std::shared_ptr<const Scene> scene = nullptr;
+  scene::Description scene =
+      {};                        ///< whose grids are loaded later; no nodes where there is none
   v1::Scene scene_message = {};  ///< the same, as it was sent
+  std::shared_ptr<const Scene> made_scene = nullptr;  ///< unless it has grids
+  std::shared_ptr<const Volume> volume = nullptr;  ///< instead of the stored grid, once changed
+  bool is_frame = false;  ///< of a session: its plan is kept for nobody else
+
+  bool is_scene() const noexcept { return !scene.nodes.empty(); }
 };
 
 /// A valid request for chunks of it.
@@ -50,6 +58,9 @@ struct StreamOrder {
 absl::StatusOr<std::string> parse_grid_name(const std::string& name);
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
+
+/// Digests of all files that an order is about, each once.
+std::vector<std::string> files_of(const MeshOrder& order);
 
 /// The request with every default filled in, but for a box: without one it is the
 /// shape's extent. `coordinates` stays unset only if `header` is null.

@@ -49,7 +49,8 @@ void describe_options(CLI::App& app, SubmitArguments& arguments) {
   app.footer(kExamples);
   app.add_option(
       "INPUT", arguments.inputs,
-      ".vdb volumes, closed .obj, .stl or .ply surfaces, or digests of stored grids");
+      ".vdb volumes, closed .obj, .stl or .ply surfaces, .json scenes, or digests of stored "
+      "grids");
   app.add_option("--manifest", arguments.manifest, "File with a job on each line; - reads it");
   app.add_option("--journal", arguments.journal,
                  "What is submitted already [in ~/.local/state/tetstream, until all is]");

@@ -10,6 +10,7 @@
 #include "client/client_call.h"
 #include "client/error_details.h"
 #include "client/job/grid_uploads.h"
+#include "client/scene_input.h"
 
 namespace tet {
 namespace {
@@ -30,6 +31,21 @@ std::vector<std::string> request_ids_of(const std::vector<JobOrder>& orders,
     ids.push_back(journal.request_id(digest, seen[digest]++));
   }
   return ids;
+}
+
+/// Tells the request what it is about, which is stored then.
+template <class Store>
+absl::Status store_input(const MeshInput& input, const Store& store, v1::MeshRequest& mesh) {
+  if (is_scene_file(input.path)) {
+    auto scene = read_scene_message(input.path, [&](const std::string& path) {
+      return store({path, "", {}});
+    });
+    if (scene.ok()) *mesh.mutable_scene() = *std::move(scene);
+    return scene.status();
+  }
+  auto name = store(input);
+  if (name.ok()) mesh.set_name(*std::move(name));
+  return name.status();
 }
 
 class Submitter {
@@ -77,8 +93,7 @@ class Submitter {
   void submit(std::size_t worker, std::size_t i) {
     auto job = create(worker, i);
     if (reason_of_failure(job.status()) == "GRID_NOT_FOUND") {  // evicted in between
-      uploads_.forget(orders_[i].input);
-      job = create(worker, i);
+      job = create(worker, i, true);
     }
     absl::Status status = job.status();
     if (status.ok()) status = journal_.record(request_ids_[i], job->name());
@@ -92,17 +107,21 @@ class Submitter {
     progress(worker, 0);
   }
 
-  absl::StatusOr<v1::Job> create(std::size_t worker, std::size_t i) {
+  /// Once its files are stored; where they are gone `anew`.
+  absl::StatusOr<v1::Job> create(std::size_t worker, std::size_t i, bool anew = false) {
     const UploadWatch watch{
         .bytes =
             [&](std::uint64_t done, std::uint64_t total) {
               progress(worker, static_cast<double>(done) / static_cast<double>(total));
             },
         .say = watch_.say};
-    const auto grid = uploads_.name_of(orders_[i].input, watch, cancellation_);
-    if (!grid.ok()) return grid.status();
+    const auto store = [&](const MeshInput& input) {
+      if (anew) uploads_.forget(input);
+      return uploads_.name_of(input, watch, cancellation_);
+    };
     v1::Job job = orders_[i].job;
-    job.mutable_mesh()->set_name(*grid);
+    const absl::Status stored = store_input(orders_[i].input, store, *job.mutable_mesh());
+    if (!stored.ok()) return stored;
     return jobs_.create(job, request_ids_[i], cancellation_);
   }
 

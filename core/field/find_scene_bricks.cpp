@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "core/base/parallel.h"
@@ -68,7 +67,7 @@ class CubeScan {
     const double half = 0.5 * all.edge;
     evaluator_.focus(
         {spacing_ * (all.x + half), spacing_ * (all.y + half), spacing_ * (all.z + half)},
-        spacing_ * half * std::numbers::sqrt3);
+        spacing_ * half);
     const auto middle = [&](double min, int i) {
       return spacing_ * (min + i * step + 0.5 * part_edge);
     };
@@ -78,14 +77,10 @@ class CubeScan {
       points_.y[at] = middle(all.y, i / 4 % 4);
       points_.z[at] = middle(all.z, i % 4);
     }
-    const double* phi = evaluator_.evaluate(points_, 64);
-    // A little more than half the diagonal, for rounding errors.
-    const double reach = spacing_ * part_edge * std::numbers::sqrt3 * (0.5 + 1e-9);
+    const auto& [low, high] = evaluator_.bounds(points_, 64, spacing_ * 0.5 * part_edge);
     std::array<Side, 64> found{};
     for (std::size_t i = 0; i < 64; ++i) {
-      found[i] = phi[i] > reach    ? Side::kOutside
-                 : phi[i] < -reach ? Side::kInside
-                                   : Side::kBoth;
+      found[i] = low.at[i] > 0 ? Side::kOutside : high.at[i] < 0 ? Side::kInside : Side::kBoth;
     }
     return found;
   }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 
 namespace tet {
 namespace {
@@ -55,14 +54,18 @@ void sample_nodes(SceneEvaluator& evaluator,
 
 }  // namespace
 
+void focus_on_samples(SceneEvaluator& evaluator, double spacing, BrickCoord brick) noexcept {
+  constexpr double kMiddle = 4, kHalfEdge = 6;  // of a brick and its halo, cells
+  evaluator.focus({spacing * (8.0 * brick.x + kMiddle), spacing * (8.0 * brick.y + kMiddle),
+                   spacing * (8.0 * brick.z + kMiddle)},
+                  spacing * kHalfEdge);
+}
+
 void sample_scene(SceneEvaluator& evaluator,
                   double spacing,
                   BrickCoord brick,
                   BrickSamples& samples) noexcept {
-  constexpr double kMiddle = 4, kHalfEdge = 6;  // of a brick and its halo, cells
-  evaluator.focus({spacing * (8.0 * brick.x + kMiddle), spacing * (8.0 * brick.y + kMiddle),
-                   spacing * (8.0 * brick.z + kMiddle)},
-                  spacing * kHalfEdge * std::numbers::sqrt3);
+  focus_on_samples(evaluator, spacing, brick);
   sample_nodes(evaluator, spacing, brick, 0, kCorners, samples.corner);
   sample_nodes(evaluator, spacing, brick, 0.5, kCentres, samples.centre);
 }

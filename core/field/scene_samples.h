@@ -7,6 +7,9 @@
 
 namespace tet {
 
+/// Focuses on a lattice brick and its halo; `spacing` in world units.
+void focus_on_samples(SceneEvaluator& evaluator, double spacing, BrickCoord brick) noexcept;
+
 /// Fills `samples` for a lattice brick; `spacing` in world units. A node's sample depends on
 /// the node alone, whichever bricks see it. Leaves the evaluator focused on the brick and its
 /// halo.

@@ -1,7 +1,6 @@
 #include "core/graded/field_points.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace tet {
 
@@ -18,8 +17,8 @@ WorldPoint NodeBounds::middle() const noexcept {
   return {(min_[0] + max_[0]) / 2, (min_[1] + max_[1]) / 2, (min_[2] + max_[2]) / 2};
 }
 
-double NodeBounds::radius() const noexcept {
-  return std::hypot(max_[0] - min_[0], max_[1] - min_[1], max_[2] - min_[2]) / 2;
+double NodeBounds::half_edge() const noexcept {
+  return std::max({max_[0] - min_[0], max_[1] - min_[1], max_[2] - min_[2]}) / 2;
 }
 
 void PointSampler::focus(const NodeBounds& bounds) noexcept {
@@ -28,7 +27,7 @@ void PointSampler::focus(const NodeBounds& bounds) noexcept {
   const double spacing = sampler_.field().spacing_voxels;
   const auto [x, y, z] = bounds.middle();
   sampler_.scene().focus({spacing * x, spacing * y, spacing * z},
-                         kRounding * spacing * bounds.radius());
+                         kRounding * spacing * bounds.half_edge());
 }
 
 void PointSampler::sample(const FieldPoints& points, std::size_t count, double* phi) noexcept {

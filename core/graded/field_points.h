@@ -22,7 +22,7 @@ class NodeBounds {
   void add(LatticeCoord node) noexcept;
   /// Finest spacings.
   WorldPoint middle() const noexcept;
-  double radius() const noexcept;
+  double half_edge() const noexcept;  ///< of the cube around it
 
  private:
   std::array<double, 3> min_{}, max_{};

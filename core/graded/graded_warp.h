@@ -52,8 +52,9 @@ inline constexpr GradedLimits kGradedLimits{
     .centre_to_edge_middle = 0.257,
 };
 
-/// No dihedral angle of a mesh with a graded surface is smaller.
-inline constexpr double kLeastGradedAngleDeg = 5;
+/// What every dihedral angle of a mesh with a graded surface lies between, as float32 too. Proven by
+/// tests/certificate/graded_certificate.cpp.
+inline constexpr double kLeastGradedAngleDeg = 5, kGreatestGradedAngleDeg = 174;
 
 /// Of each node the edge whose cut point it moves onto, or SurfaceEdges::kNone: the nearest of
 /// those that violate it, the first one of equally near ones. Reads original samples only.

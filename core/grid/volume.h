@@ -17,6 +17,11 @@ enum class VolumeKind : std::uint8_t {
   kFogVolume,  ///< inside where value > iso; values are densities
 };
 
+/// The value at the surface unless another is asked for.
+constexpr double default_iso(VolumeKind kind) noexcept {
+  return kind == VolumeKind::kFogVolume ? 0.5 : 0;
+}
+
 /// world = linear * voxel + translation, where `linear` is `voxel_size` times a rotation (or a
 /// rotation and a mirror: every angle is kept).
 struct VoxelTransform {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <numbers>
 
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
@@ -40,8 +39,7 @@ void focus_on(PhiSampler& sampler, BrickCoord brick, int level) {
   if (sampler.field().scene == nullptr) return;
   const double half_edge = std::ldexp(sampler.field().spacing_voxels, level) * kBrickEdge / 2;
   const auto middle = [&](std::int32_t at) { return half_edge * (2.0 * at + 1); };
-  sampler.scene().focus({middle(brick.x), middle(brick.y), middle(brick.z)},
-                        half_edge * std::numbers::sqrt3);
+  sampler.scene().focus({middle(brick.x), middle(brick.y), middle(brick.z)}, half_edge);
 }
 
 /// The candidates that lie inside; their nodes all lie on one side, so one corner tells.

@@ -86,7 +86,8 @@ class SurfacePieces {
 std::optional<BoundaryTopology> count_boundary(const Survey& survey,
                                                const Cancellation& cancellation) {
   if (survey.box_cuts_surface) return std::nullopt;
-  const SurfaceCounts& surface = survey.surface;
+  SurfaceCounts surface;
+  for (const SurfaceCounts& of_brick : survey.counts) surface.add(of_brick);
   return BoundaryTopology{
       .triangles = surface.triangles,
       .vertices = surface.vertices,

@@ -46,9 +46,9 @@ void append(Survey& survey, Survey& block) {
   append(survey.geometry.blocks, block.geometry.blocks);
   survey.geometry.block_bytes += block.geometry.block_bytes;
   append(survey.thin, block.thin);
+  append(survey.counts, block.counts);
   append(survey.sheets, block.sheets);
   append(survey.parts, block.parts);
-  survey.surface.add(block.surface);
   survey.box_cuts_surface = survey.box_cuts_surface || block.box_cuts_surface;
 }
 

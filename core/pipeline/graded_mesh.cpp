@@ -115,8 +115,10 @@ absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
   MeshHeader header = header_of(stuffed, request, limits.chunk_bytes);
   if (header.tet_count == 0) return graded;
   // Rounding takes a vertex no farther from the box around all than half a spacing.
-  graded.to_world =
-      place_in_world(field, stuffed.corner_box(), 0.5, request.coordinates, header);
+  const absl::StatusOr<LatticeToWorld> to_world =
+      place_in_world(field, stuffed.corner_box(), 0.5, request, header);
+  if (!to_world.ok()) return to_world.status();
+  graded.to_world = *to_world;
   const std::uint64_t used = background_bytes(background.node.size(), background.tet_count());
   if (auto status = check_mesh(header, used, limits); !status.ok()) return status;
   graded.mesh = TetMesh(header);

@@ -5,11 +5,6 @@
 namespace tet {
 namespace {
 
-bool same_rules(const StuffingRules& a, const StuffingRules& b) noexcept {
-  return a.both_sides == b.both_sides && a.limits.alpha_long == b.limits.alpha_long &&
-         a.limits.alpha_short == b.limits.alpha_short;
-}
-
 /// Cuts ranges of bricks so that each stays within a chunk's bytes, if it is more than one
 /// brick.
 std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
@@ -41,7 +36,7 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
   const ComparedMesh before = earlier.counted(), now = mesh->counted();
   if (earlier.improvement() || mesh->improvement() ||
       !can_splice(earlier.header(), mesh->header()) ||
-      !same_rules(before.mesh.rules(), now.mesh.rules())) {
+      before.mesh.rules() != now.mesh.rules()) {
     return nullptr;
   }
   MeshDifference difference = compare_meshes(before, now);

@@ -1,7 +1,14 @@
 #include "core/pipeline/mesh_place.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+#include "core/grid/to_voxel.h"
+#include "core/pipeline/counted_mesh.h"
 
 namespace tet {
 namespace {
@@ -18,29 +25,82 @@ VoxelPoint shifted(VoxelPoint p, double along_every_axis) {
   return {p.x + along_every_axis, p.y + along_every_axis, p.z + along_every_axis};
 }
 
-}  // namespace
-
-LatticeToWorld place_in_world(const PhiField& field,
-                              const VoxelBox& corners,
-                              double beyond,
-                              const std::optional<CoordinateType>& coordinates,
-                              MeshHeader& header) {
-  const VoxelTransform lattice = field.lattice_transform();
-  const auto& [min, max] = corners;
+VoxelCoord middle_of(const VoxelBox& box) {
   const auto middle = [](std::int32_t a, std::int32_t b) {
     return static_cast<std::int32_t>((std::int64_t{a} + b) >> 1);
   };
-  const VoxelCoord centre{middle(min.x, max.x), middle(min.y, max.y), middle(min.z, max.z)};
-  const double extent =
-      std::max({static_cast<double>(max.x) - centre.x, static_cast<double>(max.y) - centre.y,
-                static_cast<double>(max.z) - centre.z});
-  header.origin = lattice.to_world(point_of(centre));
-  header.bounds =
-      lattice.to_world_box(shifted(point_of(min), -beyond), shifted(point_of(max), beyond));
+  return {middle(box.min.x, box.max.x), middle(box.min.y, box.max.y),
+          middle(box.min.z, box.max.z)};
+}
+
+/// The lattice corner next to a point.
+absl::StatusOr<VoxelCoord> corner_next_to(const WorldPoint& point,
+                                          const VoxelTransform& lattice) {
+  const VoxelPoint at = to_voxel(lattice, point);
+  const double reach = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+  if (!(reach <= kMaxVoxelCoord)) {  // not-a-numbers end here too
+    return absl::InvalidArgumentError(
+        absl::StrFormat("origin (%g, %g, %g) is %g spacings from the lattice's own; the limit "
+                        "is %d",
+                        point.x, point.y, point.z, reach, kMaxVoxelCoord));
+  }
+  const auto rounded = [](double v) { return static_cast<std::int32_t>(std::lround(v)); };
+  return VoxelCoord{rounded(at.x), rounded(at.y), rounded(at.z)};
+}
+
+/// How far a box reaches from a corner along any axis.
+double reach_from(VoxelCoord corner, const VoxelBox& box) {
+  const auto farther = [](std::int32_t from, std::int32_t min, std::int32_t max) {
+    return std::max(std::abs(static_cast<double>(max) - from),
+                    std::abs(static_cast<double>(min) - from));
+  };
+  return std::max({farther(corner.x, box.min.x, box.max.x),
+                   farther(corner.y, box.min.y, box.max.y),
+                   farther(corner.z, box.min.z, box.max.z)});
+}
+
+}  // namespace
+
+VoxelBox corner_box(const BrickBox& domain) {
+  const auto corner = [](BrickCoord b) { return VoxelCoord{8 * b.x, 8 * b.y, 8 * b.z}; };
+  const BrickCoord last = domain.max;
+  return {corner(domain.min), corner({last.x + 1, last.y + 1, last.z + 1})};
+}
+
+VoxelBox corner_box(const CountedMesh& mesh) {
+  VoxelBox box{
+      {INT32_MAX, INT32_MAX, INT32_MAX},
+      {INT32_MIN, INT32_MIN, INT32_MIN}
+  };
+  const auto& bricks = mesh.tree().levels[0].bricks;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    if (mesh.first_vertex(i + 1) == mesh.first_vertex(i)) continue;
+    const BrickCoord b = bricks[i];
+    box.min = {std::min(box.min.x, 8 * b.x), std::min(box.min.y, 8 * b.y),
+               std::min(box.min.z, 8 * b.z)};
+    box.max = {std::max(box.max.x, 8 * b.x + 8), std::max(box.max.y, 8 * b.y + 8),
+               std::max(box.max.z, 8 * b.z + 8)};
+  }
+  return box;
+}
+
+absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
+                                              const VoxelBox& corners,
+                                              double beyond,
+                                              const MeshRequest& request,
+                                              MeshHeader& header) {
+  const VoxelTransform lattice = field.lattice_transform();
+  const absl::StatusOr<VoxelCoord> origin =
+      request.origin ? corner_next_to(*request.origin, lattice) : middle_of(corners);
+  if (!origin.ok()) return origin.status();
+  header.origin = lattice.to_world(point_of(*origin));
+  header.bounds = lattice.to_world_box(shifted(point_of(corners.min), -beyond),
+                                       shifted(point_of(corners.max), beyond));
   header.spacing = lattice.voxel_size;
-  header.coordinate_type = coordinates.value_or(
-      extent > kMaxFloat32Extent ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
-  return {lattice.linear, centre, lattice.mirrors()};
+  const bool far = reach_from(*origin, corners) > kMaxFloat32Extent;
+  header.coordinate_type =
+      request.coordinates.value_or(far ? CoordinateType::kFloat64 : CoordinateType::kFloat32);
+  return LatticeToWorld{lattice.linear, *origin, lattice.mirrors()};
 }
 
 }  // namespace tet

@@ -1,7 +1,5 @@
 #include "core/pipeline/mesh_plan.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -25,31 +23,6 @@
 
 namespace tet {
 namespace {
-
-/// The corners at the ends of a domain.
-VoxelBox corner_box(const BrickBox& domain) {
-  const auto corner = [](BrickCoord b) { return VoxelCoord{8 * b.x, 8 * b.y, 8 * b.z}; };
-  const BrickCoord last = domain.max;
-  return {corner(domain.min), corner({last.x + 1, last.y + 1, last.z + 1})};
-}
-
-/// Finest-level bricks that hold vertices, as a box of lattice corners.
-VoxelBox corner_box(const CountedMesh& mesh) {
-  VoxelBox box{
-      {INT32_MAX, INT32_MAX, INT32_MAX},
-      {INT32_MIN, INT32_MIN, INT32_MIN}
-  };
-  const auto& bricks = mesh.tree().levels[0].bricks;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    if (mesh.first_vertex(i + 1) == mesh.first_vertex(i)) continue;
-    const BrickCoord b = bricks[i];
-    box.min = {std::min(box.min.x, 8 * b.x), std::min(box.min.y, 8 * b.y),
-               std::min(box.min.z, 8 * b.z)};
-    box.max = {std::max(box.max.x, 8 * b.x + 8), std::max(box.max.y, 8 * b.y + 8),
-               std::max(box.max.z, 8 * b.z + 8)};
-  }
-  return box;
-}
 
 /// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
@@ -258,6 +231,26 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
   return improve_plan(*plan, limits, cancellation);
 }
 
+/// Surveys what neither an earlier plan nor other hosts have surveyed.
+absl::StatusOr<Survey> survey_rest(const PreparedMesh& prepared,
+                                   const MeshPlan* earlier,
+                                   const SurveyedBlocks& surveyed,
+                                   const Cancellation& cancellation,
+                                   MeshProgress* progress) {
+  if (earlier != nullptr && earlier->has_bricks()) {
+    const auto [mesh, field] = earlier->counted();
+    const bool alike =
+        mesh.rules() == prepared.space.rules && can_reuse(mesh.survey(), prepared.space);
+    const auto difference = alike ? FieldDifference::between(field, prepared.field) : nullptr;
+    if (difference != nullptr) {
+      const EarlierSurvey before{mesh.survey(), *difference};
+      return survey_bricks(prepared.field, prepared.bricks.near_surface, prepared.space,
+                           cancellation, progress, &before);
+    }
+  }
+  return join_survey(prepared, surveyed, cancellation, progress);
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
@@ -265,7 +258,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
                                                           MeshProgress* progress,
-                                                          const SurveyedBlocks& surveyed) {
+                                                          const SurveyedBlocks& surveyed,
+                                                          const MeshPlan* earlier) {
   absl::StatusOr<PreparedMesh> prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
   const auto& [asked, field, space, bricks] = *prepared;
@@ -276,17 +270,15 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   if (request.sizing.grade_surface) {
     return plan_graded(shape, *prepared, request, *rules, limits, cancellation);
   }
-  absl::StatusOr<Survey> survey = join_survey(*prepared, surveyed, cancellation, progress);
+  absl::StatusOr<Survey> survey =
+      survey_rest(*prepared, earlier, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
   const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  survey->sheets = {};
-  survey->parts = {};
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              cover, *rules, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  ThinWalls thin_walls =
-      gather_thin_walls(std::exchange(survey->thin, {}), field.lattice_transform());
+  ThinWalls thin_walls = gather_thin_walls(survey->thin, field.lattice_transform());
   CountedMesh mesh(field, *std::move(survey), std::move(tree), space.rules, asked.levels == 0,
                    cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -298,9 +290,11 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   impl->thin_walls = std::move(thin_walls);
   // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
   // faces of a domain that no surface cuts are flat.
-  impl->to_world =
+  const absl::StatusOr<LatticeToWorld> to_world =
       place_in_world(field, space.domain ? corner_box(*space.domain) : corner_box(impl->mesh),
-                     space.domain && boundary ? 0 : 0.5, request.coordinates, impl->header);
+                     space.domain && boundary ? 0 : 0.5, request, impl->header);
+  if (!to_world.ok()) return to_world.status();
+  impl->to_world = *to_world;
   impl->cut_into_chunks(limits.chunk_bytes);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;

@@ -134,8 +134,8 @@ class MeshPlan {
 /// Counts the mesh: signs, cut points and warps are surveyed, leaves chosen, and every vertex
 /// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null. A request
 /// to improve the mesh makes the whole of it here once, and keeps the improved positions. What
-/// other hosts surveyed is not surveyed again (see divided_survey.h); the plan's chunks are the
-/// same.
+/// other hosts surveyed is not surveyed again (see divided_survey.h), nor what `earlier`, which
+/// may be null, surveyed of a shape that was the same there; the plan's chunks are the same.
 ///
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
@@ -145,6 +145,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           const MeshLimits& limits,
                                                           const Cancellation& cancellation,
                                                           MeshProgress* progress,
-                                                          const SurveyedBlocks& surveyed = {});
+                                                          const SurveyedBlocks& surveyed = {},
+                                                          const MeshPlan* earlier = nullptr);
 
 }  // namespace tet

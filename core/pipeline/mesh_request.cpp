@@ -23,8 +23,6 @@ constexpr std::array<std::pair<Preset, std::string_view>, 3> kPresetNames{
      }
 };
 
-constexpr double kFogIso = 0.5;
-
 /// 0 where it has no end.
 double longest_extent(const Scene& scene) {
   const auto& [min, max] = scene.extent;
@@ -67,7 +65,7 @@ double default_spacing(const Shape& shape) {
 
 double default_iso(const Shape& shape) {
   const Volume* volume = volume_of(shape);
-  return volume != nullptr && volume->kind == VolumeKind::kFogVolume ? kFogIso : 0;
+  return volume != nullptr ? default_iso(volume->kind) : 0;
 }
 
 std::optional<Preset> parse_preset(std::string_view name) {

@@ -39,6 +39,9 @@ struct MeshRequest {
   /// The boundary is a manifold whatever the field: nodes where it would touch itself are put
   /// back in their places.
   bool manifold = false;
+  /// Stored positions are relative to the lattice corner next to it, world units; the middle of
+  /// what is meshed unless given.
+  std::optional<WorldPoint> origin;
   bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
   Sizing sizing;         ///< of leaves away from the surface
   /// float32 unless given, and float64 where float32 would bend the angle bounds.

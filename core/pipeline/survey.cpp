@@ -146,13 +146,16 @@ class GeometryKeeper {
   explicit GeometryKeeper(std::atomic<std::int64_t>& room) : room_(room) {}
 
   void keep(const StuffedLattice& lattice, SurveyedBrick& found) {
-    const std::size_t size = GeometrySizes(found.stuffed).bytes();
-    if (room_.fetch_sub(static_cast<std::int64_t>(size)) < static_cast<std::int64_t>(size))
-      return;
-    const std::size_t begin = packed_.size();
-    packed_.resize(begin + size);
-    pack_geometry(lattice, found.stuffed, packed_.data() + begin);
-    kept_.emplace_back(&found, begin);
+    if (std::byte* const to = make_room(found)) pack_geometry(lattice, found.stuffed, to);
+  }
+
+  /// The same of a brick whose geometry was packed before.
+  void keep_again(SurveyedBrick& found) {
+    const std::byte* const packed = std::exchange(found.geometry, nullptr);
+    if (packed == nullptr) return;
+    if (std::byte* const to = make_room(found)) {
+      std::copy_n(packed, GeometrySizes(found.stuffed).bytes(), to);
+    }
   }
 
   /// Moves all of it to where it stays, and tells the bricks.
@@ -166,9 +169,57 @@ class GeometryKeeper {
   }
 
  private:
+  /// Null where there is none.
+  std::byte* make_room(SurveyedBrick& found) {
+    const std::size_t size = GeometrySizes(found.stuffed).bytes();
+    if (room_.fetch_sub(static_cast<std::int64_t>(size)) < static_cast<std::int64_t>(size)) {
+      return nullptr;
+    }
+    const std::size_t begin = packed_.size();
+    packed_.resize(begin + size);
+    kept_.emplace_back(&found, begin);
+    return packed_.data() + begin;
+  }
+
   std::atomic<std::int64_t>& room_;
   std::vector<std::byte> packed_;
   std::vector<std::pair<SurveyedBrick*, std::size_t>> kept_;
+};
+
+/// Looks bricks up in an earlier survey. Not thread-safe: one per task.
+class EarlierBricks {
+ public:
+  explicit EarlierBricks(const EarlierSurvey& earlier)
+      : survey_(earlier.survey), asker_(earlier.difference) {}
+
+  bool still_holds(BrickCoord brick) { return asker_.same_around(brick); }
+
+  /// As it was found then; its geometry is the earlier survey's.
+  std::optional<SurveyedBrick> find(BrickCoord brick) const {
+    const auto found = std::ranges::lower_bound(survey_.bricks, brick);
+    if (found == survey_.bricks.end() || *found != brick) return std::nullopt;
+    const auto at = static_cast<std::size_t>(found - survey_.bricks.begin());
+    SurveyedBrick before;
+    before.stuffed = survey_.stuffed[at];
+    before.finest = survey_.finest[at];
+    before.surface = {survey_.counts[at], survey_.sheets[at]};
+    before.geometry = survey_.geometry.of_brick[at];
+    const auto parts = std::ranges::lower_bound(survey_.parts, at, {}, &PartsOfBrick::brick);
+    if (parts != survey_.parts.end() && parts->brick == at) {
+      before.parts = std::make_unique<SurfaceParts>(parts->parts);
+    }
+    return before;
+  }
+
+  ThinSpots thin_spots(BrickCoord brick) const {
+    const auto thin = std::ranges::lower_bound(survey_.thin, brick, {}, &ThinBrick::brick);
+    const bool any = thin != survey_.thin.end() && thin->brick == brick;
+    return any ? thin->spots : ThinSpots{};
+  }
+
+ private:
+  const Survey& survey_;
+  FieldDifference::Asker asker_;
 };
 
 /// Gathers what was found, in the order of the bricks, and lets go of it.
@@ -184,7 +235,7 @@ Survey gather(const std::vector<BrickCoord>& candidates,
     survey.finest.push_back(found[i]->finest);
     survey.geometry.of_brick.push_back(found[i]->geometry);
     if (both_sides) survey.fans.push_back(found[i]->fans ? *found[i]->fans : FanMasks{});
-    survey.surface.add(found[i]->surface.counts);
+    survey.counts.push_back(found[i]->surface.counts);
     if (found[i]->parts) {
       const auto at = static_cast<std::uint32_t>(survey.sheets.size());
       survey.parts.push_back({at, std::move(*found[i]->parts)});
@@ -226,15 +277,20 @@ InsideTest Survey::inside_test() const {
 
 std::uint64_t Survey::bytes() const noexcept {
   return all_heap_bytes(bricks, stuffed, finest, fans, geometry.of_brick, geometry.blocks, thin,
-                        sheets, parts) +
+                        counts, sheets, parts) +
          geometry.block_bytes;
+}
+
+bool can_reuse(const Survey& earlier, const MeshedSpace& space) noexcept {
+  return earlier.restored == nullptr && !space.manifold && !space.domain;
 }
 
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
                                      const MeshedSpace& space,
                                      const Cancellation& cancellation,
-                                     MeshProgress* progress) {
+                                     MeshProgress* progress,
+                                     const EarlierSurvey* earlier) {
   if (progress != nullptr) progress->total = candidates.size();
   std::shared_ptr<const RestoredNodes> restored;
   if (space.manifold) {
@@ -252,12 +308,20 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     PhiSampler sampler(field);
     const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
     GeometryKeeper keeper(room);
+    std::optional<EarlierBricks> before;
+    if (earlier != nullptr) before.emplace(*earlier);
     ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      auto brick =
-          survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+      const bool known = before && before->still_holds(candidates[i]);
+      auto brick = known ? before->find(candidates[i])
+                         : survey_brick(sampler, candidates[i], space, restored.get(),
+                                        *workspace, spots);
+      if (known) spots = before->thin_spots(candidates[i]);
       if (brick) found[i] = std::make_unique<SurveyedBrick>(*std::move(brick));
-      if (found[i]) keeper.keep(workspace->stuffing.lattice, *found[i]);
+      if (found[i]) {
+        known ? keeper.keep_again(*found[i])
+              : keeper.keep(workspace->stuffing.lattice, *found[i]);
+      }
       if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }

@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
+#include "core/field/field_difference.h"
 #include "core/field/find_bricks.h"
 #include "core/octree/octree.h"
 #include "core/pipeline/mesh_plan.h"
@@ -60,8 +61,8 @@ struct Survey {
   std::vector<ThinBrick> thin;  ///< sorted; few, and not all of them among `bricks`
   std::shared_ptr<const RestoredNodes> restored;  ///< may be null
 
-  SurfaceCounts surface;
-  /// Of each brick; like the next, they may be dropped once they are counted.
+  // Of each brick.
+  std::vector<SurfaceCounts> counts;
   std::vector<SurfaceSheet> sheets;
   /// Where it is not known to be one sheet; sorted by brick.
   std::vector<PartsOfBrick> parts;
@@ -88,14 +89,26 @@ struct MeshedSpace {
 constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexcept {
   const std::uint64_t fans = rules.both_sides ? sizeof(FanMasks) : 0;
   return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) +
-              sizeof(SurfaceSheet) + fans);
+              sizeof(SurfaceCounts) + sizeof(SurfaceSheet) + fans);
 }
 
-/// Errors: kCancelled, kDeadlineExceeded. `progress` may be null.
+/// A survey of the same space when the field was another, and where it still holds.
+struct EarlierSurvey {
+  const Survey& survey;
+  const FieldDifference& difference;
+};
+
+/// Whether what was surveyed of `earlier` can hold in `space`: neither was made with regard to
+/// other bricks, or to a domain.
+bool can_reuse(const Survey& earlier, const MeshedSpace& space) noexcept;
+
+/// What `earlier`, which may be null, still says of a brick is taken from it. Errors:
+/// kCancelled, kDeadlineExceeded. `progress` may be null.
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
                                      const MeshedSpace& space,
                                      const Cancellation& cancellation,
-                                     MeshProgress* progress);
+                                     MeshProgress* progress,
+                                     const EarlierSurvey* earlier = nullptr);
 
 }  // namespace tet

@@ -209,7 +209,8 @@ CandidateRange range_of(const std::vector<BrickCoord>& candidates) {
 bool is_of(const Survey& survey, const std::vector<BrickCoord>& candidates, bool both_sides) {
   const std::size_t bricks = survey.bricks.size();
   return survey.stuffed.size() == bricks && survey.finest.size() == bricks &&
-         survey.sheets.size() == bricks && survey.fans.size() == (both_sides ? bricks : 0) &&
+         survey.counts.size() == bricks && survey.sheets.size() == bricks &&
+         survey.fans.size() == (both_sides ? bricks : 0) &&
          std::ranges::all_of(
              survey.sheets,
              [](const SurfaceSheet& sheet) { return sheet.later >> kLaterBricks == 0; }) &&
@@ -228,9 +229,9 @@ std::vector<std::byte> write_survey(const Survey& survey,
   out.sparse_column(survey.stuffed);
   out.sparse_column(survey.finest);
   out.sparse_column(survey.fans);
+  out.sparse_column(survey.counts);
   out.column(pack(survey.sheets));
   out.column(survey.thin);
-  out.row(survey.surface);
   out.row(std::uint64_t{survey.box_cuts_surface});
   out.row(std::uint64_t{survey.parts.size()});
   for (const PartsOfBrick& parts : survey.parts) write_parts(parts, out);
@@ -247,9 +248,9 @@ std::optional<Survey> read_survey(std::span<const std::byte> bytes,
   survey.stuffed = in.sparse_column<StuffedBrick>();
   survey.finest = in.sparse_column<BrickMask>();
   survey.fans = in.sparse_column<FanMasks>();
+  survey.counts = in.sparse_column<SurfaceCounts>();
   survey.sheets = unpack(in.column<std::uint32_t>());
   survey.thin = in.column<ThinBrick>();
-  survey.surface = in.row<SurfaceCounts>();
   survey.box_cuts_surface = in.row<std::uint64_t>() != 0;
   const auto parts = in.row<std::uint64_t>();
   for (std::uint64_t i = 0; i < parts; ++i) {

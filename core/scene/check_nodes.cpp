@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -142,6 +143,10 @@ void check(const Repeat& r, Complaints& is) {
   }
 }
 
+void check(const GridSolid& g, Complaints& is) {
+  if (g.iso) is.finite("iso", *g.iso);
+}
+
 absl::string_view kind_name(const PeriodicSurface& p) {
   constexpr std::array<absl::string_view, 3> kNames{"gyroid", "schwarz_p", "diamond"};
   return kNames[static_cast<std::size_t>(p.kind)];
@@ -159,9 +164,10 @@ absl::string_view kind_name(const Node& node) {
     return kind_name(*combination);
   }
   constexpr std::array<absl::string_view, std::variant_size_v<decltype(Node::kind)>> kNames{
-      "",     "sphere", "ellipsoid", "rounded_box", "cylinder",
-      "cone", "torus",  "capsule",   "half_space",  "",
-      "",     "offset", "shell",     "transform",   "repeat"};
+      "",           "sphere",    "ellipsoid", "rounded_box",
+      "cylinder",   "cone",      "torus",     "capsule",
+      "half_space", "",          "",          "offset",
+      "shell",      "transform", "repeat",    "grid"};
   return kNames[node.kind.index()];
 }
 
@@ -232,6 +238,20 @@ absl::Status check_count(const Description& description) {
                                                  " entries; the limit is ", Scene::kMaxNodes));
 }
 
+/// Of different ones, however often they are used.
+absl::Status check_grid_count(const Description& description) {
+  std::set<std::pair<std::string, std::string>> grids;
+  for (std::size_t i = 0; i < description.nodes.size(); ++i) {
+    const auto* grid = std::get_if<GridSolid>(&description.nodes[i].kind);
+    if (grid == nullptr) continue;
+    grids.emplace(grid->file, grid->name);
+    if (grids.size() <= Scene::kMaxGrids) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        path_of(description, i), " is one grid too many; the limit is ", Scene::kMaxGrids));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_depth(const Description& description, const Parts& parts) {
   std::vector<int> depth(parts.size(), 1);
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -277,7 +297,7 @@ absl::Status check_sizes(const Description& description) {
     std::visit([&](const auto& kind) { check(kind, complaints); }, node.kind);
     if (!complaints.status().ok()) return complaints.status();
   }
-  return absl::OkStatus();
+  return check_grid_count(description);
 }
 
 absl::StatusOr<Parts> find_parts(const Description& description) {

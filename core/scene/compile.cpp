@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 
 #include <absl/strings/str_format.h>
 
@@ -25,21 +27,6 @@ double instructions_of(const Node& node, double of_parts, double parts) {
   }
   return of_parts + (std::holds_alternative<Transform>(node.kind) ? 0 : 1) +
          (std::holds_alternative<PeriodicSurface>(node.kind) ? 1 : 0);
-}
-
-absl::Status check_instructions(const Description& description, const Parts& parts) {
-  std::vector<double> count(parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    double of_parts = 0;
-    for (const std::uint32_t part : parts[i]) of_parts += count[part];
-    count[i] =
-        instructions_of(description.nodes[i], of_parts, static_cast<double>(parts[i].size()));
-    if (count[i] <= static_cast<double>(Scene::kMaxInstructions)) continue;
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "%s is %.6g primitives and operators, every copy counted; the limit is %d",
-        path_of(description, i), count[i], Scene::kMaxInstructions));
-  }
-  return absl::OkStatus();
 }
 
 using Matrix = std::array<Triple, 3>;
@@ -102,6 +89,16 @@ Frame unscaled(const Frame& frame, const Triple& scale) {
   return out;
 }
 
+/// On to a grid's index space. The transpose of a rotation is its inverse.
+Frame to_voxels(const Frame& frame, const VoxelTransform& transform) {
+  const double per_square = 1 / (transform.voxel_size * transform.voxel_size);
+  Matrix linear{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) linear[i][k] = transform.linear[k][i] * per_square;
+  }
+  return then(moved(frame, transform.translation), linear, {0, 0, 0});
+}
+
 /// Writes the program, node by node from the last one down.
 class Compiler {
  public:
@@ -113,17 +110,18 @@ class Compiler {
     std::visit([&](const auto& kind) { write(node, kind, frame); },
                description_.nodes[node].kind);
   }
-  std::vector<Instruction> take() { return std::move(program_); }
+  Program take() { return {std::move(program_), std::move(grids_)}; }
 
  private:
   void leaf(std::uint32_t node, Op op, const Frame& frame, const Triple& size = {}) {
-    program_.push_back({op, next(), node, frame, size});
+    program_.push_back({op, next(), node, frame, size, 0});
   }
   /// Of what was written since `first`.
   void operate(std::uint32_t node, Op op, std::uint32_t first, double size = 0) {
     program_.push_back({
         op, first, node, { },
-           { size, 0, 0}
+           { size, 0, 0},
+           0
     });
   }
   std::uint32_t next() const { return static_cast<std::uint32_t>(program_.size()); }
@@ -176,6 +174,19 @@ class Compiler {
     if (p.thickness) operate(node, Op::kShell, first, frame.scale * *p.thickness / 2);
   }
 
+  void write(std::uint32_t node, const GridSolid& g, const Frame& frame) {
+    const double iso = g.iso.value_or(default_iso(g.volume->kind));
+    const double sign = g.volume->kind == VolumeKind::kFogVolume ? -1 : 1;
+    leaf(node, Op::kGrid, to_voxels(frame, g.volume->transform), {iso, sign, 0});
+    program_.back().grid = number_of(g.volume);
+  }
+  std::uint32_t number_of(const std::shared_ptr<const Volume>& grid) {
+    const auto known = std::find(grids_.begin(), grids_.end(), grid);
+    const auto number = static_cast<std::uint32_t>(known - grids_.begin());
+    if (known == grids_.end()) grids_.push_back(grid);
+    return number;
+  }
+
   void write(std::uint32_t node, const Combination& c, const Frame& frame) {
     const std::uint32_t first = next();
     const Op op = c.how == Combine::kUnion ? Op::kMin : Op::kMax;
@@ -218,13 +229,27 @@ class Compiler {
   const Description& description_;
   const Parts& parts_;
   std::vector<Instruction> program_;
+  std::vector<std::shared_ptr<const Volume>> grids_;
 };
 
 }  // namespace
 
-absl::StatusOr<std::vector<Instruction>> compile(const Description& description,
-                                                 const Parts& parts) {
-  if (auto status = check_instructions(description, parts); !status.ok()) return status;
+absl::Status check_instructions(const Description& description, const Parts& parts) {
+  std::vector<double> count(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    double of_parts = 0;
+    for (const std::uint32_t part : parts[i]) of_parts += count[part];
+    count[i] =
+        instructions_of(description.nodes[i], of_parts, static_cast<double>(parts[i].size()));
+    if (count[i] <= static_cast<double>(Scene::kMaxInstructions)) continue;
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%s is %.6g primitives and operators, every copy counted; the limit is %d",
+        path_of(description, i), count[i], Scene::kMaxInstructions));
+  }
+  return absl::OkStatus();
+}
+
+Program compile(const Description& description, const Parts& parts) {
   Compiler compiler(description, parts);
   compiler.add(static_cast<std::uint32_t>(parts.size() - 1), {});
   return compiler.take();

@@ -1,9 +1,10 @@
 // From a scene's nodes to a program.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include <absl/status/statusor.h>
+#include <absl/status/status.h>
 
 #include "core/scene/check_nodes.h"
 #include "core/scene/instruction.h"
@@ -11,10 +12,16 @@
 
 namespace tet::scene {
 
-/// The program of a checked description: transforms are laid into the frames of the primitives
-/// below them, and repetitions are written out. Error: kInvalidArgument (more than
-/// Scene::kMaxInstructions).
-absl::StatusOr<std::vector<Instruction>> compile(const Description& description,
-                                                 const Parts& parts);
+struct Program {
+  std::vector<Instruction> instructions;
+  std::vector<std::shared_ptr<const Volume>> grids;  ///< each once, by their numbers
+};
+
+/// Error: kInvalidArgument (more than Scene::kMaxInstructions, every copy counted).
+absl::Status check_instructions(const Description& description, const Parts& parts);
+
+/// The program of a checked description: transforms are laid into the frames of the leaves
+/// below them, and repetitions are written out. Its grids are loaded.
+Program compile(const Description& description, const Parts& parts);
 
 }  // namespace tet::scene

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "core/grid/value_box.h"
 #include "core/scene/scene_nodes.h"
 
 namespace tet::scene {
@@ -93,25 +95,53 @@ Extent half_space(const Instruction& leaf, double level) {
   return out;
 }
 
-/// Where a leaf's phi is below `level`, world units.
-Extent leaf_extent(const Instruction& leaf, double level) {
-  const double own_level = level / leaf.frame.scale;
-  if (leaf.op == Op::kHalfSpace) return half_space(leaf, own_level);
-  const Triple half = half_edges(leaf, own_level);
-  if (half[0] == kInf) return {};
+/// Where a primitive's phi is below `level`, in its own units and frame.
+Extent own_extent(const Instruction& leaf, double level) {
+  const Triple half = half_edges(leaf, level);
   if (half[0] < 0 || half[1] < 0 || half[2] < 0) return Extent::nothing();
-  const Matrix3 to_world = inverse(leaf.frame.linear);
+  return {
+      {-half[0], -half[1], -half[2]},
+      half
+  };
+}
+
+/// The same of a grid, in its index space: no zero is a voxel away from all that is inside.
+Extent own_extent(const Instruction& leaf, double level, const Volume& volume) {
+  const auto& [iso, sign, unused] = leaf.size;
+  const WantedValues wanted =
+      sign > 0 ? WantedValues{-kInf, iso + level} : WantedValues{iso - level, kInf};
+  if (wanted.have(volume.background)) return {};
+  const auto [min, max] = box_of_values(volume, wanted);
+  if (min.x > max.x) return Extent::nothing();
+  return {
+      {min.x - 1.0, min.y - 1.0, min.z - 1.0},
+      {max.x + 1.0, max.y + 1.0, max.z + 1.0}
+  };
+}
+
+Extent to_world(const Frame& frame, const Extent& own) {
+  if (own.empty() || own.min[0] == -kInf) return own;
+  const Matrix3 linear = inverse(frame.linear);
   Extent out;
   for (std::size_t i = 0; i < 3; ++i) {
     double centre = 0, reach = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      centre -= to_world[i][k] * leaf.frame.translation[k];
-      reach += std::abs(to_world[i][k]) * half[k];
+      centre += linear[i][k] * ((own.min[k] + own.max[k]) / 2 - frame.translation[k]);
+      reach += std::abs(linear[i][k]) * (own.max[k] - own.min[k]) / 2;
     }
     out.min[i] = centre - reach;
     out.max[i] = centre + reach;
   }
   return out;
+}
+
+/// Where a leaf's phi is below `level`, world units.
+Extent leaf_extent(const Instruction& leaf, double level, std::span<const GridSource> grids) {
+  const double own_level = level / leaf.frame.scale;
+  if (leaf.op == Op::kHalfSpace) return half_space(leaf, own_level);
+  return to_world(leaf.frame, leaf.op == Op::kGrid
+                                  ? own_extent(leaf, own_level, *grids[leaf.grid].volume)
+                                  : own_extent(leaf, own_level));
 }
 
 /// The level below which an operator's parts must be for its own value to be below `level`.
@@ -142,13 +172,13 @@ std::vector<double> levels_of(const std::vector<Instruction>& program) {
 
 }  // namespace
 
-WorldBox extent_of(const std::vector<Instruction>& program) {
+WorldBox extent_of(const std::vector<Instruction>& program, std::span<const GridSource> grids) {
   const std::vector<double> levels = levels_of(program);
   std::vector<Extent> stack;
   for (std::size_t i = 0; i < program.size(); ++i) {
     const Instruction& op = program[i];
     if (is_leaf(op.op)) {
-      stack.push_back(leaf_extent(op, levels[i]));
+      stack.push_back(leaf_extent(op, levels[i], grids));
     } else if (is_binary(op.op)) {
       const Extent right = stack.back();
       stack.pop_back();
@@ -165,9 +195,11 @@ WorldBox extent_of(const std::vector<Instruction>& program) {
   };
 }
 
-std::size_t endless_node(const std::vector<Instruction>& program) {
-  const auto endless = [](const Instruction& op) {
-    return is_leaf(op.op) && half_edges(op, 0)[0] == kInf;
+std::size_t endless_node(const std::vector<Instruction>& program,
+                         std::span<const GridSource> grids) {
+  const auto endless = [&](const Instruction& op) {
+    if (!is_leaf(op.op)) return false;
+    return op.op == Op::kHalfSpace || leaf_extent(op, 0, grids).min[0] == -kInf;
   };
   const auto found = std::find_if(program.begin(), program.end(), endless);
   return found == program.end() ? program.back().node : found->node;

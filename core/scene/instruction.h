@@ -20,6 +20,7 @@ enum class Op : std::uint8_t {
   kGyroid,
   kSchwarzP,
   kDiamond,
+  kGrid,
   // Of one column.
   kNegate,
   kOffset,
@@ -38,9 +39,11 @@ struct Frame {
       {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
   };
   std::array<double, 3> translation{};
-  /// World units for one of the primitive's: its values are multiplied by this, so that none
-  /// changes faster than one per world unit.
+  /// World units for one of the primitive's: its values are multiplied by this, so that none of
+  /// a primitive changes faster than one per world unit.
   double scale = 1;
+
+  friend bool operator==(const Frame&, const Frame&) = default;
 };
 
 struct Instruction {
@@ -50,10 +53,16 @@ struct Instruction {
   std::uint32_t first = 0;
   std::uint32_t node = 0;  ///< of the description
   Frame frame;             ///< leaves only
-  /// Of a leaf, in its own units: see primitives.cpp; of an operator, in world units: the
-  /// distance, half the thickness, or the smoothing.
+  /// Of a leaf, in its own units: see primitives.cpp and grid_sampler.cpp; of an operator, in
+  /// world units: the distance, half the thickness, or the smoothing.
   std::array<double, 3> size{};
+  std::uint32_t grid = 0;  ///< of the scene's, which a kGrid samples
 };
+
+/// Whether two make the same value of the same operands; if they sample grids, of the same one.
+inline bool same_values(const Instruction& a, const Instruction& b) noexcept {
+  return a.op == b.op && a.frame == b.frame && a.size == b.size;
+}
 
 /// Points are evaluated up to this many at a time: a slice of a brick and its halo, 13 * 13.
 inline constexpr std::size_t kMaxPoints = 176;

@@ -145,10 +145,10 @@ void diamond(const Instruction& leaf, const Points& p, std::size_t n, Values& ou
 
 }  // namespace
 
-void evaluate_leaf(const Instruction& leaf,
-                   const Points& points,
-                   std::size_t count,
-                   Values& values) noexcept {
+void evaluate_primitive(const Instruction& leaf,
+                        const Points& points,
+                        std::size_t count,
+                        Values& values) noexcept {
   switch (leaf.op) {
     case Op::kSphere:
       return sphere(leaf, points, count, values);

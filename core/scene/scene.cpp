@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include <absl/strings/str_cat.h>
 
 #include "core/scene/check_nodes.h"
 #include "core/scene/compile.h"
 #include "core/scene/extent.h"
+#include "core/scene/grid_levels.h"
 
 namespace tet {
 namespace {
@@ -29,20 +31,50 @@ bool is_infinite(const WorldBox& box) {
   return box.min.x < box.max.x && (any(box.min) || any(box.max));
 }
 
+absl::StatusOr<scene::Parts> checked_parts(const scene::Description& description) {
+  if (auto status = scene::check_sizes(description); !status.ok()) return status;
+  absl::StatusOr<scene::Parts> parts = scene::find_parts(description);
+  if (!parts.ok()) return parts.status();
+  if (auto status = scene::check_instructions(description, *parts); !status.ok()) return status;
+  return parts;
+}
+
 }  // namespace
 
+std::vector<scene::GridSolid*> scene::Description::grids() {
+  std::vector<GridSolid*> found;
+  for (Node& node : nodes) {
+    if (auto* grid = std::get_if<GridSolid>(&node.kind)) found.push_back(grid);
+  }
+  return found;
+}
+
+bool scene::Description::has_grids() const {
+  return std::any_of(nodes.begin(), nodes.end(), [](const Node& node) {
+    return std::holds_alternative<GridSolid>(node.kind);
+  });
+}
+
+absl::Status check_scene(const scene::Description& description) {
+  return checked_parts(description).status();
+}
+
 absl::StatusOr<Scene> make_scene(const scene::Description& description) {
-  if (auto status = scene::check_sizes(description); !status.ok()) return status;
-  const absl::StatusOr<scene::Parts> parts = scene::find_parts(description);
+  const absl::StatusOr<scene::Parts> parts = checked_parts(description);
   if (!parts.ok()) return parts.status();
-  absl::StatusOr<std::vector<scene::Instruction>> program = scene::compile(description, *parts);
-  if (!program.ok()) return program.status();
+  if (auto status = scene::check_loaded(description); !status.ok()) return status;
+  scene::Program program = scene::compile(description, *parts);
   Scene made;
-  made.program = *std::move(program);
+  made.program = std::move(program.instructions);
+  for (auto& grid : program.grids) made.grids.emplace_back(std::move(grid));
+  if (auto status = scene::check_grid_levels(description, made.program, made.grids);
+      !status.ok()) {
+    return status;
+  }
   made.stack_depth = deepest_stack(made.program);
-  made.extent = scene::extent_of(made.program);
+  made.extent = scene::extent_of(made.program, made.grids);
   if (is_infinite(made.extent)) {
-    made.endless = scene::path_of(description, scene::endless_node(made.program));
+    made.endless = scene::path_of(description, scene::endless_node(made.program, made.grids));
   }
   return made;
 }

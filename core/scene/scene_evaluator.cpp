@@ -28,62 +28,88 @@ SceneEvaluator::SceneEvaluator(const Scene& scene)
     : scene_(&scene),
       all_(scene.program.size()),
       stack_(scene.stack_depth + 1),
-      values_(scene.program.size()),
+      bounds_stack_(scene.stack_depth + 1),
+      intervals_(scene.program.size()),
       wanted_(scene.program.size()) {
   std::iota(all_.begin(), all_.end(), 0U);
   active_ = all_;
+  for (const scene::GridSource& grid : scene.grids) grids_.emplace_back(grid);
 }
 
-/// The program's values at a point, one instruction after another.
-void SceneEvaluator::evaluate_each(const WorldPoint& p) noexcept {
-  const scene::Points points = one_point(p);
-  scene::Values left, right;
-  for (std::uint32_t i = 0; i < values_.size(); ++i) {
+void SceneEvaluator::evaluate_leaf(const Instruction& leaf,
+                                   const scene::Points& points,
+                                   std::size_t count,
+                                   scene::Values& values) noexcept {
+  if (leaf.op == Op::kGrid) return grids_[leaf.grid].evaluate(leaf, points, count, values);
+  evaluate_primitive(leaf, points, count, values);
+}
+
+void SceneEvaluator::bound_leaf(const Instruction& leaf,
+                                const scene::Points& points,
+                                std::size_t count,
+                                double half_edge,
+                                scene::PhiBounds& bounds) noexcept {
+  if (leaf.op == Op::kGrid) {
+    return grids_[leaf.grid].bound(leaf, points, count, half_edge, bounds.low, bounds.high);
+  }
+  evaluate_primitive(leaf, points, count, bounds.low);
+  bound_primitive(half_edge, count, bounds);
+}
+
+/// The program's values around the focus, one instruction after another.
+void SceneEvaluator::bound_each(double half_edge) noexcept {
+  const scene::Points points = one_point(centre_);
+  scene::PhiBounds &left = bounds_stack_[0], &right = bounds_stack_[1];
+  const auto load = [&](std::uint32_t i, scene::PhiBounds& bounds) {
+    bounds.low.at[0] = intervals_[i].low;
+    bounds.high.at[0] = intervals_[i].high;
+  };
+  for (std::uint32_t i = 0; i < intervals_.size(); ++i) {
     const Instruction& op = scene_->program[i];
     if (is_leaf(op.op)) {
-      evaluate_leaf(op, points, 1, left);
+      bound_leaf(op, points, 1, half_edge, left);
     } else if (is_binary(op.op)) {
-      left.at[0] = values_[left_of(i)];
-      right.at[0] = values_[i - 1];
-      apply_binary(op, 1, left, right);
+      load(left_of(i), left);
+      load(i - 1, right);
+      bound_binary(op, 1, left, right);
     } else {
-      left.at[0] = values_[i - 1];
-      apply_unary(op, 1, left);
+      load(i - 1, left);
+      bound_unary(op, 1, left);
     }
-    values_[i] = left.at[0];
+    intervals_[i] = {left.low.at[0], left.high.at[0]};
   }
 }
 
-std::uint32_t SceneEvaluator::only_part(std::uint32_t op,
-                                        double reach,
-                                        double rounding) const noexcept {
+std::uint32_t SceneEvaluator::only_part(std::uint32_t op, double rounding) const noexcept {
   const Instruction& binary = scene_->program[op];
   const std::uint32_t left = left_of(op), right = op - 1;
-  const double sign = binary.op == Op::kMin ? 1 : -1;
-  const double a = sign * values_[left], b = sign * values_[right];
-  // Either value moves by as much as the point does; beyond the blend nothing is left of the
-  // other.
-  const double matters = binary.size[0] + 2 * reach + rounding * (std::abs(a) + std::abs(b));
-  if (b - a > matters) return left + 1;
-  return a - b > matters ? right + 1 : 0;
+  const bool smaller = binary.op == Op::kMin;
+  // Beyond the blend nothing is left of the one that is farther from being chosen.
+  const auto alone = [&](const Interval& one, const Interval& other) {
+    const double apart = smaller ? other.low - one.high : one.low - other.high;
+    const double size = std::max(std::abs(one.low), std::abs(one.high)) +
+                        std::max(std::abs(other.low), std::abs(other.high));
+    return apart > binary.size[0] + rounding * size;
+  };
+  if (alone(intervals_[left], intervals_[right])) return left + 1;
+  return alone(intervals_[right], intervals_[left]) ? right + 1 : 0;
 }
 
-void SceneEvaluator::focus(const WorldPoint& centre, double reach) noexcept {
+void SceneEvaluator::focus(const WorldPoint& centre, double half_edge) noexcept {
   if (scene_->program.size() == 1) return;
   centre_ = centre;
-  reach_ = reach;
-  evaluate_each(centre);
+  half_edge_ = half_edge;
   // Far more than the values' own errors: whoever is left out must not matter by a single bit.
   constexpr double kRounding = 1e-9;
-  const double room = reach + kRounding * (reach + std::abs(centre.x) + std::abs(centre.y) +
-                                           std::abs(centre.z));
+  bound_each(half_edge + kRounding * (half_edge + std::abs(centre.x) + std::abs(centre.y) +
+                                      std::abs(centre.z)));
   std::fill(wanted_.begin(), wanted_.end(), false);
   wanted_.back() = true;
   active_.clear();
   for (auto i = static_cast<std::uint32_t>(wanted_.size()); i-- > 0;) {
     if (!wanted_[i]) continue;
     const Op op = scene_->program[i].op;
-    const std::uint32_t only = is_binary(op) ? only_part(i, room, kRounding) : 0;
+    const std::uint32_t only = is_binary(op) ? only_part(i, kRounding) : 0;
     if (only != 0) {
       wanted_[only - 1] = true;
       continue;
@@ -93,6 +119,15 @@ void SceneEvaluator::focus(const WorldPoint& centre, double reach) noexcept {
     if (is_binary(op)) wanted_[left_of(i)] = true;
   }
   std::reverse(active_.begin(), active_.end());
+}
+
+bool SceneEvaluator::same_in_focus(const SceneEvaluator& other) const noexcept {
+  return std::ranges::equal(active_, other.active_, [&](std::uint32_t i, std::uint32_t j) {
+    const Instruction &a = scene_->program[i], &b = other.scene_->program[j];
+    if (!scene::same_values(a, b)) return false;
+    return a.op != Op::kGrid ||
+           scene_->grids[a.grid].volume == other.scene_->grids[b.grid].volume;
+  });
 }
 
 const double* SceneEvaluator::run(const std::vector<std::uint32_t>& program,
@@ -118,9 +153,29 @@ const double* SceneEvaluator::evaluate(const scene::Points& points,
   return run(active_, points, count);
 }
 
+const scene::PhiBounds& SceneEvaluator::bounds(const scene::Points& points,
+                                               std::size_t count,
+                                               double half_edge) noexcept {
+  scene::PhiBounds* top = bounds_stack_.data();  // as in `run`
+  for (const std::uint32_t i : active_) {
+    const Instruction& op = scene_->program[i];
+    if (is_leaf(op.op)) {
+      bound_leaf(op, points, count, half_edge, *++top);
+    } else if (is_binary(op.op)) {
+      --top;
+      bound_binary(op, count, *top, top[1]);
+    } else {
+      bound_unary(op, count, *top);
+    }
+  }
+  return *top;
+}
+
 double SceneEvaluator::at(const WorldPoint& p) noexcept {
-  const double x = p.x - centre_.x, y = p.y - centre_.y, z = p.z - centre_.z;
-  const bool in_focus = x * x + y * y + z * z <= reach_ * reach_;
+  const auto near = [&](double at, double middle) {
+    return std::abs(at - middle) <= half_edge_;
+  };
+  const bool in_focus = near(p.x, centre_.x) && near(p.y, centre_.y) && near(p.z, centre_.z);
   return *run(in_focus ? active_ : all_, one_point(p), 1);
 }
 

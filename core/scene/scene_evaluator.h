@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/scene/grid_sampler.h"
 #include "core/scene/instruction.h"
 #include "core/scene/scene.h"
+#include "core/scene/scene_bounds.h"
 
 namespace tet {
 
@@ -20,13 +22,22 @@ class SceneEvaluator {
  public:
   explicit SceneEvaluator(const Scene& scene);
 
-  /// Until the next focus most points lie within `reach` of `centre`: parts that cannot matter
+  /// Until the next focus most points lie in the cube around `centre`: parts that cannot matter
   /// there are left out. At first everywhere is in focus.
-  void focus(const WorldPoint& centre, double reach) noexcept;
+  void focus(const WorldPoint& centre, double half_edge) noexcept;
+
+  /// True only if the two have the same values at every point that both are focused on.
+  bool same_in_focus(const SceneEvaluator& other) const noexcept;
 
   /// phi of the first `count` points of `points`, all of them in focus; they stay until the
   /// next call.
   const double* evaluate(const scene::Points& points, std::size_t count) noexcept;
+
+  /// Bounds of phi in the cubes around those points, all of them in focus; they stay until the
+  /// next call.
+  const scene::PhiBounds& bounds(const scene::Points& points,
+                                 std::size_t count,
+                                 double half_edge) noexcept;
 
   /// phi at any point, in focus or not.
   double at(const WorldPoint& p) noexcept;
@@ -34,19 +45,34 @@ class SceneEvaluator {
  private:
   const Scene* scene_;
   WorldPoint centre_;  ///< of the focus
-  double reach_ = std::numeric_limits<double>::infinity();
+  double half_edge_ = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> active_;  ///< instructions of the focus, in order
   std::vector<std::uint32_t> all_;
+  std::vector<scene::GridSampler> grids_;  ///< of the scene's, by their numbers
   std::vector<scene::Values> stack_;
-  std::vector<double> values_;  ///< of each instruction, where it is focused
+  std::vector<scene::PhiBounds> bounds_stack_;
+  /// Of each instruction where it is focused.
+  struct Interval {
+    double low = 0, high = 0;
+  };
+  std::vector<Interval> intervals_;
   std::vector<bool> wanted_;
 
   const double* run(const std::vector<std::uint32_t>& program,
                     const scene::Points& points,
                     std::size_t count) noexcept;
-  void evaluate_each(const WorldPoint& p) noexcept;
-  /// Which of a binary operator's parts alone is its value within `reach`: 0 where both are.
-  std::uint32_t only_part(std::uint32_t op, double reach, double rounding) const noexcept;
+  void evaluate_leaf(const scene::Instruction& leaf,
+                     const scene::Points& points,
+                     std::size_t count,
+                     scene::Values& values) noexcept;
+  void bound_leaf(const scene::Instruction& leaf,
+                  const scene::Points& points,
+                  std::size_t count,
+                  double half_edge,
+                  scene::PhiBounds& bounds) noexcept;
+  void bound_each(double half_edge) noexcept;
+  /// Which of a binary operator's parts alone is its value in the focus: 0 where both are.
+  std::uint32_t only_part(std::uint32_t op, double rounding) const noexcept;
   std::uint32_t left_of(std::uint32_t op) const noexcept {
     return scene_->program[op - 1].first - 1;
   }

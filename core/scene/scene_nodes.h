@@ -6,10 +6,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "core/grid/volume.h"
 
 namespace tet::scene {
 
@@ -81,6 +84,14 @@ struct Repeat {
   Triple step{};
 };
 
+/// A stored solid: what is inside of a grid at its iso value.
+struct GridSolid {
+  std::string file;                                ///< for whoever loads it
+  std::string name;                                ///< within the file; empty: its only one
+  std::optional<double> iso;                       ///< the grid's default_iso unless given
+  std::shared_ptr<const Volume> volume = nullptr;  ///< loaded before the scene is made
+};
+
 struct Node {
   std::string name;  ///< may be empty where nothing refers to it
   std::variant<std::monostate,
@@ -97,13 +108,18 @@ struct Node {
                Offset,
                Shell,
                Transform,
-               Repeat>
+               Repeat,
+               GridSolid>
       kind;
 };
 
 /// Nodes refer to earlier ones only, so that there are no cycles; the last one is the scene.
 struct Description {
   std::vector<Node> nodes;
+
+  /// Nodes that are grids, in their order.
+  std::vector<GridSolid*> grids();
+  bool has_grids() const;
 };
 
 }  // namespace tet::scene

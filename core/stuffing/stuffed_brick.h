@@ -20,6 +20,8 @@ inline constexpr HaloSet kCellsAround = halo_cube(kNodeMin, 7);
 struct StuffingRules {
   WarpLimits limits;
   bool both_sides = false;  ///< the outside is meshed too
+
+  friend bool operator==(const StuffingRules&, const StuffingRules&) = default;
 };
 
 /// Signs of a brick's own nodes after the warp, and its own cut points. All other nodes are

@@ -15,6 +15,8 @@ namespace tet {
 struct WarpLimits {
   float alpha_long = 0.25F;
   float alpha_short = 0.35F;
+
+  friend bool operator==(const WarpLimits&, const WarpLimits&) = default;
 };
 
 /// The lattice after the warp; sets are valid for nodes in [kNodeMin, kNodeMax]^3.

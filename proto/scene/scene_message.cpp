@@ -72,6 +72,12 @@ class NodeReader {
     return repeat;
   }
 
+  scene::GridSolid grid(const v1::GridSolid& given) {
+    scene::GridSolid grid{given.name(), given.grid_name(), {}, nullptr};
+    if (given.has_iso()) grid.iso = given.iso();
+    return grid;
+  }
+
   const v1::SceneNode& node_;
   std::string complaint_;
 };
@@ -117,12 +123,12 @@ decltype(scene::Node::kind) NodeReader::kind() {
       return transform(node_.transform());
     case v1::SceneNode::kRepeat:
       return repeat(node_.repeat());
+    case v1::SceneNode::kGrid:
+      return grid(node_.grid());
     default:
       return std::monostate{};
   }
 }
-
-}  // namespace
 
 absl::StatusOr<scene::Description> to_description(const v1::Scene& message) {
   scene::Description description;
@@ -135,10 +141,13 @@ absl::StatusOr<scene::Description> to_description(const v1::Scene& message) {
   return description;
 }
 
-absl::StatusOr<Scene> scene_of_message(const v1::Scene& message) {
-  const absl::StatusOr<scene::Description> description = to_description(message);
-  if (!description.ok()) return description.status();
-  return make_scene(*description);
+}  // namespace
+
+absl::StatusOr<scene::Description> description_of_message(const v1::Scene& message) {
+  absl::StatusOr<scene::Description> description = to_description(message);
+  if (!description.ok()) return description;
+  if (auto status = check_scene(*description); !status.ok()) return status;
+  return description;
 }
 
 absl::StatusOr<v1::Scene> scene_from_json(const std::string& json) {

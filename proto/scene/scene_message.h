@@ -11,11 +11,11 @@
 
 namespace tet {
 
-/// Errors: kInvalidArgument (a list of other than 3 numbers; begins with the field).
-absl::StatusOr<scene::Description> to_description(const ::tetstream::v1::Scene& message);
-
-/// Errors: those of to_description and make_scene.
-absl::StatusOr<Scene> scene_of_message(const ::tetstream::v1::Scene& message);
+/// Whose grids are not loaded: their files are the names that the message gives. Errors:
+/// kInvalidArgument (a list of other than 3 numbers; begins with the field), and that of
+/// check_scene.
+absl::StatusOr<scene::Description> description_of_message(
+    const ::tetstream::v1::Scene& message);
 
 /// From protobuf's JSON mapping; field names may be as in the .proto file, or in camelCase.
 /// Errors: kInvalidArgument (no such JSON; says where).

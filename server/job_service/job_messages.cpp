@@ -4,6 +4,7 @@
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 #include <absl/time/clock.h>
 #include <google/protobuf/util/time_util.h>
 
@@ -81,10 +82,6 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   if (auto status = check_unset(job); !status.ok()) return status;
   const auto mesh = parse_mesh_request(job.mesh());
   if (!mesh.ok()) return within_field("mesh", mesh.status());
-  if (mesh->scene != nullptr) {
-    return invalid_field(
-        "mesh.scene is for StreamMesh and EstimateMesh: jobs mesh stored grids");
-  }
   const auto ttl = parse_span(job.has_ttl(), job.ttl(), "ttl");
   if (!ttl.ok()) return ttl.status();
   const auto timeout = parse_span(job.has_timeout(), job.timeout(), "timeout");
@@ -97,7 +94,7 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   NewJob wanted;
   wanted.display_name = job.display_name();
   wanted.spec = spec.SerializeAsString();
-  wanted.input = mesh->digest;
+  wanted.input = absl::StrJoin(files_of(*mesh), " ");
   wanted.labels = {job.labels().begin(), job.labels().end()};
   wanted.priority = job.priority();
   wanted.ttl = *ttl;

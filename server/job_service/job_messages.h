@@ -18,7 +18,7 @@ namespace tet {
 /// The id within `jobs/{id}`.
 absl::StatusOr<std::string> parse_job_name(const std::string& name);
 
-/// Its input is the digest of the file to be meshed.
+/// Its input names the digests of all files that it reads.
 absl::StatusOr<NewJob> parse_create(const v1::CreateJobRequest& request,
                                     const std::string& space);
 absl::StatusOr<ListJobs> parse_list(const v1::ListJobsRequest& request,

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
 
 #include "server/job_service/job_messages.h"
 #include "server/job_service/job_wait.h"
@@ -36,6 +38,19 @@ absl::Status tell(JobDesk& desk,
   return absl::IsNotFound(position.status()) ? absl::OkStatus() : position.status();
 }
 
+/// All of them. Errors: those of GridStore::acquire.
+absl::StatusOr<std::vector<GridLease>> acquire(GridStore& grids,
+                                               const std::string& space,
+                                               const std::vector<std::string>& digests) {
+  std::vector<GridLease> held;
+  for (const std::string& digest : digests) {
+    auto grid = grids.acquire({space, digest});
+    if (!grid.ok()) return grid.status();
+    held.push_back(*std::move(grid));
+  }
+  return held;
+}
+
 absl::Status create(JobDesk& desk,
                     GridStore& grids,
                     Call& call,
@@ -47,16 +62,17 @@ absl::Status create(JobDesk& desk,
   if (const absl::Status health = desk.health.status(); !health.ok()) {
     return with_retry(health, kAskAgain);
   }
-  // Held until the store knows that the job needs it.
-  const auto grid = grids.acquire({call.space(), wanted->input});
-  if (!grid.ok()) return grid.status();
+  // Held until the store knows that the job needs them.
+  const auto held =
+      acquire(grids, call.space(), absl::StrSplit(wanted->input, ' ', absl::SkipEmpty()));
+  if (!held.ok()) return held.status();
   const auto created = desk.jobs.create(*wanted);
   if (!created.ok()) return within_field("job", created.status());
   call.note("job", created->job.id);
   return tell(desk, created->job, response, kMostCounted);
 }
 
-/// Needs the grid only if there is something to be made.
+/// Needs the grids only if there is something to be made.
 absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& response) {
   const auto lost = desk.lost_chunks(job);
   if (!lost.ok()) return lost.status();
@@ -64,7 +80,7 @@ absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& res
   if (!spec.ok()) return spec.status();
   const auto order = order_of(job, *spec);
   if (!order.ok()) return order.status();
-  const auto grid = grids.acquire({job.space, order->digest});
+  const auto grid = acquire(grids, job.space, files_of(*order));
   const bool is_done = job.state == JobState::kSucceeded && lost->empty();
   if (!grid.ok() && is_finished(job.state) && !is_done) return grid.status();
   return tell(desk, desk.jobs.retry(job.id, *lost), response, kMostCounted);

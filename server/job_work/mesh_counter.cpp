@@ -14,12 +14,11 @@ absl::StatusOr<PlannedMesh> MeshCounter::count(const CountOrder& order,
                                                SurveyedBlocks surveyed) {
   const std::lock_guard one_at_a_time(counting_);
   std::promise<absl::StatusOr<PlannedMesh>> promise;
-  engine_.planner.plan(
-      background_client(order.mesh.space), order.mesh, order.watch,
-      [&promise](absl::StatusOr<PlannedMesh> planned) {
-        promise.set_value(std::move(planned));
-      },
-      std::move(surveyed));
+  engine_.planner.plan(background_client(order.mesh.space), order.mesh, order.watch,
+                       [&promise](absl::StatusOr<PlannedMesh> planned) {
+                         promise.set_value(std::move(planned));
+                       },
+                       {.blocks = std::move(surveyed)});
   return promise.get_future().get();
 }
 

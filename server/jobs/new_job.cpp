@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxIdBytes = 128;
 constexpr std::size_t kMaxNameBytes = 256;
+constexpr std::size_t kMaxInputBytes = 2 << 10;
 constexpr std::size_t kMaxSpecBytes = 64 << 10;
 constexpr std::size_t kMaxLabels = 32;
 constexpr std::size_t kMaxLabelBytes = 63;
@@ -55,8 +56,10 @@ absl::Status check_positive(const std::string& field, absl::Duration value) {
       absl::StrCat(field, " ", absl::FormatDuration(value), " is not positive"));
 }
 
-absl::Status check_text(const std::string& field, const std::string& text) {
-  if (auto status = check_size(field, text.size(), kMaxIdBytes); !status.ok()) return status;
+absl::Status check_text(const std::string& field,
+                        const std::string& text,
+                        std::size_t limit = kMaxIdBytes) {
+  if (auto status = check_size(field, text.size(), limit); !status.ok()) return status;
   if (is_printable(text)) return absl::OkStatus();
   return invalid_field(
       absl::StrCat(field, " '", absl::CHexEscape(text), "' is not printable ASCII"));
@@ -96,14 +99,14 @@ absl::Status check_labels(const Labels& labels) {
 
 absl::Status check(const NewJob& job) {
   if (job.space.empty()) return invalid_field("namespace is empty");
-  return first_error({check_text("namespace", job.space),
-                      check_text("request_id", job.request_id), check_text("input", job.input),
-                      check_size("display_name", job.display_name.size(), kMaxNameBytes),
-                      check_size("spec", job.spec.size(), kMaxSpecBytes),
-                      check_labels(job.labels),
-                      check_range("priority", job.priority, -kMaxPriority, kMaxPriority),
-                      check_range("max_attempts", job.max_attempts, 1, kMaxAttempts),
-                      check_positive("ttl", job.ttl), check_positive("timeout", job.timeout)});
+  return first_error(
+      {check_text("namespace", job.space), check_text("request_id", job.request_id),
+       check_text("input", job.input, kMaxInputBytes),
+       check_size("display_name", job.display_name.size(), kMaxNameBytes),
+       check_size("spec", job.spec.size(), kMaxSpecBytes), check_labels(job.labels),
+       check_range("priority", job.priority, -kMaxPriority, kMaxPriority),
+       check_range("max_attempts", job.max_attempts, 1, kMaxAttempts),
+       check_positive("ttl", job.ttl), check_positive("timeout", job.timeout)});
 }
 
 absl::Status check(const Plan& plan) {

@@ -1,6 +1,7 @@
 // The store for whoever stops jobs: clients, the clock, and the broom. And for whoever counts
 // them.
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
 
 #include "server/jobs/queue_rows.h"
 #include "server/jobs/sql_job_store.h"
@@ -195,7 +196,11 @@ absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
     const auto found =
         t.run("SELECT DISTINCT space, input FROM jobs WHERE state <= 2 AND input <> ''");
-    for (const SqlRow& row : found.rows) inputs.insert({row.text(0), row.text(1)});
+    for (const SqlRow& row : found.rows) {
+      for (const absl::string_view name : absl::StrSplit(row.text(1), ' ')) {
+        inputs.insert({row.text(0), std::string(name)});
+      }
+    }
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

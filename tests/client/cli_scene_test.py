@@ -4,9 +4,11 @@
 """
 
 import filecmp
+import hashlib
 import json
 import math
 import pathlib
+import shutil
 import unittest
 
 from command_case import REFUSED, CommandTest, ServerTest
@@ -15,6 +17,18 @@ EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "docs" / "scenes"
 BALL = {"nodes": [{"sphere": {"radius": 1}}]}
 TORUS_WITHOUT_A_TUBE = {"nodes": [{"torus": {"major_radius": 1}}]}
 GYROID = {"nodes": [{"gyroid": {"period": 1}}]}
+
+
+def bored(name, **grid):
+    """A grid with a hole through it."""
+    return {"nodes": [{"name": "scan", "grid": {"name": str(name), **grid}},
+                      {"name": "rod", "cylinder": {"radius": 0.4, "height": 3}},
+                      {"difference": {"of": ["scan", "rod"]}}]}
+
+
+def grown(name, by):
+    return {"nodes": [{"name": "scan", "grid": {"name": name}},
+                      {"offset": {"of": "scan", "distance": by}}]}
 
 
 class SceneTest(CommandTest):
@@ -30,13 +44,14 @@ class SceneTest(CommandTest):
         self.assert_fails(self.mesh("scene.json", ".vtu", *options), REFUSED, *words)
 
 
-class Scenes(SceneTest):
-    def report(self, scene, *options):
+    def report(self, scene, *options, **process):
         report = self.out / "report.json"
         self.assert_done(self.tetstream(
-            "mesh", scene, "-o", self.out / "mesh.vtu", "--report", report, *options))
+            "mesh", scene, "-o", self.out / "mesh.vtu", "--report", report, *options, **process))
         return json.loads(report.read_text())
 
+
+class Scenes(SceneTest):
     def test_meshes_a_ball_by_a_128th_of_its_extent(self):
         report = self.report(self.write_scene(BALL))
         self.assertAlmostEqual(report["spacing"], 2 / 128)
@@ -87,7 +102,7 @@ class Scenes(SceneTest):
         self.refuse(BALL, "the scene reaches 1e+15 spacings", options=("--spacing", "1e-15"))
 
     def test_refuses_options_for_grids(self):
-        self.refuse(BALL, "no grids", options=("--grid", "a"))
+        self.refuse(BALL, "a scene names its grids itself", options=("--grid", "a"))
         self.refuse(BALL, "--spacing", options=("--voxel", "1"))
         self.refuse(BALL, "iso 1 is for grids", options=("--iso", "1"))
 
@@ -95,7 +110,65 @@ class Scenes(SceneTest):
         self.assert_fails(self.mesh("none.json"), REFUSED, "none.json", "No such file")
 
 
+class ScenesOfGrids(SceneTest):
+    volumes = {"sphere": 0.05, "vec3": 0.2}
+
+    def test_bores_a_hole_through_a_grid(self):
+        for options in ((), ("--trust",)):
+            report = self.report(self.write_scene(bored("sphere.vdb")), *options)
+            self.assertEqual(report["boundary"]["euler_characteristic"], 0)
+            ring = 4 / 3 * math.pi * (1 - 0.4**2)**1.5
+            self.assertAlmostEqual(report["volume"], ring, delta=0.01 * ring)
+
+    def test_looks_for_grids_beside_the_scene_and_then_here(self):
+        """The example asks for a bunny that scripts/demo makes here: a ball will do."""
+        bunny = self.out / "build" / "demo" / "bunny.vdb"
+        bunny.parent.mkdir(parents=True)
+        shutil.copy(self.inputs / "sphere.vdb", bunny)
+        report = self.report(EXAMPLES / "scans" / "bored_bunny.json", "--spacing", "0.04",
+                             cwd=self.out)
+        self.assertEqual(report["boundary"]["components"], 1)
+        self.assertGreaterEqual(report["min_dihedral_deg"], 11.2)
+
+    def test_takes_another_iso_value(self):
+        smaller = self.report(self.write_scene(bored("sphere.vdb", iso=-0.1)))
+        ring = 4 / 3 * math.pi * (0.9**2 - 0.4**2)**1.5
+        self.assertAlmostEqual(smaller["volume"], ring, delta=0.01 * ring)
+
+    def test_refuses_grids_that_cannot_be_leaves(self):
+        self.refuse(bored("none.vdb"), "none.vdb", "No such file")
+        self.refuse(bored("part.obj"), 'nodes[0].grid.name "part.obj" is no .vdb file')
+        self.refuse(bored("grids/" + "0" * 64), "is for --server")
+        self.refuse(bored("sphere.vdb", grid_name="density"), "density")
+        self.refuse(bored("vec3.vdb"), "vec3")
+        self.refuse(bored("sphere.vdb", iso="NaN"), "nodes[0].grid.iso nan")
+        self.refuse(bored("sphere.vdb", iso=7), "nodes[0].grid has no surface at iso 7")
+        self.refuse(grown("sphere.vdb", 0.2), "nodes[0].grid knows distances from -0.15 to 0.15")
+        self.refuse({"nodes": [
+            *({"name": str(i), "grid": {"name": f"{i}.vdb"}} for i in range(17)),
+            {"union": {"of": [str(i) for i in range(17)]}}]}, "the limit is 16")
+
+
 class ScenesOnAServer(ServerTest, SceneTest):
+    volumes = {"sphere": 0.05}
+
+    def test_grids_of_scenes_give_the_same_bytes_as_this_process(self):
+        scene = self.write_scene(bored("sphere.vdb"))
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        self.assert_done(self.tetstream("mesh", scene, "-o", here))
+        stored = "grids/" + hashlib.sha256((self.inputs / "sphere.vdb").read_bytes()).hexdigest()
+        for name in ("sphere.vdb", stored):
+            for encoding in ((), ("--compact",)):
+                self.assert_done(self.tetstream(
+                    "mesh", self.write_scene(bored(name)), "-o", there,
+                    "--server", self.address, *encoding))
+                self.assertTrue(filecmp.cmp(here, there, shallow=False), encoding)
+
+    def test_refuses_a_grid_that_is_not_stored(self):
+        self.write_scene(bored("grids/" + "0" * 64))
+        self.assert_fails(self.mesh("scene.json", ".vtu", "--server", self.address), REFUSED,
+                          "grids/0000", "is not stored")
+
     def test_gives_the_same_bytes_as_this_process(self):
         for ways in (("--server", self.address), ("--server", self.address, "--compact")):
             here, there = self.out / "here.vtu", self.out / "there.vtu"
@@ -106,7 +179,8 @@ class ScenesOnAServer(ServerTest, SceneTest):
             self.assertTrue(filecmp.cmp(here, there, shallow=False), ways)
 
     def test_refusals_are_those_of_this_process(self):
-        for scene, words in ((TORUS_WITHOUT_A_TUBE, "nodes[0].torus.minor_radius 0 is not"),
+        for scene, words in ((grown("sphere.vdb", 0.2), "nodes[0].grid knows distances from -0.15"),
+                             (TORUS_WITHOUT_A_TUBE, "nodes[0].torus.minor_radius 0 is not"),
                              (GYROID, "nodes[0].gyroid has no end")):
             self.refuse(scene, words, options=("--server", self.address))
 

@@ -197,6 +197,17 @@ class JobResults(JobTest):
                 self.assertRegex(result.stdout, r"there\.\w+: \d+ vertices, \d+ tets")
                 self.assertTrue(filecmp.cmp(here, there, shallow=False))
 
+    def test_scenes_are_jobs_too(self):
+        scene = self.inputs / "scene.json"
+        scene.write_text(json.dumps({"nodes": [
+            {"name": "ring", "grid": {"name": "torus.vdb"}}, {"name": "ball", "sphere": {"radius": 1}},
+            {"intersection": {"of": ["ring", "ball"]}}]}))
+        name, = self.submit(scene, "--spacing", "0.05")
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        self.mesh_here(here, scene, "--spacing", "0.05")
+        self.assert_done(self.job("fetch", name, "-o", there, "--wait"))
+        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+
     def peak_memory(self, *arguments):
         """Bytes that `tetstream job` took at most."""
         process = subprocess.Popen([binaries() / "tetstream", "job", *map(str, arguments)],

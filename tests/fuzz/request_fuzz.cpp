@@ -35,8 +35,9 @@ void check_stream_request(const std::string& bytes) {
   const auto order = parse_stream_request(message);
   if (!order.ok()) return check_refusal(order.status());
   const MeshRequest& request = order->mesh.request;
-  const Scene* scene = order->mesh.scene.get();
-  require(order->mesh.digest.size() == (scene == nullptr ? 64 : 0));
+  const Scene* scene = order->mesh.made_scene.get();
+  require(order->mesh.digest.size() == (order->mesh.is_scene() ? 0 : 64));
+  require((scene == nullptr) == (!order->mesh.is_scene() || order->mesh.scene.has_grids()));
   require(scene == nullptr || request.box || scene->ends());
   require(!request.spacing || (std::isfinite(*request.spacing) && *request.spacing > 0));
   require(!request.iso || std::isfinite(*request.iso));

@@ -213,6 +213,13 @@ void ErrorsTest::wrong_scenes() {
   tell("a scene's torus without a tube", estimate(request));
   request.mutable_scene()->mutable_nodes(0)->mutable_gyroid()->set_period(1);
   tell("a scene without an end", estimate(request));
+  v1::GridSolid& grid = *request.mutable_scene()->mutable_nodes(0)->mutable_grid();
+  tell("a scene's grid without a name", estimate(request));
+  grid.set_name(grid_name_of("not stored"));
+  tell("a scene's grid that is not stored", estimate(request));
+  grid.set_name(ball_.name());
+  grid.set_iso(1e6);
+  tell("a scene's grid without a surface", estimate(request));
 }
 
 void ErrorsTest::wrong_sizings() {

@@ -58,6 +58,21 @@ inline EveryCall::Make upload(const std::string& name) {
   };
 }
 
+/// A session of one frame.
+inline EveryCall::Make session(const v1::MeshRequest& mesh) {
+  return [mesh](const auto& channel, grpc::ClientContext& context) {
+    v1::MeshService::Stub stub(channel);
+    const auto stream = stub.RemeshSession(&context);
+    v1::RemeshRequest message;
+    *message.mutable_start() = mesh;
+    stream->Write(message);
+    stream->WritesDone();
+    for (v1::MeshEvent event; stream->Read(&event);) {
+    }
+    return stream->Finish();
+  };
+}
+
 /// A stream of one service's that is read to its end.
 template <class Service, class Request, class Event>
 EveryCall::Make reader(std::unique_ptr<grpc::ClientReader<Event>> (Service::Stub::*method)(
@@ -138,6 +153,7 @@ inline std::vector<EveryCall> every_call_about(const std::string& name) {
   calls.push_back({"UploadGrid", "\"grids.write\"", every_call::upload(name)});
   calls.push_back({"EstimateMesh", "\"mesh\"",
                    unary<MeshService>(&MeshService::Stub::EstimateMesh, estimate)});
+  calls.push_back({"RemeshSession", "\"mesh\"", every_call::session(mesh)});
   v1::StreamMeshRequest stream;
   *stream.mutable_mesh() = mesh;
   calls.push_back({"StreamMesh", "\"mesh\"",

@@ -143,6 +143,53 @@ TEST_F(JobServiceTest, KeepsTheGridOfAJobUntilItIsFinished) {
   EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
 }
 
+/// A ball with another one taken off it; both are stored.
+v1::Job scene_job(JobServer& server) {
+  v1::Job job;
+  v1::Scene& scene = *job.mutable_mesh()->mutable_scene();
+  for (const int radius : {4, 5}) {
+    v1::SceneNode& node = *scene.add_nodes();
+    node.set_name(std::to_string(radius));
+    node.mutable_grid()->set_name(server.ball(radius).mesh().name());
+  }
+  v1::SceneNode& moved = *scene.add_nodes();
+  moved.set_name("moved");
+  moved.mutable_transform()->set_of("5");
+  for (const double along : {1.0, 0.0, 0.0}) moved.mutable_transform()->add_translation(along);
+  v1::SceneNode& moon = *scene.add_nodes();
+  for (const char* name : {"4", "moved"}) moon.mutable_difference()->add_of(name);
+  return job;
+}
+
+TEST_F(JobServiceTest, MakesScenesOfStoredGrids) {
+  server_.start();
+  const v1::Job job = server_.create(scene_job(server_));
+  const v1::Job done = server_.wait(job);
+  ASSERT_EQ(done.state(), v1::JOB_STATE_SUCCEEDED) << done.DebugString();
+  EXPECT_EQ(server_.result(job), server_.stream(job));
+  const auto cached = server_.client->stream_mesh(job.mesh(), {}, Cancellation());
+  ASSERT_TRUE(cached.ok()) << cached.status();
+  EXPECT_EQ(cached->mesh_id, done.header().mesh_id());
+}
+
+TEST_F(JobServiceTest, KeepsEveryGridOfAScenesJob) {
+  server_.start();
+  const v1::Job wanted = scene_job(server_);
+  const auto size = fs::file_size(server_.folder.file("ball4.vdb")) +
+                    fs::file_size(server_.folder.file("ball5.vdb"));
+  server_.start({"--job-workers", "0", "--store-bytes", std::to_string(size + 100)});
+  const v1::Job job = server_.create(wanted);
+  const std::string other(200, 'x');
+  const auto upload = [&] {
+    return upload_text(*server_.grids, grid_name_of(other), other, other.size()).status;
+  };
+  EXPECT_EQ(reason_of(upload()), "tetstream/STORE_HELD_BY_JOBS");
+  server_.cancel(job);
+  EXPECT_TRUE(upload().ok());
+  server_.create(wanted);
+  EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
+}
+
 TEST_F(JobServiceTest, TellsHowManyJobsANamespaceMayHaveAndRefusesMore) {
   server_.start({"--job-workers", "0", "--max-namespace-jobs", "1"});
   EXPECT_EQ(server_.client->capabilities(Cancellation())->limits().max_namespace_jobs(), 1);

@@ -13,7 +13,9 @@
 namespace tet {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 v1::MeshRequest valid_request() {
   v1::MeshRequest request;
@@ -180,8 +182,8 @@ v1::MeshRequest scene_request() {
 TEST(Request, TakesASceneInPlaceOfAGrid) {
   const auto order = parse_mesh_request(scene_request());
   ASSERT_TRUE(order.ok()) << order.status();
-  ASSERT_NE(order->scene, nullptr);
-  EXPECT_EQ(order->scene->extent.max.x, 2);
+  ASSERT_NE(order->made_scene, nullptr);
+  EXPECT_EQ(order->made_scene->extent.max.x, 2);
   EXPECT_EQ(order->digest, "");
 }
 
@@ -212,7 +214,7 @@ TEST(Request, RefusesWhatScenesHaveNot) {
 TEST(Request, NamesAMeshByItsScene) {
   const auto id_of = [](const v1::MeshRequest& request) {
     const auto order = parse_mesh_request(request);
-    return mesh_id_of(canonical_request(*order, order->scene, nullptr));
+    return mesh_id_of(canonical_request(*order, order->made_scene, nullptr));
   };
   v1::MeshRequest request = scene_request();
   const std::string id = id_of(request);
@@ -220,6 +222,25 @@ TEST(Request, NamesAMeshByItsScene) {
   EXPECT_EQ(id_of(request), id) << "its default";
   request.mutable_scene()->mutable_nodes(0)->mutable_sphere()->set_radius(2.5);
   EXPECT_NE(id_of(request), id);
+}
+
+TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
+  const auto file = [](char digit) { return std::string(64, digit); };
+  v1::MeshRequest request;
+  for (const char digit : {'b', 'a', 'b'}) {
+    v1::SceneNode& node = *request.mutable_scene()->add_nodes();
+    node.set_name(std::to_string(request.scene().nodes_size()));
+    node.mutable_grid()->set_name("grids/" + file(digit));
+  }
+  auto& all = *request.mutable_scene()->add_nodes()->mutable_union_();
+  for (const char* name : {"1", "2", "3"}) all.add_of(name);
+  request.mutable_sizing()->mutable_grid()->set_name("grids/" + file('c'));
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->made_scene, nullptr) << "its grids are not loaded";
+  EXPECT_THAT(files_of(*order), ElementsAre(file('a'), file('b'), file('c')));
+  request.mutable_scene()->mutable_nodes(1)->mutable_grid()->set_name("b.vdb");
+  EXPECT_THAT(refusal(request), StartsWith("scene.nodes[1].grid.name \"b.vdb\" is not grids/"));
 }
 
 v1::MeshRequest sized_request() {
@@ -260,7 +281,7 @@ TEST(Request, NamesTheFieldOfASizing) {
 TEST(MeshId, TellsEverySizingApart) {
   const auto id = [](const v1::MeshRequest& request) {
     const auto order = parse_mesh_request(request);
-    return mesh_id_of(canonical_request(*order, order->scene, nullptr));
+    return mesh_id_of(canonical_request(*order, order->made_scene, nullptr));
   };
   const v1::MeshRequest sized = sized_request();
   EXPECT_NE(id(sized), id(scene_request()));

@@ -73,21 +73,6 @@ std::shared_ptr<const MeshPlan> plan(const Input& input, const SurveyedBlocks& s
   return made.ok() ? *std::move(made) : nullptr;
 }
 
-/// Totals, chunks, topology, thin walls and every byte.
-void expect_same(const MeshPlan& made, const MeshPlan& expected) {
-  EXPECT_EQ(made.header().vertex_count, expected.header().vertex_count);
-  EXPECT_EQ(made.header().tet_count, expected.header().tet_count);
-  EXPECT_EQ(made.header().chunk_count, expected.header().chunk_count);
-  EXPECT_EQ(made.boundary(), expected.boundary());
-  EXPECT_EQ(made.thin_walls().inside, expected.thin_walls().inside);
-  EXPECT_EQ(made.thin_walls().outside, expected.thin_walls().outside);
-  EXPECT_EQ(made.thin_walls().thickness, expected.thin_walls().thickness);
-  const auto mesh = fill_mesh(made, Cancellation(), nullptr);
-  const auto same = fill_mesh(expected, Cancellation(), nullptr);
-  ASSERT_TRUE(mesh.ok() && same.ok());
-  EXPECT_TRUE(test::same_bytes(mesh->mesh, same->mesh));
-}
-
 TEST(DividedSurvey, MakesTheMeshThatOneHostMakes) {
   for (const Input& input : inputs()) {
     SCOPED_TRACE(input.name);
@@ -96,7 +81,7 @@ TEST(DividedSurvey, MakesTheMeshThatOneHostMakes) {
     const auto joined = plan(input, found_among({blocks.begin(), blocks.end()}));
     const auto whole = plan(input);
     ASSERT_TRUE(joined && whole);
-    expect_same(*joined, *whole);
+    test::expect_same_plans(*joined, *whole);
   }
 }
 
@@ -111,7 +96,7 @@ TEST(DividedSurvey, SurveysWhatDoesNotArrive) {
     const auto joined = plan(input, found_among(arrived));
     const auto whole = plan(input);
     ASSERT_TRUE(joined && whole);
-    expect_same(*joined, *whole);
+    test::expect_same_plans(*joined, *whole);
   }
 }
 
@@ -131,7 +116,7 @@ TEST(DividedSurvey, TakesNoBlockOfAnotherPlace) {
   const auto joined = plan(gyroid, found_among({swapped.begin(), swapped.end()}));
   const auto whole = plan(gyroid);
   ASSERT_TRUE(joined && whole);
-  expect_same(*joined, *whole);
+  test::expect_same_plans(*joined, *whole);
 }
 
 TEST(DividedSurvey, RefusesEveryTruncation) {

@@ -238,8 +238,35 @@ TEST(MeshPlan, RefusesAMeshOverTheBudgetWithBothNumbers) {
 }
 
 TEST(MeshPlan, RefusesASurfaceThatItCouldNotKeepInMemory) {
-  expect_refusal(test::ball(20), {}, absl::StatusCode::kResourceExhausted, "the limit is 40,",
+  expect_refusal(test::ball(20), {}, absl::StatusCode::kResourceExhausted, "the limit is 39,",
                  {.max_plan_bytes = 100000});
+}
+
+TEST(MeshPlan, PutsTheOriginOnTheLatticeCornerNextToWhereItIsAsked) {
+  const VoxelTransform half = test::scaled(0.5);
+  MeshRequest request;
+  request.origin = WorldPoint{1.9, -2.1, 0.3};
+  const MeshResult moved = test::mesh(test::ball(12, half), request);
+  const MeshResult middle = test::mesh(test::ball(12, half));
+  EXPECT_EQ(moved.mesh.header.origin, (WorldPoint{2, -2, 0.5}));
+  EXPECT_NE(middle.mesh.header.origin, moved.mesh.header.origin);
+  EXPECT_TRUE(std::ranges::equal(moved.mesh.tets.bytes(), middle.mesh.tets.bytes()));
+  for (std::uint64_t i = 0; i < middle.mesh.header.vertex_count; i += 17) {
+    const WorldPoint a = moved.mesh.vertex(i), b = middle.mesh.vertex(i);
+    EXPECT_NEAR(a.x, b.x, 1e-5);
+    EXPECT_NEAR(a.y, b.y, 1e-5);
+    EXPECT_NEAR(a.z, b.z, 1e-5);
+  }
+}
+
+TEST(MeshPlan, StoresFloat64WhereTheOriginIsFar) {
+  MeshRequest request;
+  request.origin = WorldPoint{5000, 0, 0};
+  EXPECT_EQ(test::mesh(test::ball(9), request).mesh.header.coordinate_type,
+            CoordinateType::kFloat64);
+  request.origin = WorldPoint{1e30, 0, 0};
+  expect_refusal(test::ball(9), request, absl::StatusCode::kInvalidArgument,
+                 "origin (1e+30, 0, 0) is 1e+30 spacings");
 }
 
 TEST(MeshPlan, StopsWhenCancelledOrPastItsDeadline) {

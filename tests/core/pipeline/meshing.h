@@ -12,6 +12,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
+#include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/mesher.h"
 
 namespace tet::test {
@@ -35,6 +36,21 @@ inline bool same_bytes(const TetMesh& a, const TetMesh& b) {
   return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
          std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
          std::ranges::equal(a.regions.bytes(), b.regions.bytes());
+}
+
+/// Totals, chunks, topology, thin walls and every byte.
+inline void expect_same_plans(const MeshPlan& made, const MeshPlan& expected) {
+  EXPECT_EQ(made.header().vertex_count, expected.header().vertex_count);
+  EXPECT_EQ(made.header().tet_count, expected.header().tet_count);
+  EXPECT_EQ(made.header().chunk_count, expected.header().chunk_count);
+  EXPECT_EQ(made.boundary(), expected.boundary());
+  EXPECT_EQ(made.thin_walls().inside, expected.thin_walls().inside);
+  EXPECT_EQ(made.thin_walls().outside, expected.thin_walls().outside);
+  EXPECT_EQ(made.thin_walls().thickness, expected.thin_walls().thickness);
+  const auto mesh = fill_mesh(made, Cancellation(), nullptr);
+  const auto same = fill_mesh(expected, Cancellation(), nullptr);
+  ASSERT_TRUE(mesh.ok() && same.ok());
+  EXPECT_TRUE(same_bytes(mesh->mesh, same->mesh));
 }
 
 /// Conforming, and within the preset's bounds on angles.

@@ -68,7 +68,7 @@ TEST(SceneEvaluator, LosesNoBitByItsFocus) {
     for (const double reach : {1e-3, 0.1, 0.5, 2.0}) {
       const WorldPoint centre = point(points_around({}, 3, random), 0);
       focused.focus(centre, reach);
-      const scene::Points points = points_around(centre, reach, random);
+      const scene::Points points = points_around(centre, std::sqrt(3.0) * reach, random);
       const double* phi = focused.evaluate(points, scene::kMaxPoints);
       for (std::size_t i = 0; i < scene::kMaxPoints; ++i) {
         ASSERT_EQ(phi[i], whole.at(point(points, i))) << "seed " << seed << ", reach " << reach;

@@ -252,6 +252,16 @@ TEST_P(JobStoreTest, KnowsWhatJobsReadUntilTheyAreFinished) {
   EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
 }
 
+TEST_P(JobStoreTest, KnowsEachOfSeveralFilesThatAJobReads) {
+  NewJob asked = wanted("ana");
+  asked.input = "a b";
+  create(asked);
+  asked.input = "b";
+  create(asked);
+  const JobInput a{"ana", "a"}, b{"ana", "b"};
+  EXPECT_THAT(store_->inputs().value(), testing::UnorderedElementsAre(a, b));
+}
+
 TEST_P(JobStoreTest, CountsWhatThereIs) {
   NewJob twice = wanted();
   twice.max_attempts = 2;

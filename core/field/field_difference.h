@@ -1,0 +1,47 @@
+// Where two fields on one lattice differ, brick by brick.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/brick_index.h"
+#include "core/field/phi_field.h"
+#include "core/scene/scene_evaluator.h"
+
+namespace tet {
+
+/// Two volumes, or two scenes, seen at one spacing and iso value. What it was made of must
+/// outlive it. Immutable: any number of threads may ask, each by its own
+/// FieldDifference::Asker.
+class FieldDifference {
+ public:
+  /// Null where next to nothing can be the same: other lattices, a volume beside a scene. Of
+  /// volumes every value is looked at. Parallel.
+  static std::unique_ptr<const FieldDifference> between(const PhiField& earlier,
+                                                        const PhiField& now);
+
+  /// Not thread-safe: one per task.
+  class Asker {
+   public:
+    explicit Asker(const FieldDifference& difference);
+
+    /// True only if every sample in the lattice brick and its halo is what it was.
+    bool same_around(BrickCoord brick);
+
+   private:
+    const FieldDifference& difference_;
+    std::unique_ptr<SceneEvaluator> earlier_, now_;  // of scenes
+  };
+
+ private:
+  FieldDifference(const PhiField& earlier, const PhiField& now)
+      : earlier_(earlier), now_(now) {}
+
+  PhiField earlier_, now_;
+  // Of volumes: lattice bricks that read a voxel that changed; sorted.
+  std::vector<BrickCoord> touched_;
+  BrickIndex touched_index_;
+};
+
+}  // namespace tet

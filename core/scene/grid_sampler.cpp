@@ -1,0 +1,148 @@
+#include "core/scene/grid_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/vector_clones.h"
+
+namespace tet::scene {
+namespace {
+
+/// Beyond index space all is background: so far, no number leaves an int32's range.
+constexpr double kFar = 2.0 * kMaxVoxelCoord - 2;
+
+double within_reach(double voxel) noexcept {
+  const double above = voxel > -kFar ? voxel : -kFar;
+  return above < kFar ? above : kFar;
+}
+
+/// Half the edges of the box of voxels around a cube.
+std::array<double, 3> half_voxels(const Frame& frame, double half_edge) noexcept {
+  std::array<double, 3> half{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& row = frame.linear[i];
+    half[i] = half_edge * (std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
+  }
+  return half;
+}
+
+/// The voxels that points near one have their values of, along an axis. Far more room than
+/// rounding errors need.
+struct VoxelSpan {
+  std::int32_t first, last;
+
+  VoxelSpan(double centre, double half) noexcept {
+    const double room = half + 1e-9 * (half + std::abs(centre));
+    first = static_cast<std::int32_t>(std::floor(within_reach(centre - room)));
+    last = static_cast<std::int32_t>(std::floor(within_reach(centre + room))) + 1;
+  }
+};
+
+}  // namespace
+
+GridSampler::GridSampler(const GridSource& grid)
+    : reader_(*grid.volume), bounds_(&grid.bounds) {}
+
+TET_VECTOR_CLONES
+void GridSampler::place(const Instruction& leaf,
+                        const Points& points,
+                        std::size_t count,
+                        Places& places) noexcept {
+  const auto a = leaf.frame.linear;
+  const auto t = leaf.frame.translation;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double px = points.x[i], py = points.y[i], pz = points.z[i];
+    const double x = within_reach(a[0][0] * px + a[0][1] * py + a[0][2] * pz + t[0]);
+    const double y = within_reach(a[1][0] * px + a[1][1] * py + a[1][2] * pz + t[1]);
+    const double z = within_reach(a[2][0] * px + a[2][1] * py + a[2][2] * pz + t[2]);
+    const double low_x = std::floor(x), low_y = std::floor(y), low_z = std::floor(z);
+    places.cell_x[i] = static_cast<std::int32_t>(low_x);
+    places.cell_y[i] = static_cast<std::int32_t>(low_y);
+    places.cell_z[i] = static_cast<std::int32_t>(low_z);
+    places.x[i] = x - low_x;
+    places.y[i] = y - low_y;
+    places.z[i] = z - low_z;
+  }
+}
+
+/// Points beside each other mostly lie in one brick: it is looked up once.
+void GridSampler::gather(std::size_t count) noexcept {
+  BrickCoord entered;
+  VolumeReader::Brick brick;
+  bool known = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const VoxelCoord min{places_.cell_x[i], places_.cell_y[i], places_.cell_z[i]};
+    VolumeReader::Cell cell;
+    if ((min.x & 7) == 7 || (min.y & 7) == 7 || (min.z & 7) == 7) {
+      cell = reader_.cell(min);
+    } else {
+      const BrickCoord at{min.x >> 3, min.y >> 3, min.z >> 3};
+      if (!known || at != entered) brick = reader_.brick(at);
+      entered = at;
+      known = true;
+      if (brick.values == nullptr) {
+        cell.fill(brick.range.min);
+      } else {
+        const float* first = brick.values + ((min.x & 7) * 8 + (min.y & 7)) * 8 + (min.z & 7);
+        cell = {first[0],  first[1],  first[8],  first[9],
+                first[64], first[65], first[72], first[73]};
+      }
+    }
+    for (std::size_t c = 0; c < 8; ++c) places_.corner[c][i] = cell[c];
+  }
+}
+
+/// Along z, then y, then x.
+TET_VECTOR_CLONES
+void GridSampler::blend(const Instruction& leaf,
+                        const Places& places,
+                        std::size_t count,
+                        Values& values) noexcept {
+  const double iso = leaf.size[0], scale = leaf.frame.scale * leaf.size[1];
+  const auto& corner = places.corner;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto along_z = [&](std::size_t c) {
+      const double low = corner[c][i], high = corner[c + 1][i];
+      return low + places.z[i] * (high - low);
+    };
+    const double v00 = along_z(0), v01 = along_z(2), v10 = along_z(4), v11 = along_z(6);
+    const double v0 = v00 + places.y[i] * (v01 - v00), v1 = v10 + places.y[i] * (v11 - v10);
+    values.at[i] = scale * (v0 + places.x[i] * (v1 - v0) - iso);
+  }
+}
+
+void GridSampler::evaluate(const Instruction& leaf,
+                           const Points& points,
+                           std::size_t count,
+                           Values& values) noexcept {
+  place(leaf, points, count, places_);
+  gather(count);
+  blend(leaf, places_, count, values);
+}
+
+void GridSampler::bound(const Instruction& leaf,
+                        const Points& points,
+                        std::size_t count,
+                        double half_edge,
+                        Values& low,
+                        Values& high) noexcept {
+  const std::array<double, 3> half = half_voxels(leaf.frame, half_edge);
+  const double scale = leaf.frame.scale * leaf.size[1];
+  place(leaf, points, count, places_);
+  for (std::size_t i = 0; i < count; ++i) {
+    const VoxelSpan x(places_.cell_x[i] + places_.x[i], half[0]);
+    const VoxelSpan y(places_.cell_y[i] + places_.y[i], half[1]);
+    const VoxelSpan z(places_.cell_z[i] + places_.z[i], half[2]);
+    const auto [min, max] =
+        bounds_->within(reader_, {
+                                     {x.first, y.first, z.first},
+                                     { x.last,  y.last,  z.last}
+    });
+    const double a = scale * (static_cast<double>(min) - leaf.size[0]);
+    const double b = scale * (static_cast<double>(max) - leaf.size[0]);
+    low.at[i] = std::min(a, b);
+    high.at[i] = std::max(a, b);
+  }
+}
+
+}  // namespace tet::scene

@@ -1,0 +1,62 @@
+// The leaves of a scene that are grids: phi at many points, and its range in cubes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/types.h"
+#include "core/grid/volume_reader.h"
+#include "core/scene/grid_source.h"
+#include "core/scene/instruction.h"
+
+namespace tet::scene {
+
+/// Samples one grid. Not thread-safe: one per task. The grid must outlive it.
+///
+/// A leaf's phi is its frame's scale times the trilinear value less the iso value, negative
+/// inside.
+class GridSampler {
+ public:
+  explicit GridSampler(const GridSource& grid);
+
+  /// As evaluate_leaf. A point's value depends on the point alone.
+  void evaluate(const Instruction& leaf,
+                const Points& points,
+                std::size_t count,
+                Values& values) noexcept;
+
+  /// Bounds of a leaf's phi in the cubes around the first `count` points.
+  void bound(const Instruction& leaf,
+             const Points& points,
+             std::size_t count,
+             double half_edge,
+             Values& low,
+             Values& high) noexcept;
+
+ private:
+  /// Points in index space: the cells that they lie in, how far, and what is at their corners.
+  struct Places {
+    alignas(64) std::array<std::int32_t, kMaxPoints> cell_x, cell_y, cell_z;
+    alignas(64) std::array<double, kMaxPoints> x, y, z;  ///< in [0, 1]
+    /// At 4*x + 2*y + z.
+    alignas(64) std::array<std::array<float, kMaxPoints>, 8> corner;
+  };
+
+  void gather(std::size_t count) noexcept;
+
+  VolumeReader reader_;
+  const ValueBounds* bounds_;
+  Places places_;
+
+  static void place(const Instruction& leaf,
+                    const Points& points,
+                    std::size_t count,
+                    Places& places) noexcept;
+  static void blend(const Instruction& leaf,
+                    const Places& places,
+                    std::size_t count,
+                    Values& values) noexcept;
+};
+
+}  // namespace tet::scene

@@ -1,0 +1,236 @@
+// Sessions: a mesh that follows its shape, frame by frame, over a real connection.
+#include "client/remesh_session.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/grid/load.h"
+#include "core/grid/replace_leaves.h"
+#include "core/pipeline/mesher.h"
+#include "tests/server/reason_of.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+using testing::HasSubstr;
+
+bool same_bytes(const TetMesh& a, const TetMesh& b) {
+  return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
+         std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
+         std::ranges::equal(a.regions.bytes(), b.regions.bytes());
+}
+
+/// A ball at -2, and a smaller one at `x`.
+v1::Scene two_balls(double x) {
+  v1::Scene scene;
+  const auto add_ball = [&](const std::string& name, double radius, double at) {
+    v1::SceneNode& ball = *scene.add_nodes();
+    ball.set_name(name);
+    ball.mutable_sphere()->set_radius(radius);
+    v1::SceneNode& moved = *scene.add_nodes();
+    moved.set_name(name + " moved");
+    moved.mutable_transform()->set_of(name);
+    for (const double along : {at, 0.0, 0.0}) {
+      moved.mutable_transform()->add_translation(along);
+    }
+  };
+  add_ball("large", 1, -2);
+  add_ball("small", 0.3, x);
+  v1::SceneNode& both = *scene.add_nodes();
+  for (const char* of : {"large moved", "small moved"}) both.mutable_union_()->add_of(of);
+  return scene;
+}
+
+v1::MeshRequest request_of(const v1::Scene& scene) {
+  v1::MeshRequest request;
+  *request.mutable_scene() = scene;
+  request.set_spacing(0.05);
+  return request;
+}
+
+/// A leaf that moves the surface of a level set outward.
+v1::LeafUpdate inflated(const Volume& volume, std::size_t brick) {
+  v1::LeafUpdate leaf;
+  leaf.set_x(8 * volume.bricks[brick].x);
+  leaf.set_y(8 * volume.bricks[brick].y);
+  leaf.set_z(8 * volume.bricks[brick].z);
+  std::vector<float> values(
+      volume.values.begin() + static_cast<std::ptrdiff_t>(brick * 512),
+      volume.values.begin() + static_cast<std::ptrdiff_t>(brick * 512 + 512));
+  for (float& value : values) value -= 0.3F * volume.background;
+  leaf.set_values(values.data(), values.size() * sizeof(float));
+  return leaf;
+}
+
+class RemeshSessionTest : public ServiceTest {
+ protected:
+  using Session = std::unique_ptr<RemeshSession>;
+
+  Session begin(const v1::MeshRequest& request) {
+    auto session = client_->begin_session(request, never_);
+    EXPECT_TRUE(session.ok()) << session.status();
+    return session.ok() ? *std::move(session) : nullptr;
+  }
+
+  /// How a session ends in which a client says this.
+  grpc::Status answer_to(const std::vector<v1::RemeshRequest>& messages) {
+    grpc::ClientContext context;
+    const auto stream = meshes_->RemeshSession(&context);
+    for (const v1::RemeshRequest& message : messages) stream->Write(message);
+    stream->WritesDone();
+    for (v1::MeshEvent event; stream->Read(&event);) {
+    }
+    return stream->Finish();
+  }
+};
+
+TEST_F(RemeshSessionTest, BringsTheMeshOfEachSceneAndOnlyWhatChanged) {
+  start();
+  const Session session = begin(request_of(two_balls(0)));
+  ASSERT_TRUE(session);
+  for (const double x : {0.0, 0.02, 0.2, 1.5}) {
+    ASSERT_EQ(session->update(two_balls(x)), absl::OkStatus());
+    const StreamedMesh& mesh = session->mesh();
+    EXPECT_LT(session->tets_sent(), mesh.mesh.header.tet_count / 4) << x;
+    const auto whole = client_->stream_mesh(mesh.canonical_request, {}, never_);
+    ASSERT_TRUE(whole.ok()) << whole.status();
+    EXPECT_EQ(whole->mesh_id, mesh.mesh_id);
+    EXPECT_TRUE(same_bytes(whole->mesh, mesh.mesh)) << x;
+  }
+  EXPECT_EQ(session->end(), absl::OkStatus());
+  EXPECT_TRUE(work_stops());
+}
+
+TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
+  start();
+  const std::string path = solid_file("torus", 0.05);
+  Volume volume = load_volume(path, "").value();
+  const Session session = begin(mesh_of(path));
+  ASSERT_TRUE(session);
+  const std::uint64_t tets = session->mesh().mesh.header.tet_count;
+  for (const std::size_t brick : {volume.bricks.size() / 2, volume.bricks.size() / 3}) {
+    const v1::LeafUpdate leaf = inflated(volume, brick);
+    ASSERT_EQ(session->update(std::vector{leaf}), absl::OkStatus());
+    EXPECT_LT(session->tets_sent(), tets / 2);
+    std::vector<float> values(kBrickCells);
+    std::memcpy(values.data(), leaf.values().data(), leaf.values().size());
+    volume = replace_leaves(volume,
+                            {
+                                {volume.bricks[brick], values}
+    })
+                 .value();
+    MeshRequest request;
+    request.origin = session->mesh().mesh.header.origin;
+    TaskPool pool(2);
+    const auto here =
+        mesh_volume(pool, std::make_shared<const Volume>(volume), request, {}, never_, nullptr);
+    ASSERT_TRUE(here.ok()) << here.status();
+    EXPECT_TRUE(same_bytes(here->mesh, session->mesh().mesh));
+  }
+  EXPECT_EQ(session->end(), absl::OkStatus());
+  EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
+}
+
+TEST_F(RemeshSessionTest, AnswersFramesThatAreSentAheadInTheirOrder) {
+  start();
+  std::vector<v1::RemeshRequest> messages(4);
+  *messages[0].mutable_start() = request_of(two_balls(0));
+  for (std::size_t i = 1; i < messages.size(); ++i) {
+    *messages[i].mutable_frame()->mutable_scene() = two_balls(0.1 * static_cast<double>(i));
+  }
+  grpc::ClientContext context;
+  const auto stream = meshes_->RemeshSession(&context);
+  for (const v1::RemeshRequest& message : messages) ASSERT_TRUE(stream->Write(message));
+  stream->WritesDone();
+  std::vector<v1::MeshHeader> headers;
+  std::size_t trailers = 0;
+  for (v1::MeshEvent event; stream->Read(&event);) {
+    if (event.has_header()) headers.push_back(event.header());
+    trailers += event.has_trailer() ? 1 : 0;
+  }
+  const grpc::Status status = stream->Finish();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(headers.size(), messages.size());
+  EXPECT_EQ(trailers, messages.size());
+  for (std::size_t i = 1; i < messages.size(); ++i) {
+    EXPECT_TRUE(headers[i].has_kept());
+    EXPECT_EQ(headers[i].canonical_request().scene().SerializeAsString(),
+              messages[i].frame().scene().SerializeAsString());
+  }
+}
+
+TEST_F(RemeshSessionTest, TakesNoTurnFromOthersWhileItWaits) {
+  config_.max_streams = 1;
+  start();
+  const Session session = begin(request_of(two_balls(0)));
+  ASSERT_TRUE(session);
+  EXPECT_TRUE(client_->stream_mesh(uniform_ball(8), {}, never_).ok());
+  EXPECT_EQ(session->update(two_balls(0.1)), absl::OkStatus());
+}
+
+TEST_F(RemeshSessionTest, EndsASessionWhoseClientSendsNothing) {
+  config_.session_idle_seconds = 1;
+  config_.stall_seconds = 1;
+  start();
+  const Session session = begin(request_of(two_balls(0)));
+  ASSERT_TRUE(session);
+  ASSERT_TRUE(eventually([&] { return server_->running_calls() == 0; }));
+  const absl::Status late = session->update(two_balls(0.1));
+  EXPECT_EQ(late.code(), absl::StatusCode::kAborted) << late;
+  EXPECT_THAT(std::string(late.message()), HasSubstr("sent no frame for"));
+  EXPECT_EQ(session->update(two_balls(0.1)).code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(RemeshSessionTest, EndsWithTheServerAndWithItsClient) {
+  start();
+  Session session = begin(request_of(two_balls(0)));
+  ASSERT_TRUE(session);
+  const Session gone = begin(request_of(two_balls(1)));
+  session.reset();
+  EXPECT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
+  server_->stop(0s);
+  EXPECT_EQ(gone->update(two_balls(0.1)).code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(RemeshSessionTest, RefusesWhatIsNoSessionAndSaysWhy) {
+  start();
+  v1::RemeshRequest scene, grid, frame, leaves, moved, odd, torn, nothing;
+  *scene.mutable_start() = request_of(two_balls(0));
+  *grid.mutable_start() = mesh_of(ball_file(12));
+  frame.mutable_frame();
+  *moved.mutable_frame()->mutable_scene() = two_balls(1);
+  leaves.mutable_frame()->add_leaves()->set_values(std::string(4, '\0'));
+  odd = torn = leaves;
+  odd.mutable_frame()->mutable_leaves(0)->set_y(3);
+  torn.mutable_frame()->mutable_leaves(0)->set_values("abc");
+  struct Case {
+    std::vector<v1::RemeshRequest> messages;
+    std::string reason, message;
+  };
+  const Case cases[] = {
+      {              {}, "MESSAGE_ORDER",                    "it ended before `start`"},
+      {         {frame}, "MESSAGE_ORDER",                     "a frame before `start`"},
+      {  {scene, scene}, "MESSAGE_ORDER",                           "a second `start`"},
+      {{scene, nothing}, "MESSAGE_ORDER", "a message with neither `start` nor `frame`"},
+      { {scene, leaves}, "INVALID_FIELD", "leaves are set, but the session began with"},
+      {   {grid, moved}, "INVALID_FIELD",   "scene is set, but the session began with"},
+      {     {grid, odd}, "INVALID_FIELD",                 "y 3 is not a multiple of 8"},
+      {    {grid, torn}, "INVALID_FIELD",                         "values has 3 bytes"},
+  };
+  for (const Case& c : cases) {
+    const grpc::Status status = answer_to(c.messages);
+    EXPECT_EQ(reason_of(status), "tetstream/" + c.reason) << status.error_message();
+    EXPECT_THAT(status.error_message(), HasSubstr(c.message));
+  }
+}
+
+}  // namespace
+}  // namespace tet::test
