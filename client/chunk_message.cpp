@@ -63,6 +63,8 @@ class ChunkReader {
         return read_column(chunk_.columns[1]);
       case bytes_tag(chunk_field::kRegions):
         return read_column(chunk_.columns[2]);
+      case bytes_tag(chunk_field::kFields):
+        return read_column(chunk_.columns[3]);
       default:
         return false;
     }
@@ -150,9 +152,9 @@ std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
 
 std::uint32_t copy_columns(grpc::ByteBuffer& message,
                            const ChunkMessage& chunk,
-                           const std::array<std::span<std::byte>, 3>& to) {
+                           const ChunkColumns& to) {
   std::uint32_t checksum = 0;
-  std::array<std::span<std::byte>, 3> left = to;
+  std::array left{to.positions, to.tets, to.regions, to.fields};
   read_columns(message, chunk, [&](std::size_t i, std::span<const std::byte> piece) {
     checksum = add_to_checksum(checksum, piece);
     std::memcpy(left[i].data(), piece.data(), piece.size());

@@ -9,6 +9,7 @@
 
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/mesh/tet_mesh.h"
 #include "proto/wire/chunk_frame.h"
 
 namespace tet {
@@ -19,7 +20,7 @@ struct ChunkMessage {
     std::size_t begin = 0, size = 0;
   };
   ChunkNumbers numbers;
-  std::array<Column, 3> columns;  ///< positions, tets, regions
+  std::array<Column, ChunkFrame::kColumns> columns;  ///< positions, tets, regions, fields
 };
 
 /// Reads a MeshEvent that holds a chunk as our server writes it: no field twice or unknown, and
@@ -31,7 +32,7 @@ std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message);
 /// copied.
 std::uint32_t copy_columns(grpc::ByteBuffer& message,
                            const ChunkMessage& chunk,
-                           const std::array<std::span<std::byte>, 3>& to);
+                           const ChunkColumns& to);
 
 /// The checksum of the columns where they are.
 std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ChunkMessage& chunk);

@@ -33,7 +33,7 @@ struct EstimateArguments {
   bool json = false;
 };
 
-/// Of a mesh that was counted; bytes as its positions and tets take in memory.
+/// Of a mesh that was counted; bytes as its columns take in memory.
 struct MeshEstimate {
   std::uint64_t vertices = 0, tets = 0, bytes = 0;
   double count_seconds = 0;  ///< that it took
@@ -45,7 +45,7 @@ absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
                                               const Cancellation& interruption) {
   const absl::StatusOr<Shape> shape = read_shape(options, bar, interruption);
   if (!shape.ok()) return shape.status();
-  absl::StatusOr<MeshRequest> request = read_sizes(options, interruption);
+  absl::StatusOr<MeshRequest> request = read_request(options, interruption);
   if (!request.ok()) return request.status();
   request->improve = false;  // counts are the same, and it would make the mesh
   bar.begin("counting");

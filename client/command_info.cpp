@@ -31,14 +31,22 @@ std::string extent_of(const VoxelBox& box) {
                          std::int64_t{box.max.z} - box.min.z + 1);
 }
 
-constexpr const char* kRow = "%-16s %-8s %-11s %12s %14s %20s  %s\n";
+constexpr const char* kRow = "%-16s %-8s %-11s %12s %14s %20s  %-6s  %s\n";
+
+/// Whether its values can be given to the vertices of a mesh.
+const char* field_of(const GridInfo& grid) {
+  if (grid.field_components == 0) return "no";
+  return grid.field_components == 1 ? "scalar" : "vector";
+}
 
 void print_table(const std::vector<GridInfo>& grids) {
-  std::printf(kRow, "grid", "type", "class", "voxel size", "active voxels", "box", "meshable");
+  std::printf(kRow, "grid", "type", "class", "voxel size", "active voxels", "box", "field",
+              "meshable");
   for (const GridInfo& grid : grids) {
     std::printf(kRow, grid.name.c_str(), grid.value_type.c_str(), grid.grid_class.c_str(),
                 absl::StrFormat("%g", grid.voxel_size).c_str(),
                 std::to_string(grid.active_voxels).c_str(), extent_of(grid.active_box).c_str(),
+                field_of(grid),
                 grid.not_meshable.empty() ? "yes" : ("no: " + grid.not_meshable).c_str());
   }
 }
@@ -47,13 +55,14 @@ nlohmann::ordered_json json_of(const VoxelCoord& voxel) { return {voxel.x, voxel
 
 nlohmann::ordered_json json_of(const GridInfo& grid) {
   nlohmann::ordered_json json{
-      {         "name",                 grid.name},
-      {   "value_type",           grid.value_type},
-      {        "class",           grid.grid_class},
-      {   "voxel_size",           grid.voxel_size},
-      {"active_voxels",        grid.active_voxels},
-      {   "background",           grid.background},
-      {     "meshable", grid.not_meshable.empty()}
+      {            "name",                 grid.name},
+      {      "value_type",           grid.value_type},
+      {           "class",           grid.grid_class},
+      {      "voxel_size",           grid.voxel_size},
+      {   "active_voxels",        grid.active_voxels},
+      {      "background",           grid.background},
+      {"field_components",     grid.field_components},
+      {        "meshable", grid.not_meshable.empty()}
   };
   if (!grid.not_meshable.empty()) json["not_meshable"] = grid.not_meshable;
   if (!grid.active_box.empty()) {

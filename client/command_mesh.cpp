@@ -41,6 +41,8 @@ Examples:
       smaller tets inside; docs/sizing.md
   tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"coarsest": 0.2, "grade_surface": true}'
       larger ones at the surface, too
+  tetstream mesh fire.vdb -o fire.vtu --grid density --field temperature --field v=flow.vdb:vel
+      the values of other grids at the vertices, as named arrays; docs/fields.md
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
@@ -73,6 +75,10 @@ absl::Status check_encoding(const MeshOptions& options) {
     return absl::InvalidArgumentError(
         "--compact cannot carry a mesh with a graded surface: leave --compact or the sizing's "
         "grade_surface out");
+  }
+  if (!options.request.fields.empty()) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry fields: leave --compact or --field out");
   }
   return absl::OkStatus();
 }

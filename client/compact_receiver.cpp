@@ -47,7 +47,7 @@ LatticeToWorld to_core(const v1::Lattice& lattice) {
 
 absl::StatusOr<CompactReceiver> CompactReceiver::begin(const v1::MeshHeader& header) {
   const auto preset = to_core(header.canonical_request().preset());
-  const bool fits = preset && is_valid(header.lattice()) &&
+  const bool fits = preset && is_valid(header.lattice()) && header.fields().empty() &&
                     header.has_regions() == stuffing_rules(*preset).both_sides;
   if (!fits)
     return absl::DataLossError("the server's stream is broken: a header without lattice");

@@ -18,7 +18,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   absl::StatusOr<Shape> input = absl::UnknownError("not read");
   pool.run([&] { input = read_shape(options, bar, interruption); });
   if (!input.ok()) return input.status();
-  const absl::StatusOr<MeshRequest> request = read_sizes(options, interruption);
+  const absl::StatusOr<MeshRequest> request = read_request(options, interruption);
   if (!request.ok()) return request.status();
   const double reading_seconds = watch.lap();
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 
+#include "client/field_options.h"
 #include "client/mesh_input.h"
 #include "client/read_grids.h"
 #include "client/scene_input.h"
@@ -66,6 +67,7 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 absl::Status check_input(const MeshOptions& options) {
   absl::Status status = check_mesh_input({options.input, options.grid, options.voxel});
   if (status.ok()) status = check_sizing_grid(options);
+  if (status.ok()) status = check_field_files(options.request.fields, options.input);
   if (status.ok()) status = check_trust(options);
   return status;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace tet {
@@ -32,6 +33,43 @@ void write_offsets_as(BlockWriter& writer, std::uint64_t first, std::uint64_t co
   writer.rows(count, [&](std::uint64_t i) { return static_cast<Number>(4 * (first + i)); });
 }
 
+/// Reads one field of rows that have the values of all.
+template <std::size_t kComponents>
+class FieldRows {
+ public:
+  FieldRows(const TetMesh& mesh, std::size_t field)
+      : row_bytes_(mesh.header.field_values() * sizeof(float)),
+        first_(mesh.fields.bytes().data()) {
+    for (std::size_t i = 0; i < field; ++i) {
+      first_ += mesh.header.fields[i].components * sizeof(float);
+    }
+  }
+
+  std::array<float, kComponents> operator()(std::uint64_t vertex) const {
+    std::array<float, kComponents> values;
+    std::memcpy(values.data(), first_ + vertex * row_bytes_, sizeof(values));
+    return values;
+  }
+
+ private:
+  std::size_t row_bytes_;
+  const std::byte* first_;
+};
+
+template <std::size_t kComponents>
+void write_numbered(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+  const FieldRows<kComponents> rows(mesh, field);
+  writer.rows(mesh.header.vertex_count, [&](std::uint64_t i) {
+    const auto number = static_cast<std::int32_t>(i + 1);
+    std::array<double, kComponents> values;
+    std::ranges::copy(rows(i), values.begin());
+    std::array<std::byte, sizeof(number) + sizeof(values)> row;
+    std::memcpy(row.data(), &number, sizeof(number));
+    std::memcpy(row.data() + sizeof(number), values.data(), sizeof(values));
+    return row;
+  });
+}
+
 }  // namespace
 
 CoordinateType file_coordinate_type(const MeshHeader& header) noexcept {
@@ -54,7 +92,8 @@ ColumnSizes column_sizes(const MeshHeader& header,
           .connectivity = header.tet_count * 4 * size_of(types.ids),
           .offsets = offset_rows * size_of(types.ids),
           .types = header.tet_count,
-          .regions = header.has_regions ? header.tet_count : 0};
+          .regions = header.has_regions ? header.tet_count : 0,
+          .fields = ChunkSizes(header, header.vertex_count, 0).fields};
 }
 
 void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type) {
@@ -66,6 +105,25 @@ void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type)
     write_points_as<float>(writer, mesh);
   } else {
     write_points_as<double>(writer, mesh);
+  }
+}
+
+void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+  const std::uint64_t vertices = mesh.header.vertex_count;
+  if (mesh.header.fields.size() == 1) {
+    writer.bytes(mesh.fields.bytes());
+  } else if (mesh.header.fields[field].components == 1) {
+    writer.rows(vertices, FieldRows<1>(mesh, field));
+  } else {
+    writer.rows(vertices, FieldRows<3>(mesh, field));
+  }
+}
+
+void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+  if (mesh.header.fields[field].components == 1) {
+    write_numbered<1>(writer, mesh, field);
+  } else {
+    write_numbered<3>(writer, mesh, field);
   }
 }
 

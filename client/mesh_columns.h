@@ -31,8 +31,9 @@ inline constexpr std::uint8_t kVtkTetra = 10;
 struct ColumnSizes {
   std::uint64_t points = 0, connectivity = 0, offsets = 0, types = 0;
   std::uint64_t regions = 0;  ///< of a mesh without them none
+  std::uint64_t fields = 0;   ///< of all fields together
   std::uint64_t total() const noexcept {
-    return points + connectivity + offsets + types + regions;
+    return points + connectivity + offsets + types + regions + fields;
   }
 };
 /// `offset_rows` is the number of tets, or one more where a format wants the leading zero.
@@ -42,6 +43,10 @@ ColumnSizes column_sizes(const MeshHeader& header,
 
 /// x, y, z of each vertex in world coordinates.
 void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type);
+/// The values of field number `field`, float32, 1 or 3 a vertex.
+void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
+/// The same as doubles, each vertex's behind its number, which counts from 1, as an int32.
+void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
 /// Four vertex ids a tet.
 void write_connectivity(BlockWriter& writer, const TetMesh& mesh, IndexType type);
 /// 4 * `first`, 4 * (`first` + 1), ... `count` of them.

@@ -101,13 +101,11 @@ bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_
 absl::Status MeshReceiver::take(grpc::ByteBuffer& event) {
   if (const auto chunk = compact_ ? std::nullopt : read_chunk(event)) {
     planning_.reset();
+    const auto& [positions, tets, regions, fields] = chunk->columns;
     const auto columns =
-        place_of(chunk->numbers,
-                 {chunk->columns[0].size, chunk->columns[1].size, chunk->columns[2].size});
+        place_of(chunk->numbers, {positions.size, tets.size, regions.size, fields.size});
     if (!columns.ok()) return columns.status();
-    return advance(
-        chunk->numbers,
-        copy_columns(event, *chunk, {columns->positions, columns->tets, columns->regions}));
+    return advance(chunk->numbers, copy_columns(event, *chunk, *columns));
   }
   v1::MeshEvent message;
   if (!deserialize(event, message)) {
@@ -186,13 +184,15 @@ absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header, const MeshHea
 absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
   if (compact_) return take_compact(chunk);
   const ChunkNumbers numbers = numbers_of(chunk);
-  const auto columns = place_of(
-      numbers, {chunk.positions().size(), chunk.tets().size(), chunk.regions().size()});
+  const auto columns = place_of(numbers, {chunk.positions().size(), chunk.tets().size(),
+                                          chunk.regions().size(), chunk.fields().size()});
   if (!columns.ok()) return columns.status();
   copy(chunk.positions(), columns->positions);
   copy(chunk.tets(), columns->tets);
   copy(chunk.regions(), columns->regions);
-  return advance(numbers, chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+  copy(chunk.fields(), columns->fields);
+  return advance(numbers, chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(),
+                                          chunk.fields()}));
 }
 
 absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
@@ -207,13 +207,13 @@ absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
 
 /// Where the next chunk's columns belong, if this is the next chunk and has columns of that
 /// size.
-absl::StatusOr<ChunkColumns> MeshReceiver::place_of(
-    const ChunkNumbers& chunk, const std::array<std::size_t, 3>& column_bytes) {
+absl::StatusOr<ChunkColumns> MeshReceiver::place_of(const ChunkNumbers& chunk,
+                                                    const ColumnBytes& column_bytes) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
   const ChunkColumns columns = received_.mesh.columns_of(
       {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count});
   if (column_bytes[0] != columns.positions.size() || column_bytes[1] != columns.tets.size() ||
-      column_bytes[2] != columns.regions.size()) {
+      column_bytes[2] != columns.regions.size() || column_bytes[3] != columns.fields.size()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
   }
   return columns;

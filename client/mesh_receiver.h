@@ -48,12 +48,13 @@ class MeshReceiver {
   absl::StatusOr<StreamedMesh> finish(const Cancellation& cancellation) &&;
 
  private:
+  using ColumnBytes = std::array<std::size_t, ChunkFrame::kColumns>;
+
   absl::Status take_header(const v1::MeshHeader& header);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
   absl::Status take_compact(const v1::MeshChunk& chunk);
   absl::Status check_place(const ChunkNumbers& chunk) const;
-  absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk,
-                                        const std::array<std::size_t, 3>& column_bytes);
+  absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk, const ColumnBytes& columns);
   absl::Status take_kept(const v1::MeshHeader& header, const MeshHeader& checked);
   absl::Status allocate(const MeshHeader& header);
   absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);

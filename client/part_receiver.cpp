@@ -40,12 +40,13 @@ PartReceiver::PartReceiver(const MeshHeader& header,
 
 absl::Status PartReceiver::take(grpc::ByteBuffer& event) {
   if (const auto chunk = read_chunk(event)) {
-    const auto& [positions, tets, regions] = chunk->columns;
-    absl::Status status = size_part(chunk->numbers, positions.size, tets.size, regions.size);
+    const auto& [positions, tets, regions, fields] = chunk->columns;
+    absl::Status status =
+        size_part(chunk->numbers, {positions.size, tets.size, regions.size, fields.size});
     if (!status.ok()) return status;
     return hand_on(chunk->numbers, copy_columns(event, *chunk,
                                                 {part_.positions.bytes(), part_.tets.bytes(),
-                                                 part_.regions.bytes()}));
+                                                 part_.regions.bytes(), part_.fields.bytes()}));
   }
   v1::MeshEvent message;
   if (!deserialize(event, message)) return bad_stream("a message that is no MeshEvent");
@@ -60,13 +61,15 @@ absl::Status PartReceiver::take(const v1::MeshEvent& event) {
 
 absl::Status PartReceiver::take_chunk(const v1::MeshChunk& chunk) {
   const ChunkNumbers numbers = numbers_of(chunk);
-  absl::Status status =
-      size_part(numbers, chunk.positions().size(), chunk.tets().size(), chunk.regions().size());
+  absl::Status status = size_part(numbers, {chunk.positions().size(), chunk.tets().size(),
+                                            chunk.regions().size(), chunk.fields().size()});
   if (!status.ok()) return status;
   copy(chunk.positions(), part_.positions.bytes());
   copy(chunk.tets(), part_.tets.bytes());
   copy(chunk.regions(), part_.regions.bytes());
-  return hand_on(numbers, chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+  copy(chunk.fields(), part_.fields.bytes());
+  return hand_on(numbers, chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(),
+                                          chunk.fields()}));
 }
 
 absl::Status PartReceiver::check_place(const ChunkNumbers& chunk) const {
@@ -84,13 +87,10 @@ absl::Status PartReceiver::check_place(const ChunkNumbers& chunk) const {
   return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
 }
 
-absl::Status PartReceiver::size_part(const ChunkNumbers& chunk,
-                                     std::size_t positions,
-                                     std::size_t tets,
-                                     std::size_t regions) {
+absl::Status PartReceiver::size_part(const ChunkNumbers& chunk, const ColumnBytes& columns) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
   const ChunkSizes sizes(header_, chunk.vertex_count, chunk.tet_count);
-  if (positions != sizes.positions || tets != sizes.tets || regions != sizes.regions) {
+  if (columns != ColumnBytes{sizes.positions, sizes.tets, sizes.regions, sizes.fields}) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
   }
   MeshHeader of_part = header_;

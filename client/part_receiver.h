@@ -1,6 +1,7 @@
 // Chunks of a mesh that is nowhere whole: each is handed on as it comes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -43,14 +44,13 @@ class PartReceiver {
   const ChunkExtent& covered() const noexcept { return covered_; }
 
  private:
+  using ColumnBytes = std::array<std::size_t, ChunkFrame::kColumns>;
+
   absl::Status take(const v1::MeshEvent& event);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
   absl::Status check_place(const ChunkNumbers& chunk) const;
   /// Makes room for the chunk's columns, if they have these sizes.
-  absl::Status size_part(const ChunkNumbers& chunk,
-                         std::size_t positions,
-                         std::size_t tets,
-                         std::size_t regions);
+  absl::Status size_part(const ChunkNumbers& chunk, const ColumnBytes& columns);
   absl::Status hand_on(const ChunkNumbers& chunk, std::uint32_t checksum);
 
   const MeshHeader header_;

@@ -2,7 +2,9 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "client/job/grid_uploads.h"
 #include "client/mesh_input.h"
 #include "client/request_options.h"
 #include "client/scene_input.h"
@@ -10,7 +12,7 @@
 namespace tet {
 namespace {
 
-absl::StatusOr<std::string> upload(MeshClient& client,
+absl::StatusOr<std::string> upload(GridUploads& uploads,
                                    const MeshInput& input,
                                    ProgressBar& bar,
                                    const Cancellation& interruption) {
@@ -21,20 +23,23 @@ absl::StatusOr<std::string> upload(MeshClient& client,
                                            static_cast<double>(total));
                               },
                           .say = [&](const std::string& line) { bar.say(line); }};
-  return upload_input(client, input, watch, interruption);
+  return uploads.name_of(input, watch, interruption);
 }
 
-/// A sizing's grid in a file of its own goes up, too.
-absl::Status upload_sizes(MeshClient& client,
-                          MeshRequest& request,
-                          ProgressBar& bar,
-                          const Cancellation& interruption) {
-  auto& grid = request.sizing.grid;
-  if (!grid || grid->file.empty()) return absl::OkStatus();
-  absl::StatusOr<std::string> name =
-      upload(client, {grid->file, grid->name, {}}, bar, interruption);
-  if (!name.ok()) return name.status();
-  grid->file = *std::move(name);
+/// Grids of sizes and fields in files of their own go up, too: paths become names.
+absl::Status upload_others(GridUploads& uploads,
+                           MeshRequest& request,
+                           ProgressBar& bar,
+                           const Cancellation& interruption) {
+  std::vector<std::string*> files;
+  if (request.sizing.grid) files.push_back(&request.sizing.grid->file);
+  for (VertexField& field : request.fields) files.push_back(&field.file);
+  for (std::string* const file : files) {
+    if (file->empty()) continue;
+    absl::StatusOr<std::string> name = upload(uploads, {*file, "", {}}, bar, interruption);
+    if (!name.ok()) return name.status();
+    *file = *std::move(name);
+  }
   return absl::OkStatus();
 }
 
@@ -44,22 +49,25 @@ absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
                                                 const MeshOptions& options,
                                                 ProgressBar& bar,
                                                 const Cancellation& interruption) {
-  MeshRequest sized = options.request;
-  if (auto status = upload_sizes(client, sized, bar, interruption); !status.ok()) return status;
+  GridUploads uploads(client);
+  MeshRequest named = options.request;
+  if (auto status = upload_others(uploads, named, bar, interruption); !status.ok()) {
+    return status;
+  }
   if (is_scene_file(options.input)) {
     const auto store = [&](const std::string& path) {
-      return upload(client, {path, "", {}}, bar, interruption);
+      return upload(uploads, {path, "", {}}, bar, interruption);
     };
     absl::StatusOr<v1::Scene> scene = read_scene_message(options.input, store);
     if (!scene.ok()) return scene.status();
-    v1::MeshRequest request = wire_request(sized, "", "");
+    v1::MeshRequest request = wire_request(named, "", "");
     *request.mutable_scene() = *std::move(scene);
     return request;
   }
   const absl::StatusOr<std::string> name =
-      upload(client, {options.input, options.grid, options.voxel}, bar, interruption);
+      upload(uploads, {options.input, options.grid, options.voxel}, bar, interruption);
   if (!name.ok()) return name.status();
-  return wire_request(sized, *name, options.grid);
+  return wire_request(named, *name, options.grid);
 }
 
 }  // namespace tet

@@ -24,6 +24,17 @@ absl::StatusOr<Volume> read_volume(const std::string& path,
   return volume_of(decode_here(request, interruption), request);
 }
 
+absl::StatusOr<Volume> read_field(const std::string& path,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  FileTrust trust,
+                                  const Cancellation& interruption) {
+  if (trust == FileTrust::kFull) return load_field(path, grid_name, component);
+  const FileRequest request{DecodeTask::kField,     path,     path, grid_name,
+                            LoadLimits{}.max_bytes, component};
+  return volume_of(decode_here(request, interruption), request);
+}
+
 absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
                                                      FileTrust trust,
                                                      const Cancellation& interruption) {

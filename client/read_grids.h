@@ -1,6 +1,7 @@
 // The grids of a .vdb file on this machine, by way of a decoder unless the file is trusted.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,14 @@ absl::StatusOr<Volume> read_volume(const std::string& path,
                                    const std::string& grid_name,
                                    FileTrust trust,
                                    const Cancellation& interruption);
+
+/// One component of a grid whose values are looked up. Errors: those of load_field; without
+/// trust those of decode_once and volume_of too.
+absl::StatusOr<Volume> read_field(const std::string& path,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  FileTrust trust,
+                                  const Cancellation& interruption);
 
 /// Errors: those of list_grids; without trust those of decode_once and grid_list_of too.
 absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,

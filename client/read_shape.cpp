@@ -39,6 +39,33 @@ absl::StatusOr<Shape> shared(absl::StatusOr<Input> read) {
   return std::make_shared<const Input>(*std::move(read));
 }
 
+absl::Status read_sizes(const MeshOptions& options,
+                        const Cancellation& interruption,
+                        Sizing& sizing) {
+  auto& grid = sizing.grid;
+  if (!grid) return absl::OkStatus();
+  absl::StatusOr<Volume> volume = read_volume(grid->file.empty() ? options.input : grid->file,
+                                              grid->name, trust(options), interruption);
+  if (!volume.ok()) return volume.status();
+  grid->volume = std::make_shared<const Volume>(*std::move(volume));
+  return absl::OkStatus();
+}
+
+/// The first component says how many there are.
+absl::Status read_components(const MeshOptions& options,
+                             const Cancellation& interruption,
+                             VertexField& field) {
+  std::uint32_t count = 1;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    absl::StatusOr<Volume> volume = read_field(field.file.empty() ? options.input : field.file,
+                                               field.grid, i, trust(options), interruption);
+    if (!volume.ok()) return volume.status();
+    count = components_of(volume->kind);
+    field.components.push_back(std::make_shared<const Volume>(*std::move(volume)));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<Shape> read_shape(const MeshOptions& options,
@@ -52,15 +79,14 @@ absl::StatusOr<Shape> read_shape(const MeshOptions& options,
                                       : shared(read_grid(options, bar, interruption));
 }
 
-absl::StatusOr<MeshRequest> read_sizes(const MeshOptions& options,
-                                       const Cancellation& interruption) {
+absl::StatusOr<MeshRequest> read_request(const MeshOptions& options,
+                                         const Cancellation& interruption) {
   MeshRequest request = options.request;
-  auto& grid = request.sizing.grid;
-  if (!grid) return request;
-  absl::StatusOr<Volume> volume = read_volume(grid->file.empty() ? options.input : grid->file,
-                                              grid->name, trust(options), interruption);
-  if (!volume.ok()) return volume.status();
-  grid->volume = std::make_shared<const Volume>(*std::move(volume));
+  absl::Status status = read_sizes(options, interruption, request.sizing);
+  for (VertexField& field : request.fields) {
+    if (status.ok()) status = read_components(options, interruption, field);
+  }
+  if (!status.ok()) return status;
   return request;
 }
 

@@ -16,8 +16,9 @@ absl::StatusOr<Shape> read_shape(const MeshOptions& options,
                                  ProgressBar& bar,
                                  const Cancellation& interruption);
 
-/// The request with the grid of its sizing, if it has one. Errors: those of read_volume.
-absl::StatusOr<MeshRequest> read_sizes(const MeshOptions& options,
-                                       const Cancellation& interruption);
+/// The request with the grids of its sizing and its fields. Errors: those of read_volume and
+/// read_field.
+absl::StatusOr<MeshRequest> read_request(const MeshOptions& options,
+                                         const Cancellation& interruption);
 
 }  // namespace tet

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_format.h>
 
+#include "client/field_options.h"
 #include "proto/sizing/sizing_message.h"
 
 namespace tet {
@@ -69,6 +70,9 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
          "--coordinates", arguments.coordinates,
          "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")
       ->check(CLI::IsMember({"float32", "float64"}));
+  app.add_option("--field", arguments.fields, kFieldHelp)
+      ->type_name(kFieldType)
+      ->allow_extra_args(false);
 }
 
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments) {
@@ -87,6 +91,9 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);
+  absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
+  if (!fields.ok()) return fields.status();
+  request.fields = *std::move(fields);
   return request;
 }
 
@@ -108,6 +115,7 @@ v1::MeshRequest wire_request(const MeshRequest& request,
   }
   message.set_manifold(request.manifold);
   if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
+  add_wire_fields(request.fields, message);
   return message;
 }
 

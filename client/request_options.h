@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -25,17 +26,20 @@ struct RequestArguments {
   std::optional<std::array<double, 6>> box;
   std::string coordinates;
   SizingArguments sizing;
+  std::vector<std::string> fields;
 };
 
 /// Adds --grid, --iso, --spacing, --levels, --sizing, --preset, --box, --manifold, --improve,
-/// --coordinates.
+/// --coordinates, --field.
 void describe_request(CLI::App& app, RequestArguments& arguments);
 
-/// The grid of its sizing is not loaded: see read_sizing. Errors: kInvalidArgument (options
-/// that do not go together), and those of read_sizing.
+/// The grids of its sizing and its fields are not loaded: see read_sizing and
+/// understand_fields. Errors: kInvalidArgument (options that do not go together), and those of
+/// the two.
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
 
-/// The same for a server, which stores the file under `name`.
+/// The same for a server, which stores the file under `name`, and those of its fields as they
+/// say.
 v1::MeshRequest wire_request(const MeshRequest& request,
                              const std::string& name,
                              const std::string& grid);

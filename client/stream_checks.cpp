@@ -1,6 +1,12 @@
 #include "client/stream_checks.h"
 
+#include <optional>
+#include <set>
+#include <vector>
+
 #include <absl/strings/str_cat.h>
+
+#include "core/pipeline/vertex_field.h"
 
 namespace tet {
 
@@ -18,6 +24,23 @@ bool is_valid(const v1::MeshHeader& header) {
          v1::CoordinateType_IsValid(header.coordinate_type()) &&
          header.index_type() != v1::INDEX_TYPE_UNSPECIFIED &&
          v1::IndexType_IsValid(header.index_type());
+}
+
+bool is_valid(const v1::FieldArray& field) {
+  return is_array_name(field.name()) && (field.components() == 1 || field.components() == 3);
+}
+
+/// Nothing where a name or a count cannot be.
+std::optional<std::vector<FieldArray>> to_core(
+    const google::protobuf::RepeatedPtrField<v1::FieldArray>& messages) {
+  std::set<std::string> names;
+  std::vector<FieldArray> fields;
+  for (const v1::FieldArray& field : messages) {
+    if (!is_valid(field) || !names.insert(field.name()).second) return std::nullopt;
+    fields.push_back({field.name(), static_cast<std::uint32_t>(field.components())});
+  }
+  if (fields.size() > VertexField::kMaxFields) return std::nullopt;
+  return fields;
 }
 
 }  // namespace
@@ -46,6 +69,9 @@ absl::StatusOr<MeshHeader> checked_header(const v1::MeshHeader& message) {
   header.spacing = message.spacing();
   header.levels = message.levels();
   header.has_regions = message.has_regions();
+  auto fields = to_core(message.fields());
+  if (!fields) return bad_stream("a header with impossible fields");
+  header.fields = *std::move(fields);
   return header;
 }
 

@@ -1,9 +1,13 @@
 #include "client/write_msh.h"
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include <absl/strings/str_cat.h>
+
+#include "client/mesh_columns.h"
 #include "core/mesh/regions.h"
 
 namespace tet {
@@ -22,7 +26,20 @@ std::span<const MeshRegion> volumes_of(const MeshHeader& header) noexcept {
 }
 
 std::uint64_t file_bytes(const MeshHeader& header) noexcept {
-  return header.vertex_count * 4 * 8 + header.tet_count * 5 * 8;
+  std::uint64_t fields = 0;
+  for (const FieldArray& field : header.fields) {
+    fields += header.vertex_count * (4 + 8 * field.components);
+  }
+  return header.vertex_count * 4 * 8 + header.tet_count * 5 * 8 + fields;
+}
+
+/// The format has 8 bytes for the number of a node, but 4 where it has data.
+absl::Status check_node_numbers(const MeshHeader& header) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (header.fields.empty() || header.vertex_count <= kMost) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("a .msh with fields takes ", kMost, " vertices and the mesh has ",
+                   header.vertex_count, ": write a .vtu or .vtkhdf"));
 }
 
 void write_physical_names(BlockWriter& writer) {
@@ -102,9 +119,20 @@ void write_elements(BlockWriter& writer, const TetMesh& mesh) {
   writer.text("\n$EndElements\n");
 }
 
+void write_node_data(BlockWriter& writer, const TetMesh& mesh, std::size_t i) {
+  const FieldArray& field = mesh.header.fields[i];
+  writer.text(absl::StrCat("$NodeData\n1\n\"", field.name, "\"\n"));
+  writer.text("1\n0.0\n");  // the time
+  // Its step, components, and nodes.
+  writer.text(absl::StrCat("3\n0\n", field.components, "\n", mesh.header.vertex_count, "\n"));
+  write_numbered_field(writer, mesh, i);
+  writer.text("\n$EndNodeData\n");
+}
+
 }  // namespace
 
 absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
+  if (auto status = check_node_numbers(mesh.header); !status.ok()) return status;
   BlockWriter writer(file, file_bytes(mesh.header), control);
   writer.text("$MeshFormat\n4.1 1 8\n");  // binary, with eight-byte sizes
   writer.number(std::int32_t{1});         // tells a reader the byte order
@@ -113,6 +141,7 @@ absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl
   write_entities(writer, mesh.header);
   write_nodes(writer, mesh);
   write_elements(writer, mesh);
+  for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) write_node_data(writer, mesh, i);
   return writer.status();
 }
 

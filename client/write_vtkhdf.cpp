@@ -57,6 +57,7 @@ Handle without_times(hid_t property_class) {
 struct Layout {
   haddr_t points = HADDR_UNDEF, connectivity = HADDR_UNDEF, offsets = HADDR_UNDEF;
   haddr_t types = HADDR_UNDEF, regions = HADDR_UNDEF;
+  std::vector<haddr_t> fields = {};
 };
 
 /// Builds the `VTKHDF` group of a file; after the first failure every call fails.
@@ -148,6 +149,15 @@ std::optional<Layout> lay_out(const std::string& path,
   if (mesh.has_regions) {
     skeleton.group("CellData");
     layout.regions = skeleton.column("CellData/region", H5T_STD_U8LE, {mesh.tet_count});
+  }
+  if (!mesh.fields.empty()) skeleton.group("PointData");
+  for (const FieldArray& field : mesh.fields) {
+    const std::string name = absl::StrCat("PointData/", field.name);
+    layout.fields.push_back(
+        field.components == 1
+            ? skeleton.column(name.c_str(), H5T_IEEE_F32LE, {mesh.vertex_count})
+            : skeleton.column(name.c_str(), H5T_IEEE_F32LE,
+                              {mesh.vertex_count, field.components}));
   }
   if (!skeleton.close()) return std::nullopt;
   return layout;
@@ -272,6 +282,11 @@ absl::Status VtkHdfWriter::put(const TetMesh& part, const ChunkExtent& place) {
            [&] { write_connectivity(to, part, as.ids); });
   write_at(to, place_of(layout.regions, place.first_tet, 1),
            [&] { to.bytes(part.regions.bytes()); });
+  for (std::size_t i = 0; i < layout.fields.size(); ++i) {
+    const std::size_t row_bytes = part.header.fields[i].components * sizeof(float);
+    write_at(to, place_of(layout.fields[i], place.first_vertex, row_bytes),
+             [&] { write_field(to, part, i); });
+  }
   return to.status();
 }
 

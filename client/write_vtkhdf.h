@@ -32,8 +32,8 @@ class VtkHdfWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Writes the whole mesh as one part, regions as `CellData/region`; `file` is left for the
-/// caller to commit.
+/// Writes the whole mesh as one part, regions as `CellData/region` and fields in `PointData`;
+/// `file` is left for the caller to commit.
 ///
 /// HDF5 lays the file out and makes its few small parts, in memory; the large columns go
 /// straight to their places, so that a full disk or a Ctrl-C ends in our own error and not

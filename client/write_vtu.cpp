@@ -3,6 +3,7 @@
 #include <string>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
 
 #include "client/mesh_columns.h"
 
@@ -17,12 +18,50 @@ std::string data_array(const std::string& attributes, std::uint64_t offset) {
                       offset, "\"/>\n");
 }
 
+std::uint64_t field_bytes(const MeshHeader& mesh, const FieldArray& field) {
+  return mesh.vertex_count * field.components * sizeof(float);
+}
+
 /// One-sided meshes have no data of cells.
 std::string cell_data(const MeshHeader& mesh, std::uint64_t offset) {
   if (!mesh.has_regions) return "";
   return absl::StrCat("      <CellData Scalars=\"region\">\n",
                       data_array("type=\"UInt8\" Name=\"region\"", offset),
                       "      </CellData>\n");
+}
+
+std::string xml_text(const std::string& name) {
+  return absl::StrReplaceAll(name, {
+                                       {"&", "&amp;"},
+                                       {"<",  "&lt;"},
+                                       {">",  "&gt;"}
+  });
+}
+
+/// What a viewer shows before it is told what to: the first field of so many components.
+std::string shown_first(const MeshHeader& mesh,
+                        const char* attribute,
+                        std::uint32_t components) {
+  for (const FieldArray& field : mesh.fields) {
+    if (field.components != components) continue;
+    return absl::StrCat(" ", attribute, "=\"", xml_text(field.name), "\"");
+  }
+  return "";
+}
+
+std::string point_data(const MeshHeader& mesh, std::uint64_t offset) {
+  if (mesh.fields.empty()) return "";
+  std::string text = absl::StrCat("      <PointData", shown_first(mesh, "Scalars", 1),
+                                  shown_first(mesh, "Vectors", 3), ">\n");
+  for (const FieldArray& field : mesh.fields) {
+    // Not of scalars: readers make a matrix of one column of those that say so.
+    const char* const components = field.components == 3 ? " NumberOfComponents=\"3\"" : "";
+    const std::string attributes =
+        absl::StrCat("type=\"Float32\" Name=\"", xml_text(field.name), "\"", components);
+    absl::StrAppend(&text, data_array(attributes, offset));
+    offset += kSizeBytes + field_bytes(mesh, field);
+  }
+  return absl::StrCat(text, "      </PointData>\n");
 }
 
 std::string header_text(const MeshHeader& mesh,
@@ -33,6 +72,9 @@ std::string header_text(const MeshHeader& mesh,
   const std::uint64_t connectivity = kSizeBytes + sizes.points;
   const std::uint64_t offsets = connectivity + kSizeBytes + sizes.connectivity;
   const std::uint64_t cell_types = offsets + kSizeBytes + sizes.offsets;
+  const std::uint64_t regions = cell_types + kSizeBytes + sizes.types;
+  const std::uint64_t fields =
+      mesh.has_regions ? regions + kSizeBytes + sizes.regions : regions;
   return absl::StrCat(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -50,7 +92,7 @@ std::string header_text(const MeshHeader& mesh,
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"connectivity\""), connectivity),
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"offsets\""), offsets),
       data_array("type=\"UInt8\" Name=\"types\"", cell_types), "      </Cells>\n",
-      cell_data(mesh, cell_types + kSizeBytes + sizes.types),
+      point_data(mesh, fields), cell_data(mesh, regions),
       "    </Piece>\n"
       "  </UnstructuredGrid>\n"
       "  <AppendedData encoding=\"raw\">\n_");
@@ -76,6 +118,10 @@ absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl
   if (mesh.header.has_regions) {
     writer.number(sizes.regions);
     writer.bytes(mesh.regions.bytes());
+  }
+  for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) {
+    writer.number(field_bytes(mesh.header, mesh.header.fields[i]));
+    write_field(writer, mesh, i);
   }
   writer.text("\n  </AppendedData>\n</VTKFile>\n");
   return writer.status();

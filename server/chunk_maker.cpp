@@ -1,6 +1,5 @@
 #include "server/chunk_maker.h"
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -24,7 +23,8 @@ std::uint32_t checksum_of(const ChunkColumns& columns) {
   const auto text = [](std::span<const std::byte> bytes) {
     return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
-  return chunk_checksum(text(columns.positions), text(columns.tets), text(columns.regions));
+  return chunk_checksum({text(columns.positions), text(columns.tets), text(columns.regions),
+                         text(columns.fields)});
 }
 
 ChunkMessage make_columns(const ChunkSource& source,
@@ -34,10 +34,11 @@ ChunkMessage make_columns(const ChunkSource& source,
   const MeshPlan& plan = *source.plan;
   const ChunkExtent extent = source.patch ? source.patch->extent(index) : plan.chunk(index);
   const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
-  const ChunkFrame frame({size.positions, size.tets, size.regions});
+  const ChunkFrame frame({size.positions, size.tets, size.regions, size.fields});
   const grpc::Slice slice = memory.blocks.take(frame.block_bytes(), std::move(held));
   auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));
-  const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block)};
+  const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block),
+                             frame.fields(block)};
 
   ChunkMessage message;
   MeshWorkspace workspace = memory.workspaces.take();
@@ -47,10 +48,11 @@ ChunkMessage make_columns(const ChunkSource& source,
   const auto parts =
       frame.write(block, {index, extent.first_vertex, extent.vertex_count, extent.first_tet,
                           extent.tet_count, checksum_of(columns)});
-  const std::array<grpc::Slice, 3> slices = {slice.sub(parts[0].begin, parts[0].end),
-                                             slice.sub(parts[1].begin, parts[1].end),
-                                             slice.sub(parts[2].begin, parts[2].end)};
-  message.event = grpc::ByteBuffer(slices.data(), size.regions == 0 ? 2 : 3);
+  std::vector<grpc::Slice> slices;
+  for (const ChunkFrame::Part& part : parts) {
+    if (part.end > part.begin) slices.push_back(slice.sub(part.begin, part.end));
+  }
+  message.event = grpc::ByteBuffer(slices.data(), slices.size());
   message.tets = extent.tet_count;
   message.bytes = size.total();
   return message;

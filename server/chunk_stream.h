@@ -1,6 +1,7 @@
 // A call that sends a mesh's chunks in order, whatever they come from.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -132,8 +133,8 @@ class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkS
 
   Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
 
-  ChunkReactor* reactor_ = nullptr;  ///< there until the call is finished
-  Admission::Place place_ = 0;       ///< in the queue; 0: in none
+  ChunkReactor* reactor_ = nullptr;         ///< there until the call is finished
+  std::atomic<Admission::Place> place_{0};  ///< in the queue; 0: in none
 
   std::mutex mutex_;  ///< guards all below
   std::unique_ptr<grpc::Alarm> progress_timer_;

@@ -1,12 +1,14 @@
 #include "server/explain.h"
 
 #include <string>
+#include <utility>
 
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_replace.h>
 
 #include "core/octree/sizing.h"
+#include "core/pipeline/vertex_field.h"
 #include "proto/wire/sha256.h"
 #include "server/status.h"
 
@@ -27,6 +29,7 @@ struct Reasons {
   const char *not_found, *invalid, *precondition, *otherwise;
 };
 constexpr Reasons kOfFile{"GRID_NOT_IN_FILE", "UNREADABLE_FILE", "NOT_MESHABLE", "DISK"};
+constexpr Reasons kOfField{"GRID_NOT_IN_FILE", "UNREADABLE_FILE", "NOT_A_FIELD", "DISK"};
 constexpr Reasons kOfMesh{"INTERNAL", "INVALID_FIELD", "NOTHING_TO_MESH", "INTERNAL"};
 
 absl::Status with_reason_of(const absl::Status& status, const Reasons& reasons) {
@@ -53,19 +56,29 @@ absl::Status with_reason_of(const absl::Status& status, const Reasons& reasons) 
 
 absl::Status about_file(const absl::Status& status,
                         std::string_view digest,
-                        std::string_view path) {
+                        std::string_view path,
+                        GridUse use) {
   if (status.ok()) return status;
   const std::string message = absl::StrReplaceAll(
       std::string(status.message()), {
                                          {std::string(path), name_of_grid(digest)}
   });
-  return with_reason_of(retold(status, message), kOfFile);
+  return with_reason_of(retold(status, message), use == GridUse::kField ? kOfField : kOfFile);
+}
+
+absl::Status about_field(const absl::Status& status, std::size_t i) {
+  const std::string field = absl::StrCat(kFieldsField, "[", i, "]");
+  absl::Status told = retold(status, absl::StrCat(field, ": ", status.message()));
+  const bool is_wrong = absl::IsNotFound(status) || absl::IsInvalidArgument(status) ||
+                        absl::IsFailedPrecondition(status);
+  return is_wrong ? with_field(std::move(told), absl::StrCat("mesh.", field)) : told;
 }
 
 absl::Status about_mesh(const absl::Status& status) {
-  // What is below a default spacing is known only now.
+  // What is below a default spacing, or the name of a grid, is known only now.
   if (absl::IsInvalidArgument(status) &&
-      absl::StartsWith(status.message(), absl::StrCat(kSizingField, "."))) {
+      (absl::StartsWith(status.message(), absl::StrCat(kSizingField, ".")) ||
+       absl::StartsWith(status.message(), absl::StrCat(kFieldsField, "[")))) {
     return within_field("mesh", invalid_field(std::string(status.message())));
   }
   return status.ok() ? status : with_reason_of(status, kOfMesh);

@@ -24,8 +24,12 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
   return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
                                        VolumeCache::Cancelled abandoned,
                                        VolumeCache::LoadDone done) {
-    const FileRequest request{DecodeTask::kVolume, path, name_of_grid(key.digest),
-                              key.grid_name, max_bytes};
+    const FileRequest request{key.component ? DecodeTask::kField : DecodeTask::kVolume,
+                              path,
+                              name_of_grid(key.digest),
+                              key.grid_name,
+                              max_bytes,
+                              key.component.value_or(0)};
     pool.post([&pool, &decoders, request, abandoned = std::move(abandoned),
                done = std::move(done)]() mutable {
       if (absl::Status intact = verify_stored(request.path); !intact.ok()) return done(intact);
@@ -37,6 +41,19 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
           });
     });
   };
+}
+
+/// Of a stored grid that could not be loaded.
+absl::Status explained(const absl::Status& status,
+                       const VolumeKey& key,
+                       const GridLease& grid) {
+  return about_file(status, key.digest, grid->path.string(),
+                    key.component ? GridUse::kField : GridUse::kSurface);
+}
+
+bool has_all_components(const VertexField& field) {
+  const auto& components = field.components;
+  return !components.empty() && components.size() >= components_of(components[0]->kind);
 }
 
 }  // namespace
@@ -100,19 +117,22 @@ void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
   auto lease = store_.acquire({key.space, key.digest});
   if (!lease.ok()) {
     threads_.pool.post(
-        [job = std::move(job), status = lease.status()] { job.then(job, status); });
+        [job = std::move(job), key, status = lease.status()] { job.fail(key, status); });
     return;
   }
   const std::string path = (*lease)->path.string();
   const auto cancelled = [watch = job.watch] { return watch->cancellation.requested(); };
   volumes_.get(key, path, cancelled,
-               [this, job = std::move(job), grid = *std::move(lease),
+               [this, job = std::move(job), key, grid = *std::move(lease),
                 then = std::move(then)](const auto& volume) mutable {
                  if (volume.ok()) return then(std::move(job), std::move(grid), *volume);
                  if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
-                 job.then(job,
-                          about_file(volume.status(), grid->key.digest, grid->path.string()));
+                 job.fail(key, explained(volume.status(), key, grid));
                });
+}
+
+void Planner::Job::fail(const VolumeKey& key, const absl::Status& status) const {
+  then(*this, key.component ? about_field(status, field) : status);
 }
 
 /// On the pool; its grids one after another.
@@ -149,13 +169,30 @@ void Planner::make_scene(Job job) {
 /// On the pool.
 void Planner::load_sizes(Job job) {
   const auto& grid = job.order.request.sizing.grid;
-  if (!grid) return job.then(job, absl::OkStatus());
+  if (!grid) return load_fields(std::move(job));
   const std::string digest =
       grid->file.empty() ? job.order.digest : std::string(digest_of_name(grid->file));
   const VolumeKey key{job.order.space, digest, grid->name};
-  load_grid(std::move(job), key, [](Job loaded, const GridLease&, auto volume) {
+  load_grid(std::move(job), key, [this](Job loaded, const GridLease&, auto volume) {
     loaded.order.request.sizing.grid->volume = std::move(volume);
-    loaded.then(loaded, absl::OkStatus());
+    load_fields(std::move(loaded));
+  });
+}
+
+/// On the pool. One component after the other: the first says how many there are.
+void Planner::load_fields(Job job) {
+  const auto& fields = job.order.request.fields;
+  while (job.field < fields.size() && has_all_components(fields[job.field])) ++job.field;
+  if (job.field == fields.size()) return job.then(job, absl::OkStatus());
+  const VertexField& field = fields[job.field];
+  const std::string digest =
+      field.file.empty() ? job.order.digest : std::string(digest_of_name(field.file));
+  const VolumeKey key{job.order.space, digest, field.grid,
+                      static_cast<std::uint32_t>(field.components.size())};
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    loaded.grids.push_back(std::move(grid));
+    loaded.order.request.fields[loaded.field].components.push_back(std::move(volume));
+    load_fields(std::move(loaded));
   });
 }
 

@@ -1,5 +1,6 @@
-// From a valid order to a counted mesh: find the file, load the grid, load the grid of its
-// sizing if there is one, plan; each step once. A scene has any number of grids.
+// From a valid order to a counted mesh: find the file, load the grid, load the grids of its
+// sizing and of its fields if there are any, plan; each step once. A scene has any number of
+// grids.
 #pragma once
 
 #include <atomic>
@@ -25,7 +26,7 @@ namespace tet {
 /// What a mesh is planned from, in memory.
 struct MeshInput {
   Shape shape;
-  MeshRequest request;  ///< with the sizes of its sizing, where those are a grid's
+  MeshRequest request;                ///< with the grids of its sizing and its fields
   std::vector<GridLease> grids = {};  ///< keep the files from being evicted
 };
 
@@ -116,8 +117,11 @@ class Planner {
     std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
     std::vector<GridLease> grids = {};
     Shape shape = {};
+    std::size_t field = 0;  ///< of the request's, that is loaded next
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
+    /// Ends it, on the pool: what `key` names cannot be had.
+    void fail(const VolumeKey& key, const absl::Status& status) const;
   };
 
   /// On the pool: the job, with what was loaded.
@@ -128,6 +132,7 @@ class Planner {
   void load_scene(Job job);
   void make_scene(Job job);
   void load_sizes(Job job);
+  void load_fields(Job job);
   void plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done);
   absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job,
                                                             const std::string& name,

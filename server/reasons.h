@@ -47,6 +47,7 @@ inline constexpr std::string_view kReasons[] = {
     "MALFORMED",
     "MESSAGE_ORDER",
     "NOTHING_TO_MESH",
+    "NOT_A_FIELD",
     "NOT_MESHABLE",
     "OTHER_MESH",
     "QUOTA_EXCEEDED",

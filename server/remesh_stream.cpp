@@ -189,9 +189,12 @@ absl::Status RemeshStream::take_leaves(const v1::RemeshFrame& frame) {
   auto held = hold(*std::move(changed));
   if (!held.ok()) return held.status();
   order_.volume = *std::move(held);
-  // A sizing's grid stays that of the file.
+  // Grids of sizes and fields stay those of the file.
   auto& sizes = order_.request.sizing.grid;
   if (sizes && sizes->file.empty()) sizes->file = name_of_grid(order_.digest);
+  for (VertexField& field : order_.request.fields) {
+    if (field.file.empty()) field.file = name_of_grid(order_.digest);
+  }
   order_.digest = digest_of(order_.digest, frame);
   return absl::OkStatus();
 }

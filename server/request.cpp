@@ -9,6 +9,7 @@
 #include <absl/strings/str_format.h>
 
 #include "proto/wire/sha256.h"
+#include "server/field_request.h"
 #include "server/scene_request.h"
 #include "server/sizing_request.h"
 #include "server/status.h"
@@ -160,6 +161,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (!origin.ok()) return origin.status();
   const auto coordinates = parse_coordinates(request.coordinate_type());
   if (!coordinates.ok()) return coordinates.status();
+  if (const auto status = parse_fields(request, order.request); !status.ok()) return status;
   if (request.has_spacing()) order.request.spacing = request.spacing();
   if (request.has_iso()) order.request.iso = request.iso();
   if (request.has_levels()) order.request.levels = request.levels();
@@ -202,6 +204,11 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
         "encoding ENCODING_COMPACT cannot carry a mesh with a graded surface: leave "
         "sizing.grade_surface unset, or ask for ENCODING_PLAIN");
   }
+  if (compact && !mesh->request.fields.empty()) {
+    return invalid_field(
+        "encoding ENCODING_COMPACT cannot carry fields, whose grids only the server has: ask "
+        "for ENCODING_PLAIN");
+  }
   StreamOrder order{*std::move(mesh),
                     static_cast<std::uint64_t>(request.start_chunk()),
                     static_cast<std::uint64_t>(request.end_chunk()),
@@ -236,6 +243,9 @@ std::vector<std::string> files_of(const MeshOrder& order) {
   const auto add = [&](const std::string& name) { digests.emplace(digest_of_name(name)); };
   const auto& sizes = order.request.sizing.grid;
   if (sizes && !sizes->file.empty()) add(sizes->file);
+  for (const VertexField& field : order.request.fields) {
+    if (!field.file.empty()) add(field.file);
+  }
   for (const scene::Node& node : order.scene.nodes) {
     if (const auto* grid = std::get_if<scene::GridSolid>(&node.kind)) add(grid->file);
   }
@@ -259,6 +269,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
   if (order.request.origin) set_point(*order.request.origin, *canonical.mutable_origin());
   set_canonical_sizing(order.request.sizing, canonical);
+  set_canonical_fields(order.request.fields, canonical);
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
   const auto coordinates =
@@ -283,7 +294,8 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       canonical.name(), canonical.spacing(), canonical.iso(), canonical.levels(),
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
-      absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical)),
+      absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
+                   exact_fields(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();
@@ -318,6 +330,7 @@ void to_proto(const GridInfo& info, v1::GridInfo& message) {
   message.set_active_voxel_count(info.active_voxels);
   message.set_background(info.background);
   message.set_not_meshable_reason(info.not_meshable);
+  message.set_field_components(static_cast<std::int32_t>(info.field_components));
   if (info.active_box.empty()) return;
   v1::VoxelBox& box = *message.mutable_active_box();
   box.set_min_x(info.active_box.min.x);
@@ -339,6 +352,11 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
+  for (const FieldArray& field : header.fields) {
+    v1::FieldArray& array = *message.add_fields();
+    array.set_name(field.name);
+    array.set_components(static_cast<std::int32_t>(field.components));
+  }
   message.set_mesh_bytes(
       signed_count(ChunkSizes(header, header.vertex_count, header.tet_count).total()));
 }

@@ -33,7 +33,8 @@ absl::Status check_files(const v1::Scene& scene) {
   for (int i = 0; i < scene.nodes_size(); ++i) {
     if (!scene.nodes(i).has_grid()) continue;
     const absl::Status status = parse_grid_name(scene.nodes(i).grid().name()).status();
-    if (!status.ok()) return within_field(absl::StrCat("nodes[", i, "].grid"), status);
+    if (status.ok()) continue;
+    return absl::InvalidArgumentError(absl::StrCat("nodes[", i, "].grid.", status.message()));
   }
   return absl::OkStatus();
 }
@@ -48,9 +49,7 @@ absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order) {
   if (auto status = check_scene_alone(request); !status.ok()) return status;
   absl::StatusOr<scene::Description> described = description_of_message(request.scene());
   if (!described.ok()) return in_scene(described.status());
-  if (auto status = check_files(request.scene()); !status.ok()) {
-    return within_field("scene", status);
-  }
+  if (auto status = check_files(request.scene()); !status.ok()) return in_scene(status);
   order.scene = *std::move(described);
   order.scene_message = request.scene();
   order.scene_message.DiscardUnknownFields();

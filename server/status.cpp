@@ -82,6 +82,11 @@ absl::Status invalid_field(const std::string& message) {
   return status;
 }
 
+absl::Status with_field(absl::Status status, const std::string& field) {
+  set_violation(field, std::string(status.message()), status);
+  return status;
+}
+
 absl::Status within_field(std::string_view outer, const absl::Status& status) {
   google::rpc::BadRequest bad;
   const auto payload = status.GetPayload(kBadRequestUrl);

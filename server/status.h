@@ -24,6 +24,9 @@ std::string reason_of(const absl::Status& status);
 /// its value and what it may be. The name is also in a BadRequest.
 absl::Status invalid_field(const std::string& message);
 
+/// Names the field that led to a failure of another reason, in a BadRequest.
+absl::Status with_field(absl::Status status, const std::string& field);
+
 /// The same failure where its field belongs to the message in field `outer`.
 absl::Status within_field(std::string_view outer, const absl::Status& status);
 

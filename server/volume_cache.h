@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,13 @@
 
 namespace tet {
 
-/// Which grid of which file; an empty grid name means the file's only meshable one. What one
-/// namespace has in memory is not found faster by another.
+/// Which grid of which file, and what for; an empty grid name means the file's only one that
+/// will do. What one namespace has in memory is not found faster by another.
 struct VolumeKey {
   std::string space;
   std::string digest;
   std::string grid_name;
+  std::optional<std::uint32_t> component = {};  ///< of a field; unset: to be meshed
   friend auto operator<=>(const VolumeKey&, const VolumeKey&) = default;
 };
 

@@ -30,12 +30,12 @@ std::uint64_t column_bytes_of(const ChunkMessage& chunk) {
 
 std::uint64_t column_bytes_of(const v1::MeshChunk& chunk) {
   return chunk.positions().size() + chunk.tets().size() + chunk.regions().size() +
-         chunk.compact().size();
+         chunk.compact().size() + chunk.fields().size();
 }
 
 std::uint32_t checksum_of(const v1::MeshChunk& chunk) {
-  if (!chunk.compact().empty()) return chunk_checksum(chunk.compact(), {}, {});
-  return chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions());
+  if (!chunk.compact().empty()) return chunk_checksum({chunk.compact()});
+  return chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(), chunk.fields()});
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
+#include "client/field_options.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -64,6 +65,14 @@ std::string default_name(const std::string& input) {
   return stored_grid_name(input).empty() ? fs::path(input).stem().string() : "";
 }
 
+/// The same wherever the command is run: a stored file's name, or where the file lies; nothing
+/// for none.
+std::string place_of(const std::string& path) {
+  if (path.empty()) return path;
+  const std::string stored = stored_grid_name(path);
+  return stored.empty() ? fs::absolute(path).lexically_normal().string() : stored;
+}
+
 std::string deterministic_bytes(const v1::Job& job) {
   std::string bytes;
   google::protobuf::io::StringOutputStream stream(&bytes);
@@ -108,13 +117,15 @@ absl::StatusOr<JobOrder> understand_job(const JobArguments& arguments) {
       {arguments.input, arguments.request.grid, arguments.voxel},
       {                        }
   };
+  for (VertexField& field : request->fields) field.file = place_of(field.file);
   v1::Job& job = order.job;
   *job.mutable_mesh() = wire_request(*request, "", arguments.request.grid);
   job.set_display_name(arguments.name.empty() ? default_name(arguments.input) : arguments.name);
   job.set_priority(arguments.priority);
   if (arguments.max_attempts) job.set_max_attempts(*arguments.max_attempts);
   job.set_skip_cache(arguments.skip_cache);
-  absl::Status status = set_times(arguments, job);
+  absl::Status status = check_field_files(request->fields, arguments.input);
+  if (status.ok()) status = set_times(arguments, job);
   if (status.ok()) status = set_labels(arguments.labels, job);
   if (status.ok() && stored_grid_name(order.input.path).empty()) {
     status = check_mesh_input(order.input);
@@ -124,10 +135,7 @@ absl::StatusOr<JobOrder> understand_job(const JobArguments& arguments) {
 }
 
 std::string digest_of(const JobOrder& order) {
-  const std::string& path = order.input.path;
-  const std::string stored = stored_grid_name(path);
-  const std::string place =
-      stored.empty() ? fs::absolute(path).lexically_normal().string() : stored;
+  const std::string place = place_of(order.input.path);
   Sha256 digest;
   digest.add(absl::StrCat(place.size(), ":", place));
   digest.add(absl::StrFormat("%a:", order.input.voxel.value_or(0)));

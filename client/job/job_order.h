@@ -36,7 +36,7 @@ void describe_job(CLI::App& app, JobArguments& arguments);
 
 struct JobOrder {
   MeshInput input;
-  v1::Job job;  ///< whose mesh has no name yet: that of the stored file
+  v1::Job job;  ///< whose mesh has no name yet, and fields with paths: those of stored files
 };
 
 /// Errors: kInvalidArgument (a value that cannot be, or options that do not go together).

@@ -22,7 +22,10 @@ std::string text_of(const Json& value) {
 /// Values go behind a `=`, so that none is taken for an option.
 void add_option(const std::string& option, const Json& value, Words& words) {
   if (value.is_null()) return;
-  if (value.is_array()) {
+  const auto is_text = [](const Json& one) { return one.is_string(); };
+  if (value.is_array() && std::all_of(value.begin(), value.end(), is_text)) {
+    for (const Json& one : value) words.push_back(absl::StrCat(option, "=", text_of(one)));
+  } else if (value.is_array()) {
     words.push_back(option);
     for (const Json& one : value) words.push_back(text_of(one));
   } else if (value.is_object()) {

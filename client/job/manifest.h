@@ -16,9 +16,11 @@ namespace tet {
 ///   bunny.vdb --levels 0 --label part=ear
 ///
 /// or the same as one JSON object, for programs. Its keys are the options' names, with `_` or
-/// `-`, and `input`; lists are options with several values, `label` is an object:
+/// `-`, and `input`; lists of numbers are options with several values, lists of texts are
+/// options that are repeated, `label` is an object:
 ///
 ///   {"input": "bunny.vdb", "levels": 0, "improve": true, "label": {"part": "ear"}}
+///   {"input": "fire.vdb", "grid": "density", "field": ["heat", "flow.vdb:velocity"]}
 ///
 /// Empty lines and those that begin with # mean nothing. What a line does not say is as in
 /// `defaults`; labels are added to those there.

@@ -48,6 +48,18 @@ absl::Status store_input(const MeshInput& input, const Store& store, v1::MeshReq
   return name.status();
 }
 
+/// The same of its fields, which have paths so far.
+template <class Store>
+absl::Status store_fields(const Store& store, v1::MeshRequest& mesh) {
+  for (v1::Field& field : *mesh.mutable_fields()) {
+    if (field.grid().empty()) continue;
+    auto name = store({field.grid(), "", {}});
+    if (!name.ok()) return name.status();
+    field.set_grid(*std::move(name));
+  }
+  return absl::OkStatus();
+}
+
 class Submitter {
  public:
   Submitter(const std::vector<JobOrder>& orders,
@@ -120,7 +132,8 @@ class Submitter {
       return uploads_.name_of(input, watch, cancellation_);
     };
     v1::Job job = orders_[i].job;
-    const absl::Status stored = store_input(orders_[i].input, store, *job.mutable_mesh());
+    absl::Status stored = store_input(orders_[i].input, store, *job.mutable_mesh());
+    if (stored.ok()) stored = store_fields(store, *job.mutable_mesh());
     if (!stored.ok()) return stored;
     return jobs_.create(job, request_ids_[i], cancellation_);
   }

@@ -24,6 +24,9 @@ absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
   if (!block.ok()) return block.status();
   absl::StatusOr<Volume> volume = read_flat_volume(block->bytes(), request.max_bytes);
   if (!volume.ok()) return bad_result(request, volume.status());
+  if (has_inside(volume->kind) != (request.task == DecodeTask::kVolume)) {
+    return bad_result(request, absl::InvalidArgumentError("it is not what was asked for"));
+  }
   return volume;
 }
 

@@ -47,7 +47,10 @@ absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& si
     const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(source, limits);
     return grids.ok() ? write_flat_grid_list(*grids, sink) : grids.status();
   }
-  const absl::StatusOr<Volume> volume = load_volume(source, order.grid_name, limits);
+  const absl::StatusOr<Volume> volume =
+      order.task == DecodeTask::kField
+          ? load_field(source, order.grid_name, order.component, limits)
+          : load_volume(source, order.grid_name, limits);
   if (!volume.ok()) return volume.status();
   if (absl::Status s = check_size(*volume, order.limits); !s.ok()) return s;
   return write_flat_volume(*volume, sink);

@@ -13,7 +13,7 @@ namespace tet {
 void prepare_to_carry_out();
 
 /// Reads what is ordered of `file` with OpenVDB and leaves it in `result`, flat and sealed.
-/// Errors: those of load_volume and list_grids; kResourceExhausted (over `limits`).
+/// Errors: those of load_volume, load_field and list_grids; kResourceExhausted (over `limits`).
 absl::Status carry_out(const DecodeOrder& order, int file, int result);
 
 }  // namespace tet

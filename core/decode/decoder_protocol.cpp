@@ -44,6 +44,7 @@ struct Text {
 struct OrderMessage {
   std::uint32_t magic = kOrder;
   DecodeTask task = DecodeTask::kVolume;
+  std::uint32_t component = 0;
   DecodeLimits limits;
   std::int64_t file_bytes = 0;
   Text<256> file_name;
@@ -161,6 +162,7 @@ bool receive_ready(int socket) {
 bool send_order(int socket, const DecodeOrder& order, int file, int result) {
   OrderMessage message;
   message.task = order.task;
+  message.component = order.component;
   message.limits = order.limits;
   message.file_bytes = order.file_bytes;
   message.file_name.set(end_of(order.file_name, message.file_name.bytes.size()));
@@ -198,7 +200,7 @@ ReceivedWish receive_wish(int socket) {
   }
   return ReceivedOrder{
       DecodeOrder{message.task, message.limits, message.file_bytes, message.file_name.get(),
-                  message.grid_name.get()},
+                  message.grid_name.get(), message.component},
       std::move(first), std::move(second)
   };
 }

@@ -31,6 +31,7 @@ inline constexpr std::size_t kMaxFailureBytes = 500;
 enum class DecodeTask : std::uint32_t {
   kVolume = 1,    ///< one grid, as a flat volume
   kGridList = 2,  ///< what the file holds, as a flat grid list
+  kField = 3,     ///< one component of one grid's values, as a flat volume
 };
 
 /// What a decoder may take.
@@ -45,7 +46,8 @@ struct DecodeOrder {
   DecodeLimits limits;
   std::int64_t file_bytes = 0;
   std::string file_name;  ///< what messages call the file; its end if it is long
-  std::string grid_name;  ///< at most kMaxGridNameBytes; empty takes the only meshable grid
+  std::string grid_name;  ///< at most kMaxGridNameBytes; empty takes the only one that will do
+  std::uint32_t component = 0;  ///< of a field
 };
 
 /// An order as it came, with its descriptors.

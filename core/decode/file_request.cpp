@@ -34,7 +34,9 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGri
     return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
   }
   const auto charge = [&](const VdbOutline& outline) {
-    return loading_charge(outline, request.grid_name);
+    return loading_charge(
+        outline, request.grid_name,
+        request.task == DecodeTask::kField ? GridUse::kField : GridUse::kSurface);
   };
   return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
 }
@@ -80,8 +82,9 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
   const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
   if (!charge.ok()) return charge.status();
   checked.limit = time_for(facts.st_size, *charge, max_time);
-  checked.order = {request.task, limits_of(*charge, checked.limit), facts.st_size,
-                   request.file_name, request.grid_name};
+  checked.order = {request.task,      limits_of(*charge, checked.limit),
+                   facts.st_size,     request.file_name,
+                   request.grid_name, request.component};
   return checked;
 }
 

@@ -16,8 +16,9 @@ struct FileRequest {
   DecodeTask task = DecodeTask::kVolume;
   std::string path;
   std::string file_name;        ///< what messages call it: never a path of the server's
-  std::string grid_name;        ///< empty takes the only meshable grid
+  std::string grid_name;        ///< empty takes the only one that will do
   std::uint64_t max_bytes = 0;  ///< of the volume in memory; of the trees for a grid list
+  std::uint32_t component = 0;  ///< of a field
 };
 
 /// An open file and what may be spent on it.

@@ -46,7 +46,7 @@ void place_nodes(const GradedTree& graded,
   place(graded.nodes[level].centre[at], kCentre);
 }
 
-void sample_nodes(std::span<const LatticeCoord> nodes, PointSampler& sampler, float* phi) {
+void sample_nodes(std::span<const LatticeCoord> nodes, LatticeSampler& sampler, float* phi) {
   FieldPoints points;
   std::array<double, FieldPoints::kSize> values;
   for (std::size_t first = 0; first < nodes.size(); first += FieldPoints::kSize) {
@@ -112,7 +112,7 @@ void fill_nodes(const GradedTree& graded,
   mesh.phi.resize(graded.node_count);
   for_each_brick_range(
       graded, cancellation, [&](std::size_t level, std::size_t begin, std::size_t end) {
-        PointSampler sampler(field);
+        LatticeSampler sampler(field);
         const LevelNodes& nodes = graded.nodes[level];
         for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
           const std::uint64_t first = nodes.first_vertex[i];

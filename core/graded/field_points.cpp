@@ -21,7 +21,7 @@ double NodeBounds::half_edge() const noexcept {
   return std::max({max_[0] - min_[0], max_[1] - min_[1], max_[2] - min_[2]}) / 2;
 }
 
-void PointSampler::focus(const NodeBounds& bounds) noexcept {
+void LatticeSampler::focus(const NodeBounds& bounds) noexcept {
   if (sampler_.field().scene == nullptr) return;
   constexpr double kRounding = 1 + 1e-9;
   const double spacing = sampler_.field().spacing_voxels;
@@ -30,7 +30,9 @@ void PointSampler::focus(const NodeBounds& bounds) noexcept {
                          kRounding * spacing * bounds.half_edge());
 }
 
-void PointSampler::sample(const FieldPoints& points, std::size_t count, double* phi) noexcept {
+void LatticeSampler::sample(const FieldPoints& points,
+                            std::size_t count,
+                            double* phi) noexcept {
   if (sampler_.field().scene == nullptr) {
     for (std::size_t i = 0; i < count; ++i) {
       phi[i] = static_cast<double>(sampler_.at(points.x[i], points.y[i], points.z[i]));

@@ -31,9 +31,9 @@ class NodeBounds {
 
 /// Asks a field for phi at points. A point's phi depends on it alone. Not thread-safe: one per
 /// task.
-class PointSampler {
+class LatticeSampler {
  public:
-  explicit PointSampler(const PhiField& field) : sampler_(field) {}
+  explicit LatticeSampler(const PhiField& field) : sampler_(field) {}
 
   /// Of a scene only what matters within `bounds` will be looked at: all points until the next
   /// focus lie there.

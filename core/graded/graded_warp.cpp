@@ -14,7 +14,9 @@ double GradedLimits::part(const EdgeEnd& end) const noexcept {
   const bool far = std::max({x, y, z}) >> end.level > (axes == 1 ? 2 : 1);
   if (end.is_centre) {
     if (end.leads_to_centre) return centre_to_centre;
-    return axes == 1 ? centre_to_face_centre : axes == 2 ? centre_to_edge_middle : centre_to_corner;
+    return axes == 1   ? centre_to_face_centre
+           : axes == 2 ? centre_to_edge_middle
+                       : centre_to_corner;
   }
   if (!end.leads_to_centre) {
     return axes == 2 ? corner_across_face : far ? corner_to_far_corner : corner_to_corner;

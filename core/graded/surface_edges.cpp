@@ -73,7 +73,7 @@ class EdgeBatch {
   bool full() const noexcept { return count_ == FieldPoints::kSize; }
 
   /// Finds all zeros, writes their fractions, and is empty again.
-  void find(PointSampler& sampler, float* fraction) noexcept {
+  void find(LatticeSampler& sampler, float* fraction) noexcept {
     sampler.focus(bounds_);
     std::size_t left = count_;
     for (int step = 0; step < ZeroBracket::kMaxSteps && left > 0; ++step)
@@ -91,7 +91,7 @@ class EdgeBatch {
     points_.z[place] = 0.5 * (start_[edge].z + t * along_[edge].z);
   }
 
-  std::size_t narrow(PointSampler& sampler, std::size_t left) noexcept {
+  std::size_t narrow(LatticeSampler& sampler, std::size_t left) noexcept {
     for (std::size_t i = 0; i < left; ++i) put(i, open_[i], bracket_[open_[i]].next);
     sampler.sample(points_, left, phi_.data());
     std::size_t still = 0;
@@ -142,7 +142,7 @@ void find_zeros(const BackgroundMesh& mesh,
                 SurfaceEdges& edges) {
   constexpr std::size_t kNodesPerRange = 4096;
   for_each_range(mesh.node.size(), kNodesPerRange, [&](std::size_t begin, std::size_t end) {
-    PointSampler sampler(field);
+    LatticeSampler sampler(field);
     EdgeBatch batch(mesh, edges);
     std::uint32_t written = edges.first[begin];
     const auto find = [&](std::uint32_t next) {

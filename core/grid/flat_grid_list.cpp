@@ -39,7 +39,7 @@ struct Record {
   std::uint32_t value_type_bytes = 0;
   std::uint32_t grid_class_bytes = 0;
   std::uint32_t not_meshable_bytes = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t field_components = 0;
 };
 static_assert(sizeof(Record) == 64);
 
@@ -53,6 +53,7 @@ Record record_of(const GridInfo& grid) {
   record.value_type_bytes = static_cast<std::uint32_t>(grid.value_type.size());
   record.grid_class_bytes = static_cast<std::uint32_t>(grid.grid_class.size());
   record.not_meshable_bytes = static_cast<std::uint32_t>(grid.not_meshable.size());
+  record.field_components = grid.field_components;
   return record;
 }
 
@@ -92,6 +93,10 @@ bool is_box(const VoxelBox& box) {
          (box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z);
 }
 
+bool is_component_count(std::uint32_t components) {
+  return components == 0 || components == 1 || components == 3;
+}
+
 absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text) {
   GridInfo grid;
   if (!take(text, record.name_bytes, kMaxGridNameBytes, grid.name) ||
@@ -104,7 +109,8 @@ absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text)
       !is_printable(grid.not_meshable)) {
     return wrong("a text is not printable");
   }
-  if (!is_box(record.active_box) || record.reserved != 0) return wrong("a box is none");
+  if (!is_box(record.active_box)) return wrong("a box is none");
+  if (!is_component_count(record.field_components)) return wrong("a field has no such values");
   if (!std::isfinite(record.voxel_size) && grid.not_meshable.empty()) {
     return wrong("a voxel size is not finite");
   }
@@ -112,6 +118,7 @@ absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text)
   grid.active_voxels = record.active_voxels;
   grid.active_box = record.active_box;
   grid.background = record.background;
+  grid.field_components = record.field_components;
   return grid;
 }
 

@@ -114,7 +114,7 @@ absl::StatusOr<Header> read_header(FlatReader& reader, std::size_t block_size) {
     return wrong(
         absl::StrFormat("it claims %d bytes and has %d", header.total_bytes, block_size));
   }
-  if (header.kind > static_cast<std::uint32_t>(VolumeKind::kFogVolume)) {
+  if (header.kind > static_cast<std::uint32_t>(VolumeKind::kVectorField)) {
     return wrong(absl::StrFormat("kind %d is none", header.kind));
   }
   if (header.name_bytes > kMaxGridNameBytes) {
@@ -148,7 +148,8 @@ absl::StatusOr<Columns> read_columns(const Header& header, FlatReader& reader) {
   const auto cubes = reader.column<ConstantCube>(header.cube_count);
   if (!cubes) return wrong(absl::StrFormat("%d cubes do not fit in it", header.cube_count));
   if (!reader.at_end()) return wrong("bytes follow its last column");
-  if (bricks->empty() && constants->empty() && cubes->empty()) return wrong("it is empty");
+  const bool empty = bricks->empty() && constants->empty() && cubes->empty();
+  if (empty && has_inside(static_cast<VolumeKind>(header.kind))) return wrong("it is empty");
   return Columns{*name, *bricks, *values, *constants, *cubes};
 }
 

@@ -19,8 +19,9 @@ struct GridInfo {
   double voxel_size = 0;   ///< world units; of the x axis where voxels are not uniform
   std::uint64_t active_voxels = 0;
   VoxelBox active_box;
-  float background = 0;      ///< 0 for grids that are not float or double
-  std::string not_meshable;  ///< why the mesher refuses it; empty when it does not
+  float background = 0;                ///< 0 for grids that are not float or double
+  std::string not_meshable;            ///< why the mesher refuses it; empty when it does not
+  std::uint32_t field_components = 0;  ///< 1 or 3 of a grid that can be a field; else 0
 };
 
 }  // namespace tet

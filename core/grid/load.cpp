@@ -107,6 +107,7 @@ GridInfo describe(VdbFile& file, std::size_t i) {
   info.background = background(grid);
   info.not_meshable = std::string(check_meshable(grid).message());
   if (info.not_meshable.empty() && grid.empty()) info.not_meshable = "it is empty";
+  info.field_components = field_components(grid);
   return info;
 }
 
@@ -126,40 +127,82 @@ absl::StatusOr<std::size_t> find_named(const VdbFile& file, const std::string& n
       absl::StrFormat("there is no grid '%s'; the file has %s", name, names_of(file)));
 }
 
-/// The only grid that can be meshed.
-absl::StatusOr<std::size_t> find_meshable(VdbFile& file) {
+/// What a grid is read for, and how: the grids that will do, and what is made of one.
+struct Reading {
+  GridUse use = GridUse::kSurface;
+  std::uint32_t component = 0;  ///< of a field
+
+  const char* verb() const { return use == GridUse::kSurface ? "be meshed" : "be a field"; }
+  absl::Status check(const openvdb::GridBase& grid) const {
+    return use == GridUse::kSurface ? check_meshable(grid) : check_field(grid);
+  }
+  absl::StatusOr<Volume> copy(const openvdb::GridBase& grid) const {
+    return use == GridUse::kSurface ? copy_grid(grid) : copy_field(grid, component);
+  }
+  /// Why the grid will not do, its values apart; empty when it will.
+  std::string refusal(VdbFile& file, std::size_t i) const {
+    if (use == GridUse::kSurface) return describe(file, i).not_meshable;
+    return std::string(check_field(file.grid(i)).message());
+  }
+};
+
+/// The only grid that will do.
+absl::StatusOr<std::size_t> find_only(VdbFile& file, const Reading& reading) {
   if (file.grid_count() == 1) return 0;
-  std::vector<std::size_t> meshable;
+  std::vector<std::size_t> fitting;
   std::vector<std::string> names, refusals;
   for (std::size_t i = 0; i < file.grid_count(); ++i) {
-    const GridInfo info = describe(file, i);
-    if (info.not_meshable.empty()) {
-      meshable.push_back(i);
-      names.push_back(absl::StrCat("'", info.name, "'"));
+    const std::string refusal = reading.refusal(file, i);
+    if (refusal.empty()) {
+      fitting.push_back(i);
+      names.push_back(absl::StrCat("'", file.grid_name(i), "'"));
     } else {
-      refusals.push_back(absl::StrFormat("'%s': %s", info.name, info.not_meshable));
+      refusals.push_back(absl::StrFormat("'%s': %s", file.grid_name(i), refusal));
     }
   }
-  if (meshable.size() == 1) return meshable.front();
-  if (meshable.empty()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("none of its grids can be meshed: ", absl::StrJoin(refusals, "; ")));
+  if (fitting.size() == 1) return fitting.front();
+  if (fitting.empty()) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "none of its grids can %s: %s", reading.verb(), absl::StrJoin(refusals, "; ")));
   }
   return absl::FailedPreconditionError(
-      absl::StrFormat("it has %d grids that can be meshed; name one of them: %s",
-                      meshable.size(), absl::StrJoin(names, ", ")));
+      absl::StrFormat("it has %d grids that can %s; name one of them: %s", fitting.size(),
+                      reading.verb(), absl::StrJoin(names, ", ")));
 }
 
-absl::StatusOr<std::size_t> find_grid(VdbFile& file, const std::string& name) {
+absl::StatusOr<std::size_t> find_grid(VdbFile& file,
+                                      const std::string& name,
+                                      const Reading& reading) {
   if (file.grid_count() == 0) return absl::FailedPreconditionError("it holds no grid");
-  return name.empty() ? find_meshable(file) : find_named(file, name);
+  return name.empty() ? find_only(file, reading) : find_named(file, name);
 }
 
-absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i) {
-  if (absl::Status s = check_meshable(file.grid(i)); !s.ok()) return s;
+absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const Reading& reading) {
+  if (absl::Status s = reading.check(file.grid(i)); !s.ok()) return s;
   file.read_topology(i);
   file.read_values(i);
-  return copy_grid(file.grid(i));
+  return reading.copy(file.grid(i));
+}
+
+absl::StatusOr<Volume> load(const OpenGridFile& source,
+                            const std::string& grid_name,
+                            const Reading& reading,
+                            const LoadLimits& limits) {
+  const auto charge = [&](const VdbOutline& o) {
+    return loading_charge(o, grid_name, reading.use);
+  };
+  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
+  return with_file(source, [&](VdbFile& file) -> absl::StatusOr<Volume> {
+    const absl::StatusOr<std::size_t> i = find_grid(file, grid_name, reading);
+    if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
+    absl::StatusOr<Volume> volume = load_grid(file, *i, reading);
+    if (volume.ok()) {
+      volume->name = file.grid_name(*i);
+      return volume;
+    }
+    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), source.name),
+                   volume.status());
+  });
 }
 
 }  // namespace
@@ -189,19 +232,23 @@ absl::StatusOr<Volume> load_volume(const std::string& path,
 absl::StatusOr<Volume> load_volume(const OpenGridFile& source,
                                    const std::string& grid_name,
                                    const LoadLimits& limits) {
-  const auto charge = [&](const VdbOutline& o) { return loading_charge(o, grid_name); };
-  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
-  return with_file(source, [&](VdbFile& file) -> absl::StatusOr<Volume> {
-    const absl::StatusOr<std::size_t> i = find_grid(file, grid_name);
-    if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
-    absl::StatusOr<Volume> volume = load_grid(file, *i);
-    if (volume.ok()) {
-      volume->name = file.grid_name(*i);
-      return volume;
-    }
-    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), source.name),
-                   volume.status());
+  return load(source, grid_name, {GridUse::kSurface}, limits);
+}
+
+absl::StatusOr<Volume> load_field(const std::string& path,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits) {
+  return with_path(path, [&](const OpenGridFile& file) {
+    return load_field(file, grid_name, component, limits);
   });
+}
+
+absl::StatusOr<Volume> load_field(const OpenGridFile& source,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits) {
+  return load(source, grid_name, {GridUse::kField, component}, limits);
 }
 
 void prepare_loading() { openvdb::initialize(); }

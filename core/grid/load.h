@@ -45,6 +45,19 @@ absl::StatusOr<Volume> load_volume(const OpenGridFile& file,
                                    const std::string& grid_name,
                                    const LoadLimits& limits = {});
 
+/// Reads one component of a float, double, vec3s or vec3d grid: values to be looked up. An
+/// empty `grid_name` takes the only such grid of the file. Of VolumeKind::kVectorField where
+/// there are two more; it may be empty. Errors: those of load_volume, where it is no field;
+/// kInvalidArgument (no such component).
+absl::StatusOr<Volume> load_field(const std::string& path,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits = {});
+absl::StatusOr<Volume> load_field(const OpenGridFile& file,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits = {});
+
 /// Has OpenVDB do all that it does once in a process, so that no later call does.
 void prepare_loading();
 

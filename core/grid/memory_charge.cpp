@@ -53,6 +53,14 @@ bool is_scalar(const GridOutline& grid) {
   return grid.tree_type == "Tree_float_5_4_3" || grid.tree_type == "Tree_double_5_4_3";
 }
 
+bool is_vector(const GridOutline& grid) {
+  return grid.tree_type == "Tree_vec3s_5_4_3" || grid.tree_type == "Tree_vec3d_5_4_3";
+}
+
+bool will_do(const GridOutline& grid, GridUse use) {
+  return is_scalar(grid) || (use == GridUse::kField && is_vector(grid));
+}
+
 std::uint64_t tree_bytes(const TreeOutline& tree) {
   return tree.topology_bytes + tree.value_bytes;
 }
@@ -74,11 +82,13 @@ MemoryCharge listing_charge(const VdbOutline& outline) {
   return charge;
 }
 
-MemoryCharge loading_charge(const VdbOutline& outline, const std::string& grid_name) {
+MemoryCharge loading_charge(const VdbOutline& outline,
+                            const std::string& grid_name,
+                            GridUse use) {
   const bool lists = !outline.has_offsets || (grid_name.empty() && outline.grids.size() > 1);
   MemoryCharge charge;
   for (const GridOutline& grid : outline.grids) {
-    if (!is_scalar(grid) || (!grid_name.empty() && grid.name != grid_name)) continue;
+    if (!will_do(grid, use) || (!grid_name.empty() && grid.name != grid_name)) continue;
     charge.volume = std::max(charge.volume, grid.tree.volume_bytes);
     charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + grid.tree.volume_bytes);
   }

@@ -21,9 +21,17 @@ struct MemoryCharge {
   std::uint64_t reading = 0;  ///< by all there is while it is made
 };
 
-/// What `load_volume` takes for `grid_name`, or without a name for any grid that could be
-/// meant. 0 when there is no such grid.
-MemoryCharge loading_charge(const VdbOutline& outline, const std::string& grid_name);
+/// What a grid is read for: which grids will do, and what is made of them.
+enum class GridUse : std::uint8_t {
+  kSurface,  ///< to be meshed
+  kField,    ///< to be looked up, one component at a time
+};
+
+/// What `load_volume` or `load_field` takes for `grid_name`, or without a name for any grid
+/// that could be meant. 0 when there is no such grid.
+MemoryCharge loading_charge(const VdbOutline& outline,
+                            const std::string& grid_name,
+                            GridUse use = GridUse::kSurface);
 
 /// What `list_grids` takes.
 MemoryCharge listing_charge(const VdbOutline& outline);

@@ -58,6 +58,7 @@ void add_constants(const Volume& volume, const WantedValues& wanted, GrowingBox&
     if (wanted.have(cube.value)) box.add(cube.min, cube.edge);
   }
   for (const Region& region : volume.regions) {
+    if (box.holds(first_voxel(region.min), kEdge * kBrickEdge)) continue;
     for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (region.brick_index[at] != Region::kConstant || !wanted.have(region.constant[at]) ||
@@ -75,8 +76,8 @@ void add_constants(const Volume& volume, const WantedValues& wanted, GrowingBox&
 
 VoxelBox box_of_values(const Volume& volume, const WantedValues& wanted) {
   GrowingBox box;
-  add_constants(volume, wanted, box);
   add_bricks(volume, wanted, box);
+  add_constants(volume, wanted, box);
   return box.box();
 }
 

@@ -13,9 +13,19 @@ namespace tet {
 
 /// How a grid's values tell inside from outside.
 enum class VolumeKind : std::uint8_t {
-  kLevelSet,   ///< inside where value < iso; values in world units
-  kFogVolume,  ///< inside where value > iso; values are densities
+  kLevelSet,     ///< inside where value < iso; values in world units
+  kFogVolume,    ///< inside where value > iso; values are densities
+  kField,        ///< there is no inside: values to be looked up
+  kVectorField,  ///< one component of three of such values
 };
+
+/// Only such a volume can be meshed.
+constexpr bool has_inside(VolumeKind kind) noexcept { return kind <= VolumeKind::kFogVolume; }
+
+/// Volumes that make up one grid.
+constexpr std::uint32_t components_of(VolumeKind kind) noexcept {
+  return kind == VolumeKind::kVectorField ? 3 : 1;
+}
 
 /// The value at the surface unless another is asked for.
 constexpr double default_iso(VolumeKind kind) noexcept {

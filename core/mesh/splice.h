@@ -25,7 +25,8 @@ struct KeptParts {
   std::vector<KeptRun> vertices, tets;
 };
 
-/// Whether parts of a mesh can be kept at all: both are stored alike, about the same origin.
+/// Whether parts of a mesh can be kept at all: both are stored alike, about the same origin,
+/// and `to` has no fields, whose values may change where nothing else does.
 bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept;
 
 /// A mesh with the kept parts of `from` in their new places; its other vertices and tets are

@@ -38,6 +38,7 @@ TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
   positions = ByteBuffer(sizes.positions);
   tets = ByteBuffer(sizes.tets);
   regions = ByteBuffer(sizes.regions);
+  fields = ByteBuffer(sizes.fields);
 }
 
 TetMesh::TetMesh(const MeshHeader& mesh_header, TetMesh&& used) : header(mesh_header) {
@@ -45,6 +46,7 @@ TetMesh::TetMesh(const MeshHeader& mesh_header, TetMesh&& used) : header(mesh_he
   positions = ByteBuffer(sizes.positions, std::move(used.positions));
   tets = ByteBuffer(sizes.tets, std::move(used.tets));
   regions = ByteBuffer(sizes.regions, std::move(used.regions));
+  fields = ByteBuffer(sizes.fields, std::move(used.fields));
 }
 
 void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexcept {
@@ -72,7 +74,8 @@ ChunkColumns TetMesh::columns_of(const ChunkExtent& chunk) noexcept {
   const ChunkSizes size(header, chunk.vertex_count, chunk.tet_count);
   return {positions.bytes().subspan(before.positions, size.positions),
           tets.bytes().subspan(before.tets, size.tets),
-          regions.bytes().subspan(before.regions, size.regions)};
+          regions.bytes().subspan(before.regions, size.regions),
+          fields.bytes().subspan(before.fields, size.fields)};
 }
 
 }  // namespace tet

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "core/base/byte_buffer.h"
 #include "core/base/types.h"
@@ -20,6 +22,13 @@ enum class IndexType : std::uint8_t { kUint32 = 4, kUint64 = 8 };
 constexpr std::size_t size_of(CoordinateType type) { return static_cast<std::size_t>(type); }
 constexpr std::size_t size_of(IndexType type) { return static_cast<std::size_t>(type); }
 
+/// A named array of values at the vertices.
+struct FieldArray {
+  std::string name;
+  std::uint32_t components = 1;  ///< of each value: 1, or 3 of a vector
+  friend bool operator==(const FieldArray&, const FieldArray&) = default;
+};
+
 /// Totals and encodings of a mesh.
 struct MeshHeader {
   std::uint64_t vertex_count = 0;
@@ -32,7 +41,17 @@ struct MeshHeader {
   WorldBox bounds;           ///< world coordinates; holds every vertex, not always tightly
   double spacing = 0;        ///< lattice spacing h of the finest leaves, world units
   int levels = 0;            ///< coarser octree levels that the mesh really uses
+  std::vector<FieldArray> fields;  ///< that every vertex has values of
+
+  /// float32 values that a vertex has, of all fields together.
+  std::size_t field_values() const noexcept;
 };
+
+inline std::size_t MeshHeader::field_values() const noexcept {
+  std::size_t values = 0;
+  for (const FieldArray& field : fields) values += field.components;
+  return values;
+}
 
 /// Vertices and tets of one chunk: contiguous runs of the mesh's own.
 struct ChunkExtent {
@@ -42,19 +61,21 @@ struct ChunkExtent {
 
 /// Sizes of a chunk's columns, bytes.
 struct ChunkSizes {
-  std::size_t positions, tets, regions;
+  std::size_t positions, tets, regions, fields;
   ChunkSizes(const MeshHeader& header, std::uint64_t vertices, std::uint64_t tet_count) noexcept
       : positions(vertices * 3 * size_of(header.coordinate_type)),
         tets(tet_count * 4 * size_of(header.index_type)),
-        regions(header.has_regions ? tet_count : 0) {}
-  std::size_t total() const noexcept { return positions + tets + regions; }
+        regions(header.has_regions ? tet_count : 0),
+        fields(vertices * header.field_values() * sizeof(float)) {}
+  std::size_t total() const noexcept { return positions + tets + regions + fields; }
 };
 
 /// Where a chunk's columns are to be written.
 struct ChunkColumns {
   std::span<std::byte> positions;
   std::span<std::byte> tets;
-  std::span<std::byte> regions;  ///< empty unless the header has regions
+  std::span<std::byte> regions = {};  ///< empty unless the header has regions
+  std::span<std::byte> fields = {};   ///< empty unless the header has fields
 };
 
 /// Whether every id of a column of tets is a vertex of the mesh.
@@ -109,11 +130,14 @@ inline std::array<WorldPoint, 4> MeshView::stored_places(std::uint64_t i) const 
 /// positions: vertex_count * 3 coordinates (x, y, z), relative to `header.origin`.
 /// tets: tet_count * 4 vertex ids, each tet positive: det(b-a, c-a, d-a) > 0.
 /// regions: tet_count MeshRegions of one byte, or nothing.
+/// fields: vertex_count rows of float32, in each the values of one field after the other; or
+/// nothing.
 struct TetMesh {
   MeshHeader header;
   ByteBuffer positions;
   ByteBuffer tets;
   ByteBuffer regions;
+  ByteBuffer fields;
 
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.

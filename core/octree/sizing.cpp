@@ -92,6 +92,15 @@ absl::Status check_sizing(const Sizing& sizing) {
   if (sizing.grade_surface && !sizing.coarsest) {
     is.say("coarsest", "must be set where grade_surface is: leaves at the surface are as long");
   }
+  if (sizing.chord_error) is.positive("chord_error", *sizing.chord_error);
+  if (sizing.leaves_across < 0 || sizing.leaves_across > Sizing::kMaxLeavesAcross) {
+    is.say("leaves_across", absl::StrFormat("%d is not from 0 to %d", sizing.leaves_across,
+                                            Sizing::kMaxLeavesAcross));
+  }
+  if (sizing.sizes_surface() && !sizing.grade_surface) {
+    is.say(sizing.chord_error ? "chord_error" : "leaves_across",
+           "is set without grade_surface: leaves at the surface are all finest");
+  }
   if (sizing.regions.size() > Sizing::kMaxRegions) {
     is.say("regions", absl::StrCat("has ", sizing.regions.size(), " entries; the limit is ",
                                    Sizing::kMaxRegions));

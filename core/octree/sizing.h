@@ -53,12 +53,19 @@ struct Sizing {
   std::optional<SizingGrid> grid = {};
   /// Leaves at the surface are as large as the rest of this lets them be; it needs `coarsest`.
   bool grade_surface = false;
+  /// An edge as long as a leaf at the surface departs from it by at most this.
+  std::optional<double> chord_error = {};
+  int leaves_across = 0;  ///< walls are at least so many leaves thick; 0: any
 
+  static constexpr int kMaxLeavesAcross = 64;
   static constexpr std::size_t kMaxRegions = 256;
   static constexpr double kMinGrowth = 0.0625;
 
+  /// By its shape.
+  bool sizes_surface() const noexcept { return chord_error || leaves_across > 0; }
   bool any() const noexcept {
-    return coarsest || growth != 1 || !regions.empty() || grid || grade_surface;
+    return coarsest || growth != 1 || !regions.empty() || grid || grade_surface ||
+           sizes_surface();
   }
 };
 

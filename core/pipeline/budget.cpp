@@ -11,6 +11,7 @@
 
 #include "core/lattice/bcc.h"
 #include "core/octree/sized_cells.h"
+#include "core/octree/surface_sizes.h"
 #include "core/pipeline/survey.h"
 #include "core/scene/scene.h"
 
@@ -183,16 +184,27 @@ absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshL
 }
 
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
-  // The mesh, and for its poor tets 1.3 times as much again on random signs, where they are
-  // most.
-  const std::uint64_t bytes =
-      ChunkSizes(header, header.vertex_count, header.tet_count).total() * 5 / 2;
+  // The mesh, without fields, and for its poor tets 1.3 times as much again on random signs,
+  // where they are most.
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  const std::uint64_t bytes = (sizes.total() - sizes.fields) * 5 / 2;
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "
       "spacing, or mesh without improvement",
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
 }
+
+namespace {
+
+void refine_more(LeafRules& rules, const std::vector<CellSet>& more) {
+  rules.refined.resize(std::max(rules.refined.size(), more.size()));
+  for (std::size_t level = 0; level < more.size(); ++level) {
+    unite(rules.refined[level], more[level]);
+  }
+}
+
+}  // namespace
 
 absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
                                             const Sizing& sizing,
@@ -205,6 +217,10 @@ absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
   absl::StatusOr<LeafRules> rules =
       leaf_rules(sizing, field, cover, levels, most_leaves(limits), cancellation);
   if (!rules.ok()) return rules;
+  if (sizing.sizes_surface()) {
+    refine_more(*rules, surface_cells_to_refine(sizing, field, found.near_surface,
+                                                rules->max_levels, cancellation));
+  }
   if (auto status = check_layers_budget(sizing, *rules, found, limits); !status.ok()) {
     return status;
   }

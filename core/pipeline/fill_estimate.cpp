@@ -33,9 +33,10 @@ void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspa
   const ChunkSizes size = sizes_of(plan, chunk);
   const auto memory = std::make_unique_for_overwrite<std::byte[]>(size.total());
   const std::span<std::byte> bytes(memory.get(), size.total());
-  plan.fill_chunk(chunk, workspace,
-                  {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
-                   bytes.last(size.regions)});
+  plan.fill_chunk(
+      chunk, workspace,
+      {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
+       bytes.last(size.regions), bytes.subspan(size.positions + size.tets, size.fields)});
 }
 
 }  // namespace

@@ -22,9 +22,12 @@ QualityStats sum_of(const std::vector<QualityStats>& chunks) {
 absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
                                      const Cancellation& cancellation,
                                      const ProgressFunction& progress,
-                                     TetMesh used) {
+                                     TetMesh used,
+                                     FieldValues fields) {
   const std::uint64_t chunks = plan.header().chunk_count;
-  TetMesh mesh(plan.header(), std::move(used));
+  MeshHeader header = plan.header();
+  if (fields == FieldValues::kLater) header.fields.clear();
+  TetMesh mesh(header, std::move(used));
   std::vector<QualityStats> stats(chunks);
   std::atomic<std::uint64_t> done{0};
   for_each_range(chunks, 1, [&](std::size_t begin, std::size_t end) {

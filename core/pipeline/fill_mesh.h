@@ -20,12 +20,17 @@ struct FilledMesh {
   QualityStats quality;
 };
 
+/// Whether a mesh gets the values of its fields as it is filled, or when its vertices have been
+/// moved: see MeshPlan::add_fields.
+enum class FieldValues : std::uint8_t { kNow, kLater };
+
 /// Parallel; run it on a TaskPool. `progress` may be null. `used` is a mesh that is no longer
 /// needed: its memory becomes the new one's. Errors: kCancelled, kDeadlineExceeded.
 absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
                                      const Cancellation& cancellation,
                                      const ProgressFunction& progress,
-                                     TetMesh used = {});
+                                     TetMesh used = {},
+                                     FieldValues fields = FieldValues::kNow);
 
 /// The same statistics as those of the chunks together; for positions that moved since.
 QualityStats measure_chunks(const MeshPlan& plan, const TetMesh& mesh);

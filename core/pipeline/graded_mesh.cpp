@@ -53,6 +53,7 @@ MeshHeader header_of(const StuffedBackground& stuffed,
   header.tet_count = stuffed.tet_count();
   header.levels = stuffed.levels();
   header.index_type = request.indices.value_or(IndexType::kUint32);
+  header.fields = arrays_of(request.fields);
   const std::size_t bytes = ChunkSizes(header, header.vertex_count, header.tet_count).total();
   header.chunk_count = std::max<std::size_t>(1, (bytes + chunk_bytes - 1) / chunk_bytes);
   return header;
@@ -121,6 +122,7 @@ absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
   graded.to_world = *to_world;
   const std::uint64_t used = background_bytes(background.node.size(), background.tet_count());
   if (auto status = check_mesh(header, used, limits); !status.ok()) return status;
+  header.fields.clear();  // sampled chunk by chunk
   graded.mesh = TetMesh(header);
   stuffed.fill(graded.to_world, cancellation, graded.mesh);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;

@@ -34,6 +34,7 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
                                                     std::shared_ptr<const MeshPlan> mesh) {
   if (!earlier.has_bricks() || !mesh->has_bricks()) return nullptr;
   const ComparedMesh before = earlier.counted(), now = mesh->counted();
+  // Whether a field's values changed, too, nobody has compared.
   if (earlier.improvement() || mesh->improvement() ||
       !can_splice(earlier.header(), mesh->header()) ||
       before.mesh.rules() != now.mesh.rules()) {

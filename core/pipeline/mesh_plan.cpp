@@ -19,6 +19,7 @@
 #include "core/pipeline/graded_mesh.h"
 #include "core/pipeline/mesh_place.h"
 #include "core/pipeline/prepared_mesh.h"
+#include "core/pipeline/sample_fields.h"
 #include "core/pipeline/survey.h"
 
 namespace tet {
@@ -48,7 +49,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(const MeshPlan& pla
   if (auto status = check_improvement_budget(plan.header(), limits); !status.ok()) {
     return status;
   }
-  absl::StatusOr<FilledMesh> filled = fill_mesh(plan, cancellation, nullptr);
+  absl::StatusOr<FilledMesh> filled =
+      fill_mesh(plan, cancellation, nullptr, {}, FieldValues::kLater);
   if (!filled.ok()) return filled.status();
   const Improvement improvement = plan.improve(filled->mesh, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -65,8 +67,9 @@ struct MeshPlan::Impl {
   std::optional<BoundaryTopology> boundary;
   LatticeToWorld to_world;
   ThinWalls thin_walls;
-  std::vector<std::size_t> first_brick;  // of each chunk, and one more
-  std::optional<GradedMesh> graded;      // made already; then there are no bricks
+  std::vector<std::size_t> first_brick = {};  // of each chunk, and one more
+  std::optional<GradedMesh> graded = {};      // made already; then there are no bricks
+  std::vector<VertexField> fields = {};
 
   void cut_into_chunks(std::size_t chunk_bytes);
 };
@@ -126,13 +129,21 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
     stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace,
                         columns);
   }
-  if (!impl_->graded && !improvement_) return stats;
-  const std::span<const std::byte> positions =
-      improvement_ ? positions_.bytes() : impl_->graded->mesh.positions.bytes();
-  const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
-  std::memcpy(columns.positions.data(), positions.data() + first, columns.positions.size());
-  return measure_tets({header().coordinate_type, header().index_type, positions, columns.tets});
+  if (impl_->graded || improvement_) {
+    const std::span<const std::byte> positions =
+        improvement_ ? positions_.bytes() : impl_->graded->mesh.positions.bytes();
+    const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
+    std::memcpy(columns.positions.data(), positions.data() + first, columns.positions.size());
+    stats =
+        measure_tets({header().coordinate_type, header().index_type, positions, columns.tets});
+  }
+  if (!columns.fields.empty()) {
+    sample_fields(impl_->fields, header(), columns.positions, columns.fields);
+  }
+  return stats;
 }
+
+void MeshPlan::add_fields(TetMesh& mesh) const { tet::add_fields(impl_->fields, mesh); }
 
 QualityStats MeshPlan::fill_bricks(const BrickRange& range,
                                    MeshWorkspace& workspace,
@@ -197,6 +208,7 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   header.tet_count = mesh.first_tet(mesh.brick_count());
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.has_regions = mesh.rules().both_sides;
+  header.fields = arrays_of(request.fields);
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
   header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
   return header;
@@ -212,7 +224,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
   absl::StatusOr<GradedMesh> graded =
       make_graded_mesh(prepared, request, rules, limits, cancellation);
   if (!graded.ok()) return graded.status();
-  const MeshHeader header = graded->mesh.header;
+  MeshHeader header = graded->mesh.header;
+  header.fields = arrays_of(request.fields);
   if (auto status = check_tets(header, prepared.asked, {}, limits); !status.ok()) return status;
   MeshStructure no_bricks;
   no_bricks.tree.levels.emplace_back();
@@ -225,7 +238,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
                      graded->to_world,
                      {},
                      {},
-                     *std::move(graded)});
+                     *std::move(graded),
+                     request.fields});
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;
   return improve_plan(*plan, limits, cancellation);
@@ -285,9 +299,10 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
 
   const MeshHeader header = header_of(mesh, request);
   if (auto status = check_tets(header, asked, thin_walls, limits); !status.ok()) return status;
-  auto impl = std::make_unique<MeshPlan::Impl>(MeshPlan::Impl{
-      std::move(shape), field, std::move(mesh), header, boundary, {}, {}, {}, {}});
+  auto impl = std::make_unique<MeshPlan::Impl>(
+      MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}});
   impl->thin_walls = std::move(thin_walls);
+  impl->fields = request.fields;
   // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
   // faces of a domain that no surface cuts are flat.
   const absl::StatusOr<LatticeToWorld> to_world =

@@ -99,9 +99,14 @@ class MeshPlan {
   std::shared_ptr<const MeshPlan> with_positions(ByteBuffer positions,
                                                  const Improvement& improvement) const;
 
+  /// Gives the values of the request's fields to a whole mesh of this plan, wherever its
+  /// vertices lie by now. Parallel; run it on a TaskPool.
+  void add_fields(TetMesh& mesh) const;
+
   /// Makes one chunk. Its bytes depend on (shape, request, index) alone.
   ///
-  /// The columns have exactly the chunk's ChunkSizes. Returns the chunk's own statistics.
+  /// The columns have exactly the chunk's ChunkSizes, but `fields` may be empty: then they are
+  /// left out. Returns the chunk's own statistics.
   QualityStats fill_chunk(std::uint64_t index,
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept;
@@ -110,7 +115,7 @@ class MeshPlan {
   /// that follows is for meshes of bricks.
   bool has_bricks() const noexcept;
 
-  /// The same by bricks: of which there are any number in a chunk.
+  /// The same by bricks, of which there are any number in a chunk; without fields.
   ComparedMesh counted() const noexcept;
   ChunkExtent bricks(const BrickRange& range) const noexcept;
   QualityStats fill_bricks(const BrickRange& range,

@@ -145,6 +145,7 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
         absl::StrFormat("levels %d is outside 0..%d", out.levels, kMaxLevels));
   }
   if (auto status = check_sizing_of(request, out.spacing); !status.ok()) return status;
+  if (auto status = check_loaded_fields(request.fields); !status.ok()) return status;
   out.levels = levels_of(request.sizing, out.spacing, out.levels);
   out.preset = request.preset;
   if (request.box && !stuffing_rules(request.preset).both_sides) {

@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "core/mesh/tet_mesh.h"
 #include "core/octree/sizing.h"
 #include "core/pipeline/shape.h"
+#include "core/pipeline/vertex_field.h"
 #include "core/stuffing/stuffed_brick.h"
 
 namespace tet {
@@ -44,6 +46,7 @@ struct MeshRequest {
   std::optional<WorldPoint> origin;
   bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
   Sizing sizing;         ///< of leaves away from the surface
+  std::vector<VertexField> fields = {};  ///< whose values the vertices get, in this order
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
   std::optional<CoordinateType> coordinates;
   /// uint32 unless given, and uint64 where there are more vertices than that can count.

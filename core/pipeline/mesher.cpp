@@ -34,7 +34,9 @@ absl::StatusOr<MeshResult> make_mesh(Shape shape,
   const auto tell = [&](double fraction) {
     if (progress) progress(share * fraction);
   };
-  absl::StatusOr<FilledMesh> filled = fill_mesh(**plan, cancellation, tell, std::move(used));
+  absl::StatusOr<FilledMesh> filled =
+      fill_mesh(**plan, cancellation, tell, std::move(used),
+                request.improve ? FieldValues::kLater : FieldValues::kNow);
   if (!filled.ok()) return filled.status();
   result.mesh = std::move(filled->mesh);
   result.quality = filled->quality;
@@ -47,6 +49,7 @@ absl::StatusOr<MeshResult> make_mesh(Shape shape,
   result.improvement = (*plan)->improve(result.mesh, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   result.quality = measure_chunks(**plan, result.mesh);
+  (*plan)->add_fields(result.mesh);
   result.improve_seconds = seconds_since(start);
   if (progress) progress(1);
   return result;

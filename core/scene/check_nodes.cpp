@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -238,20 +237,6 @@ absl::Status check_count(const Description& description) {
                                                  " entries; the limit is ", Scene::kMaxNodes));
 }
 
-/// Of different ones, however often they are used.
-absl::Status check_grid_count(const Description& description) {
-  std::set<std::pair<std::string, std::string>> grids;
-  for (std::size_t i = 0; i < description.nodes.size(); ++i) {
-    const auto* grid = std::get_if<GridSolid>(&description.nodes[i].kind);
-    if (grid == nullptr) continue;
-    grids.emplace(grid->file, grid->name);
-    if (grids.size() <= Scene::kMaxGrids) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        path_of(description, i), " is one grid too many; the limit is ", Scene::kMaxGrids));
-  }
-  return absl::OkStatus();
-}
-
 absl::Status check_depth(const Description& description, const Parts& parts) {
   std::vector<int> depth(parts.size(), 1);
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -297,7 +282,7 @@ absl::Status check_sizes(const Description& description) {
     std::visit([&](const auto& kind) { check(kind, complaints); }, node.kind);
     if (!complaints.status().ok()) return complaints.status();
   }
-  return check_grid_count(description);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Parts> find_parts(const Description& description) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <map>
 #include <span>
+#include <tuple>
 
 #include "core/grid/value_box.h"
 #include "core/scene/scene_nodes.h"
@@ -135,14 +138,30 @@ Extent to_world(const Frame& frame, const Extent& own) {
   return out;
 }
 
-/// Where a leaf's phi is below `level`, world units.
-Extent leaf_extent(const Instruction& leaf, double level, std::span<const GridSource> grids) {
-  const double own_level = level / leaf.frame.scale;
-  if (leaf.op == Op::kHalfSpace) return half_space(leaf, own_level);
-  return to_world(leaf.frame, leaf.op == Op::kGrid
-                                  ? own_extent(leaf, own_level, *grids[leaf.grid].volume)
-                                  : own_extent(leaf, own_level));
-}
+/// Of many leaves; what is found in a grid is found once for all copies of it.
+class LeafExtents {
+ public:
+  explicit LeafExtents(std::span<const GridSource> grids) : grids_(grids) {}
+
+  /// Where a leaf's phi is below `level`, world units.
+  Extent of(const Instruction& leaf, double level) {
+    const double own_level = level / leaf.frame.scale;
+    if (leaf.op == Op::kHalfSpace) return half_space(leaf, own_level);
+    return to_world(leaf.frame, leaf.op == Op::kGrid ? of_grid(leaf, own_level)
+                                                     : own_extent(leaf, own_level));
+  }
+
+ private:
+  const Extent& of_grid(const Instruction& leaf, double level) {
+    const auto [found, is_new] =
+        of_grids_.try_emplace(std::tuple(leaf.grid, leaf.size[0], level));
+    if (is_new) found->second = own_extent(leaf, level, *grids_[leaf.grid].volume);
+    return found->second;
+  }
+
+  std::span<const GridSource> grids_;
+  std::map<std::tuple<std::uint32_t, double, double>, Extent> of_grids_;
+};
 
 /// The level below which an operator's parts must be for its own value to be below `level`.
 double level_of_parts(const Instruction& op, double level) {
@@ -174,11 +193,12 @@ std::vector<double> levels_of(const std::vector<Instruction>& program) {
 
 WorldBox extent_of(const std::vector<Instruction>& program, std::span<const GridSource> grids) {
   const std::vector<double> levels = levels_of(program);
+  LeafExtents leaves(grids);
   std::vector<Extent> stack;
   for (std::size_t i = 0; i < program.size(); ++i) {
     const Instruction& op = program[i];
     if (is_leaf(op.op)) {
-      stack.push_back(leaf_extent(op, levels[i], grids));
+      stack.push_back(leaves.of(op, levels[i]));
     } else if (is_binary(op.op)) {
       const Extent right = stack.back();
       stack.pop_back();
@@ -197,9 +217,10 @@ WorldBox extent_of(const std::vector<Instruction>& program, std::span<const Grid
 
 std::size_t endless_node(const std::vector<Instruction>& program,
                          std::span<const GridSource> grids) {
+  LeafExtents leaves(grids);
   const auto endless = [&](const Instruction& op) {
     if (!is_leaf(op.op)) return false;
-    return op.op == Op::kHalfSpace || leaf_extent(op, 0, grids).min[0] == -kInf;
+    return op.op == Op::kHalfSpace || leaves.of(op, 0).min[0] == -kInf;
   };
   const auto found = std::find_if(program.begin(), program.end(), endless);
   return found == program.end() ? program.back().node : found->node;

@@ -38,6 +38,60 @@ struct VoxelSpan {
   }
 };
 
+/// Reads one cell after another. Those beside each other mostly lie in one brick, or reach from
+/// it into the same neighbours: each of them is looked up once.
+class CellReader {
+ public:
+  explicit CellReader(VolumeReader& reader) noexcept : reader_(reader) {}
+
+  VolumeReader::Cell read(const VoxelCoord& min) noexcept {
+    const BrickCoord at{min.x >> 3, min.y >> 3, min.z >> 3};
+    if (at != at_) known_ = 0;
+    at_ = at;
+    const int x = min.x & 7, y = min.y & 7, z = min.z & 7;
+    return x < 7 && y < 7 && z < 7 ? within(x, y, z) : across(x, y, z);
+  }
+
+ private:
+  VolumeReader::Cell within(int x, int y, int z) noexcept {
+    const VolumeReader::Brick& brick = look_up(0);
+    VolumeReader::Cell cell;
+    if (brick.values == nullptr) {
+      cell.fill(brick.range.min);
+      return cell;
+    }
+    const float* v = brick.values + (x * 8 + y) * 8 + z;
+    return {v[0], v[1], v[8], v[9], v[64], v[65], v[72], v[73]};
+  }
+
+  VolumeReader::Cell across(int x, int y, int z) noexcept {
+    VolumeReader::Cell cell;
+    for (int c = 0; c < 8; ++c) {
+      const int vx = x + (c >> 2), vy = y + (c >> 1 & 1), vz = z + (c & 1);
+      const VolumeReader::Brick& brick = look_up((vx >> 3) * 4 + (vy >> 3) * 2 + (vz >> 3));
+      cell[static_cast<std::size_t>(c)] =
+          brick.values == nullptr ? brick.range.min
+                                  : brick.values[((vx & 7) * 8 + (vy & 7)) * 8 + (vz & 7)];
+    }
+    return cell;
+  }
+
+  /// The brick at 4*x + 2*y + z from where the cell begins.
+  const VolumeReader::Brick& look_up(int i) noexcept {
+    VolumeReader::Brick& brick = bricks_[static_cast<std::size_t>(i)];
+    if ((known_ >> i & 1U) == 0) {
+      brick = reader_.brick({at_.x + (i >> 2), at_.y + (i >> 1 & 1), at_.z + (i & 1)});
+      known_ |= 1U << i;
+    }
+    return brick;
+  }
+
+  VolumeReader& reader_;
+  BrickCoord at_;
+  unsigned known_ = 0;  ///< a bit for each brick
+  std::array<VolumeReader::Brick, 8> bricks_;
+};
+
 }  // namespace
 
 GridSampler::GridSampler(const GridSource& grid)
@@ -65,29 +119,11 @@ void GridSampler::place(const Instruction& leaf,
   }
 }
 
-/// Points beside each other mostly lie in one brick: it is looked up once.
 void GridSampler::gather(std::size_t count) noexcept {
-  BrickCoord entered;
-  VolumeReader::Brick brick;
-  bool known = false;
+  CellReader cells(reader_);
   for (std::size_t i = 0; i < count; ++i) {
-    const VoxelCoord min{places_.cell_x[i], places_.cell_y[i], places_.cell_z[i]};
-    VolumeReader::Cell cell;
-    if ((min.x & 7) == 7 || (min.y & 7) == 7 || (min.z & 7) == 7) {
-      cell = reader_.cell(min);
-    } else {
-      const BrickCoord at{min.x >> 3, min.y >> 3, min.z >> 3};
-      if (!known || at != entered) brick = reader_.brick(at);
-      entered = at;
-      known = true;
-      if (brick.values == nullptr) {
-        cell.fill(brick.range.min);
-      } else {
-        const float* first = brick.values + ((min.x & 7) * 8 + (min.y & 7)) * 8 + (min.z & 7);
-        cell = {first[0],  first[1],  first[8],  first[9],
-                first[64], first[65], first[72], first[73]};
-      }
-    }
+    const VolumeReader::Cell cell =
+        cells.read({places_.cell_x[i], places_.cell_y[i], places_.cell_z[i]});
     for (std::size_t c = 0; c < 8; ++c) places_.corner[c][i] = cell[c];
   }
 }

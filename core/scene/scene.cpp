@@ -7,10 +7,10 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/scene/check_grids.h"
 #include "core/scene/check_nodes.h"
 #include "core/scene/compile.h"
 #include "core/scene/extent.h"
-#include "core/scene/grid_levels.h"
 
 namespace tet {
 namespace {
@@ -35,6 +35,7 @@ absl::StatusOr<scene::Parts> checked_parts(const scene::Description& description
   if (auto status = scene::check_sizes(description); !status.ok()) return status;
   absl::StatusOr<scene::Parts> parts = scene::find_parts(description);
   if (!parts.ok()) return parts.status();
+  if (auto status = scene::check_grid_count(description); !status.ok()) return status;
   if (auto status = scene::check_instructions(description, *parts); !status.ok()) return status;
   return parts;
 }

@@ -95,6 +95,8 @@ absl::StatusOr<Sizing> sizing_of_message(const v1::Sizing& message) {
     sizing.grid = SizingGrid{message.grid().name(), message.grid().grid_name()};
   }
   sizing.grade_surface = message.grade_surface();
+  if (message.has_chord_error()) sizing.chord_error = message.chord_error();
+  sizing.leaves_across = message.leaves_across();
   if (auto status = check_sizing(sizing); !status.ok()) return status;
   return sizing;
 }
@@ -113,6 +115,8 @@ v1::Sizing message_of_sizing(const Sizing& sizing) {
     message.mutable_grid()->set_grid_name(sizing.grid->name);
   }
   message.set_grade_surface(sizing.grade_surface);
+  if (sizing.chord_error) message.set_chord_error(*sizing.chord_error);
+  message.set_leaves_across(sizing.leaves_across);
   return message;
 }
 

@@ -14,8 +14,8 @@ constexpr std::size_t aligned(std::size_t offset) noexcept {
          ChunkFrame::kAlignment;
 }
 
-constexpr std::array kColumns = {chunk_field::kPositions, chunk_field::kTets,
-                                 chunk_field::kRegions};
+constexpr std::array<std::uint32_t, ChunkFrame::kColumns> kFieldOfColumn = {
+    chunk_field::kPositions, chunk_field::kTets, chunk_field::kRegions, chunk_field::kFields};
 
 FieldWriter write_numbers(const ChunkNumbers& numbers) noexcept {
   FieldWriter writer;
@@ -30,7 +30,7 @@ FieldWriter write_numbers(const ChunkNumbers& numbers) noexcept {
 
 }  // namespace
 
-ChunkFrame::ChunkFrame(const std::array<std::size_t, 3>& column_bytes) noexcept
+ChunkFrame::ChunkFrame(const std::array<std::size_t, kColumns>& column_bytes) noexcept
     : bytes_(column_bytes) {
   std::size_t room = kRoomForNumbers;
   for (std::size_t i = 0; i < bytes_.size(); ++i) {
@@ -40,13 +40,13 @@ ChunkFrame::ChunkFrame(const std::array<std::size_t, 3>& column_bytes) noexcept
   }
 }
 
-std::array<ChunkFrame::Part, 3> ChunkFrame::write(std::byte* block,
-                                                  const ChunkNumbers& numbers) const noexcept {
-  std::array<FieldWriter, 3> before;
+std::array<ChunkFrame::Part, ChunkFrame::kColumns> ChunkFrame::write(
+    std::byte* block, const ChunkNumbers& numbers) const noexcept {
+  std::array<FieldWriter, kColumns> before;
   before[0] = write_numbers(numbers);
   std::size_t chunk_bytes = 0;
   for (std::size_t i = 0; i < bytes_.size(); ++i) {
-    before[i].bytes(kColumns[i], bytes_[i]);
+    before[i].bytes(kFieldOfColumn[i], bytes_[i]);
     chunk_bytes += before[i].size() + bytes_[i];
   }
   FieldWriter event;
@@ -54,7 +54,7 @@ std::array<ChunkFrame::Part, 3> ChunkFrame::write(std::byte* block,
   event.append(before[0]);
   before[0] = event;
 
-  std::array<Part, 3> parts;
+  std::array<Part, kColumns> parts;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     before[i].copy_before(block + begin_[i]);
     parts[i] = {begin_[i] - before[i].size(), begin_[i] + bytes_[i]};

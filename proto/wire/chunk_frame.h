@@ -21,6 +21,7 @@ inline constexpr std::uint32_t kChecksum = 6;
 inline constexpr std::uint32_t kPositions = 7;
 inline constexpr std::uint32_t kTets = 8;
 inline constexpr std::uint32_t kRegions = 9;
+inline constexpr std::uint32_t kFields = 11;
 }  // namespace chunk_field
 
 /// A MeshChunk but for its columns.
@@ -34,16 +35,19 @@ struct ChunkNumbers {
 /// A MeshEvent with a MeshChunk, laid out in one block of memory: columns at aligned places,
 /// and just before each the bytes that protobuf wants there. What lies between is not sent.
 ///
-///     ....event and numbers, tag|positions....tag|tets....tag|regions
+///     ....event and numbers, tag|positions....tag|tets....tag|regions....tag|fields
 class ChunkFrame {
  public:
   /// Columns begin at multiples of this, if the block does.
   static constexpr std::size_t kAlignment = 64;
   /// More than `block_bytes` exceeds the columns' own sizes by.
-  static constexpr std::size_t kMaxOverhead = 6 * kAlignment;
+  static constexpr std::size_t kMaxOverhead = 8 * kAlignment;
 
-  /// Sizes of positions, tets and regions, bytes.
-  explicit ChunkFrame(const std::array<std::size_t, 3>& column_bytes) noexcept;
+  /// Positions, tets, regions and fields, in the order in which they are sent.
+  static constexpr std::size_t kColumns = 4;
+
+  /// Sizes of the columns, bytes.
+  explicit ChunkFrame(const std::array<std::size_t, kColumns>& column_bytes) noexcept;
 
   /// Size of the memory that holds it all.
   std::size_t block_bytes() const noexcept { return end_; }
@@ -52,6 +56,7 @@ class ChunkFrame {
   std::span<std::byte> positions(std::byte* block) const noexcept { return column(block, 0); }
   std::span<std::byte> tets(std::byte* block) const noexcept { return column(block, 1); }
   std::span<std::byte> regions(std::byte* block) const noexcept { return column(block, 2); }
+  std::span<std::byte> fields(std::byte* block) const noexcept { return column(block, 3); }
 
   /// A run of bytes within the block.
   struct Part {
@@ -60,15 +65,16 @@ class ChunkFrame {
 
   /// Writes what protobuf wants before each column. The parts, one after another, are the
   /// message as protobuf itself would write it; those of empty columns may be empty.
-  std::array<Part, 3> write(std::byte* block, const ChunkNumbers& numbers) const noexcept;
+  std::array<Part, kColumns> write(std::byte* block,
+                                   const ChunkNumbers& numbers) const noexcept;
 
  private:
   std::span<std::byte> column(std::byte* block, std::size_t i) const noexcept {
     return {block + begin_[i], bytes_[i]};
   }
 
-  std::array<std::size_t, 3> bytes_;
-  std::array<std::size_t, 3> begin_{};
+  std::array<std::size_t, kColumns> bytes_;
+  std::array<std::size_t, kColumns> begin_{};
   std::size_t end_ = 0;
 };
 

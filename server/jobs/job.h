@@ -36,7 +36,7 @@ struct NewJob {
       request_id;  ///< unique within the namespace: asking twice makes one job; may be empty
   std::string display_name;  ///< at most 256 bytes
   std::string spec;          ///< what to mesh; opaque here, at most 64 KiB
-  /// Names of what the job reads, with a space between two: all must stay. At most 2 KiB of
+  /// Names of what the job reads, with a space between two: all must stay. At most 2400 bytes of
   /// printable ASCII.
   std::string input;
   Labels labels;                                  ///< at most 32

@@ -44,7 +44,7 @@ TEST(GradedCases, KeepTheirBoundWhereItIsQuicklySeen) {
 
 TEST(GradedCases, DoNotWithLimitsThatLetLargeLeavesMoveSmallOnes) {
   GradedLimits limits = kGradedLimits;
-  limits.corner_to_far_corner = limits.corner_to_far_centre = 0.3;
+  limits.corner_to_far_corner = limits.corner_to_far_centre = 0.45;
   EXPECT_FALSE(proven(stencil_number(kPlus, kPlus, kZero, kZero), limits));
 }
 

@@ -23,7 +23,7 @@ grpc::ByteBuffer in_slices(std::string_view bytes, std::size_t slice_bytes) {
   return {slices.data(), slices.size()};
 }
 
-/// A mesh of both sides, three vertices and two tets, in one chunk.
+/// A mesh of both sides, three vertices with a value each and two tets, in one chunk.
 v1::MeshEvent header() {
   v1::MeshEvent event;
   v1::MeshHeader& mesh = *event.mutable_header();
@@ -34,6 +34,9 @@ v1::MeshEvent header() {
   mesh.set_coordinate_type(v1::COORDINATE_TYPE_FLOAT32);
   mesh.set_index_type(v1::INDEX_TYPE_UINT32);
   mesh.set_has_regions(true);
+  v1::FieldArray& field = *mesh.add_fields();
+  field.set_name("heat");
+  field.set_components(1);
   return event;
 }
 
@@ -50,7 +53,9 @@ v1::MeshEvent chunk() {
   message.set_positions("positions: 3 times 3 times 4 bytes..");
   message.set_tets(ids({0, 1, 2, 0, 2, 1, 0, 1}));
   message.set_regions("\1\2");
-  message.set_checksum(chunk_checksum(message.positions(), message.tets(), message.regions()));
+  message.set_fields("three values");
+  message.set_checksum(chunk_checksum(
+      {message.positions(), message.tets(), message.regions(), message.fields()}));
   return event;
 }
 
@@ -115,6 +120,7 @@ TEST(ChunkMessage, PutsColumnsWhereTheyBelongHoweverTheyWereSliced) {
     EXPECT_EQ(text(received.mesh.positions), chunk().chunk().positions());
     EXPECT_EQ(text(received.mesh.tets), chunk().chunk().tets());
     EXPECT_EQ(text(received.mesh.regions), chunk().chunk().regions());
+    EXPECT_EQ(text(received.mesh.fields), chunk().chunk().fields());
   }
 }
 
@@ -188,7 +194,8 @@ TEST(ChunkMessage, RefusesVerticesThatThereAreNot) {
   v1::MeshEvent beyond = chunk();
   v1::MeshChunk& message = *beyond.mutable_chunk();
   message.set_tets(ids({0, 1, 2, 0, 2, 1, 0, 3}));
-  message.set_checksum(chunk_checksum(message.positions(), message.tets(), message.regions()));
+  message.set_checksum(chunk_checksum(
+      {message.positions(), message.tets(), message.regions(), message.fields()}));
   const Outcome refused{absl::StatusCode::kDataLoss, 0};
   EXPECT_EQ(taken_by_hand(beyond.SerializeAsString(), 16), refused);
   EXPECT_EQ(taken_by_protobuf(beyond.SerializeAsString()), refused);

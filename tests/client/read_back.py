@@ -28,6 +28,8 @@ SAMPLES = {
     "blocks": numpy.float64,
     "sides": numpy.float32,
     "outside": numpy.float32,
+    "field": numpy.float32,
+    "fields": numpy.float32,
 }
 
 
@@ -35,21 +37,24 @@ def read_vtu_with_meshio(path):
     mesh = meshio.read(path)
     assert [block.type for block in mesh.cells] == ["tetra"], mesh.cells
     assert set(mesh.cell_data) <= {"region"}, mesh.cell_data
-    return mesh.points, mesh.cells[0].data, mesh.cell_data.get("region", [None])[0]
+    return (mesh.points, mesh.cells[0].data, mesh.cell_data.get("region", [None])[0],
+            mesh.point_data)
 
 
 def read_msh_with_meshio(path):
     mesh = meshio.read(path)
     assert {block.type for block in mesh.cells} == {"tetra"}, mesh.cells
     tets = numpy.concatenate([block.data for block in mesh.cells])
+    fields = {name: values for name, values in mesh.point_data.items()
+              if not name.startswith("gmsh:")}
     if "gmsh:physical" not in mesh.cell_data:
         assert len(mesh.cells) == 1 and not mesh.field_data, mesh
-        return mesh.points, tets, None
+        return mesh.points, tets, None, fields
     names = {name: list(tag) for name, tag in mesh.field_data.items()}
     assert names == {"inside": [1, 3], "outside": [2, 3]}, names
     regions = numpy.concatenate(mesh.cell_data["gmsh:physical"])
     assert (regions == numpy.concatenate(mesh.cell_data["gmsh:geometrical"])).all()
-    return mesh.points, tets, regions
+    return mesh.points, tets, regions, fields
 
 
 def read_with_vtk(reader, path):
@@ -66,7 +71,13 @@ def read_with_vtk(reader, path):
     regions = data.GetArray("region")
     assert data.GetNumberOfArrays() == (regions is not None)
     return (points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4),
-            None if regions is None else vtk_to_numpy(regions))
+            None if regions is None else vtk_to_numpy(regions), point_data_of(grid))
+
+
+def point_data_of(grid):
+    data = grid.GetPointData()
+    arrays = [data.GetArray(i) for i in range(data.GetNumberOfArrays())]
+    return {array.GetName(): vtk_to_numpy(array) for array in arrays}
 
 
 def by_region(expected):
@@ -98,7 +109,7 @@ class ReadBack(unittest.TestCase):
                 expected = json.loads((self.directory / f"{name}.json").read_text())
                 if is_msh and expected["regions"]:
                     expected = by_region(expected)
-                points, tets, regions = read(self.directory / f"{name}{ending}")
+                points, tets, regions, fields = read(self.directory / f"{name}{ending}")
                 self.assertEqual(points.dtype, numpy.float64 if is_msh else coordinates)
                 expected_points = numpy.array(expected["points"]).astype(points.dtype)
                 numpy.testing.assert_array_equal(points, expected_points)
@@ -108,6 +119,16 @@ class ReadBack(unittest.TestCase):
                 else:
                     numpy.testing.assert_array_equal(regions, expected["regions"])
                 self.assertGreater(volumes(points, tets).min(), 0.1)
+                self.check_fields(fields, expected["fields"], is_msh)
+
+    def check_fields(self, fields, expected, is_msh):
+        self.assertEqual(set(fields), set(expected))
+        for name, values in expected.items():
+            wanted = numpy.array(values, dtype=numpy.float32)
+            if wanted.shape[1] == 1:
+                wanted = wanted[:, 0]
+            self.assertEqual(fields[name].dtype, numpy.float64 if is_msh else numpy.float32)
+            numpy.testing.assert_array_equal(fields[name], wanted)
 
     def test_meshio_reads_vtu(self):
         self.check_every_sample(".vtu", read_vtu_with_meshio)
@@ -134,6 +155,14 @@ class ReadBack(unittest.TestCase):
             self.assertEqual(list(group["NumberOfCells"]), [6 * 6**3])
             self.assertEqual(list(group["NumberOfConnectivityIds"]), [24 * 6**3])
             self.assertNotIn("CellData", group)
+
+    def test_fields_are_what_a_viewer_shows_first(self):
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.directory / "fields.vtu"))
+        reader.Update()
+        data = reader.GetOutput().GetPointData()
+        self.assertEqual(data.GetScalars().GetName(), "heat")
+        self.assertEqual(data.GetVectors().GetName(), "flow <x> & co")
 
     def test_regions_are_bytes_and_what_a_viewer_colours_by(self):
         reader = vtkXMLUnstructuredGridReader()

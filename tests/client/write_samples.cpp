@@ -23,6 +23,20 @@ TetMesh with_bounds(TetMesh mesh) {
   return mesh;
 }
 
+/// Rows of numbers by the array's name.
+nlohmann::json fields_of(const TetMesh& mesh) {
+  nlohmann::json fields = nlohmann::json::object();
+  const auto* value = reinterpret_cast<const float*>(mesh.fields.bytes().data());
+  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
+    for (const FieldArray& field : mesh.header.fields) {
+      const std::vector<float> row(value, value + field.components);
+      fields[field.name].push_back(row);
+      value += field.components;
+    }
+  }
+  return fields;
+}
+
 nlohmann::json contents_of(const TetMesh& mesh) {
   nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
   for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
@@ -34,9 +48,10 @@ nlohmann::json contents_of(const TetMesh& mesh) {
     if (mesh.header.has_regions) regions.push_back(mesh.region(i));
   }
   return {
-      { "points",  points},
-      {   "tets",    tets},
-      {"regions", regions}
+      { "points",          points},
+      {   "tets",            tets},
+      {"regions",         regions},
+      { "fields", fields_of(mesh)}
   };
 }
 
@@ -77,6 +92,17 @@ absl::Status write_samples(const std::string& directory) {
   status.Update(write_sample(directory + "/blocks", kuhn_mesh(33, all, wide)));
   status.Update(write_sample(directory + "/sides", with_regions(kuhn_mesh(33), every_third)));
   status.Update(write_sample(directory + "/outside", with_regions(kuhn_mesh(2), none)));
+  const std::vector<FieldArray> fields{
+      {         "heat", 1},
+      {"flow <x> & co", 3},
+      { "Druck in MPa", 1}
+  };
+  status.Update(
+      write_sample(directory + "/field", with_fields(kuhn_mesh(4), {
+                                                                       {"flow", 3}
+  })));
+  status.Update(write_sample(directory + "/fields",
+                             with_fields(with_regions(kuhn_mesh(33), every_third), fields)));
   return status;
 }
 

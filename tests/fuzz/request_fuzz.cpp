@@ -42,6 +42,8 @@ void check_stream_request(const std::string& bytes) {
   require(!request.spacing || (std::isfinite(*request.spacing) && *request.spacing > 0));
   require(!request.iso || std::isfinite(*request.iso));
   require(request.levels >= 0);
+  require(request.fields.size() <= VertexField::kMaxFields);
+  require(request.fields.empty() || !order->compact);
 }
 
 /// Our own reader of pieces agrees with protobuf wherever it reads one.

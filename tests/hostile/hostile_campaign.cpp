@@ -47,10 +47,16 @@ absl::Status walk(const Mutant& mutant) {
 /// The walker, then OpenVDB.
 absl::Status load(const Mutant& mutant, const std::string& path) {
   std::ofstream(path, std::ios::binary) << mutant.bytes;
-  const absl::Status listed = tet::list_grids(path).status();
-  const absl::Status loaded =
-      tet::load_volume(path, "", {.max_bytes = std::uint64_t{1} << 30}).status();
-  return loaded.ok() ? listed : loaded;
+  const tet::LoadLimits limits{.max_bytes = std::uint64_t{1} << 30};
+  const auto listed = tet::list_grids(path);
+  for (const tet::GridInfo& grid : listed.value_or(std::vector<tet::GridInfo>())) {
+    for (std::uint32_t i = 0; i < grid.field_components; ++i) {
+      const absl::Status field = tet::load_field(path, grid.name, i, limits).status();
+      if (absl::IsInternal(field) || absl::IsUnknown(field)) return field;
+    }
+  }
+  const absl::Status loaded = tet::load_volume(path, "", limits).status();
+  return loaded.ok() ? listed.status() : loaded;
 }
 
 int run(const Options& options) {

@@ -66,6 +66,26 @@ TEST(HostileCorpus, NeverHarmsTheReader) {
   }
 }
 
+TEST(HostileCorpus, NeverHarmsWhoeverLooksValuesUp) {
+  for (const HostileFile& file : manifest()) {
+    SCOPED_TRACE(file.name);
+    const std::string path = path_of(file.name);
+    const bool accepted = file.expected == "accepted";
+    EXPECT_TRUE(accepted || !load_field(path, "", 0).ok());
+    const auto grids = list_grids(path);
+    if (!grids.ok()) continue;
+    for (const GridInfo& grid : *grids) {
+      for (std::uint32_t i = 0; i < grid.field_components; ++i) {
+        const absl::StatusCode loaded = load_field(path, grid.name, i).status().code();
+        EXPECT_TRUE(loaded == absl::StatusCode::kOk ||
+                    loaded == absl::StatusCode::kInvalidArgument ||
+                    loaded == absl::StatusCode::kFailedPrecondition)
+            << absl::StatusCodeToString(loaded);
+      }
+    }
+  }
+}
+
 TEST(HostileCorpus, IsListedInFull) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TET_HOSTILE_VDB)) {

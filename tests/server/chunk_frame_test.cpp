@@ -27,13 +27,16 @@ struct BothMessages {
   std::string framed, protobuf;
 };
 
-BothMessages messages_of(const ChunkNumbers& numbers, std::array<std::size_t, 3> sizes) {
+BothMessages messages_of(const ChunkNumbers& numbers,
+                         std::array<std::size_t, ChunkFrame::kColumns> sizes) {
   const ChunkFrame frame(sizes);
-  EXPECT_LE(frame.block_bytes(), sizes[0] + sizes[1] + sizes[2] + ChunkFrame::kMaxOverhead);
+  EXPECT_LE(frame.block_bytes(),
+            sizes[0] + sizes[1] + sizes[2] + sizes[3] + ChunkFrame::kMaxOverhead);
   std::vector<std::byte> block(frame.block_bytes());
   fill(frame.positions(block.data()), 1);
   fill(frame.tets(block.data()), 2);
   fill(frame.regions(block.data()), 3);
+  fill(frame.fields(block.data()), 4);
   BothMessages both;
   for (const auto& part : frame.write(block.data(), numbers)) {
     both.framed += text(std::span(block).subspan(part.begin, part.end - part.begin));
@@ -49,6 +52,7 @@ BothMessages messages_of(const ChunkNumbers& numbers, std::array<std::size_t, 3>
   chunk.set_positions(text(frame.positions(block.data())));
   chunk.set_tets(text(frame.tets(block.data())));
   chunk.set_regions(text(frame.regions(block.data())));
+  chunk.set_fields(text(frame.fields(block.data())));
   both.protobuf = event.SerializeAsString();
   return both;
 }
@@ -61,20 +65,21 @@ TEST(ChunkFrame, IsByteForByteTheMessageThatProtobufWrites) {
       {    0,        127,  128, 16383, 16384, 0x80000001},
       { most,       most, most,  most,  most, 0xffffffff},
   };
-  const std::array<std::size_t, 3> all_sizes[] = {
-      {    0,     0,      0},
-      {   12,    16,      0},
-      {    0,    16,      1},
-      {  127,   128,    129},
-      {16380, 16384,  70000},
-      {   12,     0, 300000},
+  const std::array<std::size_t, ChunkFrame::kColumns> all_sizes[] = {
+      {    0,     0,      0,     0},
+      {   12,    16,      0,     0},
+      {   12,    16,      0,     4},
+      {    0,    16,      1,     0},
+      {  127,   128,    129,   128},
+      {16380, 16384,  70000, 65536},
+      {   12,     0, 300000,     0},
   };
   for (const ChunkNumbers& numbers : all_numbers) {
     for (const auto& sizes : all_sizes) {
       const BothMessages both = messages_of(numbers, sizes);
       EXPECT_TRUE(both.framed == both.protobuf)
           << "index " << numbers.index << ", columns of " << sizes[0] << ", " << sizes[1]
-          << " and " << sizes[2] << " bytes";
+          << ", " << sizes[2] << " and " << sizes[3] << " bytes";
     }
   }
 }
@@ -82,13 +87,14 @@ TEST(ChunkFrame, IsByteForByteTheMessageThatProtobufWrites) {
 TEST(ChunkFrame, KeepsColumnsAlignedWhateverComesBefore) {
   std::vector<std::byte> block(2048);
   for (std::size_t size = 0; size < 300; ++size) {
-    const ChunkFrame frame({size, size + 1, size + 2});
+    const ChunkFrame frame({size, size + 1, size + 2, size + 3});
     const auto misalignment = [&](std::span<const std::byte> column) {
       return (column.data() - block.data()) % std::ptrdiff_t{ChunkFrame::kAlignment};
     };
     EXPECT_EQ(misalignment(frame.positions(block.data())), 0);
     EXPECT_EQ(misalignment(frame.tets(block.data())), 0);
     EXPECT_EQ(misalignment(frame.regions(block.data())), 0);
+    EXPECT_EQ(misalignment(frame.fields(block.data())), 0);
   }
 }
 

@@ -180,6 +180,7 @@ class ErrorsTest : public ServiceTest {
   void wrong_requests();
   void wrong_scenes();
   void wrong_sizings();
+  void wrong_fields();
   void wrong_grids();
   void wrong_streams();
   void wrong_uploads();
@@ -231,6 +232,43 @@ void ErrorsTest::wrong_sizings() {
   tell("a sizing below the voxels' size", estimate(request));
   request.mutable_sizing()->set_growth(std::nan(""));
   tell("a sizing that grows by no number", estimate(request));
+}
+
+void ErrorsTest::wrong_fields() {
+  const v1::MeshRequest ball = mesh_of(solid_file("fields", 0.25));
+  v1::MeshRequest request = ball;
+  request.set_grid_name("sphere");
+  v1::Field& first = *request.add_fields();
+  first.set_grid_name("heat");
+  v1::Field& second = *request.add_fields();
+  second.set_grid_name("wind");
+  tell("a field that is not in the file", estimate(request));
+  second.set_grid_name("count");
+  tell("a field of whole numbers", estimate(request));
+  second.set_grid_name("heat");
+  tell("two fields of one name, by their grids", estimate(request));
+  first.set_name("heat");
+  second.set_name("heat");
+  tell("two fields of one name", estimate(request));
+  second.set_name("a/b");
+  tell("a field whose name no file can have", estimate(request));
+  second.set_name("other");
+  second.set_grid("grids/1");
+  tell("a field in a file that is none", estimate(request));
+  second.set_grid(grid_name_of("not stored"));
+  tell("a field in a file that is not stored", estimate(request));
+  second.clear_grid();
+  second.clear_grid_name();
+  tell("a field of several that could be meant", estimate(request));
+  v1::StreamMeshRequest compact = stream_of(request);
+  compact.set_encoding(v1::ENCODING_COMPACT);
+  tell("fields in compact chunks", stream(compact));
+  for (int i = 0; i < 15; ++i) request.add_fields();
+  tell("17 fields", estimate(request));
+  request = {};
+  request.mutable_scene()->add_nodes()->mutable_sphere()->set_radius(1);
+  request.add_fields()->set_grid_name("heat");
+  tell("a field of a scene that names no file", estimate(request));
 }
 
 void ErrorsTest::wrong_grids() {
@@ -360,6 +398,7 @@ TEST_F(ErrorsTest, SayTheirReasonAndNoMoreThanTheyShould) {
   wrong_requests();
   wrong_scenes();
   wrong_sizings();
+  wrong_fields();
   wrong_grids();
   wrong_streams();
   wrong_uploads();

@@ -143,6 +143,27 @@ TEST_F(JobServiceTest, KeepsTheGridOfAJobUntilItIsFinished) {
   EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
 }
 
+v1::Job with_fields(JobServer& server, v1::Job job) {
+  const std::string path = server.folder.file("fields.vdb");
+  write_fixture("fields", 0.25, path);
+  v1::Field& field = *job.mutable_mesh()->add_fields();
+  field.set_grid(server.client->upload_file(path, {}, Cancellation()).value());
+  field.set_grid_name("velocity");
+  return job;
+}
+
+TEST_F(JobServiceTest, MakesTheFieldsThatAStreamSends) {
+  server_.start();
+  const v1::Job job = server_.create(with_fields(server_, server_.ball(12)));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  const std::vector<std::string> result = server_.result(job);
+  EXPECT_EQ(result, server_.stream(job));
+  v1::MeshEvent header;
+  ASSERT_TRUE(header.ParseFromString(result.front()));
+  EXPECT_EQ(header.header().fields(0).name(), "velocity");
+  EXPECT_EQ(header.header().fields(0).components(), 3);
+}
+
 /// A ball with another one taken off it; both are stored.
 v1::Job scene_job(JobServer& server) {
   v1::Job job;

@@ -56,8 +56,8 @@ TEST_F(MeshServiceTest, SendsHeaderChunksAndTrailer) {
   for (const v1::MeshChunk& chunk : mesh.chunks) {
     EXPECT_EQ(chunk.first_tet(), tets);
     EXPECT_EQ(chunk.first_vertex(), vertices);
-    EXPECT_EQ(chunk.checksum(),
-              chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+    EXPECT_EQ(chunk.checksum(), chunk_checksum({chunk.positions(), chunk.tets(),
+                                                chunk.regions(), chunk.fields()}));
     EXPECT_LE(chunk.positions().size() + chunk.tets().size() + chunk.regions().size(),
               kChunkBytes);
     tets += chunk.tet_count();

@@ -56,6 +56,8 @@ std::vector<std::string> answers_about(MeshClient& client, const std::string& gr
   const Cancellation never;
   v1::MeshRequest request;
   request.set_name(grid);
+  v1::MeshRequest leaf;
+  leaf.mutable_scene()->add_nodes()->mutable_grid()->set_name(grid);
   // The call's own id differs from call to call.
   const auto told = [](const absl::Status& status) {
     return absl::StatusCodeToString(status.code()) + " " + reason_of_failure(status) + ": " +
@@ -63,6 +65,7 @@ std::vector<std::string> answers_about(MeshClient& client, const std::string& gr
   };
   return {told(client.grid_info(grid, never).status()),
           told(client.estimate(request, never).status()),
+          told(client.estimate(leaf, never).status()),
           told(client.stream_mesh(request, {}, never).status()),
           std::to_string(client.list_grids(never)->size())};
 }

@@ -240,7 +240,7 @@ TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
   EXPECT_EQ(order->made_scene, nullptr) << "its grids are not loaded";
   EXPECT_THAT(files_of(*order), ElementsAre(file('a'), file('b'), file('c')));
   request.mutable_scene()->mutable_nodes(1)->mutable_grid()->set_name("b.vdb");
-  EXPECT_THAT(refusal(request), StartsWith("scene.nodes[1].grid.name \"b.vdb\" is not grids/"));
+  EXPECT_THAT(refusal(request), StartsWith("nodes[1].grid.name \"b.vdb\" is not grids/"));
 }
 
 v1::MeshRequest sized_request() {
@@ -276,6 +276,23 @@ TEST(Request, NamesTheFieldOfASizing) {
   request.mutable_sizing()->set_coarsest(2);
   request.set_manifold(true);
   EXPECT_EQ(refusal(request), "grade_surface does not go with manifold: set one of them");
+}
+
+TEST(Request, TakesFieldsAndTheFilesThatTheyAreIn) {
+  v1::MeshRequest request = valid_request();
+  request.mutable_sizing()->mutable_grid()->set_name(name_of_grid(std::string(64, 'b')));
+  for (const char digit : {'c', 'b', 'c'}) {
+    v1::Field& field = *request.add_fields();
+    field.set_name(std::string(1, static_cast<char>('w' + request.fields_size())));
+    field.set_grid(name_of_grid(std::string(64, digit)));
+  }
+  request.add_fields()->set_grid_name("heat");
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->request.fields[3].grid, "heat");
+  const std::vector<std::string> files{std::string(digest_of_name(request.name())),
+                                       std::string(64, 'b'), std::string(64, 'c')};
+  EXPECT_EQ(files_of(*order), files);
 }
 
 TEST(MeshId, TellsEverySizingApart) {

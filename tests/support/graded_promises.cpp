@@ -38,6 +38,9 @@ Sizing graded_sizing(std::uint32_t seed, const WorldBox& box, double spacing) {
   Sizing sizing = random_sizing(seed, box, spacing);
   sizing.coarsest = spacing * std::exp2(random() % 5);
   sizing.grade_surface = true;
+  if (random() % 3 == 0)
+    sizing.chord_error = spacing * std::exp2(-static_cast<double>(random() % 5));
+  if (random() % 3 == 0) sizing.leaves_across = static_cast<int>(1 + random() % 4);
   return sizing;
 }
 

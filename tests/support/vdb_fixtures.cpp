@@ -128,6 +128,48 @@ openvdb::math::Transform::Ptr sheared(double voxel) {
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
+/// `value` of the world's points at all voxels within kExtent of the origin.
+template <class GridT, class Value>
+typename GridT::Ptr sampled(const std::string& name,
+                            double voxel,
+                            const Vec3d& origin,
+                            const typename GridT::ValueType& background,
+                            const Value& value) {
+  const typename GridT::Ptr grid = GridT::create(background);
+  grid->setName(name);
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+  transform->postTranslate(origin);
+  grid->setTransform(transform);
+  auto values = grid->getAccessor();
+  for_each_voxel(voxel, [&](const Coord& c, const Vec3d&) {
+    values.setValue(c, value(grid->indexToWorld(c)));
+  });
+  return grid;
+}
+
+GridBase::Ptr heat(double voxel) {
+  return sampled<FloatGrid>(
+      "heat", voxel, Vec3d(0.5, 0.25, -0.125) * voxel, -7,
+      [](const Vec3d& p) { return static_cast<float>(1 + 2 * p.x() - 3 * p.y() + p.z() / 2); });
+}
+
+GridBase::Ptr velocity(double voxel) {
+  return sampled<openvdb::Vec3SGrid>(
+      "velocity", voxel, {0, 0, 0}, {0, 0, -1}, [](const Vec3d& p) {
+        return openvdb::Vec3s(Vec3d(p.x() - p.y(), 2 * p.z(), 1 + p.x() / 4));
+      });
+}
+
+void write_fields(double voxel, const std::string& path) {
+  const GridBase::Ptr ball = level_set([](const Vec3d& p) { return p.length() - 1; }, voxel);
+  ball->setName("sphere");
+  ball->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
+  const GridBase::Ptr count = sampled<openvdb::Int32Grid>("count", 4 * voxel, {0, 0, 0}, 0,
+                                                          [](const Vec3d&) { return 1; });
+  openvdb::io::File(path).write(
+      openvdb::GridCPtrVec{ball, heat(1.5 * voxel), velocity(2 * voxel), count});
+}
+
 using Maker = std::function<GridBase::Ptr(double voxel)>;
 
 Maker level_set_of(const Solid& solid) {
@@ -165,6 +207,7 @@ std::vector<std::string_view> fixture_kinds() {
 
 void write_fixture(std::string_view kind, double voxel, const std::string& path) {
   openvdb::initialize();
+  if (kind == "fields") return write_fields(voxel, path);
   const auto maker = std::find_if(makers().begin(), makers().end(),
                                   [&](const auto& entry) { return entry.first == kind; });
   if (maker == makers().end()) {

@@ -15,6 +15,11 @@ namespace tet::test {
 ///   "cavity" (radius 1 with a hole of radius 0.5), "random-signs" (40^3 voxels of any sign);
 /// - "fog": a density, 1 within the unit ball and 0 outside;
 /// - refused: "empty", "vec3", "points", "sheared".
+///
+/// And "fields", a file of several: the level set "sphere"; "heat" (float), which is
+/// 1 + 2x - 3y + z/2 within 1.6 of the origin on each axis and -7 elsewhere, in voxels 1.5
+/// times as wide that lie between those of the sphere; "velocity" (vec3s), (x - y, 2z, 1 + x/4)
+/// and else (0, 0, -1), in voxels twice as wide; and "count", of whole numbers.
 std::vector<std::string_view> fixture_kinds();
 
 /// Writes one grid named after its kind, with voxels of `voxel` world units, centred at the

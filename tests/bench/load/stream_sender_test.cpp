@@ -59,7 +59,8 @@ class TwoChunks final : public v1::MeshService::Service {
     chunk.set_tet_count(10);
     chunk.set_positions("0123456789");
     chunk.set_tets("abcdef");
-    chunk.set_checksum(chunk_checksum(chunk.positions(), chunk.tets(), chunk.regions()));
+    chunk.set_checksum(
+        chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(), chunk.fields()}));
     spoil(chunk);
     return event;
   }

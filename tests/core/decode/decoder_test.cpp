@@ -64,6 +64,29 @@ TEST_F(DecoderTest, ListsWhatThisProcessWouldList) {
   EXPECT_EQ(there->front().active_voxels, list_grids(path_)->front().active_voxels);
 }
 
+TEST_F(DecoderTest, HandsBackEachComponentOfAField) {
+  test::write_fixture("vec3", 0.1, path_);
+  FileRequest field = request("vec3");
+  field.task = DecodeTask::kField;
+  for (field.component = 0; field.component < 3; ++field.component) {
+    const auto there = volume_of(decode_once(field, {}, nullptr), field);
+    ASSERT_TRUE(there.ok()) << there.status();
+    EXPECT_EQ(there->kind, VolumeKind::kVectorField);
+    EXPECT_EQ(there->values, load_field(path_, "vec3", field.component)->values);
+  }
+  EXPECT_TRUE(
+      absl::IsInvalidArgument(volume_of(decode_once(field, {}, nullptr), field).status()));
+}
+
+TEST_F(DecoderTest, IsNotBelievedToHaveReadAFieldForASurface) {
+  FileRequest field = request();
+  field.task = DecodeTask::kField;
+  for (const auto& [asked, read] : {std::pair(field, request()), std::pair(request(), field)}) {
+    const absl::Status status = volume_of(decode_once(read, {}, nullptr), asked).status();
+    EXPECT_EQ(failure_name(status), "DECODER_RESULT") << status;
+  }
+}
+
 TEST_F(DecoderTest, PassesOnWhatTheReaderSaysOfTheFile) {
   const FileRequest other = request("other");
   const absl::Status status = volume_of(decode_once(other, {}, nullptr), other).status();

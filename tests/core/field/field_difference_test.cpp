@@ -127,7 +127,10 @@ TEST(FieldDifference, TakesGridsInScenesForTheSameOnlyWhereTheyAreOne) {
     test::SceneWriter writer;
     const std::string scan = writer.add(test::leaf(std::move(grid)));
     const std::string hole = writer.add_moved({x, 0, 0}, writer.add(scene::Sphere{0.3}));
-    writer.add(scene::Combination{scene::Combine::kDifference, {scan, hole}, 0});
+    writer.add(scene::Combination{
+        scene::Combine::kDifference, {scan, hole},
+         0
+    });
     return writer.scene();
   };
   const auto grid = test::grid_of({.voxel = 0.05}), copy = test::grid_of({.voxel = 0.05});

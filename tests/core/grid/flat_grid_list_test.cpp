@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kGridCount = 16;
 constexpr std::size_t kTextBytes = 24;
 constexpr std::size_t kRecords = 64;
-constexpr std::size_t kVoxelSize = 8, kBox = 16, kNameBytes = 44, kReserved = 60;
+constexpr std::size_t kVoxelSize = 8, kBox = 16, kNameBytes = 44, kFieldComponents = 60;
 
 std::string flat(const std::vector<GridInfo>& grids) {
   std::string block;
@@ -58,6 +58,7 @@ std::vector<GridInfo> sample() {
   bad.active_box = {};
   bad.voxel_size = std::numeric_limits<double>::infinity();
   bad.not_meshable = "its values are vec3s";
+  bad.field_components = 3;
   return {good, bad};
 }
 
@@ -68,6 +69,7 @@ TEST(FlatGridList, ReadsBackEqual) {
   ASSERT_EQ(back->size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const GridInfo &a = grids[i], &b = (*back)[i];
+    EXPECT_EQ(a.field_components, b.field_components);
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.value_type, b.value_type);
     EXPECT_EQ(a.grid_class, b.grid_class);
@@ -100,13 +102,13 @@ TEST(FlatGridList, RefusesEveryLie) {
     EXPECT_FALSE(read(changed(truth, kGridCount, count)).ok()) << count;
     EXPECT_FALSE(read(changed(truth, kTextBytes, count)).ok()) << count;
   }
-  for (std::size_t at = kNameBytes; at < kReserved; at += 4) {
+  for (std::size_t at = kNameBytes; at < kFieldComponents; at += 4) {
     for (const std::uint32_t size : {0U, 4U, 1025U, 1U << 31, ~0U}) {
       if (at == kNameBytes + 12 && size == 0) continue;  // the first grid has no such text
       EXPECT_FALSE(read(changed(truth, kRecords + at, size)).ok()) << at << ' ' << size;
     }
   }
-  EXPECT_FALSE(read(changed(truth, kRecords + kReserved, 1)).ok());
+  EXPECT_FALSE(read(changed(truth, kRecords + kFieldComponents, 2)).ok());
   EXPECT_FALSE(read(changed(truth, kRecords + kBox, 5)).ok());
   EXPECT_FALSE(read(changed(truth, kRecords + kVoxelSize, std::nan(""))).ok());
   EXPECT_FALSE(read(changed(truth, text + 9, '\x1B')).ok());

@@ -200,7 +200,7 @@ std::vector<Lie> lies() {
   std::vector<Lie> all{
       field<char>("magic", kMagic, 'x'),
       field<std::uint32_t>("version", kVersion, 2),
-      field<std::uint32_t>("kind", kKind, 2),
+      field<std::uint32_t>("kind", kKind, 4),
       field<std::uint32_t>("reserved", kReserved, 1),
       field<float>("background", kBackground, kNan),
       field<double>("nan in the map", kLinear, std::nan("")),
@@ -278,6 +278,9 @@ TEST(FlatVolume, RefusesNamesBeyondTheLimit) {
 
 TEST(FlatVolume, RefusesAVolumeOfNothing) {
   EXPECT_THAT(std::string(read(flat(Volume{})).status().message()), HasSubstr("it is empty"));
+  Volume field;
+  field.kind = VolumeKind::kVectorField;
+  EXPECT_EQ(read(flat(field))->kind, VolumeKind::kVectorField) << "which may be";
 }
 
 TEST(FlatVolume, CountsTheRegionsThatScatteredConstantsWouldTake) {

@@ -140,4 +140,15 @@ inline TetMesh kuhn_mesh(int n) {
   return kuhn_mesh(n, [](int, int, int) { return true; });
 }
 
+/// The same mesh with fields, whose values all differ.
+inline TetMesh with_fields(TetMesh mesh, const std::vector<FieldArray>& fields) {
+  mesh.header.fields = fields;
+  const std::size_t row = mesh.header.field_values();
+  std::vector<float> values(mesh.header.vertex_count * row);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5F * static_cast<float>(i) - 7;
+  mesh.fields = ByteBuffer(values.size() * sizeof(float));
+  std::memcpy(mesh.fields.bytes().data(), values.data(), mesh.fields.size());
+  return mesh;
+}
+
 }  // namespace tet

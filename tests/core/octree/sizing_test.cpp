@@ -29,6 +29,12 @@ std::string refusal(const Sizing& sizing) {
 TEST(Sizing, IsRefusedWithTheFieldAndItsValue) {
   const BallRegion ball{{}, 1};
   EXPECT_EQ(refusal({.coarsest = 0.0}), "coarsest 0 is not from 1e-15 to 1e+15");
+  EXPECT_EQ(refusal({.coarsest = 1.0, .grade_surface = true, .chord_error = 0.0}),
+            "chord_error 0 is not from 1e-15 to 1e+15");
+  EXPECT_EQ(refusal({.coarsest = 1.0, .grade_surface = true, .leaves_across = 65}),
+            "leaves_across 65 is not from 0 to 64");
+  EXPECT_EQ(refusal({.leaves_across = 2}),
+            "leaves_across is set without grade_surface: leaves at the surface are all finest");
   EXPECT_EQ(refusal({.growth = 2}), "growth 2 is not from 0.0625 to 1");
   EXPECT_EQ(refusal({.growth = std::nan("")}), "growth nan is not from 0.0625 to 1");
   EXPECT_EQ(refusal({

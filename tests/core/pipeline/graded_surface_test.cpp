@@ -73,6 +73,65 @@ TEST(GradedSurface, IsOfOneSizeWhereNothingAsksForSmaller) {
   EXPECT_EQ(coarse.boundary->euler_characteristic, 2);
 }
 
+/// The largest distance of the middle of a boundary edge from a ball's surface.
+double worst_middle(const TetMesh& mesh, double radius) {
+  double worst = 0;
+  for (const Triangle& triangle : boundary_triangles(mesh)) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const WorldPoint a = mesh.vertex(triangle[i]), b = mesh.vertex(triangle[(i + 1) % 3]);
+      const double reach = std::hypot((a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2);
+      worst = std::max(worst, std::abs(radius - reach));
+    }
+  }
+  return worst;
+}
+
+TEST(GradedSurface, FollowsABendAsCloselyAsItIsAsked) {
+  std::uint64_t before = 0;
+  for (const double error : {0.02, 0.005, 0.00125}) {
+    MeshRequest request = graded(1.0 / 64, 1);
+    request.sizing.chord_error = error;
+    const MeshResult result = mesh(ball_scene(), request);
+    EXPECT_TRUE(check_conformity(result.mesh).conforming());
+    EXPECT_GT(result.quality.min_dihedral_deg, kLeastGradedAngleDeg);
+    EXPECT_LT(worst_middle(result.mesh, 1), error);
+    EXPECT_GT(worst_middle(result.mesh, 1), error / 8);  // leaves double
+    EXPECT_GT(result.mesh.header.tet_count, before);
+    before = result.mesh.header.tet_count;
+  }
+}
+
+TEST(GradedSurface, IsFineOnlyWhereItBends) {
+  test::SceneWriter writer;
+  writer.add(scene::RoundedBox{
+      {4, 4, 4},
+      0.25
+  });
+  const Shape box = std::make_shared<const Scene>(writer.scene());
+  MeshRequest even = graded(1.0 / 32, 1.0 / 16), bent = graded(1.0 / 32, 1);
+  bent.sizing.chord_error = 0.004;
+  const MeshResult fine = mesh(box, even), result = mesh(box, bent);
+  EXPECT_LT(result.mesh.header.tet_count, fine.mesh.header.tet_count / 4);
+  EXPECT_NEAR(result.quality.volume, fine.quality.volume, 0.05);
+  EXPECT_GT(result.quality.min_dihedral_deg, kLeastGradedAngleDeg);
+}
+
+TEST(GradedSurface, KeepsWallsThatAreThinnerThanItsLargestLeaves) {
+  test::SceneWriter writer;
+  const std::string ball = writer.add(scene::Sphere{1});
+  writer.add(scene::Shell{ball, 0.15});
+  const Shape shell = std::make_shared<const Scene>(writer.scene());
+  MeshRequest blind = graded(1.0 / 64, 1.0 / 4), seeing = blind;
+  seeing.sizing.leaves_across = 2;
+  const MeshResult result = mesh(shell, seeing);
+  EXPECT_TRUE(check_conformity(result.mesh).conforming());
+  EXPECT_GT(result.quality.min_dihedral_deg, kLeastGradedAngleDeg);
+  EXPECT_EQ(result.boundary->components, 2U);
+  EXPECT_EQ(result.boundary->euler_characteristic, 4);
+  const auto missed = try_to_mesh(shell, blind);
+  EXPECT_TRUE(!missed.ok() || missed->boundary->euler_characteristic != 4);
+}
+
 TEST(GradedSurface, IsFineInARegionAndCoarseElsewhere) {
   MeshRequest request = graded(1.0 / 64, 1.0 / 8);
   request.sizing.regions.push_back({

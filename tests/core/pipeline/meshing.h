@@ -35,7 +35,8 @@ inline MeshResult mesh(const Volume& volume, const MeshRequest& request = {}, in
 inline bool same_bytes(const TetMesh& a, const TetMesh& b) {
   return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
          std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
-         std::ranges::equal(a.regions.bytes(), b.regions.bytes());
+         std::ranges::equal(a.regions.bytes(), b.regions.bytes()) &&
+         std::ranges::equal(a.fields.bytes(), b.fields.bytes());
 }
 
 /// Totals, chunks, topology, thin walls and every byte.

@@ -236,7 +236,7 @@ TEST(GridLeaf, IsRefusedWithoutASurface) {
   grid.iso = -1;
   writer.add(grid);
   EXPECT_EQ(refusal(writer),
-            "nodes[0].grid has no surface at iso -1: its values less that are from 0.7 to 1.3");
+            "nodes[0].grid has no surface at iso -1: its values are from -0.3 to 0.3");
 }
 
 TEST(GridLeaf, HasNoEndWhereItsBackgroundIsInside) {

@@ -260,6 +260,12 @@ TEST_P(JobStoreTest, KnowsEachOfSeveralFilesThatAJobReads) {
   create(asked);
   const JobInput a{"ana", "a"}, b{"ana", "b"};
   EXPECT_THAT(store_->inputs().value(), testing::UnorderedElementsAre(a, b));
+  // A mesh's own, a sizing's, 16 fields' and 16 of a scene.
+  for (char letter = 'A'; letter < 'A' + 34; ++letter) {
+    asked.input += ' ' + std::string(64, letter);
+  }
+  create(asked);
+  EXPECT_EQ(store_->inputs().value().size(), 36U);
 }
 
 TEST_P(JobStoreTest, CountsWhatThereIs) {

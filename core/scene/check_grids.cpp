@@ -1,12 +1,17 @@
-#include "core/scene/grid_levels.h"
+#include "core/scene/check_grids.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include "core/scene/check_nodes.h"
+#include "core/scene/scene.h"
 
 namespace tet::scene {
 namespace {
@@ -69,9 +74,10 @@ absl::Status check_leaf(const std::string& path,
                         const GridSource& grid) {
   const Interval known = known_to(leaf, grid);
   if (!(known.low < 0 && known.high > 0)) {
+    const auto [min, max] = grid.bounds.all();
     return absl::InvalidArgumentError(
-        absl::StrFormat("%s has no surface at iso %g: its values less that are from %g to %g",
-                        path, leaf.size[0], known.low, known.high));
+        absl::StrFormat("%s has no surface at iso %g: its values are from %g to %g", path,
+                        leaf.size[0], min, max));
   }
   const double own = 1 / leaf.frame.scale;
   if (own * asked.low > known.low && own * asked.high < known.high) return absl::OkStatus();
@@ -82,6 +88,19 @@ absl::Status check_leaf(const std::string& path,
 }
 
 }  // namespace
+
+absl::Status check_grid_count(const Description& description) {
+  std::set<std::pair<std::string, std::string>> grids;
+  for (std::size_t i = 0; i < description.nodes.size(); ++i) {
+    const auto* grid = std::get_if<GridSolid>(&description.nodes[i].kind);
+    if (grid == nullptr) continue;
+    grids.emplace(grid->file, grid->name);
+    if (grids.size() <= Scene::kMaxGrids) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        path_of(description, i), " is one grid too many; the limit is ", Scene::kMaxGrids));
+  }
+  return absl::OkStatus();
+}
 
 absl::Status check_loaded(const Description& description) {
   for (std::size_t i = 0; i < description.nodes.size(); ++i) {

@@ -1,4 +1,4 @@
-// Whether a scene's grids know the distances that it asks for.
+// What can be wrong with the grids of a scene.
 #pragma once
 
 #include <span>
@@ -12,12 +12,16 @@
 
 namespace tet::scene {
 
-/// Error: kInvalidArgument (a grid that is not loaded, with its field).
+// What is wrong is kInvalidArgument, and the message begins with the field.
+
+/// At most Scene::kMaxGrids different ones, however often they are used.
+absl::Status check_grid_count(const Description& description);
+
 absl::Status check_loaded(const Description& description);
 
 /// Beyond a grid's narrow band every distance is the same, so that an offset, a shell or a
-/// blend that reaches so far would take all of space for near. Error: kInvalidArgument (a
-/// grid's field: its values end before what the scene asks for, or nothing of it is inside).
+/// blend that reaches so far would take all of space for near. Refused is what asks for more
+/// than the grid's values hold, and a grid without a surface.
 absl::Status check_grid_levels(const Description& description,
                                const std::vector<Instruction>& program,
                                std::span<const GridSource> grids);

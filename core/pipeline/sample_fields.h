@@ -1,0 +1,24 @@
+// The values of a request's fields at vertices that have their final places.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/mesh/tet_mesh.h"
+#include "core/pipeline/vertex_field.h"
+
+namespace tet {
+
+/// Samples every field at each of some vertices of a mesh with this header: rows as TetMesh has
+/// them. Where a vertex lies is its stored position, as it was rounded, from the header's
+/// origin; of a vector each component is sampled by itself, along the world's axes as the grid
+/// has them.
+void sample_fields(std::span<const VertexField> fields,
+                   const MeshHeader& header,
+                   std::span<const std::byte> positions,
+                   std::span<std::byte> values) noexcept;
+
+/// The same for all vertices of a mesh, which gets the arrays. Parallel; run it on a TaskPool.
+void add_fields(std::span<const VertexField> fields, TetMesh& mesh);
+
+}  // namespace tet
