@@ -4,12 +4,20 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/types.h"
+#include "core/field/find_bricks.h"
 #include "core/field/phi_field.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/pipeline/mesh_request.h"
 
 namespace tet {
+
+class CountedMesh;
+
+/// The corners at the ends of a domain.
+VoxelBox corner_box(const BrickBox& domain);
+/// Finest-level bricks that hold vertices, as a box of lattice corners.
+VoxelBox corner_box(const CountedMesh& mesh);
 
 /// Puts the origin where the request says, or in the middle of `corners`, a box of lattice
 /// corners; all vertices are no farther than `beyond` spacings outside of it. Fills in the

@@ -2,29 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "core/graded/graded_warp.h"
 #include "tests/certificate/problem.h"
-#include "tests/core/graded/background_places.h"
-
-namespace tet::certificate {
-
-/// The signs of four nodes: `number` is a stencil's. As `++0-`, sorted.
-std::string signs_of(std::size_t number);
-
-/// Calls `visit` with what a background tet may become that has these signs after the warp, one
-/// choice of the edges along which its `0` nodes moved after another: a vector of problems.
-template <class Visit>
-void for_each_graded_case(const test::PlacedTet& tet,
-                          std::size_t number,
-                          const GradedLimits& limits,
-                          const Visit& visit);
-
-}  // namespace tet::certificate
-
 #include "tests/certificate/sliding_cases.h"
+#include "tests/core/graded/background_places.h"
 
 namespace tet::certificate {
 namespace internal {
@@ -50,6 +33,9 @@ inline SlidingTet sliding(const test::PlacedTet& tet, const GradedLimits& limits
 
 }  // namespace internal
 
+/// Calls `visit` with what a background tet may become that has the signs of stencil `number`
+/// after the warp: a vector of problems for each choice of the edges along which its `0` nodes
+/// moved.
 template <class Visit>
 void for_each_graded_case(const test::PlacedTet& tet,
                           std::size_t number,

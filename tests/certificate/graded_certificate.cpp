@@ -1,9 +1,11 @@
-// Proves the least dihedral angle of graded surfaces, for every background tet and every edge
-// of its nodes that random octrees have. docs/bounds.md tells the argument; it takes a while.
+// Proves the dihedral angle bounds of graded surfaces, for every background tet and every edge
+// of its nodes that random octrees have. docs/bounds.md tells the argument; it takes minutes.
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <string>
@@ -21,26 +23,31 @@ namespace {
 
 struct Arguments {
   int trees = 20;
-  double least_deg = kLeastGradedAngleDeg;
+  double least_deg = kLeastGradedAngleDeg, greatest_deg = kGreatestGradedAngleDeg;
   bool stored = false;
   unsigned threads = 2;
 };
 
+/// The signs of four nodes: as `++0-`, sorted.
+std::string signs_of(std::size_t number) {
+  std::array<int, 3> count{};
+  for (std::size_t i = 0; i < 4; ++i, number /= 3) ++count[number % 3];
+  return std::string(static_cast<std::size_t>(count[2]), '+') +
+         std::string(static_cast<std::size_t>(count[1]), '0') +
+         std::string(static_cast<std::size_t>(count[0]), '-');
+}
+
 /// What is proven of the tets with some signs.
 struct Row {
   std::size_t problems = 0, boxes = 0;
-  double bound_deg = 180;
+  double least_deg = 180, greatest_deg = 0;
 };
 
 /// Proves one tet after another, with each of its signs; threads take turns.
 class Prover {
  public:
   Prover(std::vector<test::PlacedTet> tets, const Arguments& arguments)
-      : tets_(std::move(tets)), arguments_(arguments) {
-    goal_.enough_deg = arguments.least_deg;
-    goal_.max_boxes = 100'000'000;
-    if (arguments.stored) goal_.displacement = kStoredDisplacement;
-  }
+      : tets_(std::move(tets)), arguments_(arguments) {}
 
   void run() {
     const std::size_t all = tets_.size() * kStencilCases;
@@ -50,14 +57,17 @@ class Prover {
   }
 
   bool proven() const {
-    return std::ranges::all_of(
-        rows_, [&](const auto& row) { return row.second.bound_deg >= arguments_.least_deg; });
+    return std::ranges::all_of(rows_, [&](const auto& row) {
+      return row.second.least_deg >= arguments_.least_deg &&
+             row.second.greatest_deg <= arguments_.greatest_deg;
+    });
   }
 
   void print() const {
-    absl::PrintF("signs      problems        boxes    least\n");
+    absl::PrintF("signs      problems        boxes    least greatest\n");
     for (const auto& [signs, row] : rows_) {
-      absl::PrintF("%-5s %13d %12d %8.3f\n", signs, row.problems, row.boxes, row.bound_deg);
+      absl::PrintF("%-5s %13d %12d %8.3f %8.3f\n", signs, row.problems, row.boxes,
+                   row.least_deg, row.greatest_deg);
     }
   }
 
@@ -75,18 +85,28 @@ class Prover {
 
   void settle(std::size_t number, std::vector<Problem>& batch) {
     if (batch.empty()) return;
-    const Certified certified = certify(batch, goal_);
+    const Certified least = certify(batch, goal(Extreme::kLeast));
+    const Certified greatest = certify(batch, goal(Extreme::kGreatest));
     const std::lock_guard lock(mutex_);
     Row& row = rows_[signs_of(number)];
     row.problems += batch.size();
-    row.boxes += certified.boxes;
-    row.bound_deg = std::min(row.bound_deg, certified.bound_deg);
+    row.boxes += least.boxes + greatest.boxes;
+    row.least_deg = std::min(row.least_deg, least.bound_deg);
+    row.greatest_deg = std::max(row.greatest_deg, greatest.bound_deg);
     batch.clear();
+  }
+
+  Goal goal(Extreme extreme) const {
+    Goal goal;
+    goal.extreme = extreme;
+    goal.enough_deg =
+        extreme == Extreme::kLeast ? arguments_.least_deg : arguments_.greatest_deg;
+    if (arguments_.stored) goal.displacement = kStoredDisplacement;
+    return goal;
   }
 
   const std::vector<test::PlacedTet> tets_;
   const Arguments& arguments_;
-  Goal goal_;
   std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;  // the rows
   std::map<std::string, Row> rows_;
@@ -101,29 +121,24 @@ int run(const Arguments& arguments) {
   threads.clear();
   prover.print();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-  absl::PrintF("%s: %g degrees%s, in %.0f s\n", prover.proven() ? "proven" : "NOT PROVEN",
-               arguments.least_deg, arguments.stored ? " as float32" : "", taken.count());
+  absl::PrintF("%s: %g .. %g degrees%s, in %.0f s\n", prover.proven() ? "proven" : "NOT PROVEN",
+               arguments.least_deg, arguments.greatest_deg,
+               arguments.stored ? " as float32" : "", taken.count());
   return prover.proven() ? 0 : 1;
 }
 
 }  // namespace
-
-std::string signs_of(std::size_t number) {
-  std::array<int, 3> count{};
-  for (std::size_t i = 0; i < 4; ++i, number /= 3) ++count[number % 3];
-  return std::string(static_cast<std::size_t>(count[2]), '+') +
-         std::string(static_cast<std::size_t>(count[1]), '0') +
-         std::string(static_cast<std::size_t>(count[0]), '-');
-}
-
 }  // namespace tet::certificate
 
 int main(int argc, char** argv) {
-  CLI::App app("Proves, in interval arithmetic, the least dihedral angle of graded surfaces.");
+  CLI::App app("Proves, in interval arithmetic, the dihedral angle bounds of graded surfaces.");
   tet::certificate::Arguments arguments;
   app.add_option("--trees", arguments.trees, "Random octrees whose tets are proven")
       ->capture_default_str();
-  app.add_option("--least", arguments.least_deg, "The bound to prove, degrees")
+  app.add_option("--least", arguments.least_deg,
+                 "The bound to prove of the least angle, degrees")
+      ->capture_default_str();
+  app.add_option("--greatest", arguments.greatest_deg, "The same of the greatest angle")
       ->capture_default_str();
   app.add_flag("--stored", arguments.stored, "Of positions stored as float32");
   app.add_option("--threads", arguments.threads, "The results are the same")

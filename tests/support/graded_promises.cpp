@@ -98,7 +98,10 @@ std::string check_angles(const MeshResult& result) {
   const bool alike = std::abs(measured.min_dihedral_deg - reported.min_dihedral_deg) < 0.01 &&
                      std::abs(measured.max_dihedral_deg - reported.max_dihedral_deg) < 0.01 &&
                      std::abs(measured.volume - reported.volume) < 1e-5 * measured.volume;
-  if (alike && measured.min_dihedral_deg >= kLeastGradedAngleDeg) return "";
+  if (alike && measured.min_dihedral_deg >= kLeastGradedAngleDeg &&
+      measured.max_dihedral_deg <= kGreatestGradedAngleDeg) {
+    return "";
+  }
   return absl::StrFormat("angles of %.4f to %.4f degrees, reported as %.4f to %.4f",
                          measured.min_dihedral_deg, measured.max_dihedral_deg,
                          reported.min_dihedral_deg, reported.max_dihedral_deg);
