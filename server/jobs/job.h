@@ -36,8 +36,8 @@ struct NewJob {
       request_id;  ///< unique within the namespace: asking twice makes one job; may be empty
   std::string display_name;  ///< at most 256 bytes
   std::string spec;          ///< what to mesh; opaque here, at most 64 KiB
-  /// Names of what the job reads, with a space between two: all must stay. At most 2400 bytes of
-  /// printable ASCII.
+  /// Names of what the job reads, with a space between two: all must stay. At most 2400 bytes
+  /// of printable ASCII.
   std::string input;
   Labels labels;                                  ///< at most 32
   std::int64_t priority = 0;                      ///< -100 to 100, the highest first

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t kMaxIdBytes = 128;
 constexpr std::size_t kMaxNameBytes = 256;
-// More digests than a mesh can have; with a namespace less than PostgreSQL's indexes take, 2704.
+// More digests than a mesh can have; with a namespace less than PostgreSQL's indexes take,
+// 2704.
 constexpr std::size_t kMaxInputBytes = 2400;
 constexpr std::size_t kMaxSpecBytes = 64 << 10;
 constexpr std::size_t kMaxLabels = 32;

@@ -261,7 +261,7 @@ class Info(CommandTest):
     def test_prints_a_table(self):
         result = self.tetstream("info", self.inputs / "sphere.vdb")
         self.assert_done(result)
-        self.assertRegex(result.stdout, r"sphere +float +level set +0\.05 +\d+ +[\d x]+ +yes")
+        self.assertRegex(result.stdout, r"sphere +float +level set +0\.05 +\d+ +[\d x]+ +scalar +yes")
 
     def test_says_why_a_grid_cannot_be_meshed(self):
         result = self.tetstream("info", self.inputs / "vec3.vdb")
