@@ -52,8 +52,8 @@ inline constexpr GradedLimits kGradedLimits{
     .centre_to_edge_middle = 0.257,
 };
 
-/// What every dihedral angle of a mesh with a graded surface lies between. Proven of positions as
-/// they are computed by tests/certificate/graded_certificate.cpp.
+/// What every dihedral angle of a mesh with a graded surface lies between. Proven of positions
+/// as they are computed by tests/certificate/graded_certificate.cpp.
 inline constexpr double kLeastGradedAngleDeg = 5, kGreatestGradedAngleDeg = 174;
 
 /// Of each node the edge whose cut point it moves onto, or SurfaceEdges::kNone: the nearest of

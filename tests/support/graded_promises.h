@@ -24,7 +24,8 @@ std::string arguments_of(const GradedCase& graded_case);
 /// Meshes it, and checks that
 ///
 /// - the mesh conforms, and its tets are positive;
-/// - dihedral angles are within kLeastGradedAngleDeg and kGreatestGradedAngleDeg, and those that
+/// - dihedral angles are within kLeastGradedAngleDeg and kGreatestGradedAngleDeg, and those
+/// that
 ///   are reported are those it has, as is the volume;
 /// - the vertices of the boundary lie where phi is zero, of scenes and smooth fields, and no
 /// vertex
