@@ -31,6 +31,9 @@ Examples:
   tetstream mesh bunny.vdb -o bunny.vtu --preset both-sides --box -3 -3 -3 3 3 3
       the bunny and the space around it in one mesh, up to a box; the cells' `region` is
       1 inside and 2 outside
+  tetstream mesh bunny.vdb -o part.msh --box -2 0 -2 2 3 2
+      the part of the inside that lies in a box, with flat, labelled faces where it cuts;
+      docs/cuts.md
   tetstream mesh thin.vdb -o thin.msh --manifold
       a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
@@ -75,6 +78,10 @@ absl::Status check_encoding(const MeshOptions& options) {
     return absl::InvalidArgumentError(
         "--compact cannot carry a mesh with a graded surface: leave --compact or the sizing's "
         "grade_surface out");
+  }
+  if (has_cut(options.request)) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry a mesh that a box cuts: leave --compact or --box out");
   }
   if (!options.request.fields.empty()) {
     return absl::InvalidArgumentError(
