@@ -62,18 +62,19 @@ OctreeLevel level_of(CellSet cells,
 
 /// Leaves from the finest level up: the children of what is refined above, but for what is
 /// refined itself; on top the roots.
-Octree grow(CellSet roots,
-            const CellSet& at_surface,
-            const OctreeCover& cover,
+Octree grow(const GradedCover& graded,
             const LeafRules& rules,
             const Cancellation& cancellation) {
+  const OctreeCover cover{graded.found.inside, graded.box};
+  CellSet roots = root_cells(graded.found, rules.max_levels, cancellation);
   Octree tree;
   if (rules.max_levels == 0) {
     tree.levels.push_back(level_of(std::move(roots), {}, cover.domain, 0));
     return tree;
   }
-  const RefinedCells refined_cells(at_surface, cover, rules, cancellation);
-  CellSet refined = refined_cells.first({});
+  const RefinedCells refined_cells(graded.at_surface, cover, rules, cancellation);
+  CellSet refined =
+      refined_cells.first(graded.finest_at_surface ? graded.at_surface : CellSet{});
   tree.levels.push_back(level_of(children_of(refined, cancellation), {}, cover.domain, 0));
   for (int level = 1; level < rules.max_levels && !cancellation.requested(); ++level) {
     CellSet above = refined_cells.above(refined, level);
@@ -152,16 +153,12 @@ CellSet cells_at_surface(const PhiField& field,
   return cells;
 }
 
-GradedTree grow_graded_tree(const FoundBricks& found,
-                            const CellSet& at_surface,
-                            const std::optional<BrickBox>& box,
+GradedTree grow_graded_tree(const GradedCover& cover,
                             const LeafRules& rules,
                             const Cancellation& cancellation) {
-  const OctreeCover cover{found.inside, box};
   GradedTree graded;
-  graded.box = box;
-  graded.tree = grow(root_cells(found, rules.max_levels, cancellation), at_surface, cover,
-                     rules, cancellation);
+  graded.box = cover.box;
+  graded.tree = grow(cover, rules, cancellation);
   if (cancellation.requested()) return graded;
   number_nodes(graded);
   count_tets(graded);

@@ -36,11 +36,16 @@ CellSet cells_at_surface(const PhiField& field,
                          const std::vector<BrickCoord>& near_surface,
                          const Cancellation& cancellation);
 
-/// Every node inside, and in the box where there is one, is in `found`. `at_surface` are the
-/// finest cells that shells begin at. Of no use once it is cancelled.
-GradedTree grow_graded_tree(const FoundBricks& found,
-                            const CellSet& at_surface,
-                            const std::optional<BrickBox>& box,
+/// What a graded tree is grown around.
+struct GradedCover {
+  const FoundBricks& found;  ///< every node inside, and in the box where there is one, is in it
+  std::optional<BrickBox> box;     ///< that the leaves end at
+  CellSet at_surface = {};         ///< finest cells that shells begin at
+  bool finest_at_surface = false;  ///< they are leaves
+};
+
+/// Of no use once it is cancelled.
+GradedTree grow_graded_tree(const GradedCover& cover,
                             const LeafRules& rules,
                             const Cancellation& cancellation);
 

@@ -97,13 +97,12 @@ absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
                                             const Cancellation& cancellation) {
   const PhiField& field = prepared.field;
   rules.layers = std::max(rules.layers, kGradedLayers);
-  if (!request.sizing.grade_surface && rules.max_levels > 0) rules.shells.push_back({1, 0});
-  const CellSet at_surface =
-      rules.shells.empty()
-          ? CellSet{}
-          : cells_at_surface(field, prepared.bricks.near_surface, cancellation);
-  GradedTree tree =
-      grow_graded_tree(prepared.bricks, at_surface, prepared.space.domain, rules, cancellation);
+  GradedCover cover{prepared.bricks, prepared.space.domain};
+  cover.finest_at_surface = !request.sizing.grade_surface;
+  if (cover.finest_at_surface || !rules.shells.empty()) {
+    cover.at_surface = cells_at_surface(field, prepared.bricks.near_surface, cancellation);
+  }
+  GradedTree tree = grow_graded_tree(cover, rules, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   if (auto status = check_tree(tree, limits); !status.ok()) return status;
   const BackgroundMesh background = make_background(tree, field, cancellation);

@@ -39,7 +39,7 @@ GradedTree random_tree(std::mt19937& random, bool in_box) {
   });
   std::optional<BrickBox> box;
   if (in_box) box = found.inside.front();
-  return grow_graded_tree(found, {}, box, rules, {});
+  return grow_graded_tree({found, box}, rules, {});
 }
 
 /// All of it inside.
