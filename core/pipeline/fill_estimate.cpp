@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <memory>
+#include <span>
 #include <vector>
 
+#include "core/base/byte_buffer.h"
 #include "core/base/parallel.h"
 
 namespace tet {
@@ -28,11 +29,11 @@ ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
   return {plan.header(), extent.vertex_count, extent.tet_count};
 }
 
-/// Into memory that nobody has touched, as that of a mesh is.
-void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspace) {
+void try_chunk(const MeshPlan& plan,
+               std::uint64_t chunk,
+               MeshWorkspace& workspace,
+               std::span<std::byte> bytes) {
   const ChunkSizes size = sizes_of(plan, chunk);
-  const auto memory = std::make_unique_for_overwrite<std::byte[]>(size.total());
-  const std::span<std::byte> bytes(memory.get(), size.total());
   plan.fill_chunk(
       chunk, workspace,
       {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
@@ -45,14 +46,18 @@ FillEstimate estimate_fill(const MeshPlan& plan, const Cancellation& cancellatio
   const MeshHeader& header = plan.header();
   FillEstimate estimate{ChunkSizes(header, header.vertex_count, header.tet_count).total(), 0};
   const std::vector<std::uint64_t> chunks = chunks_to_try(header.chunk_count);
-  std::uint64_t tried = 0;
-  for (const std::uint64_t chunk : chunks) tried += sizes_of(plan, chunk).total();
+  const std::vector<std::uint64_t> first_byte = offsets_from_counts(
+      chunks.size(), [&](std::size_t i) { return sizes_of(plan, chunks[i]).total(); });
+  const std::uint64_t tried = first_byte.back();
   if (tried == 0) return estimate;
   const auto start = std::chrono::steady_clock::now();
+  // Nobody has touched it, as a mesh's memory.
+  ByteBuffer memory(tried);
   for_each_range(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
     MeshWorkspace workspace;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      try_chunk(plan, chunks[i], workspace);
+      try_chunk(plan, chunks[i], workspace,
+                memory.bytes().subspan(first_byte[i], first_byte[i + 1] - first_byte[i]));
     }
   });
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
