@@ -206,7 +206,8 @@ TEST_F(SeveralGridsTest, AreRefusedWithWhatIsForOneGrid) {
 }
 
 TEST_F(SeveralGridsTest, NameTheOneThatHasNothingInside) {
-  mesh_.set_iso(-0.6);  // beyond what level sets hold, and all of the cloud is inside
+  name({"ball", "ring"});
+  mesh_.set_iso(-0.6);  // beyond what the level sets hold
   expect_refused("NOTHING_TO_MESH", "", "nothing is inside at iso -0.6");
   EXPECT_THAT(refusal().error_message(), HasSubstr("(grid 'ball')"));
 }
