@@ -34,6 +34,9 @@ Examples:
   tetstream mesh bunny.vdb -o bunny.vtu --preset both-sides --box -3 -3 -3 3 3 3
       the bunny and the space around it in one mesh, up to a box; the cells' `region` is
       1 inside and 2 outside
+  tetstream mesh bunny.vdb -o part.msh --box -2 0 -2 2 3 2
+      the part of the inside that lies in a box, with flat, labelled faces where it cuts;
+      docs/cuts.md
   tetstream mesh thin.vdb -o thin.msh --manifold
       a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
@@ -82,6 +85,10 @@ absl::Status check_encoding(const MeshOptions& options) {
   if (options.has_several_grids()) {
     return absl::InvalidArgumentError(
         "--compact cannot carry several grids: leave --compact out, or all --grid but one");
+  }
+  if (has_cut(options.request)) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry a mesh that a box cuts: leave --compact or --box out");
   }
   if (!options.request.fields.empty()) {
     return absl::InvalidArgumentError(

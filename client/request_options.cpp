@@ -35,13 +35,6 @@ void set_point(const WorldPoint& point, v1::Point& message) {
   message.set_z(point.z);
 }
 
-absl::Status check_box(const MeshRequest& request) {
-  if (!request.box || request.preset == Preset::kBothSides) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "--box is for --preset both-sides; with %s the mesh ends where the inside does",
-      preset_name(request.preset)));
-}
-
 }  // namespace
 
 void describe_request(CLI::App& app, RequestArguments& arguments) {
@@ -66,8 +59,9 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
                  "outside too)")
       ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
   app.add_option("--box", arguments.box,
-                 "How far both-sides meshes, world units, rounded outward to 8 spacings [all "
-                 "that the grid stores or the scene reaches]")
+                 "What to mesh, world units, rounded outward to 8 spacings: how far both-sides "
+                 "goes [all that the grid stores or the scene reaches]; else the inside is cut "
+                 "off there, flat")
       ->type_name("X0 Y0 Z0 X1 Y1 Z1");
   app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
   app.add_flag("--improve", request.improve,
@@ -112,7 +106,7 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   }
   if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;
-  if (absl::Status status = check_box(request); !status.ok()) return status;
+  if (absl::Status status = check_cut(request); !status.ok()) return status;
   absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);

@@ -9,6 +9,7 @@
 #include <absl/strings/str_format.h>
 
 #include "proto/wire/sha256.h"
+#include "server/box_request.h"
 #include "server/field_request.h"
 #include "server/grid_names_request.h"
 #include "server/scene_request.h"
@@ -62,74 +63,6 @@ absl::Status check_numbers(const v1::MeshRequest& request) {
   return absl::OkStatus();
 }
 
-WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
-
-std::string text_of(const v1::Point& point) {
-  return absl::StrFormat("(%g, %g, %g)", point.x(), point.y(), point.z());
-}
-
-bool is_finite(const v1::Point& point) {
-  return std::isfinite(point.x()) && std::isfinite(point.y()) && std::isfinite(point.z());
-}
-
-/// Of the box alone; whether index space holds it depends on the grid.
-absl::Status check_box(const v1::MeshRequest& request, Preset preset) {
-  const v1::Point &min = request.box().min(), &max = request.box().max();
-  const std::string what =
-      absl::StrCat("box from min ", text_of(min), " to max ", text_of(max));
-  if (!request.box().has_min() || !request.box().has_max()) {
-    return invalid_field("box must have both min and max");
-  }
-  if (!is_finite(min) || !is_finite(max)) {
-    return invalid_field(absl::StrCat(what, " is not finite"));
-  }
-  if (!(min.x() < max.x() && min.y() < max.y() && min.z() < max.z())) {
-    return invalid_field(absl::StrCat(what, " is empty: min must be below max on every axis"));
-  }
-  if (stuffing_rules(preset).both_sides) return absl::OkStatus();
-  return invalid_field(absl::StrCat("box is for PRESET_BOTH_SIDES; with ",
-                                    v1::Preset_Name(to_proto(preset)),
-                                    " the mesh ends where the inside does"));
-}
-
-absl::StatusOr<std::optional<WorldPoint>> parse_origin(const v1::MeshRequest& request) {
-  if (!request.has_origin()) return std::nullopt;
-  if (is_finite(request.origin())) return to_core(request.origin());
-  return invalid_field(absl::StrCat("origin ", text_of(request.origin()), " is not finite"));
-}
-
-absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request,
-                                                  Preset preset) {
-  if (!request.has_box()) return std::nullopt;
-  if (const auto status = check_box(request, preset); !status.ok()) return status;
-  return WorldBox{to_core(request.box().min()), to_core(request.box().max())};
-}
-
-void set_point(const WorldPoint& point, v1::Point& message) {
-  message.set_x(point.x);
-  message.set_y(point.y);
-  message.set_z(point.z);
-}
-
-void set_box(const WorldBox& box, v1::Box& message) {
-  set_point(box.min, *message.mutable_min());
-  set_point(box.max, *message.mutable_max());
-}
-
-/// Every bit of a box, as hexadecimal floats; nothing for none.
-std::string exact_box(const v1::MeshRequest& request) {
-  if (!request.has_box()) return "";
-  const v1::Point &min = request.box().min(), &max = request.box().max();
-  return absl::StrFormat("%a %a %a %a %a %a", min.x(), min.y(), min.z(), max.x(), max.y(),
-                         max.z());
-}
-
-std::string exact_origin(const v1::MeshRequest& request) {
-  if (!request.has_origin()) return "";
-  const v1::Point& origin = request.origin();
-  return absl::StrFormat(" origin %a %a %a", origin.x(), origin.y(), origin.z());
-}
-
 absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
   if (request.has_scene()) return parse_scene(request, order);
   absl::StatusOr<std::string> digest = parse_grid_name(request.name());
@@ -156,7 +89,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = check_numbers(request); !status.ok()) return status;
   const auto preset = parse_preset_field(request.preset());
   if (!preset.ok()) return preset.status();
-  const auto box = parse_box(request, *preset);
+  const auto box = parse_box(request);
   if (!box.ok()) return box.status();
   const auto origin = parse_origin(request);
   if (!origin.ok()) return origin.status();
@@ -173,6 +106,9 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
+  if (const auto status = check_cut(order.request); !status.ok()) {
+    return invalid_field(std::string(status.message()));
+  }
   if (const auto status = parse_grid_names(request, order); !status.ok()) return status;
   if (!order.is_scene() || order.scene.has_grids()) return order;
   const auto made = scene_of_order(order);
@@ -206,6 +142,12 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field(
         "encoding ENCODING_COMPACT cannot carry a mesh with a graded surface: leave "
         "sizing.grade_surface unset, or ask for ENCODING_PLAIN");
+  }
+  if (compact && has_cut(mesh->request)) {
+    return invalid_field(
+        "encoding ENCODING_COMPACT cannot carry a mesh that a box cuts: leave box unset, or "
+        "ask "
+        "for ENCODING_PLAIN");
   }
   if (compact && !mesh->request.fields.empty()) {
     return invalid_field(

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <iterator>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,6 +55,18 @@ struct RegionCube {
     };
   }
 };
+
+/// What is in both boxes.
+std::optional<BrickBox> common_part(const BrickBox& a, const BrickBox& b) {
+  const BrickBox part{
+      {std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
+      {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}
+  };
+  if (part.min.x > part.max.x || part.min.y > part.max.y || part.min.z > part.max.z) {
+    return std::nullopt;
+  }
+  return part;
+}
 
 absl::Status check_tile_regions(double regions) {
   if (regions <= static_cast<double>(kMaxTileRegions)) return absl::OkStatus();
@@ -307,7 +320,7 @@ absl::Status check_inside_ends(const PhiField& field) {
   if (!(field.phi(field.volume->background) < 0)) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
       "the background value %g is inside at iso %g, so the inside has no end; choose another "
-      "iso value, or mesh both sides within a box",
+      "iso value, or mesh within a box",
       field.volume->background, field.iso));
 }
 
@@ -318,6 +331,24 @@ void keep_domain(const BrickBox& domain, FoundBricks& found) {
   });
   found.inside = {domain};
   found.inside_cells = kBrickCells * bricks_in(domain);
+}
+
+void keep_inside_of(const BrickBox& box, const PhiField& field, FoundBricks& found) {
+  std::erase_if(found.near_surface, [&](BrickCoord b) {
+    return !common_part(box, {b, b}).has_value();
+  });
+  // The boxes of an inside without an end do not cover it.
+  if (!check_inside_ends(field).ok()) found.inside = {box};
+  std::vector<BrickBox> inside;
+  double cells = 0;
+  for (const BrickBox& part : found.inside) {
+    const std::optional<BrickBox> kept = common_part(box, part);
+    if (!kept) continue;
+    inside.push_back(*kept);
+    cells += kBrickCells * bricks_in(*kept);
+  }
+  found.inside = std::move(inside);
+  found.inside_cells = std::min(cells, kBrickCells * bricks_in(box));  // boxes may overlap
 }
 
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,

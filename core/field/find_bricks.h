@@ -65,4 +65,7 @@ absl::Status check_inside_ends(const PhiField& field);
 /// just beyond its upper faces, whose corners lie on them; all of the domain counts as covered.
 void keep_domain(const BrickBox& domain, FoundBricks& found);
 
+/// Leaves only what a mesh of the inside needs that ends at a box.
+void keep_inside_of(const BrickBox& box, const PhiField& field, FoundBricks& found);
+
 }  // namespace tet

@@ -28,18 +28,26 @@ void for_each_brick_range(const GradedTree& graded,
   }
 }
 
-/// Places of a brick's nodes, in the order of their numbers.
+/// Places, kinds and levels of a brick's nodes, in the order of their numbers.
 void place_nodes(const GradedTree& graded,
                  std::size_t level,
                  std::size_t at,
-                 LatticeCoord* out) {
+                 BackgroundMesh& mesh) {
   const BrickCoord b = graded.tree.levels[level].bricks[at];
+  std::uint64_t next = graded.nodes[level].first_vertex[at];
   const auto place = [&](const BrickMask& nodes, NodeKind kind) {
     for_each_bit(nodes, [&](int x, int y, int z) {
       const auto along = [&](std::int32_t brick, int cell) {
         return ((brick * kBrickEdge + cell) * 2 + kind) * (1 << level);
       };
-      *out++ = {along(b.x, x), along(b.y, y), along(b.z, z)};
+      const LatticeCoord node{along(b.x, x), along(b.y, y), along(b.z, z)};
+      mesh.node[next] = mesh.box ? mesh.box->clamped(node) : node;
+      mesh.kind[next] = kind == kCorner           ? BackgroundNode::kCorner
+                        : mesh.node[next] == node ? BackgroundNode::kCentre
+                                                  : BackgroundNode::kCutMiddle;
+      // Where leaves are refined at both sides of a face, its middle is a corner of theirs.
+      const bool in_face = mesh.kind[next] == BackgroundNode::kCutMiddle;
+      mesh.level[next++] = static_cast<std::uint8_t>(in_face && level > 0 ? level - 1 : level);
     });
   };
   place(graded.nodes[level].corner[at], kCorner);
@@ -65,11 +73,12 @@ void sample_nodes(std::span<const LatticeCoord> nodes, LatticeSampler& sampler, 
   }
 }
 
-/// Writes one brick's tets, and keeps those with a node inside, in front.
+/// Writes one brick's tets, and keeps those with a node inside, in front; with a box, of those
+/// the ones of a leaf in it.
 class BrickTets {
  public:
-  BrickTets(const GradedTree& graded, const std::vector<float>& phi)
-      : graded_(graded), numbers_(graded.tree, graded.nodes), phi_(phi) {}
+  BrickTets(const GradedTree& graded, const BackgroundMesh& mesh)
+      : graded_(graded), numbers_(graded.tree, graded.nodes), mesh_(mesh) {}
 
   std::span<const NodeId> kept(std::size_t level, std::size_t at) {
     const OctreeLevel& bricks = graded_.tree.levels[level];
@@ -82,7 +91,9 @@ class BrickTets {
                     counts);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < ids_.size(); i += 4) {
-      if (!has_inside_node(i)) continue;
+      const std::span<const NodeId, 4> tet(&ids_[i], 4);
+      if (mesh_.box && !is_of_leaf(tet)) continue;
+      if (!has_inside_node(tet)) continue;
       std::copy_n(ids_.begin() + static_cast<std::ptrdiff_t>(i), 4,
                   ids_.begin() + static_cast<std::ptrdiff_t>(kept));
       kept += 4;
@@ -91,15 +102,21 @@ class BrickTets {
   }
 
  private:
-  bool has_inside_node(std::size_t first) const {
-    return std::any_of(ids_.begin() + static_cast<std::ptrdiff_t>(first),
-                       ids_.begin() + static_cast<std::ptrdiff_t>(first + 4),
-                       [&](NodeId node) { return phi_[node] < 0; });
+  bool has_inside_node(std::span<const NodeId, 4> tet) const {
+    return std::ranges::any_of(tet, [&](NodeId node) { return mesh_.phi[node] < 0; });
+  }
+  /// And not of images alone, which need not have all of their nodes.
+  bool is_of_leaf(std::span<const NodeId, 4> tet) const {
+    const auto exists = [&](NodeId node) { return node < mesh_.node.size(); };
+    const auto is_centre = [&](NodeId node) {
+      return mesh_.kind[node] == BackgroundNode::kCentre;
+    };
+    return std::ranges::all_of(tet, exists) && std::ranges::any_of(tet, is_centre);
   }
 
   const GradedTree& graded_;
   NodeNumbers numbers_;
-  const std::vector<float>& phi_;
+  const BackgroundMesh& mesh_;
   std::vector<NodeId> ids_;
 };
 
@@ -108,6 +125,7 @@ void fill_nodes(const GradedTree& graded,
                 const Cancellation& cancellation,
                 BackgroundMesh& mesh) {
   mesh.node.resize(graded.node_count);
+  mesh.kind.resize(graded.node_count);
   mesh.level.resize(graded.node_count);
   mesh.phi.resize(graded.node_count);
   for_each_brick_range(
@@ -118,9 +136,7 @@ void fill_nodes(const GradedTree& graded,
           const std::uint64_t first = nodes.first_vertex[i];
           const std::size_t count =
               std::size_t{nodes.corner[i].count()} + nodes.centre[i].count();
-          place_nodes(graded, level, i, &mesh.node[0] + first);
-          std::fill_n(mesh.level.begin() + static_cast<std::ptrdiff_t>(first), count,
-                      static_cast<std::uint8_t>(level));
+          place_nodes(graded, level, i, mesh);
           sample_nodes(std::span(mesh.node).subspan(first, count), sampler,
                        &mesh.phi[0] + first);
         }
@@ -139,7 +155,7 @@ void fill_tets(const GradedTree& graded,
   const auto for_each = [&](const auto& visit) {
     for_each_brick_range(graded, cancellation,
                          [&](std::size_t level, std::size_t begin, std::size_t end) {
-                           BrickTets tets(graded, mesh.phi);
+                           BrickTets tets(graded, mesh);
                            for (std::size_t i = begin; i < end; ++i) {
                              visit(first_brick[level] + i, tets.kept(level, i));
                            }
@@ -158,7 +174,7 @@ void fill_tets(const GradedTree& graded,
 
 std::uint64_t background_bytes(std::uint64_t nodes, std::uint64_t tets) noexcept {
   constexpr std::uint64_t kPerNode =
-      sizeof(LatticeCoord) + sizeof(std::uint8_t) + sizeof(float);
+      sizeof(LatticeCoord) + sizeof(BackgroundNode) + sizeof(std::uint8_t) + sizeof(float);
   return nodes * kPerNode + tets * 4 * sizeof(NodeId);
 }
 
@@ -166,6 +182,7 @@ BackgroundMesh make_background(const GradedTree& graded,
                                const PhiField& field,
                                const Cancellation& cancellation) {
   BackgroundMesh mesh;
+  if (graded.box) mesh.box.emplace(*graded.box);
   fill_nodes(graded, field, cancellation, mesh);
   if (!cancellation.requested()) fill_tets(graded, cancellation, mesh);
   return mesh;

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/cancel.h"
 #include "core/field/phi_field.h"
+#include "core/graded/cut_box.h"
 #include "core/graded/graded_tree.h"
 #include "core/lattice/bcc.h"
 
@@ -14,16 +16,26 @@ namespace tet {
 
 using NodeId = std::uint32_t;
 
+/// What a node of a background is.
+enum class BackgroundNode : std::uint8_t {
+  kCorner,     ///< of a leaf
+  kCentre,     ///< of a leaf
+  kCutMiddle,  ///< of a leaf's face that lies in a face of the box
+};
+
 /// A conforming mesh of tets, uncut: nodes by number, and tets of four nodes each, positive.
 struct BackgroundMesh {
-  std::vector<LatticeCoord> node;   ///< where it lies: doubled finest spacings
+  std::optional<CutBox> box;       ///< that it ends at
+  std::vector<LatticeCoord> node;  ///< where it lies: doubled finest spacings
+  std::vector<BackgroundNode> kind;
   std::vector<std::uint8_t> level;  ///< of the smallest leaf that it is a corner or centre of
   std::vector<float> phi;
   std::vector<NodeId> tets;
 
   std::size_t tet_count() const noexcept { return tets.size() / 4; }
-  /// Of a leaf, else it is a corner.
-  bool is_centre(NodeId id) const noexcept { return (node[id].x >> level[id] & 1) != 0; }
+  CutFaces faces_at(NodeId id) const noexcept {
+    return box ? box->faces_at(node[id]) : CutFaces{0};
+  }
 };
 
 /// Memory for a background of so many nodes and tets, bytes.

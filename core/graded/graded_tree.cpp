@@ -1,10 +1,12 @@
 #include "core/graded/graded_tree.h"
 
+#include <cstddef>
 #include <memory>
 #include <utility>
 
 #include "core/base/parallel.h"
 #include "core/field/phi_field.h"
+#include "core/graded/mirrored_cells.h"
 #include "core/lattice/background.h"
 #include "core/octree/domain_cells.h"
 #include "core/octree/refined_cells.h"
@@ -29,7 +31,20 @@ CellSet root_cells(const FoundBricks& found, int level, const Cancellation& canc
   return grown(builder.take(), 2, cancellation);
 }
 
-OctreeLevel level_of(CellSet cells, const CellSet& refined) {
+/// Cells of one level and those of them that are refined, as leaves. Of a box only whole cells
+/// are: what sticks out of it is refined.
+OctreeLevel level_of(CellSet cells,
+                     CellSet refined,
+                     const std::optional<BrickBox>& box,
+                     int number) {
+  if (box) {
+    const DomainCells in_box(*box, number);
+    for (std::size_t i = 0; i < cells.bricks.size(); ++i) {
+      cells.cells[i] &= in_box.whole(cells.bricks[i]);
+    }
+    add_mirrored(*box, number, cells);
+    add_mirrored(*box, number, refined);
+  }
   OctreeLevel level;
   level.bricks = std::move(cells.bricks);
   level.leaf = std::move(cells.cells);
@@ -47,26 +62,29 @@ OctreeLevel level_of(CellSet cells, const CellSet& refined) {
 
 /// Leaves from the finest level up: the children of what is refined above, but for what is
 /// refined itself; on top the roots.
-Octree grow(CellSet roots,
-            const CellSet& at_surface,
-            const OctreeCover& cover,
+Octree grow(const GradedCover& graded,
             const LeafRules& rules,
             const Cancellation& cancellation) {
+  const OctreeCover cover{graded.found.inside, graded.box};
+  CellSet roots = root_cells(graded.found, rules.max_levels, cancellation);
   Octree tree;
   if (rules.max_levels == 0) {
-    tree.levels.push_back(level_of(std::move(roots), {}));
+    tree.levels.push_back(level_of(std::move(roots), {}, cover.domain, 0));
     return tree;
   }
-  const RefinedCells refined_cells(at_surface, cover, rules, cancellation);
-  CellSet refined = refined_cells.first({});
-  tree.levels.push_back(level_of(children_of(refined, cancellation), {}));
+  const RefinedCells refined_cells(graded.at_surface, cover, rules, cancellation);
+  CellSet refined =
+      refined_cells.first(graded.finest_at_surface ? graded.at_surface : CellSet{});
+  tree.levels.push_back(level_of(children_of(refined, cancellation), {}, cover.domain, 0));
   for (int level = 1; level < rules.max_levels && !cancellation.requested(); ++level) {
     CellSet above = refined_cells.above(refined, level);
-    tree.levels.push_back(level_of(children_of(above, cancellation), refined));
+    tree.levels.push_back(
+        level_of(children_of(above, cancellation), std::move(refined), cover.domain, level));
     refined = std::move(above);
   }
   unite(roots, refined);
-  tree.levels.push_back(level_of(std::move(roots), refined));
+  tree.levels.push_back(
+      level_of(std::move(roots), std::move(refined), cover.domain, rules.max_levels));
   return tree;
 }
 
@@ -135,14 +153,12 @@ CellSet cells_at_surface(const PhiField& field,
   return cells;
 }
 
-GradedTree grow_graded_tree(const FoundBricks& found,
-                            const CellSet& at_surface,
+GradedTree grow_graded_tree(const GradedCover& cover,
                             const LeafRules& rules,
                             const Cancellation& cancellation) {
-  const OctreeCover cover{found.inside, std::nullopt};
   GradedTree graded;
-  graded.tree = grow(root_cells(found, rules.max_levels, cancellation), at_surface, cover,
-                     rules, cancellation);
+  graded.box = cover.box;
+  graded.tree = grow(cover, rules, cancellation);
   if (cancellation.requested()) return graded;
   number_nodes(graded);
   count_tets(graded);

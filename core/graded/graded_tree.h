@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -17,6 +18,9 @@ namespace tet {
 /// Leaves that cover the inside, the surface and somewhat more, each as large as the rules let
 /// it be, and a number for each of their nodes: level by level, finest first, by brick.
 struct GradedTree {
+  /// Ends the leaves, where there is one. Beyond its faces are images of the leaves at them,
+  /// which are no leaves of the mesh: see mirrored_cells.h.
+  std::optional<BrickBox> box;
   Octree tree;
   std::vector<LevelNodes> nodes;  ///< of each level
   std::uint64_t node_count = 0;
@@ -32,10 +36,16 @@ CellSet cells_at_surface(const PhiField& field,
                          const std::vector<BrickCoord>& near_surface,
                          const Cancellation& cancellation);
 
-/// Every node inside is in `found`. `at_surface` are the finest cells that shells begin at. Of
-/// no use once it is cancelled.
-GradedTree grow_graded_tree(const FoundBricks& found,
-                            const CellSet& at_surface,
+/// What a graded tree is grown around.
+struct GradedCover {
+  const FoundBricks& found;  ///< every node inside, and in the box where there is one, is in it
+  std::optional<BrickBox> box;     ///< that the leaves end at
+  CellSet at_surface = {};         ///< finest cells that shells begin at
+  bool finest_at_surface = false;  ///< they are leaves
+};
+
+/// Of no use once it is cancelled.
+GradedTree grow_graded_tree(const GradedCover& cover,
                             const LeafRules& rules,
                             const Cancellation& cancellation);
 

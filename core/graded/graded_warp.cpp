@@ -6,19 +6,22 @@
 #include <limits>
 
 namespace tet {
+
 double GradedLimits::part(const EdgeEnd& end) const noexcept {
   const std::int32_t x = std::abs(end.along.x), y = std::abs(end.along.y),
                      z = std::abs(end.along.z);
   const int axes = (x != 0) + (y != 0) + (z != 0);
   // Along an axis, a leaf's edge is twice as long as it is from its centre to a face.
   const bool far = std::max({x, y, z}) >> end.level > (axes == 1 ? 2 : 1);
-  if (end.is_centre) {
-    if (end.leads_to_centre) return centre_to_centre;
+  using enum BackgroundNode;
+  if (axes == 2 && (end.from == kCutMiddle || end.to == kCutMiddle)) return across_cut_face;
+  if (end.from == kCentre) {
+    if (end.to == kCentre) return centre_to_centre;
     return axes == 1   ? centre_to_face_centre
            : axes == 2 ? centre_to_edge_middle
                        : centre_to_corner;
   }
-  if (!end.leads_to_centre) {
+  if (end.to != kCentre) {
     return axes == 2 ? corner_across_face : far ? corner_to_far_corner : corner_to_corner;
   }
   if (axes == 1) return face_centre_to_centre;
@@ -32,12 +35,16 @@ std::vector<std::uint32_t> warp_nodes(const BackgroundMesh& mesh,
   std::vector<std::uint32_t> onto(mesh.node.size(), SurfaceEdges::kNone);
   std::vector<double> distance(mesh.node.size(), std::numeric_limits<double>::infinity());
   const auto end_of = [&](NodeId from, NodeId to) {
-    return EdgeEnd{mesh.is_centre(from), mesh.is_centre(to), mesh.node[to] - mesh.node[from],
+    return EdgeEnd{mesh.kind[from], mesh.kind[to], mesh.node[to] - mesh.node[from],
                    mesh.level[from]};
   };
   const auto consider = [&](std::uint32_t edge, NodeId from, NodeId to, double part) {
     const EdgeEnd end = end_of(from, to);
     if (part >= limits.part(end)) return;
+    if ((mesh.faces_at(from) & ~mesh.faces_at(to)) != 0) {
+      if (onto[from] == SurfaceEdges::kNone) onto[from] = kInPlace;
+      return;
+    }
     const double length = part * std::hypot(end.along.x, end.along.y, end.along.z);
     if (length >= distance[from]) return;
     distance[from] = length;

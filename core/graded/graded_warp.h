@@ -12,8 +12,7 @@ namespace tet {
 
 /// One end of an edge of a background.
 struct EdgeEnd {
-  bool is_centre = false;  ///< of a leaf, else a corner
-  bool leads_to_centre = false;
+  BackgroundNode from = BackgroundNode::kCorner, to = BackgroundNode::kCorner;
   LatticeCoord along;  ///< to the other end, doubled finest spacings
   int level = 0;       ///< of the smallest leaf at this end
 };
@@ -34,6 +33,8 @@ struct GradedLimits {
   double centre_to_corner = 0;
   double centre_to_face_centre = 0;
   double centre_to_edge_middle = 0;
+  // In a face of the box, between the middle of a leaf's face and its corner.
+  double across_cut_face = 0;
 
   double part(const EdgeEnd& end) const noexcept;
 };
@@ -50,14 +51,22 @@ inline constexpr GradedLimits kGradedLimits{
     .centre_to_corner = 0.215,
     .centre_to_face_centre = 0.261,
     .centre_to_edge_middle = 0.257,
+    .across_cut_face = 0.235,
 };
 
 /// What every dihedral angle of a mesh with a graded surface lies between. Proven of positions
 /// as they are computed by tests/certificate/graded_certificate.cpp.
 inline constexpr double kLeastGradedAngleDeg = 5, kGreatestGradedAngleDeg = 174;
+/// And of one that a box cuts.
+inline constexpr double kLeastCutAngleDeg = 4, kGreatestCutAngleDeg = 175;
+
+/// Instead of an edge: the node counts as one on the surface where it is.
+inline constexpr std::uint32_t kInPlace = SurfaceEdges::kNone - 1;
 
 /// Of each node the edge whose cut point it moves onto, or SurfaceEdges::kNone: the nearest of
-/// those that violate it, the first one of equally near ones. Reads original samples only.
+/// those that violate it, the first one of equally near ones. A node in faces of the mesh's box
+/// stays in all of them: it moves along edges that do, and is kInPlace where only others
+/// violate it. Reads original samples only.
 std::vector<std::uint32_t> warp_nodes(const BackgroundMesh& mesh,
                                       const SurfaceEdges& edges,
                                       const GradedLimits& limits);

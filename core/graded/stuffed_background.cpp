@@ -110,21 +110,25 @@ WorldPoint StuffedBackground::cut_point(NodeId low, std::uint32_t edge) const no
 }
 
 WorldPoint StuffedBackground::place_of(NodeId node) const noexcept {
-  if (onto_[node] != SurfaceEdges::kNone) return cut_point(low_node(onto_[node]), onto_[node]);
+  const std::uint32_t onto = onto_[node];
+  if (onto != SurfaceEdges::kNone && onto != kInPlace) return cut_point(low_node(onto), onto);
   const LatticeCoord at = mesh_.node[node];
   return {0.5 * at.x, 0.5 * at.y, 0.5 * at.z};
 }
 
-/// Calls `visit(vertex, place, level)` for a node and the cut points it owns.
+/// Calls `visit(Vertex)` for a node and the cut points it owns.
 template <class Visit>
 void StuffedBackground::for_each_vertex_of(NodeId node, const Visit& visit) const {
   if (vertex_of_node_[node] != kNoVertex) {
-    visit(vertex_of_node_[node], place_of(node), mesh_.level[node]);
+    visit(
+        Vertex{vertex_of_node_[node], place_of(node), mesh_.level[node], mesh_.faces_at(node)});
   }
   for (std::uint32_t e = edges_.first[node]; e < edges_.first[node + 1]; ++e) {
     if (vertex_of_edge_[e] == kNoVertex) continue;
-    visit(vertex_of_edge_[e], cut_point(node, e),
-          std::min(mesh_.level[node], mesh_.level[edges_.high[e]]));
+    const NodeId high = edges_.high[e];
+    const int faces = mesh_.faces_at(node) & mesh_.faces_at(high);
+    visit(Vertex{vertex_of_edge_[e], cut_point(node, e),
+                 std::min(mesh_.level[node], mesh_.level[high]), static_cast<CutFaces>(faces)});
   }
 }
 
@@ -138,10 +142,10 @@ VoxelBox StuffedBackground::corner_box() const noexcept {
     max = std::max(max, static_cast<std::int32_t>(std::ceil(at)));
   };
   for (NodeId node = 0; node < mesh_.node.size(); ++node) {
-    for_each_vertex_of(node, [&](std::uint32_t, const WorldPoint& at, std::uint8_t) {
-      add(at.x, box.min.x, box.max.x);
-      add(at.y, box.min.y, box.max.y);
-      add(at.z, box.min.z, box.max.z);
+    for_each_vertex_of(node, [&](const Vertex& vertex) {
+      add(vertex.at.x, box.min.x, box.max.x);
+      add(vertex.at.y, box.min.y, box.max.y);
+      add(vertex.at.z, box.min.z, box.max.z);
     });
   }
   return box;
@@ -158,11 +162,17 @@ int StuffedBackground::levels() const noexcept {
 std::vector<std::uint8_t> StuffedBackground::vertex_levels() const {
   std::vector<std::uint8_t> levels(vertex_count_);
   for (NodeId node = 0; node < mesh_.node.size(); ++node) {
-    for_each_vertex_of(node, [&](std::uint32_t vertex, const WorldPoint&, std::uint8_t level) {
-      levels[vertex] = level;
-    });
+    for_each_vertex_of(node, [&](const Vertex& vertex) { levels[vertex.id] = vertex.level; });
   }
   return levels;
+}
+
+std::vector<CutFaces> StuffedBackground::vertex_faces() const {
+  std::vector<CutFaces> faces(vertex_count_);
+  for (NodeId node = 0; node < mesh_.node.size(); ++node) {
+    for_each_vertex_of(node, [&](const Vertex& vertex) { faces[vertex.id] = vertex.faces; });
+  }
+  return faces;
 }
 
 SplitTet StuffedBackground::split_of(
@@ -222,14 +232,14 @@ void StuffedBackground::fill(const LatticeToWorld& to_world,
   const VoxelCoord origin = to_world.origin;
   for_each_range(mesh_.node.size(), kNodesPerRange, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = begin; node < end && !cancellation.requested(); ++node) {
-      for_each_vertex_of(static_cast<NodeId>(node), [&](std::uint32_t vertex,
-                                                        const WorldPoint& at, std::uint8_t) {
-        const double x = at.x - origin.x, y = at.y - origin.y, z = at.z - origin.z;
+      for_each_vertex_of(static_cast<NodeId>(node), [&](const Vertex& vertex) {
+        const double x = vertex.at.x - origin.x, y = vertex.at.y - origin.y,
+                     z = vertex.at.z - origin.z;
         const auto along = [&](std::size_t row) {
           const auto& [a, b, c] = to_world.linear[row];
           return a * x + b * y + c * z;
         };
-        mesh.store_position(vertex, {along(0), along(1), along(2)});
+        mesh.store_position(vertex.id, {along(0), along(1), along(2)});
       });
     }
   });

@@ -45,6 +45,8 @@ class StuffedBackground {
 
   /// Of each vertex, the octree level of the smallest leaves around it.
   std::vector<std::uint8_t> vertex_levels() const;
+  /// Of each vertex, the faces of the mesh's box that it lies in.
+  std::vector<CutFaces> vertex_faces() const;
 
  private:
   static constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
@@ -55,6 +57,14 @@ class StuffedBackground {
     if (onto_[node] != SurfaceEdges::kNone || mesh_.phi[node] == 0) return NodeSign::kZero;
     return mesh_.phi[node] < 0 ? NodeSign::kPlus : NodeSign::kMinus;
   }
+
+  /// What there is to know of a vertex.
+  struct Vertex {
+    std::uint32_t id = 0;
+    WorldPoint at;  ///< finest spacings
+    std::uint8_t level = 0;
+    CutFaces faces = 0;
+  };
 
   void find_used_nodes();
   void number_vertices();

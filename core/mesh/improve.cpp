@@ -88,12 +88,12 @@ class Sweeper {
   Sweeper(TetMesh& mesh,
           const PhiField& field,
           const LatticeToWorld& to_world,
-          std::span<const std::uint8_t> vertex_levels,
+          const KnownOfVertices& known,
           const AngleSurvey& survey)
       : mesh_(mesh),
         field_(field),
         to_world_(to_world),
-        vertex_levels_(vertex_levels),
+        known_(known),
         angles_(survey.angles),
         stars_(mesh, survey.bad_tets),
         sets_(independent_sets(mesh, stars_)),
@@ -127,7 +127,8 @@ class Sweeper {
     VertexState& state = states_[i];
     if (state.good) return;
     const std::uint64_t vertex = stars_.vertex(i);
-    const int level = vertex_levels_.empty() ? 0 : vertex_levels_[vertex];
+    if (!known_.stay.empty() && known_.stay[vertex] != 0) return;
+    const int level = known_.levels.empty() ? 0 : known_.levels[vertex];
     const auto outcome = mover.move(vertex, stars_.star(i), state.home, std::ldexp(1.0, level));
     state.good = outcome.good;
     if (!outcome.place) return;
@@ -151,7 +152,7 @@ class Sweeper {
   TetMesh& mesh_;
   const PhiField& field_;
   const LatticeToWorld& to_world_;
-  const std::span<const std::uint8_t> vertex_levels_;
+  const KnownOfVertices known_;
   const AngleRange angles_;  // of the mesh before
   const VertexStars stars_;
   const std::vector<std::vector<std::uint32_t>> sets_;
@@ -163,7 +164,7 @@ class Sweeper {
 Improvement improve_mesh(TetMesh& mesh,
                          const PhiField& field,
                          const LatticeToWorld& to_world,
-                         std::span<const std::uint8_t> vertex_levels,
+                         const KnownOfVertices& known,
                          const Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const AngleSurvey survey = survey_angles(mesh, good_angles());
@@ -173,7 +174,7 @@ Improvement improve_mesh(TetMesh& mesh,
     improvement.max_dihedral_before_deg = degrees_of(survey.angles.smallest_cosine);
   }
   if (!survey.bad_tets.empty() && !cancellation.requested()) {
-    Sweeper sweeper(mesh, field, to_world, vertex_levels, survey);
+    Sweeper sweeper(mesh, field, to_world, known, survey);
     for (int i = 0; i < kSweeps && !cancellation.requested(); ++i) sweeper.sweep(cancellation);
     improvement.moved_vertices = sweeper.moved_vertices();
   }

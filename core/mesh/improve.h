@@ -23,20 +23,26 @@ struct Improvement {
   double seconds = 0;
 };
 
+/// What is known of each vertex of a mesh; nothing where it is empty.
+struct KnownOfVertices {
+  std::span<const std::uint8_t> levels =
+      {};                                   ///< octree level of the leaves around; else finest
+  std::span<const std::uint8_t> stay = {};  ///< not 0: it does not move; else any may
+};
+
 /// Moves vertices of tets with angles that are not good until those angles are or nothing
 /// helps. The tets stay the same and positive.
 ///
 /// The smallest angle of the mesh never falls and the largest never grows; no star gets an
-/// angle that is both worse than all it had and not good. A vertex goes half a spacing at most,
-/// or half a leaf where `vertex_levels` says of each vertex which octree level the leaves
-/// around it are of; without it all are the finest. One on the surface of `field` (the
-/// boundary, or between regions) stays there, within 1e-4 spacings. Those on the box around two
-/// regions do not move, nor does a boundary that is off the surface. Parallel; one result for
-/// any number of threads. Stops early when cancelled, at any valid mesh.
+/// angle that is both worse than all it had and not good. A vertex goes half a leaf at most.
+/// One on the surface of `field` (the boundary, or between regions) stays there, within 1e-4
+/// spacings. Those on the box around two regions do not move, nor does a boundary that is off
+/// the surface. Parallel; one result for any number of threads. Stops early when cancelled, at
+/// any valid mesh.
 Improvement improve_mesh(TetMesh& mesh,
                          const PhiField& field,
                          const LatticeToWorld& to_world,
-                         std::span<const std::uint8_t> vertex_levels,
+                         const KnownOfVertices& known,
                          const Cancellation& cancellation);
 
 }  // namespace tet

@@ -72,7 +72,7 @@ absl::StatusOr<std::size_t> count_survey_blocks(const Shape& shape,
   if (grids_of(shape) != nullptr) return 1;
   const auto prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
-  if (request.manifold || request.sizing.grade_surface) return 1;
+  if (request.manifold || is_made_whole(request)) return 1;
   return std::max<std::size_t>(blocks_of(prepared->bricks.near_surface.size(), block_bricks),
                                1);
 }
@@ -87,7 +87,7 @@ absl::StatusOr<std::vector<std::byte>> survey_block(const Shape& shape,
   if (!prepared.ok()) return prepared.status();
   const std::vector<BrickCoord>& bricks = prepared->bricks.near_surface;
   const std::size_t blocks = blocks_of(bricks.size(), block_bricks);
-  if (block >= blocks || request.manifold || request.sizing.grade_surface) {
+  if (block >= blocks || request.manifold || is_made_whole(request)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("block %d of a survey of %d blocks", block, blocks));
   }

@@ -53,7 +53,7 @@ MeshHeader header_of(const StuffedBackground& stuffed,
   header.tet_count = stuffed.tet_count();
   header.levels = stuffed.levels();
   header.index_type = request.indices.value_or(IndexType::kUint32);
-  header.fields = arrays_of(request.fields);
+  header.fields = arrays_of(request);
   const std::size_t bytes = ChunkSizes(header, header.vertex_count, header.tet_count).total();
   header.chunk_count = std::max<std::size_t>(1, (bytes + chunk_bytes - 1) / chunk_bytes);
   return header;
@@ -87,7 +87,7 @@ void GradedMesh::fill_chunk(std::uint64_t index, ChunkColumns columns) const noe
 }
 
 std::uint64_t GradedMesh::bytes() const noexcept {
-  return mesh.positions.size() + mesh.tets.size() + heap_bytes(vertex_levels);
+  return mesh.positions.size() + mesh.tets.size() + all_heap_bytes(vertex_levels, vertex_faces);
 }
 
 absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
@@ -97,11 +97,12 @@ absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
                                             const Cancellation& cancellation) {
   const PhiField& field = prepared.field;
   rules.layers = std::max(rules.layers, kGradedLayers);
-  const CellSet at_surface =
-      rules.shells.empty()
-          ? CellSet{}
-          : cells_at_surface(field, prepared.bricks.near_surface, cancellation);
-  GradedTree tree = grow_graded_tree(prepared.bricks, at_surface, rules, cancellation);
+  GradedCover cover{prepared.bricks, prepared.space.domain};
+  cover.finest_at_surface = !request.sizing.grade_surface;
+  if (cover.finest_at_surface || !rules.shells.empty()) {
+    cover.at_surface = cells_at_surface(field, prepared.bricks.near_surface, cancellation);
+  }
+  GradedTree tree = grow_graded_tree(cover, rules, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   if (auto status = check_tree(tree, limits); !status.ok()) return status;
   const BackgroundMesh background = make_background(tree, field, cancellation);
@@ -127,6 +128,7 @@ absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
   stuffed.fill(graded.to_world, cancellation, graded.mesh);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   graded.vertex_levels = stuffed.vertex_levels();
+  if (background.box) graded.vertex_faces = stuffed.vertex_faces();
   graded.boundary = measure_boundary(graded.mesh);
   return graded;
 }

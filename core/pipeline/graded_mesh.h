@@ -9,6 +9,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/quality.h"
+#include "core/graded/cut_box.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
@@ -22,7 +23,8 @@ struct GradedMesh {
   TetMesh mesh;
   LatticeToWorld to_world;
   std::vector<std::uint8_t>
-      vertex_levels;  ///< octree level of the smallest leaves at each vertex
+      vertex_levels;                   ///< octree level of the smallest leaves at each vertex
+  std::vector<CutFaces> vertex_faces;  ///< faces of the request's box, where there is one
   BoundaryTopology boundary;
 
   /// Chunk `index` of as many as the header says: equal parts of the vertices and of the tets.

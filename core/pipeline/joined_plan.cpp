@@ -101,8 +101,8 @@ absl::Status PartPlanner::look_at_all() {
         "the memory for counting a mesh holds. Use a larger spacing or fewer grids",
         bricks, grids_.size(), most));
   }
-  // A graded surface is not surveyed.
-  if (progress_ != nullptr && !request_.sizing.grade_surface) progress_->expect(bricks);
+  // What is made as a whole is not surveyed.
+  if (progress_ != nullptr && !is_made_whole(request_)) progress_->expect(bricks);
   return absl::OkStatus();
 }
 

@@ -9,6 +9,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/check.h"
+#include "core/base/parallel.h"
 #include "core/pipeline/boundary_count.h"
 #include "core/pipeline/budget.h"
 #include "core/pipeline/compact_chunk.h"
@@ -27,7 +28,8 @@ namespace tet {
 namespace {
 
 /// Why there is no mesh, though what is meshed and the request are fine.
-absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thin) {
+absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin) {
+  const CanonicalRequest& asked = prepared.asked;
   if (stuffing_rules(asked.preset).both_sides) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "the surface at iso %g does not reach into the box, so there is nothing to mesh",
@@ -35,7 +37,8 @@ absl::Status nothing_to_mesh(const CanonicalRequest& asked, const ThinWalls& thi
   }
   if (!thin.any()) {
     return absl::FailedPreconditionError(
-        absl::StrFormat("nothing is inside at iso %g, so there is nothing to mesh", asked.iso));
+        absl::StrFormat("nothing%s is inside at iso %g, so there is nothing to mesh",
+                        prepared.space.domain ? " in the box" : "", asked.iso));
   }
   return absl::FailedPreconditionError(absl::StrFormat(
       "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
@@ -77,6 +80,7 @@ struct MeshPlan::Impl {
   static MeshPlan::Impl without_bricks(Shape shape, const MeshHeader& header);
 
   void cut_into_chunks(std::size_t chunk_bytes);
+  void fill_fields(const ChunkExtent& extent, const ChunkColumns& columns) const noexcept;
 };
 
 MeshPlan::Impl MeshPlan::Impl::without_bricks(Shape shape, const MeshHeader& header) {
@@ -153,13 +157,31 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
     stats =
         measure_tets({header().coordinate_type, header().index_type, positions, columns.tets});
   }
-  if (!columns.fields.empty()) {
-    sample_fields(impl_->fields, header(), columns.positions, columns.fields);
-  }
+  if (!columns.fields.empty()) impl_->fill_fields(chunk(index), columns);
   return stats;
 }
 
-void MeshPlan::add_fields(TetMesh& mesh) const { tet::add_fields(impl_->fields, mesh); }
+/// Values of vertices that have their final places, which are in `columns` too.
+void MeshPlan::Impl::fill_fields(const ChunkExtent& extent,
+                                 const ChunkColumns& columns) const noexcept {
+  if (!fields.empty()) sample_fields(fields, header, columns.positions, columns.fields);
+  if (!graded || graded->vertex_faces.empty()) return;
+  const std::span<const CutFaces> faces = graded->vertex_faces;
+  write_cut_faces(faces.subspan(extent.first_vertex, extent.vertex_count), header,
+                  columns.fields);
+}
+
+void MeshPlan::add_fields(TetMesh& mesh) const {
+  mesh.header.fields = header().fields;
+  if (mesh.header.fields.empty()) return;
+  constexpr std::size_t kVerticesPerRange = 4096;
+  const std::uint64_t vertices = mesh.header.vertex_count;
+  mesh.fields = ByteBuffer(ChunkSizes(mesh.header, vertices, 0).fields);
+  for_each_range(vertices, kVerticesPerRange, [&](std::size_t begin, std::size_t end) {
+    const ChunkExtent extent{begin, end - begin, 0, 0};
+    impl_->fill_fields(extent, mesh.columns_of(extent));
+  });
+}
 
 QualityStats MeshPlan::fill_bricks(const BrickRange& range,
                                    MeshWorkspace& workspace,
@@ -191,9 +213,9 @@ CompactFrame MeshPlan::compact_frame() const noexcept {
 }
 
 Improvement MeshPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
-  const std::span<const std::uint8_t> levels =
-      impl_->graded ? std::span(impl_->graded->vertex_levels) : std::span<const std::uint8_t>();
-  return improve_mesh(mesh, impl_->field, impl_->to_world, levels, cancellation);
+  KnownOfVertices known;
+  if (impl_->graded) known = {impl_->graded->vertex_levels, impl_->graded->vertex_faces};
+  return improve_mesh(mesh, impl_->field, impl_->to_world, known, cancellation);
 }
 
 std::shared_ptr<const MeshPlan> MeshPlan::with_positions(ByteBuffer positions,
@@ -207,10 +229,10 @@ std::shared_ptr<const MeshPlan> MeshPlan::with_positions(ByteBuffer positions,
 namespace {
 
 absl::Status check_tets(const MeshHeader& header,
-                        const CanonicalRequest& request,
+                        const PreparedMesh& prepared,
                         const ThinWalls& thin,
                         const MeshLimits& limits) {
-  if (header.tet_count == 0) return nothing_to_mesh(request, thin);
+  if (header.tet_count == 0) return nothing_to_mesh(prepared, thin);
   if (header.tet_count <= limits.max_tets) return absl::OkStatus();
   return absl::ResourceExhaustedError(
       absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
@@ -224,7 +246,7 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   header.tet_count = mesh.first_tet(mesh.brick_count());
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.has_regions = mesh.rules().both_sides;
-  header.fields = arrays_of(request.fields);
+  header.fields = arrays_of(request);
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
   header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
   return header;
@@ -241,8 +263,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
       make_graded_mesh(prepared, request, rules, limits, cancellation);
   if (!graded.ok()) return graded.status();
   MeshHeader header = graded->mesh.header;
-  header.fields = arrays_of(request.fields);
-  if (auto status = check_tets(header, prepared.asked, {}, limits); !status.ok()) return status;
+  header.fields = arrays_of(request);
+  if (auto status = check_tets(header, prepared, {}, limits); !status.ok()) return status;
   MeshStructure no_bricks;
   no_bricks.tree.levels.emplace_back();
   auto impl = std::make_unique<MeshPlan::Impl>(
@@ -316,7 +338,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   const absl::StatusOr<LeafRules> rules = leaf_rules_within(
       limits, request.sizing, field, bricks, cover, asked.levels, cancellation);
   if (!rules.ok()) return rules.status();
-  if (request.sizing.grade_surface) {
+  if (is_made_whole(request)) {
     return plan_graded(shape, *prepared, request, *rules, limits, cancellation);
   }
   absl::StatusOr<Survey> survey =
@@ -333,7 +355,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   const MeshHeader header = header_of(mesh, request);
-  if (auto status = check_tets(header, asked, thin_walls, limits); !status.ok()) return status;
+  if (auto status = check_tets(header, *prepared, thin_walls, limits); !status.ok())
+    return status;
   auto impl = std::make_unique<MeshPlan::Impl>(
       MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}});
   impl->thin_walls = std::move(thin_walls);

@@ -57,6 +57,20 @@ absl::Status check_scene_request(const MeshRequest& request, const Scene& scene)
 
 }  // namespace
 
+bool has_cut(const MeshRequest& request) {
+  return request.box && !stuffing_rules(request.preset).both_sides;
+}
+
+bool is_made_whole(const MeshRequest& request) {
+  return request.sizing.grade_surface || has_cut(request);
+}
+
+std::vector<FieldArray> arrays_of(const MeshRequest& request) {
+  std::vector<FieldArray> arrays = arrays_of(request.fields);
+  if (has_cut(request)) arrays.push_back({kCutFaceArray, 1});
+  return arrays;
+}
+
 double default_spacing(const Shape& shape) {
   constexpr double kParts = 128;
   if (const Scene* scene = scene_of(shape)) return longest_extent(*scene) / kParts;
@@ -125,6 +139,23 @@ absl::Status check_graded_surface(const Sizing& sizing, const MeshRequest& reque
   return absl::InvalidArgumentError("grade_surface does not go with manifold: set one of them");
 }
 
+absl::Status check_cut(const MeshRequest& request) {
+  if (!has_cut(request)) return absl::OkStatus();
+  if (request.manifold) {
+    return absl::InvalidArgumentError(
+        "manifold does not go with a box that cuts the inside: set one of them");
+  }
+  const std::vector<FieldArray> arrays = arrays_of(request.fields);
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (arrays[i].name != kCutFaceArray) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s[%d].name \"%s\" is that of the array that tells the faces of a "
+                        "box: call the field otherwise",
+                        kFieldsField, i, kCutFaceArray));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
   if (const Scene* scene = scene_of(shape)) {
     if (auto status = check_scene_request(request, *scene); !status.ok()) return status;
@@ -148,11 +179,7 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
   if (auto status = check_loaded_fields(request.fields); !status.ok()) return status;
   out.levels = levels_of(request.sizing, out.spacing, out.levels);
   out.preset = request.preset;
-  if (request.box && !stuffing_rules(request.preset).both_sides) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "a box is for the preset both-sides; with %s the mesh ends where the inside does",
-        preset_name(request.preset)));
-  }
+  if (auto status = check_cut(request); !status.ok()) return status;
   return out;
 }
 

@@ -35,8 +35,8 @@ struct MeshRequest {
   std::optional<double> iso;  ///< of grids; unless given 0 for level sets, 0.5 for fog volumes
   int levels = kMaxLevels;    ///< octree levels above the finest; 0 is the uniform mesh
   Preset preset = Preset::kDefault;
-  /// World units; both sides only. What is meshed, rounded outward (see domain.h); all that the
-  /// grid stores or the scene reaches unless given.
+  /// World units, rounded outward (see domain.h): what is meshed of both sides, all that the
+  /// grid stores or the scene reaches unless given; or what the inside is cut off at.
   std::optional<WorldBox> box;
   /// The boundary is a manifold whatever the field: nodes where it would touch itself are put
   /// back in their places.
@@ -52,6 +52,18 @@ struct MeshRequest {
   /// uint32 unless given, and uint64 where there are more vertices than that can count.
   std::optional<IndexType> indices;
 };
+
+/// Whether the inside ends at the request's box, with faces that are flat.
+bool has_cut(const MeshRequest& request);
+
+/// Whether the mesh is made as a whole while it is planned, by core/graded.
+bool is_made_whole(const MeshRequest& request);
+
+/// The array that says in which faces of the box a vertex lies: CutFaces, as a number.
+inline constexpr char kCutFaceArray[] = "cut_face";
+
+/// Of a mesh's vertices: the request's fields, which are loaded, then that of a cut.
+std::vector<FieldArray> arrays_of(const MeshRequest& request);
 
 /// A chunk's columns are cut to stay within this many bytes together, the size that travels
 /// best: gRPC writes a message of more than 1 MiB in two pieces, which takes twice as long, and
@@ -86,6 +98,9 @@ double default_iso(const Shape& shape);
 /// What a mesh whose surface is graded cannot have beside its sizing. OK or kInvalidArgument;
 /// the message begins with the sizing's field.
 absl::Status check_graded_surface(const Sizing& sizing, const MeshRequest& request);
+
+/// What a cut does not go with. OK or kInvalidArgument, naming the field.
+absl::Status check_cut(const MeshRequest& request);
 
 /// Errors: kInvalidArgument, naming the field, its value and its limit.
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape);

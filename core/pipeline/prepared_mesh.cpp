@@ -40,20 +40,22 @@ absl::Status check_spacing(const PhiField& field) {
                       field.spacing_voxels, kMaxSpacingVoxels));
 }
 
-/// Both sides of a domain, or the inside alone, which must have an end.
+/// Both sides of a domain, or the inside alone, which must have an end, or be given one.
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                                      const MeshRequest& request,
                                      const MeshLimits& limits) {
   MeshedSpace space{
       stuffing_rules(request.preset), {}, request.manifold, limits.kept_geometry_bytes};
-  if (!space.rules.both_sides) {
+  if (!space.rules.both_sides && !request.box) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
     return space;
   }
   const absl::StatusOr<BrickBox> domain = mesh_domain(field, request.box);
   if (!domain.ok()) return domain.status();
-  if (auto status = check_domain_budget(*domain, request.levels, limits); !status.ok()) {
-    return status;
+  if (space.rules.both_sides) {
+    if (auto status = check_domain_budget(*domain, request.levels, limits); !status.ok()) {
+      return status;
+    }
   }
   space.domain = *domain;
   return space;
@@ -72,7 +74,8 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
       field.scene != nullptr ? find_scene_bricks(field, space.domain, most, cancellation)
                              : find_bricks(field, most, cancellation);
   if (!found.ok()) return found;
-  if (space.domain) keep_domain(*space.domain, *found);
+  if (space.domain && space.rules.both_sides) keep_domain(*space.domain, *found);
+  if (space.domain && !space.rules.both_sides) keep_inside_of(*space.domain, field, *found);
   if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
   if (auto status = check_plan_budget(*found, space.rules, limits); !status.ok()) return status;
   return found;

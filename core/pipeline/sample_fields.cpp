@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "core/base/check.h"
-#include "core/base/parallel.h"
 #include "core/grid/point_sampler.h"
 
 namespace tet {
@@ -76,16 +75,16 @@ void sample_fields(std::span<const VertexField> fields,
   }
 }
 
-void add_fields(std::span<const VertexField> fields, TetMesh& mesh) {
-  if (fields.empty()) return;
-  constexpr std::size_t kVerticesPerRange = 16 * kBatch;
-  mesh.header.fields = arrays_of(fields);
-  const std::uint64_t vertices = mesh.header.vertex_count;
-  mesh.fields = ByteBuffer(ChunkSizes(mesh.header, vertices, 0).fields);
-  for_each_range(vertices, kVerticesPerRange, [&](std::size_t begin, std::size_t end) {
-    const ChunkColumns columns = mesh.columns_of({begin, end - begin, 0, 0});
-    sample_fields(fields, mesh.header, columns.positions, columns.fields);
-  });
+void write_cut_faces(std::span<const std::uint8_t> faces,
+                     const MeshHeader& header,
+                     std::span<std::byte> values) noexcept {
+  const std::size_t row_bytes = header.field_values() * sizeof(float);
+  std::byte* end_of_row = values.data();
+  for (const std::uint8_t vertex : faces) {
+    end_of_row += row_bytes;
+    const auto number = static_cast<float>(vertex);
+    std::memcpy(end_of_row - sizeof(number), &number, sizeof(number));
+  }
 }
 
 }  // namespace tet

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "core/mesh/tet_mesh.h"
@@ -18,7 +19,10 @@ void sample_fields(std::span<const VertexField> fields,
                    std::span<const std::byte> positions,
                    std::span<std::byte> values) noexcept;
 
-/// The same for all vertices of a mesh, which gets the arrays. Parallel; run it on a TaskPool.
-void add_fields(std::span<const VertexField> fields, TetMesh& mesh);
+/// Writes of some vertices in which faces of the box each lies, one byte each, as the last
+/// value of its row.
+void write_cut_faces(std::span<const std::uint8_t> faces,
+                     const MeshHeader& header,
+                     std::span<std::byte> values) noexcept;
 
 }  // namespace tet

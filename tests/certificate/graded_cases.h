@@ -15,7 +15,7 @@ namespace internal {
 inline double part_of(const test::PlacedNode& node,
                       const test::PlacedNode::Edge& edge,
                       const GradedLimits& limits) {
-  return limits.part({node.is_centre, edge.leads_to_centre, edge.along, node.level});
+  return limits.part({node.kind, edge.to, edge.along, node.level});
 }
 
 /// The tet without its signs.
@@ -25,7 +25,7 @@ inline SlidingTet sliding(const test::PlacedTet& tet, const GradedLimits& limits
     out.node[i] = tet[i].at;
     for (std::size_t j = 0; j < 4; ++j) {
       if (i == j) continue;
-      out.alpha[i][j] = part_of(tet[i], {tet[j].at - tet[i].at, tet[j].is_centre}, limits);
+      out.alpha[i][j] = part_of(tet[i], {tet[j].at - tet[i].at, tet[j].kind}, limits);
     }
   }
   return out;

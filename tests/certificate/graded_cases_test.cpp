@@ -17,7 +17,7 @@ constexpr NodeSign kPlus = NodeSign::kPlus, kZero = NodeSign::kZero, kMinus = No
 /// What every background tet may become whose nodes have these signs, in their order.
 std::vector<Problem> cases_of(std::size_t number, const GradedLimits& limits) {
   std::vector<Problem> problems;
-  for (const test::PlacedTet& tet : test::placed_tets(2)) {
+  for (const test::PlacedTet& tet : test::placed_tets(2, false)) {
     for_each_graded_case(tet, number, limits, [&](std::vector<Problem> more) {
       std::move(more.begin(), more.end(), std::back_inserter(problems));
     });
@@ -34,7 +34,11 @@ bool proven(std::size_t number, const GradedLimits& limits = kGradedLimits) {
   return certify(problems, goal).bound_deg >= kLeastGradedAngleDeg;
 }
 
-TEST(GradedCases, AreOfSixTets) { EXPECT_EQ(test::placed_tets(2).size(), 6U); }
+TEST(GradedCases, AreOfSixTets) { EXPECT_EQ(test::placed_tets(2, false).size(), 6U); }
+
+TEST(GradedCases, AreOfTwentyOneWhereABoxCutsThem) {
+  EXPECT_EQ(test::placed_tets(8, true).size(), 21U);
+}
 
 TEST(GradedCases, KeepTheirBoundWhereItIsQuicklySeen) {
   EXPECT_TRUE(proven(stencil_number(kPlus, kMinus, kMinus, kMinus)));

@@ -23,7 +23,8 @@ namespace {
 
 struct Arguments {
   int trees = 20;
-  double least_deg = kLeastGradedAngleDeg, greatest_deg = kGreatestGradedAngleDeg;
+  bool cut = false;
+  double least_deg = 0, greatest_deg = 0;  // unless asked for, the mesher's
   bool stored = false;
   unsigned threads = 2;
 };
@@ -112,8 +113,12 @@ class Prover {
   std::map<std::string, Row> rows_;
 };
 
-int run(const Arguments& arguments) {
-  Prover prover(test::placed_tets(arguments.trees), arguments);
+int run(Arguments arguments) {
+  if (arguments.least_deg == 0)
+    arguments.least_deg = arguments.cut ? kLeastCutAngleDeg : kLeastGradedAngleDeg;
+  if (arguments.greatest_deg == 0)
+    arguments.greatest_deg = arguments.cut ? kGreatestCutAngleDeg : kGreatestGradedAngleDeg;
+  Prover prover(test::placed_tets(arguments.trees, arguments.cut), arguments);
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::jthread> threads;
   for (unsigned t = 1; t < arguments.threads; ++t) threads.emplace_back([&] { prover.run(); });
@@ -136,10 +141,9 @@ int main(int argc, char** argv) {
   app.add_option("--trees", arguments.trees, "Random octrees whose tets are proven")
       ->capture_default_str();
   app.add_option("--least", arguments.least_deg,
-                 "The bound to prove of the least angle, degrees")
-      ->capture_default_str();
-  app.add_option("--greatest", arguments.greatest_deg, "The same of the greatest angle")
-      ->capture_default_str();
+                 "The bound to prove of the least angle, degrees [the mesher's]");
+  app.add_option("--greatest", arguments.greatest_deg, "The same of the greatest angle");
+  app.add_flag("--cut", arguments.cut, "Of meshes that a box cuts, too");
   app.add_flag("--stored", arguments.stored, "Of positions stored as float32");
   app.add_option("--threads", arguments.threads, "The results are the same")
       ->check(CLI::Range(1, 256))

@@ -192,15 +192,15 @@ class Refusals(CommandTest):
         self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--voxel", "1"), REFUSED, "--spacing")
         self.assert_fails(self.mesh("part.stl", ".vtu", "--grid", "a"), REFUSED, "no grids")
 
-    def test_a_box_that_is_none_or_for_one_side(self):
+    def test_a_box_that_is_none(self):
         both = ("--preset", "both-sides")
         for box in (("0", "0", "0", "1", "1", "-1"), ("0", "0", "0", "1", "0", "1"),
                     ("0", "0", "nan", "1", "1", "1")):
             with self.subTest(box=box):
                 result = self.mesh("sphere.vdb", ".vtu", *both, "--box", *box)
                 self.assert_fails(result, REFUSED, "box")
-        result = self.mesh("sphere.vdb", ".vtu", "--box", "0", "0", "0", "1", "1", "1")
-        self.assert_fails(result, REFUSED, "--box is for --preset both-sides")
+        result = self.mesh("sphere.vdb", ".vtu", "--box", "0", "0", "0", "1", "1", "1", "--manifold")
+        self.assert_fails(result, REFUSED, "manifold does not go with a box that cuts the inside")
 
     def test_full_disk_leaves_the_old_file_alone(self):
         def limit_file_size():

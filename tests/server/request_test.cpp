@@ -113,12 +113,20 @@ TEST(Request, RefusesABoxThatIsNone) {
   }
 }
 
-TEST(Request, RefusesABoxForOneSide) {
+TEST(Request, TakesABoxThatCutsTheInside) {
   v1::MeshRequest request = boxed_request();
   request.set_preset(v1::PRESET_MIN_ANGLE);
-  EXPECT_THAT(refusal(request), HasSubstr("box is for PRESET_BOTH_SIDES"));
-  request.clear_preset();
-  EXPECT_THAT(refusal(request), HasSubstr("with PRESET_DEFAULT"));
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_TRUE(has_cut(order->request));
+  request.set_manifold(true);
+  EXPECT_THAT(refusal(request), HasSubstr("manifold does not go with a box"));
+  request.clear_manifold();
+  v1::StreamMeshRequest compact;
+  *compact.mutable_mesh() = request;
+  compact.set_encoding(v1::ENCODING_COMPACT);
+  EXPECT_THAT(parse_stream_request(compact).status().message(),
+              HasSubstr("ENCODING_COMPACT cannot carry a mesh that a box cuts"));
 }
 
 TEST(Request, RefusesARangeThatRunsBackwards) {

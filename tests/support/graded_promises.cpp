@@ -16,6 +16,7 @@
 #include "core/mesh/quality.h"
 #include "core/pipeline/mesher.h"
 #include "core/scene/scene_evaluator.h"
+#include "tests/support/cut_faces.h"
 #include "tests/support/random_fields.h"
 #include "tests/support/random_sizing.h"
 #include "tests/support/scenes.h"
@@ -44,18 +45,42 @@ Sizing graded_sizing(std::uint32_t seed, const WorldBox& box, double spacing) {
   return sizing;
 }
 
+/// A box that cuts through what fills `around`, in one case of three; of these every other one
+/// has finest leaves at its surface.
+void add_box(std::uint32_t seed, const WorldBox& around, MeshRequest& request) {
+  if (seed % 3 != 1) return;
+  std::mt19937 random(seed);
+  const auto between = [&](double from, double to) {
+    return from + (to - from) * static_cast<double>(random()) / 4294967295.0;
+  };
+  const auto span = [&](double min, double max) {
+    const double middle = (min + max) / 2;
+    return std::pair(between(min, middle), between(middle, max));
+  };
+  const auto [x0, x1] = span(around.min.x, around.max.x);
+  const auto [y0, y1] = span(around.min.y, around.max.y);
+  const auto [z0, z1] = span(around.min.z, around.max.z);
+  request.box = WorldBox{
+      {x0, y0, z0},
+      {x1, y1, z1}
+  };
+  if (seed % 2 == 0) return;
+  request.sizing.grade_surface = false;
+  request.sizing.chord_error.reset();
+  request.sizing.leaves_across = 0;
+}
+
 Input field_input(const GradedCase& given) {
   const RandomField field = random_field(given.family, given.seed, given.edge);
   const double edge = given.edge, spacing = given.seed % 4 == 3 ? 0.8 : 1;
   Input input{std::make_shared<const Volume>(field.volume), {}, field.max_surface_phi};
   input.request.spacing = spacing;
-  input.request.sizing =
-      graded_sizing(given.seed,
-                    {
-                        {-edge / 2, -edge / 2, -edge / 2},
-                        { edge / 2,  edge / 2,  edge / 2}
-  },
-                    spacing);
+  const WorldBox around{
+      {-edge / 2, -edge / 2, -edge / 2},
+      { edge / 2,  edge / 2,  edge / 2}
+  };
+  input.request.sizing = graded_sizing(given.seed, around, spacing);
+  add_box(given.seed, around, input.request);
   return input;
 }
 
@@ -65,12 +90,12 @@ absl::StatusOr<Input> scene_input(const GradedCase& given) {
   const double spacing = kSceneReach / given.edge, half = kSceneReach / 2;
   Input input{std::make_shared<const Scene>(*std::move(scene)), {}, 1e-4 * spacing};
   input.request.spacing = spacing;
-  input.request.sizing = graded_sizing(given.seed,
-                                       {
-                                           {-half, -half, -half},
-                                           { half,  half,  half}
-  },
-                                       spacing);
+  const WorldBox around{
+      {-half, -half, -half},
+      { half,  half,  half}
+  };
+  input.request.sizing = graded_sizing(given.seed, around, spacing);
+  add_box(given.seed, around, input.request);
   return input;
 }
 
@@ -93,13 +118,14 @@ class WorldPhi {
   std::unique_ptr<VolumeReader> reader_;
 };
 
-std::string check_angles(const MeshResult& result) {
+std::string check_angles(const MeshResult& result, bool cut) {
+  const double least = cut ? kLeastCutAngleDeg : kLeastGradedAngleDeg;
+  const double greatest = cut ? kGreatestCutAngleDeg : kGreatestGradedAngleDeg;
   const QualityStats measured = measure_quality(result.mesh), &reported = result.quality;
   const bool alike = std::abs(measured.min_dihedral_deg - reported.min_dihedral_deg) < 0.01 &&
                      std::abs(measured.max_dihedral_deg - reported.max_dihedral_deg) < 0.01 &&
                      std::abs(measured.volume - reported.volume) < 1e-5 * measured.volume;
-  if (alike && measured.min_dihedral_deg >= kLeastGradedAngleDeg &&
-      measured.max_dihedral_deg <= kGreatestGradedAngleDeg) {
+  if (alike && measured.min_dihedral_deg >= least && measured.max_dihedral_deg <= greatest) {
     return "";
   }
   return absl::StrFormat("angles of %.4f to %.4f degrees, reported as %.4f to %.4f",
@@ -115,13 +141,40 @@ std::string check_surface(const Input& input, const TetMesh& mesh) {
     return absl::StrFormat("vertex %d at (%.6f, %.6f, %.6f), phi %g, is %s", vertex, p.x, p.y,
                            p.z, phi(p), what);
   };
+  // A vertex in the box's faces may be next to the surface.
+  const std::vector<CutFaces> faces = cut_faces(mesh);
+  const auto may_be_off = [&](std::uint64_t v) { return !faces.empty() && faces[v] != 0; };
   for (std::uint64_t v = 0; v < mesh.header.vertex_count; ++v) {
-    if (phi(mesh.vertex(v)) > input.surface_phi) return describe(v, "outside");
+    if (!may_be_off(v) && phi(mesh.vertex(v)) > input.surface_phi)
+      return describe(v, "outside");
   }
   for (const Triangle& triangle : boundary_triangles(mesh)) {
+    if (faces_of(faces, triangle) != 0) continue;
     for (const std::uint64_t v : triangle) {
-      if (std::abs(phi(mesh.vertex(v))) > input.surface_phi)
+      if (!may_be_off(v) && std::abs(phi(mesh.vertex(v))) > input.surface_phi)
         return describe(v, "off the surface");
+    }
+  }
+  return "";
+}
+
+/// That the mesh lies in its box, and what is said to lie in a face lies in one plane with all
+/// the rest.
+std::string check_cut(const Input& input, const TetMesh& mesh) {
+  const std::vector<CutFaces> faces = cut_faces(mesh);
+  if (faces.empty() != !input.request.box) return "its vertices do not tell their faces";
+  const double unit = 8 * mesh.header.spacing, rounding = 1e-5 * unit;
+  for (std::size_t axis = 0; axis < 3 && !faces.empty(); ++axis) {
+    const double low = unit * std::floor(coordinate(input.request.box->min, axis) / unit);
+    const double high = unit * std::ceil(coordinate(input.request.box->max, axis) / unit);
+    for (std::uint64_t v = 0; v < faces.size(); ++v) {
+      const double at = coordinate(mesh.vertex(v), axis);
+      const bool in_low = (faces[v] >> 2 * axis & 1) != 0,
+                 in_high = (faces[v] >> 2 * axis & 2) != 0;
+      const bool right = in_low    ? std::abs(at - low) < rounding
+                         : in_high ? std::abs(at - high) < rounding
+                                   : at > low - rounding && at < high + rounding;
+      if (!right) return absl::StrFormat("vertex %d, at %.9g, is beside its box", v, at);
     }
   }
   return "";
@@ -145,8 +198,9 @@ std::string check_bytes(const Input& input, const TetMesh& mesh) {
 std::string check_all(const GradedCase& given, const Input& input, const MeshResult& result) {
   const ConformityReport conformity = check_conformity(result.mesh);
   if (!conformity.conforming()) return conformity.describe();
-  std::string violation = check_angles(result);
+  std::string violation = check_angles(result, input.request.box.has_value());
   if (violation.empty()) violation = check_surface(input, result.mesh);
+  if (violation.empty()) violation = check_cut(input, result.mesh);
   if (violation.empty() && *result.boundary != measure_boundary(result.mesh)) {
     violation = "the boundary is another than was reported";
   }

@@ -11,7 +11,8 @@
 namespace tet::test {
 
 /// A random field, or a random scene (the family "scene"), with a random sizing that grades its
-/// surface.
+/// surface; one in three is cut by a random box, and every other one of these has finest leaves
+/// at its surface.
 struct GradedCase {
   std::string family;
   std::uint32_t seed = 1;
@@ -24,12 +25,12 @@ std::string arguments_of(const GradedCase& graded_case);
 /// Meshes it, and checks that
 ///
 /// - the mesh conforms, and its tets are positive;
-/// - dihedral angles are within kLeastGradedAngleDeg and kGreatestGradedAngleDeg, and those
-/// that
-///   are reported are those it has, as is the volume;
+/// - dihedral angles are within kLeastGradedAngleDeg and kGreatestGradedAngleDeg, or
+///   kLeastCutAngleDeg and kGreatestCutAngleDeg, and those that are reported are those it has,
+///   as is the volume;
 /// - the vertices of the boundary lie where phi is zero, of scenes and smooth fields, and no
-/// vertex
-///   lies outside;
+///   vertex lies outside, but for those in the faces of a box;
+/// - what is said to lie in a face of the box does, and nothing lies beyond;
 /// - the boundary's topology is what was reported;
 /// - other numbers of threads and another chunk size make the same bytes, of every fourth seed.
 ///

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <random>
 #include <set>
 
@@ -15,8 +16,8 @@ namespace {
 
 constexpr int kLevels = 3, kEdge = 32;  // finest cells that the leaves cover
 
-/// Cells of every level refined at random places.
-GradedTree random_tree(std::mt19937& random) {
+/// Cells of every level refined at random places; with a box, that has all of them.
+GradedTree random_tree(std::mt19937& random, bool in_box) {
   LeafRules rules{.max_levels = kLevels, .layers = kGradedLayers};
   rules.refined.resize(kLevels + 1);
   for (int level = 1; level <= kLevels; ++level) {
@@ -36,7 +37,9 @@ GradedTree random_tree(std::mt19937& random) {
       {         0,          0,          0},
       {kLastBrick, kLastBrick, kLastBrick}
   });
-  return grow_graded_tree(found, {}, rules, {});
+  std::optional<BrickBox> box;
+  if (in_box) box = found.inside.front();
+  return grow_graded_tree({found, box}, rules, {});
 }
 
 /// All of it inside.
@@ -55,13 +58,15 @@ bool is_covered(LatticeCoord node) {
   return least >= 0 && most <= 2 * kEdge;
 }
 
+/// Those that a node may move along: out of no face of the box.
 std::vector<std::vector<PlacedNode::Edge>> edges_of_nodes(const BackgroundMesh& mesh) {
   std::vector<std::vector<PlacedNode::Edge>> edges(mesh.node.size());
   for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
     const NodeId from = mesh.tets[i];
     for (std::size_t k = i / 4 * 4; k < i / 4 * 4 + 4; ++k) {
       const NodeId to = mesh.tets[k];
-      if (k != i) edges[from].push_back({mesh.node[to] - mesh.node[from], mesh.is_centre(to)});
+      if (k == i || (mesh.faces_at(from) & ~mesh.faces_at(to)) != 0) continue;
+      edges[from].push_back({mesh.node[to] - mesh.node[from], mesh.kind[to]});
     }
   }
   for (auto& of_node : edges) {
@@ -155,12 +160,12 @@ LatticeCoord divided(LatticeCoord at, int level) {
 
 }  // namespace
 
-std::vector<PlacedTet> placed_tets(int trees) {
+std::vector<PlacedTet> placed_tets(int trees, bool cut) {
   std::mt19937 random(1);
   std::set<PlacedTet> seen;
   ShapeCollector collector;
   for (int i = 0; i < trees; ++i) {
-    const BackgroundMesh mesh = background_of(random_tree(random));
+    const BackgroundMesh mesh = background_of(random_tree(random, cut && i % 2 == 1));
     const auto edges = edges_of_nodes(mesh);
     for (std::size_t t = 0; t < mesh.tets.size(); t += 4) {
       const NodeId* node = &mesh.tets[t];
@@ -173,7 +178,8 @@ std::vector<PlacedTet> placed_tets(int trees) {
       PlacedTet tet;
       for (std::size_t k = 0; k < 4; ++k) {
         tet[k] = {divided(mesh.node[node[k]] - mesh.node[node[0]], level),
-                  level_of(node[k]) - level, mesh.is_centre(node[k]), edges[node[k]]};
+                  level_of(node[k]) - level, mesh.kind[node[k]], mesh.faces_at(node[k]) != 0,
+                  edges[node[k]]};
         for (PlacedNode::Edge& edge : tet[k].edges) edge.along = divided(edge.along, level);
       }
       if (seen.insert(tet).second) collector.add(tet);

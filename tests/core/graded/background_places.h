@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/graded/background_mesh.h"
 #include "core/lattice/bcc.h"
 
 namespace tet::test {
@@ -14,10 +15,11 @@ namespace tet::test {
 struct PlacedNode {
   LatticeCoord at;
   std::int32_t level = 0;  ///< of the smallest leaf around it; the tet's smallest is 0
-  bool is_centre = false;
+  BackgroundNode kind = BackgroundNode::kCorner;
+  bool in_cut = false;  ///< in a face of the box
   struct Edge {
     LatticeCoord along;
-    bool leads_to_centre = false;
+    BackgroundNode to = BackgroundNode::kCorner;
     friend auto operator<=>(const Edge&, const Edge&) = default;
   };
   std::vector<Edge> edges;
@@ -29,7 +31,7 @@ struct PlacedNode {
 using PlacedTet = std::array<PlacedNode, 4>;
 
 /// One of all that are alike up to an isometry and the order of nodes, of `trees` random
-/// octrees.
-std::vector<PlacedTet> placed_tets(int trees);
+/// octrees; every other one of them ends at a box where there is a `cut`.
+std::vector<PlacedTet> placed_tets(int trees, bool cut);
 
 }  // namespace tet::test

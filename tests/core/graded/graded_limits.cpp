@@ -25,6 +25,7 @@ struct Options {
   int trees = 20;
   std::vector<double> alpha;
   double climb_seconds = 0;
+  bool cut = false;
   std::uint32_t seed = 1;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
 };
@@ -36,7 +37,7 @@ constexpr std::array kMembers{
     &GradedLimits::corner_to_far_centre,  &GradedLimits::face_centre_to_centre,
     &GradedLimits::edge_middle_to_centre, &GradedLimits::centre_to_centre,
     &GradedLimits::centre_to_corner,      &GradedLimits::centre_to_face_centre,
-    &GradedLimits::centre_to_edge_middle,
+    &GradedLimits::centre_to_edge_middle, &GradedLimits::across_cut_face,
 };
 
 GradedLimits as_limits(const std::vector<double>& list) {
@@ -139,7 +140,7 @@ void climb(const Options& options, Judge& judge, GradedLimits limits, double bes
 }
 
 int run(const Options& options) {
-  Judge judge(placed_tets(options.trees), options.threads);
+  Judge judge(placed_tets(options.trees, options.cut), options.threads);
   std::printf("%zu tets that differ\n", judge.size());
   const GradedLimits limits = options.alpha.empty() ? kGradedLimits : as_limits(options.alpha);
   const double start = seconds_now();
@@ -148,7 +149,7 @@ int run(const Options& options) {
   judge.print_all();
   std::printf("%.1f s\n", seconds_now() - start);
   if (options.climb_seconds > 0) climb(options, judge, limits, worst.min_deg);
-  return worst.min_deg >= kLeastGradedAngleDeg ? 0 : 1;
+  return worst.min_deg >= (options.cut ? kLeastCutAngleDeg : kLeastGradedAngleDeg) ? 0 : 1;
 }
 
 }  // namespace
@@ -164,6 +165,7 @@ int main(int argc, char** argv) {
                  "Other limits, in the order of GradedLimits [the mesher's]")
       ->expected(static_cast<int>(tet::test::kMembers.size()));
   app.add_option("--climb", options.climb_seconds, "Seconds to look for better limits");
+  app.add_flag("--cut", options.cut, "Some of them end at a box");
   app.add_option("--seed", options.seed, "Of that")->capture_default_str();
   app.add_option("--threads", options.threads)->capture_default_str();
   CLI11_PARSE(app, argc, argv);

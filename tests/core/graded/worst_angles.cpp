@@ -67,8 +67,8 @@ class Trial {
     for (const std::size_t e : cuts_) {
       const auto [low, high] = kTetEdge[e];
       const LatticeCoord along = tet_[high].at - tet_[low].at;
-      slides_.push_back({part(low, {along, tet_[high].is_centre}),
-                         1 - part(high, {LatticeCoord{} - along, tet_[low].is_centre})});
+      slides_.push_back({part(low, {along, tet_[high].kind}),
+                         1 - part(high, {LatticeCoord{} - along, tet_[low].kind})});
     }
     return true;
   }
@@ -147,8 +147,7 @@ class Trial {
 
  private:
   double part(std::size_t node, const PlacedNode::Edge& edge) const {
-    return limits_.part(
-        {tet_[node].is_centre, edge.leads_to_centre, edge.along, tet_[node].level});
+    return limits_.part({tet_[node].kind, edge.to, edge.along, tet_[node].level});
   }
 
   const PlacedTet& tet_;

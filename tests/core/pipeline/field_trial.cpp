@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tests/support/campaign.h"
 #include "tests/support/mesh_promises.h"
 #include "tests/support/random_fields.h"
 
@@ -77,15 +78,11 @@ class Trial {
  public:
   explicit Trial(const Options& options) : options_(options), cases_(options) {}
 
-  /// One thread's share: a field at a time, each on this thread alone.
-  void run() {
-    TaskPool pool(1);
-    for (;;) {
-      const std::uint64_t i = next_++;
-      if (i >= options_.fields || done()) return;
-      const FieldCase field_case = cases_.at(i);
-      report(field_case, check_promises(field_case, pool));
-    }
+  /// False once there have been enough.
+  bool try_input(std::uint64_t i, TaskPool& pool) {
+    const FieldCase field_case = cases_.at(i);
+    report(field_case, check_promises(field_case, pool));
+    return !failed_ && static_cast<double>(tets_) < options_.tets;
   }
 
   bool failed() const { return failed_; }
@@ -98,8 +95,6 @@ class Trial {
   }
 
  private:
-  bool done() const { return failed_ || static_cast<double>(tets_) >= options_.tets; }
-
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
@@ -123,7 +118,7 @@ class Trial {
   const Options options_;
   const Cases cases_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::atomic<std::uint64_t> next_{0}, tets_{0};
+  std::atomic<std::uint64_t> tets_{0};
   std::atomic<bool> failed_{false};
   std::mutex mutex_;  // below and the output
   std::uint64_t fields_ = 0;
@@ -149,11 +144,8 @@ void describe_options(CLI::App& app, Options& options) {
 
 int run(const Options& options) {
   Trial trial(options);
-  std::vector<std::thread> threads;
-  for (unsigned i = 0; i < options.threads; ++i) {
-    threads.emplace_back([&] { trial.run(); });
-  }
-  for (std::thread& thread : threads) thread.join();
+  try_inputs(options.threads, options.fields,
+             [&](std::uint64_t i, TaskPool& pool) { return trial.try_input(i, pool); });
   trial.print_summary();
   return trial.failed() ? 1 : 0;
 }

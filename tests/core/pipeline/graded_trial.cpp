@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tests/support/campaign.h"
 #include "tests/support/graded_promises.h"
 #include "tests/support/random_fields.h"
 
@@ -41,17 +42,13 @@ class Trial {
     if (options.family != "all") families_ = {options.family};
   }
 
-  /// One thread's share: an input at a time, each on this thread alone.
-  void run() {
-    TaskPool pool(1);
-    for (;;) {
-      const std::uint64_t i = next_++;
-      if (i >= options_.inputs || done()) return;
-      const GradedCase graded_case{
-          families_[i % families_.size()],
-          options_.seed + static_cast<std::uint32_t>(i / families_.size()), options_.edge};
-      report(graded_case, check_graded_promises(graded_case, pool));
-    }
+  /// False once there have been enough.
+  bool try_input(std::uint64_t i, TaskPool& pool) {
+    const GradedCase graded_case{
+        families_[i % families_.size()],
+        options_.seed + static_cast<std::uint32_t>(i / families_.size()), options_.edge};
+    report(graded_case, check_graded_promises(graded_case, pool));
+    return !failed_ && static_cast<double>(tets_) < options_.tets;
   }
 
   bool failed() const { return failed_; }
@@ -67,8 +64,6 @@ class Trial {
   }
 
  private:
-  bool done() const { return failed_ || static_cast<double>(tets_) >= options_.tets; }
-
   void report(const GradedCase& graded_case, const Outcome& outcome) {
     const std::lock_guard lock(mutex_);
     tets_ += outcome.tets;
@@ -85,7 +80,7 @@ class Trial {
 
   const Options options_;
   std::vector<std::string> families_ = all_families();
-  std::atomic<std::uint64_t> next_{0}, tets_{0};
+  std::atomic<std::uint64_t> tets_{0};
   std::atomic<bool> failed_{false};
   std::mutex mutex_;  // below and the output
   std::map<std::string, Outcome> worst_;
@@ -93,11 +88,8 @@ class Trial {
 
 int run(const Options& options) {
   Trial trial(options);
-  std::vector<std::thread> threads;
-  for (unsigned i = 0; i < options.threads; ++i) {
-    threads.emplace_back([&] { trial.run(); });
-  }
-  for (std::thread& thread : threads) thread.join();
+  try_inputs(options.threads, options.inputs,
+             [&](std::uint64_t i, TaskPool& pool) { return trial.try_input(i, pool); });
   trial.print_summary();
   return trial.failed() ? 1 : 0;
 }

@@ -152,6 +152,21 @@ TEST(JoinedPlan, HasItAlsoImprovedAndWithAGradedSurface) {
   expect_each_alone(three_lattices(), graded);
 }
 
+TEST(JoinedPlan, HasItCutOffAtABox) {
+  MeshRequest cut;
+  cut.box = {
+      {-60, -60, -3},
+      { 60,  60, 60}
+  };
+  expect_each_alone(three_lattices(), cut);
+  const auto plan = try_to_plan(three_lattices(), cut);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  const std::vector<FieldArray> arrays{
+      {kCutFaceArray, 1}
+  };
+  EXPECT_EQ((*plan)->header().fields, arrays);
+}
+
 TEST(JoinedPlan, HasItWithTheValuesOfFields) {
   Volume values = test::dense_volume(
       {
