@@ -28,6 +28,9 @@ Examples:
       better worst angles, and a report on how much better
   tetstream mesh smoke.vdb -o smoke.vtkhdf --grid density --iso 0.2 --spacing 0.5
       one grid of several, at another density and another size of tets
+  tetstream mesh body.vdb -o leg.vtu --grid femur --grid tibia
+      two grids, each meshed by itself, in one file; the cells' `part` is 1 and 2. --all-grids takes
+      every grid that can be meshed: docs/several_grids.md
   tetstream mesh bunny.vdb -o bunny.vtu --preset both-sides --box -3 -3 -3 3 3 3
       the bunny and the space around it in one mesh, up to a box; the cells' `region` is
       1 inside and 2 outside
@@ -78,6 +81,10 @@ absl::Status check_encoding(const MeshOptions& options) {
     return absl::InvalidArgumentError(
         "--compact cannot carry a mesh with a graded surface: leave --compact or the sizing's "
         "grade_surface out");
+  }
+  if (options.has_several_grids()) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry several grids: leave --compact out, or all --grid but one");
   }
   if (has_cut(options.request)) {
     return absl::InvalidArgumentError(

@@ -11,6 +11,7 @@
 #include "client/read_grids.h"
 #include "client/scene_input.h"
 #include "client/surface_input.h"
+#include "core/pipeline/joined_plan.h"
 
 namespace tet {
 namespace {
@@ -21,10 +22,23 @@ absl::Status check_sizing_grid(const MeshOptions& options) {
   if (!grid) return absl::OkStatus();
   const std::string& file = grid->file.empty() ? options.input : grid->file;
   if (!is_scene_file(file) && !is_surface_file(file)) {
-    return check_mesh_input({file, grid->name, {}});
+    return check_mesh_input({file, {}, {}});
   }
   return absl::InvalidArgumentError(
       absl::StrCat(file, " has no grids: name the .vdb of the sizing's with --sizing-grid"));
+}
+
+/// As far as the grids are not known.
+absl::Status check_all_grids(const MeshOptions& options) {
+  if (!options.all_grids) return absl::OkStatus();
+  if (!options.grids.empty()) {
+    return absl::InvalidArgumentError("--all-grids and --grid do not go together");
+  }
+  if (is_scene_file(options.input) || is_surface_file(options.input)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
+  }
+  return check_joined_request(options.request);
 }
 
 absl::Status check_trust(const MeshOptions& options) {
@@ -41,6 +55,8 @@ void describe_input(CLI::App& app, MeshArguments& arguments) {
                  "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
       ->required();
   describe_request(app, arguments.request);
+  app.add_flag("--all-grids", options.all_grids,
+               "Every grid of the .vdb that can be meshed, in one file");
   app.add_option("--sizing-grid", arguments.request.sizing.grid,
                  "A .vdb with the sizing's grid of sizes, if that is not in the input")
       ->type_name("FILE");
@@ -56,7 +72,7 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
   absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
   if (!request.ok()) return request.status();
   options.request = *std::move(request);
-  options.grid = arguments.request.grid;
+  options.grids = arguments.request.grids;
   options.server = arguments.server.address;
   absl::StatusOr<ChannelOptions> channel = understand_server(arguments.server);
   if (!channel.ok()) return channel.status();
@@ -65,7 +81,8 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 }
 
 absl::Status check_input(const MeshOptions& options) {
-  absl::Status status = check_mesh_input({options.input, options.grid, options.voxel});
+  absl::Status status = check_mesh_input({options.input, options.grids, options.voxel});
+  if (status.ok()) status = check_all_grids(options);
   if (status.ok()) status = check_sizing_grid(options);
   if (status.ok()) status = check_field_files(options.request.fields, options.input);
   if (status.ok()) status = check_trust(options);

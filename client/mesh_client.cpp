@@ -81,6 +81,17 @@ absl::StatusOr<v1::GridFile> MeshClient::grid_info(const std::string& name,
   return connection_->call(&v1::GridService::Stub::GetGridInfo, request, cancellation);
 }
 
+absl::StatusOr<std::vector<std::string>> MeshClient::meshable_grids(
+    const std::string& name, const Cancellation& cancellation) {
+  const auto file = grid_info(name, cancellation);
+  if (!file.ok()) return file.status();
+  std::vector<std::string> names;
+  for (const v1::GridInfo& grid : file->grids()) {
+    if (grid.not_meshable_reason().empty()) names.push_back(grid.name());
+  }
+  return names;
+}
+
 absl::StatusOr<v1::Capabilities> MeshClient::capabilities(const Cancellation& cancellation) {
   return connection_->call(&v1::MeshService::Stub::GetCapabilities,
                            v1::GetCapabilitiesRequest(), cancellation);

@@ -90,6 +90,10 @@ class MeshClient {
   absl::StatusOr<std::vector<v1::GridFile>> list_grids(const Cancellation& cancellation);
   absl::StatusOr<v1::GridFile> grid_info(const std::string& name,
                                          const Cancellation& cancellation);
+  /// Names of the stored file's grids that can be meshed, in its order: for
+  /// MeshRequest.grid_names.
+  absl::StatusOr<std::vector<std::string>> meshable_grids(const std::string& name,
+                                                          const Cancellation& cancellation);
   absl::StatusOr<v1::Capabilities> capabilities(const Cancellation& cancellation);
   absl::StatusOr<v1::MeshHeader> estimate(const v1::MeshRequest& request,
                                           const Cancellation& cancellation);

@@ -93,6 +93,7 @@ ColumnSizes column_sizes(const MeshHeader& header,
           .offsets = offset_rows * size_of(types.ids),
           .types = header.tet_count,
           .regions = header.has_regions ? header.tet_count : 0,
+          .parts = header.parts.empty() ? 0 : header.tet_count,
           .fields = ChunkSizes(header, header.vertex_count, 0).fields};
 }
 
@@ -151,6 +152,14 @@ void write_offsets(BlockWriter& writer,
   } else {
     write_offsets_as<std::uint32_t>(writer, first, count);
   }
+}
+
+void write_part_numbers(BlockWriter& writer, const MeshHeader& header) {
+  std::size_t part = 0;  // rows are made in order
+  writer.rows(header.tet_count, [&](std::uint64_t tet) {
+    while (tet - header.parts[part].first_tet >= header.parts[part].tet_count) ++part;
+    return static_cast<std::uint8_t>(part + 1);
+  });
 }
 
 void write_types(BlockWriter& writer, std::uint64_t count) {

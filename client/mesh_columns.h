@@ -31,9 +31,10 @@ inline constexpr std::uint8_t kVtkTetra = 10;
 struct ColumnSizes {
   std::uint64_t points = 0, connectivity = 0, offsets = 0, types = 0;
   std::uint64_t regions = 0;  ///< of a mesh without them none
+  std::uint64_t parts = 0;    ///< of one grid's mesh none
   std::uint64_t fields = 0;   ///< of all fields together
   std::uint64_t total() const noexcept {
-    return points + connectivity + offsets + types + regions + fields;
+    return points + connectivity + offsets + types + regions + parts + fields;
   }
 };
 /// `offset_rows` is the number of tets, or one more where a format wants the leading zero.
@@ -54,6 +55,8 @@ void write_offsets(BlockWriter& writer,
                    std::uint64_t first,
                    std::uint64_t count,
                    IndexType type);
+/// Which part of a mesh of several grids each tet is of: one byte, from 1 on.
+void write_part_numbers(BlockWriter& writer, const MeshHeader& header);
 /// `count` times kVtkTetra.
 void write_types(BlockWriter& writer, std::uint64_t count);
 

@@ -51,9 +51,9 @@ absl::Status convert_surface(const MeshInput& input,
 
 /// Scenes have voxels only in their grids, which have names of their own.
 absl::Status check_scene_input(const MeshInput& input) {
-  if (!input.grid.empty()) {
+  if (!input.grids.empty()) {
     return absl::InvalidArgumentError(
-        absl::StrCat("--grid ", input.grid, ": a scene names its grids itself"));
+        absl::StrCat("--grid ", input.grids.front(), ": a scene names its grids itself"));
   }
   if (!input.voxel) return absl::OkStatus();
   return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
@@ -63,9 +63,9 @@ absl::Status check_scene_input(const MeshInput& input) {
 
 absl::Status check_mesh_input(const MeshInput& input) {
   if (is_surface_file(input.path)) {
-    if (input.grid.empty()) return absl::OkStatus();
+    if (input.grids.empty()) return absl::OkStatus();
     return absl::InvalidArgumentError(
-        absl::StrCat("--grid ", input.grid, ": a surface file has no grids"));
+        absl::StrCat("--grid ", input.grids.front(), ": a surface file has no grids"));
   }
   if (is_scene_file(input.path)) return check_scene_input(input);
   if (!absl::EndsWith(absl::AsciiStrToLower(input.path), ".vdb")) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -15,8 +16,8 @@ namespace tet {
 /// An input as the command line names it.
 struct MeshInput {
   std::string path;
-  std::string grid;             ///< of a .vdb file; empty takes its only meshable one
-  std::optional<double> voxel;  ///< of a surface that is converted first, world units
+  std::vector<std::string> grids;  ///< of a .vdb file; empty takes its only meshable one
+  std::optional<double> voxel;     ///< of a surface that is converted first, world units
 };
 
 /// Whether it can be an input, by its ending. Errors: kInvalidArgument.

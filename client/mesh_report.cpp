@@ -1,11 +1,15 @@
 #include "client/mesh_report.h"
 
 #include <utility>
+#include <vector>
 
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 #include <nlohmann/json.hpp>
 
 #include "core/mesh/boundary.h"
+#include "core/mesh/quality.h"
 #include "core/mesh/regions.h"
 
 namespace tet {
@@ -84,6 +88,40 @@ std::string tets_of_each_side(const TetMesh& mesh) {
                          count_tets(mesh, MeshRegion::kOutside));
 }
 
+/// As if there were no other tets.
+Json json_of(const MeshPart& part, const TetMesh& mesh) {
+  MeshView view = mesh.view();
+  view.tets = view.tets.subspan(ChunkSizes(mesh.header, 0, part.first_tet).tets,
+                                ChunkSizes(mesh.header, 0, part.tet_count).tets);
+  const QualityStats quality = measure_tets(view);
+  return {
+      {            "name",                part.name},
+      {        "vertices",        part.vertex_count},
+      {            "tets",           part.tet_count},
+      {         "spacing",             part.spacing},
+      {          "levels",              part.levels},
+      {          "volume",           quality.volume},
+      {"min_dihedral_deg", quality.min_dihedral_deg},
+      {"max_dihedral_deg", quality.max_dihedral_deg}
+  };
+}
+
+/// The first few.
+std::string tets_of_each_part(const TetMesh& mesh) {
+  constexpr std::size_t kMost = 8;
+  std::vector<std::string> parts;
+  for (const MeshPart& part : mesh.header.parts) {
+    parts.push_back(absl::StrFormat("%d %s", part.tet_count, part.name));
+  }
+  if (parts.empty()) return "";
+  if (parts.size() > kMost) {
+    const std::size_t more = parts.size() - kMost;
+    parts.resize(kMost);
+    parts.push_back(absl::StrFormat("and of %d more grids", more));
+  }
+  return absl::StrCat(" (", absl::StrJoin(parts, ", "), ")");
+}
+
 std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
   const std::uint64_t nodes = boundary ? boundary->restored_nodes : 0;
   if (nodes == 0) return "";
@@ -94,10 +132,10 @@ std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
   return absl::StrFormat(
-      "%s: %d vertices, %d tets%s, dihedral angles %.2f to %.2f degrees%s, %.2f s", output,
+      "%s: %d vertices, %d tets%s%s, dihedral angles %.2f to %.2f degrees%s, %.2f s", output,
       made.mesh.header.vertex_count, made.mesh.header.tet_count, tets_of_each_side(made.mesh),
-      made.quality.min_dihedral_deg, made.quality.max_dihedral_deg,
-      restored_nodes(made.boundary), seconds);
+      tets_of_each_part(made.mesh), made.quality.min_dihedral_deg,
+      made.quality.max_dihedral_deg, restored_nodes(made.boundary), seconds);
 }
 
 std::string thin_walls_warning(const ThinWalls& walls) {
@@ -129,6 +167,9 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
         { "inside", region_json(made.mesh,  MeshRegion::kInside)},
         {"outside", region_json(made.mesh, MeshRegion::kOutside)}
     };
+  }
+  for (const MeshPart& part : made.mesh.header.parts) {
+    report["parts"].push_back(json_of(part, made.mesh));
   }
   if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   return report.dump(2) + "\n";

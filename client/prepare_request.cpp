@@ -36,7 +36,7 @@ absl::Status upload_others(GridUploads& uploads,
   for (VertexField& field : request.fields) files.push_back(&field.file);
   for (std::string* const file : files) {
     if (file->empty()) continue;
-    absl::StatusOr<std::string> name = upload(uploads, {*file, "", {}}, bar, interruption);
+    absl::StatusOr<std::string> name = upload(uploads, {*file, {}, {}}, bar, interruption);
     if (!name.ok()) return name.status();
     *file = *std::move(name);
   }
@@ -56,18 +56,24 @@ absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
   }
   if (is_scene_file(options.input)) {
     const auto store = [&](const std::string& path) {
-      return upload(uploads, {path, "", {}}, bar, interruption);
+      return upload(uploads, {path, {}, {}}, bar, interruption);
     };
     absl::StatusOr<v1::Scene> scene = read_scene_message(options.input, store);
     if (!scene.ok()) return scene.status();
-    v1::MeshRequest request = wire_request(named, "", "");
+    v1::MeshRequest request = wire_request(named, "", {});
     *request.mutable_scene() = *std::move(scene);
     return request;
   }
   const absl::StatusOr<std::string> name =
-      upload(uploads, {options.input, options.grid, options.voxel}, bar, interruption);
+      upload(uploads, {options.input, options.grids, options.voxel}, bar, interruption);
   if (!name.ok()) return name.status();
-  return wire_request(named, *name, options.grid);
+  v1::MeshRequest request = wire_request(named, *name, options.grids);
+  if (!options.all_grids) return request;
+  const auto grids = client.meshable_grids(*name, interruption);
+  if (!grids.ok()) return grids.status();
+  if (auto status = check_all_grids(options.input, *grids); !status.ok()) return status;
+  request.mutable_grid_names()->Assign(grids->begin(), grids->end());
+  return request;
 }
 
 }  // namespace tet

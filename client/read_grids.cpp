@@ -43,4 +43,12 @@ absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
   return grid_list_of(decode_here(request, interruption), request);
 }
 
+std::vector<std::string> meshable_of(const std::vector<GridInfo>& grids) {
+  std::vector<std::string> names;
+  for (const GridInfo& grid : grids) {
+    if (grid.not_meshable.empty()) names.push_back(grid.name);
+  }
+  return names;
+}
+
 }  // namespace tet

@@ -41,4 +41,7 @@ absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
                                                      FileTrust trust,
                                                      const Cancellation& interruption);
 
+/// Names of those that can be meshed, in the file's order.
+std::vector<std::string> meshable_of(const std::vector<GridInfo>& grids);
+
 }  // namespace tet

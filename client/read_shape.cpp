@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/read_grids.h"
+#include "client/request_options.h"
 #include "client/scene_input.h"
 #include "client/surface_input.h"
 
@@ -29,7 +30,34 @@ absl::StatusOr<Volume> read_grid(const MeshOptions& options,
                                  ProgressBar& bar,
                                  const Cancellation& interruption) {
   if (is_surface_file(options.input)) return convert_surface(options, bar);
-  return read_volume(options.input, options.grid, trust(options), interruption);
+  return read_volume(options.input, options.grids.empty() ? "" : options.grids.front(),
+                     trust(options), interruption);
+}
+
+absl::StatusOr<std::vector<std::string>> names_of_grids(const MeshOptions& options,
+                                                        const Cancellation& interruption) {
+  if (!options.all_grids) return options.grids;
+  const auto listed = read_grid_list(options.input, trust(options), interruption);
+  if (!listed.ok()) return listed.status();
+  std::vector<std::string> names = meshable_of(*listed);
+  if (auto status = check_all_grids(options.input, names); !status.ok()) return status;
+  return names;
+}
+
+absl::StatusOr<Shape> read_several(const MeshOptions& options,
+                                   ProgressBar& bar,
+                                   const Cancellation& interruption) {
+  const auto names = names_of_grids(options, interruption);
+  if (!names.ok()) return names.status();
+  GridList grids;
+  for (const std::string& name : *names) {
+    absl::StatusOr<Volume> volume =
+        read_volume(options.input, name, trust(options), interruption);
+    if (!volume.ok()) return volume.status();
+    grids.push_back(std::make_shared<const Volume>(*std::move(volume)));
+    bar.update(static_cast<double>(grids.size()), static_cast<double>(names->size()));
+  }
+  return grids;
 }
 
 /// Takes what was read.
@@ -75,6 +103,7 @@ absl::StatusOr<Shape> read_shape(const MeshOptions& options,
   const auto read = [&](const std::string& path, const std::string& grid_name) {
     return read_volume(path, grid_name, trust(options), interruption);
   };
+  if (options.has_several_grids()) return read_several(options, bar, interruption);
   return is_scene_file(options.input) ? shared(read_scene(options.input, read))
                                       : shared(read_grid(options, bar, interruption));
 }

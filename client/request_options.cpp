@@ -1,9 +1,11 @@
 #include "client/request_options.h"
 
 #include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include "client/field_options.h"
+#include "core/pipeline/joined_plan.h"
 #include "proto/sizing/sizing_message.h"
 
 namespace tet {
@@ -37,7 +39,11 @@ void set_point(const WorldPoint& point, v1::Point& message) {
 
 void describe_request(CLI::App& app, RequestArguments& arguments) {
   MeshRequest& request = arguments.request;
-  app.add_option("--grid", arguments.grid, "Grid of the .vdb [its only meshable one]");
+  app.add_option(
+         "--grid", arguments.grids,
+         "Grid of the .vdb; may be repeated for several in one file [its only meshable one]")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
   app.add_option("--spacing", request.spacing,
                  "Finest lattice spacing, world units [voxel size; of a scene its longest "
@@ -69,6 +75,25 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
       ->allow_extra_args(false);
 }
 
+absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request) {
+  absl::Status status = check_grid_names(grids);
+  if (status.ok()) status = check_joined_request(request);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("--grid: ", status.message()));
+}
+
+absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids) {
+  if (grids.empty()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "--all-grids: ", input, " has no grid that can be meshed; `tetstream info` says why"));
+  }
+  if (absl::Status status = check_grid_names(grids); !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--all-grids: ", status.message(), "; name some with --grid"));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments) {
   MeshRequest request = arguments.request;
   request.preset = *parse_preset(arguments.preset);
@@ -88,15 +113,19 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);
+  if (arguments.grids.size() > 1) {
+    if (auto status = check_grids(arguments.grids, request); !status.ok()) return status;
+  }
   return request;
 }
 
 v1::MeshRequest wire_request(const MeshRequest& request,
                              const std::string& name,
-                             const std::string& grid) {
+                             const std::vector<std::string>& grids) {
   v1::MeshRequest message;
   message.set_name(name);
-  message.set_grid_name(grid);
+  if (grids.size() == 1) message.set_grid_name(grids.front());
+  if (grids.size() > 1) message.mutable_grid_names()->Assign(grids.begin(), grids.end());
   if (request.spacing) message.set_spacing(*request.spacing);
   if (request.iso) message.set_iso(*request.iso);
   message.set_levels(request.levels);

@@ -20,7 +20,7 @@ namespace tet {
 
 /// A command line's request, before it is understood.
 struct RequestArguments {
-  std::string grid;  ///< empty takes the only meshable grid
+  std::vector<std::string> grids;  ///< empty takes the only meshable grid
   MeshRequest request;
   std::string preset = "default";
   std::optional<std::array<double, 6>> box;
@@ -29,9 +29,17 @@ struct RequestArguments {
   std::vector<std::string> fields;
 };
 
-/// Adds --grid, --iso, --spacing, --levels, --sizing, --preset, --box, --manifold, --improve,
+/// Adds --grid (any number of times), --iso, --spacing, --levels, --sizing, --preset, --box,
+/// --manifold, --improve,
 /// --coordinates, --field.
 void describe_request(CLI::App& app, RequestArguments& arguments);
+
+/// Whether the grids that a file has for --all-grids can be meshed. Errors: kFailedPrecondition
+/// (there are none), kInvalidArgument (too many).
+absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids);
+
+/// Whether several grids can be meshed together, and so. OK or kInvalidArgument.
+absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request);
 
 /// The grids of its sizing and its fields are not loaded: see read_sizing and
 /// understand_fields. Errors: kInvalidArgument (options that do not go together), and those of
@@ -39,9 +47,9 @@ void describe_request(CLI::App& app, RequestArguments& arguments);
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
 
 /// The same for a server, which stores the file under `name`, and those of its fields as they
-/// say.
+/// say. One grid is meshed alone, several together.
 v1::MeshRequest wire_request(const MeshRequest& request,
                              const std::string& name,
-                             const std::string& grid);
+                             const std::vector<std::string>& grids);
 
 }  // namespace tet

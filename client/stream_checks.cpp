@@ -1,11 +1,15 @@
 #include "client/stream_checks.h"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <vector>
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 
+#include "core/grid/grid_info.h"
+#include "core/grid/utf8.h"
 #include "core/pipeline/vertex_field.h"
 
 namespace tet {
@@ -43,6 +47,36 @@ std::optional<std::vector<FieldArray>> to_core(
   return fields;
 }
 
+/// A name that may be shown and written into files.
+bool is_part_name(const std::string& name) {
+  return !name.empty() && name.size() <= kMaxGridNameBytes && is_utf8(name) &&
+         std::none_of(name.begin(), name.end(),
+                      [](unsigned char c) { return absl::ascii_iscntrl(c); });
+}
+
+/// Nothing where they are not all of the mesh, one behind the other.
+std::optional<std::vector<MeshPart>> parts_of(const v1::MeshHeader& header) {
+  if (header.parts().size() > int{kMaxMeshParts}) return std::nullopt;
+  std::vector<MeshPart> parts;
+  std::int64_t vertices = 0, tets = 0;
+  for (const v1::MeshPart& part : header.parts()) {
+    if (!is_part_name(part.name()) || !is_count(part.vertex_count()) ||
+        !is_count(part.tet_count()) || part.first_vertex() != vertices ||
+        part.first_tet() != tets) {
+      return std::nullopt;
+    }
+    vertices += part.vertex_count();
+    tets += part.tet_count();
+    const auto count = [](std::int64_t value) { return static_cast<std::uint64_t>(value); };
+    parts.push_back({part.name(), count(part.first_vertex()), count(part.vertex_count()),
+                     count(part.first_tet()), count(part.tet_count()), part.spacing(),
+                     part.levels()});
+  }
+  const bool whole = vertices == header.vertex_count() && tets == header.tet_count();
+  if (!parts.empty() && !whole) return std::nullopt;
+  return parts;
+}
+
 }  // namespace
 
 absl::Status bad_stream(const std::string& message) {
@@ -72,6 +106,9 @@ absl::StatusOr<MeshHeader> checked_header(const v1::MeshHeader& message) {
   auto fields = to_core(message.fields());
   if (!fields) return bad_stream("a header with impossible fields");
   header.fields = *std::move(fields);
+  auto parts = parts_of(message);
+  if (!parts) return bad_stream("a header with impossible parts");
+  header.parts = *std::move(parts);
   return header;
 }
 

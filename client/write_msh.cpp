@@ -2,10 +2,13 @@
 
 #include <array>
 #include <limits>
-#include <span>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
 
 #include "client/mesh_columns.h"
 #include "core/mesh/regions.h"
@@ -16,13 +19,31 @@ namespace {
 constexpr std::int32_t kVolume = 3;       ///< the dimension of our entities
 constexpr std::int32_t kTetrahedron = 4;  ///< Gmsh's number for a linear tetrahedron
 
-/// Of a volume entity, and of the physical volume it makes up.
-std::int32_t tag_of(MeshRegion region) noexcept { return static_cast<std::int32_t>(region); }
+/// A volume entity, and the physical volume that it makes up.
+struct FileVolume {
+  std::int32_t tag = 1;
+  std::string name = {};  ///< empty: there is no physical volume
+  std::optional<MeshRegion> region =
+      {};  ///< of its tets; they are all that follow each other if unset
+  std::uint64_t first_tet = 0, tets = 0;
+};
 
-/// The volume entities of a file; all nodes are in the first.
-std::span<const MeshRegion> volumes_of(const MeshHeader& header) noexcept {
-  static constexpr std::array kVolumes{MeshRegion::kInside, MeshRegion::kOutside};
-  return std::span(kVolumes).first(header.has_regions ? 2 : 1);
+/// The volumes of a file, in the order of their tags, which are the tets' labels.
+std::vector<FileVolume> volumes_of(const TetMesh& mesh) {
+  const MeshHeader& header = mesh.header;
+  std::vector<FileVolume> volumes;
+  for (const MeshPart& part : header.parts) {
+    const auto tag = static_cast<std::int32_t>(volumes.size() + 1);
+    volumes.push_back({tag, part.name, {}, part.first_tet, part.tet_count});
+  }
+  if (!volumes.empty()) return volumes;
+  if (!header.has_regions) return {FileVolume{.tets = header.tet_count}};
+  for (const auto& [region, name] :
+       {std::pair(MeshRegion::kInside, "inside"), std::pair(MeshRegion::kOutside, "outside")}) {
+    volumes.push_back(
+        {static_cast<std::int32_t>(region), name, region, 0, count_tets(mesh, region)});
+  }
+  return volumes;
 }
 
 std::uint64_t file_bytes(const MeshHeader& header) noexcept {
@@ -42,21 +63,32 @@ absl::Status check_node_numbers(const MeshHeader& header) {
                    header.vertex_count, ": write a .vtu or .vtkhdf"));
 }
 
-void write_physical_names(BlockWriter& writer) {
-  writer.text("$PhysicalNames\n2\n3 1 \"inside\"\n3 2 \"outside\"\n$EndPhysicalNames\n");
+void write_physical_names(BlockWriter& writer, const std::vector<FileVolume>& volumes) {
+  if (volumes.front().name.empty()) return;
+  std::string text = absl::StrCat("$PhysicalNames\n", volumes.size(), "\n");
+  for (const FileVolume& volume : volumes) {
+    absl::StrAppend(&text, kVolume, " ", volume.tag, " \"",
+                    absl::StrReplaceAll(volume.name,
+                                        {
+                                            {"\"", "'"}
+    }),
+                    "\"\n");
+  }
+  writer.text(text + "$EndPhysicalNames\n");
 }
 
-void write_entities(BlockWriter& writer, const MeshHeader& header) {
+void write_entities(BlockWriter& writer,
+                    const MeshHeader& header,
+                    const std::vector<FileVolume>& volumes) {
   const WorldBox& box = header.bounds;
-  const auto volumes = volumes_of(header);
   writer.text("$Entities\n");
   // Points, curves, surfaces, volumes.
   writer.number(std::array<std::uint64_t, 4>{0, 0, 0, volumes.size()});
-  for (const MeshRegion region : volumes) {
-    writer.number(tag_of(region));
+  for (const FileVolume& volume : volumes) {
+    writer.number(volume.tag);
     writer.number(std::array{box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z});
-    writer.number(std::uint64_t{header.has_regions});  // physical tags
-    if (header.has_regions) writer.number(tag_of(region));
+    writer.number(std::uint64_t{!volume.name.empty()});  // physical tags
+    if (!volume.name.empty()) writer.number(volume.tag);
     writer.number(std::uint64_t{0});  // bounding surfaces
   }
   writer.text("\n$EndEntities\n");
@@ -67,8 +99,8 @@ void write_nodes(BlockWriter& writer, const TetMesh& mesh) {
   writer.text("$Nodes\n");
   writer.number(
       std::array<std::uint64_t, 4>{1, count, 1, count});  // blocks, nodes, tags from, to
-  const std::int32_t tag = tag_of(MeshRegion::kInside);
-  writer.number(std::array<std::int32_t, 3>{kVolume, tag, 0});  // 0: not parametric
+  // All are the first volume's; 0: not parametric.
+  writer.number(std::array<std::int32_t, 3>{kVolume, 1, 0});
   writer.number(count);
   writer.rows(count, [](std::uint64_t i) { return i + 1; });
   writer.rows(count, [&](std::uint64_t i) {
@@ -79,43 +111,24 @@ void write_nodes(BlockWriter& writer, const TetMesh& mesh) {
 }
 
 /// The tets of one volume, with their numbers in the mesh as tags.
-void write_volume(BlockWriter& writer,
-                  const TetMesh& mesh,
-                  MeshRegion region,
-                  std::uint64_t count) {
-  writer.number(std::array<std::int32_t, 3>{kVolume, tag_of(region), kTetrahedron});
-  writer.number(count);
-  std::uint64_t next = 0;  // rows are made in order
-  writer.rows(count, [&](std::uint64_t) {
-    while (mesh.region(next) != region) ++next;
+void write_volume(BlockWriter& writer, const TetMesh& mesh, const FileVolume& volume) {
+  writer.number(std::array<std::int32_t, 3>{kVolume, volume.tag, kTetrahedron});
+  writer.number(volume.tets);
+  std::uint64_t next = volume.first_tet;  // rows are made in order
+  writer.rows(volume.tets, [&](std::uint64_t) {
+    while (volume.region && mesh.region(next) != *volume.region) ++next;
     const auto [a, b, c, d] = mesh.tet(next);
     return std::array<std::uint64_t, 5>{++next, a + 1, b + 1, c + 1, d + 1};
   });
 }
 
-struct FilledVolume {
-  MeshRegion region;
-  std::uint64_t tets;
-};
-
-/// Not those without a tet, for not every reader takes an empty block.
-std::vector<FilledVolume> filled_volumes(const TetMesh& mesh) {
-  std::vector<FilledVolume> filled;
-  for (const MeshRegion region : volumes_of(mesh.header)) {
-    const std::uint64_t tets = count_tets(mesh, region);
-    if (tets > 0) filled.push_back({region, tets});
-  }
-  return filled;
-}
-
-void write_elements(BlockWriter& writer, const TetMesh& mesh) {
+void write_elements(BlockWriter& writer, const TetMesh& mesh, std::vector<FileVolume> volumes) {
+  // Not every reader takes an empty block.
+  std::erase_if(volumes, [](const FileVolume& volume) { return volume.tets == 0; });
   const std::uint64_t count = mesh.header.tet_count;
-  const auto volumes = filled_volumes(mesh);
   writer.text("$Elements\n");
   writer.number(std::array<std::uint64_t, 4>{volumes.size(), count, 1, count});
-  for (const FilledVolume& volume : volumes) {
-    write_volume(writer, mesh, volume.region, volume.tets);
-  }
+  for (const FileVolume& volume : volumes) write_volume(writer, mesh, volume);
   writer.text("\n$EndElements\n");
 }
 
@@ -137,10 +150,11 @@ absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl
   writer.text("$MeshFormat\n4.1 1 8\n");  // binary, with eight-byte sizes
   writer.number(std::int32_t{1});         // tells a reader the byte order
   writer.text("\n$EndMeshFormat\n");
-  if (mesh.header.has_regions) write_physical_names(writer);
-  write_entities(writer, mesh.header);
+  const std::vector<FileVolume> volumes = volumes_of(mesh);
+  write_physical_names(writer, volumes);
+  write_entities(writer, mesh.header, volumes);
   write_nodes(writer, mesh);
-  write_elements(writer, mesh);
+  write_elements(writer, mesh, volumes);
   for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) write_node_data(writer, mesh, i);
   return writer.status();
 }

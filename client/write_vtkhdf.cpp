@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
 #include <hdf5.h>
 
 #include "client/mesh_columns.h"
@@ -56,7 +57,7 @@ Handle without_times(hid_t property_class) {
 /// Where HDF5 has put the columns; nothing for a column without bytes.
 struct Layout {
   haddr_t points = HADDR_UNDEF, connectivity = HADDR_UNDEF, offsets = HADDR_UNDEF;
-  haddr_t types = HADDR_UNDEF, regions = HADDR_UNDEF;
+  haddr_t types = HADDR_UNDEF, regions = HADDR_UNDEF, parts = HADDR_UNDEF;
   std::vector<haddr_t> fields = {};
 };
 
@@ -128,6 +129,17 @@ void write_type_attribute(Skeleton& skeleton) {
   skeleton.attribute("Type", type.get(), {}, kType.data());
 }
 
+/// Which number the part of each grid has, as arrays called like the grids.
+void add_part_names(Skeleton& skeleton, const MeshHeader& mesh) {
+  skeleton.group("FieldData");
+  for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
+    const std::string name = absl::StrReplaceAll(mesh.parts[i].name, {
+                                                                         {"/", "_"}
+    });
+    skeleton.number(absl::StrCat("FieldData/", name).c_str(), i + 1);
+  }
+}
+
 std::optional<Layout> lay_out(const std::string& path,
                               const MeshHeader& mesh,
                               const ColumnTypes& types) {
@@ -149,6 +161,11 @@ std::optional<Layout> lay_out(const std::string& path,
   if (mesh.has_regions) {
     skeleton.group("CellData");
     layout.regions = skeleton.column("CellData/region", H5T_STD_U8LE, {mesh.tet_count});
+  }
+  if (!mesh.parts.empty()) {
+    skeleton.group("CellData");
+    layout.parts = skeleton.column("CellData/part", H5T_STD_U8LE, {mesh.tet_count});
+    add_part_names(skeleton, mesh);
   }
   if (!mesh.fields.empty()) skeleton.group("PointData");
   for (const FieldArray& field : mesh.fields) {
@@ -268,6 +285,7 @@ absl::StatusOr<VtkHdfWriter> VtkHdfWriter::begin(AtomicFile& file,
   write_at(writer, place_of(layout->offsets, 0, 0),
            [&] { write_offsets(writer, 0, tets + 1, types.ids); });
   write_at(writer, place_of(layout->types, 0, 0), [&] { write_types(writer, tets); });
+  write_at(writer, place_of(layout->parts, 0, 0), [&] { write_part_numbers(writer, mesh); });
   if (!writer.status().ok()) return writer.status();
   return VtkHdfWriter(std::move(impl));
 }

@@ -22,11 +22,12 @@ std::uint64_t field_bytes(const MeshHeader& mesh, const FieldArray& field) {
   return mesh.vertex_count * field.components * sizeof(float);
 }
 
-/// One-sided meshes have no data of cells.
+/// Meshes of one side of one grid have no data of cells, and no mesh has labels of both kinds.
 std::string cell_data(const MeshHeader& mesh, std::uint64_t offset) {
-  if (!mesh.has_regions) return "";
-  return absl::StrCat("      <CellData Scalars=\"region\">\n",
-                      data_array("type=\"UInt8\" Name=\"region\"", offset),
+  if (!mesh.has_regions && mesh.parts.empty()) return "";
+  const char* const label = mesh.has_regions ? "region" : "part";
+  return absl::StrCat("      <CellData Scalars=\"", label, "\">\n",
+                      data_array(absl::StrCat("type=\"UInt8\" Name=\"", label, "\""), offset),
                       "      </CellData>\n");
 }
 
@@ -36,6 +37,21 @@ std::string xml_text(const std::string& name) {
                                        {"<",  "&lt;"},
                                        {">",  "&gt;"}
   });
+}
+
+/// Which number the part of each grid has, as arrays called like the grids.
+std::string field_data(const MeshHeader& mesh) {
+  if (mesh.parts.empty()) return "";
+  std::string text = "    <FieldData>\n";
+  for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
+    absl::StrAppend(&text, "      <DataArray type=\"Int32\" Name=\"",
+                    absl::StrReplaceAll(xml_text(mesh.parts[i].name),
+                                        {
+                                            {"\"", "&quot;"}
+    }),
+                    "\" NumberOfTuples=\"1\" format=\"ascii\">", i + 1, "</DataArray>\n");
+  }
+  return absl::StrCat(text, "    </FieldData>\n");
 }
 
 /// What a viewer shows before it is told what to: the first field of so many components.
@@ -72,16 +88,16 @@ std::string header_text(const MeshHeader& mesh,
   const std::uint64_t connectivity = kSizeBytes + sizes.points;
   const std::uint64_t offsets = connectivity + kSizeBytes + sizes.connectivity;
   const std::uint64_t cell_types = offsets + kSizeBytes + sizes.offsets;
-  const std::uint64_t regions = cell_types + kSizeBytes + sizes.types;
-  const std::uint64_t fields =
-      mesh.has_regions ? regions + kSizeBytes + sizes.regions : regions;
+  const std::uint64_t labels = cell_types + kSizeBytes + sizes.types;
+  const std::uint64_t label_bytes = sizes.regions + sizes.parts;
+  const std::uint64_t fields = label_bytes > 0 ? labels + kSizeBytes + label_bytes : labels;
   return absl::StrCat(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n"
-      "  <UnstructuredGrid>\n"
-      "    <Piece NumberOfPoints=\"",
-      mesh.vertex_count, "\" NumberOfCells=\"", mesh.tet_count,
+      "  <UnstructuredGrid>\n",
+      field_data(mesh), "    <Piece NumberOfPoints=\"", mesh.vertex_count,
+      "\" NumberOfCells=\"", mesh.tet_count,
       "\">\n"
       "      <Points>\n",
       data_array(absl::StrCat("type=\"", wide ? "Float64" : "Float32",
@@ -92,7 +108,7 @@ std::string header_text(const MeshHeader& mesh,
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"connectivity\""), connectivity),
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"offsets\""), offsets),
       data_array("type=\"UInt8\" Name=\"types\"", cell_types), "      </Cells>\n",
-      point_data(mesh, fields), cell_data(mesh, regions),
+      point_data(mesh, fields), cell_data(mesh, labels),
       "    </Piece>\n"
       "  </UnstructuredGrid>\n"
       "  <AppendedData encoding=\"raw\">\n_");
@@ -118,6 +134,9 @@ absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl
   if (mesh.header.has_regions) {
     writer.number(sizes.regions);
     writer.bytes(mesh.regions.bytes());
+  } else if (sizes.parts > 0) {
+    writer.number(sizes.parts);
+    write_part_numbers(writer, mesh.header);
   }
   for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) {
     writer.number(field_bytes(mesh.header, mesh.header.fields[i]));

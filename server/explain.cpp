@@ -8,6 +8,7 @@
 #include <absl/strings/str_replace.h>
 
 #include "core/octree/sizing.h"
+#include "core/pipeline/joined_plan.h"
 #include "core/pipeline/vertex_field.h"
 #include "proto/wire/sha256.h"
 #include "server/status.h"
@@ -72,6 +73,12 @@ absl::Status about_field(const absl::Status& status, std::size_t i) {
   const bool is_wrong = absl::IsNotFound(status) || absl::IsInvalidArgument(status) ||
                         absl::IsFailedPrecondition(status);
   return is_wrong ? with_field(std::move(told), absl::StrCat("mesh.", field)) : told;
+}
+
+absl::Status about_grid(const absl::Status& status, std::size_t i) {
+  const std::string reason = reason_of(status);
+  if (reason != kOfFile.not_found && reason != kOfFile.precondition) return status;
+  return with_field(status, absl::StrCat("mesh.", kGridNamesField, "[", i, "]"));
 }
 
 absl::Status about_mesh(const absl::Status& status) {

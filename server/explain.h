@@ -20,6 +20,10 @@ absl::Status about_file(const absl::Status& status,
 /// Of reading the grid of field number `i` of a mesh's request: names that.
 absl::Status about_field(const absl::Status& status, std::size_t i);
 
+/// Of reading the grid that a request for several names in place `i`: names that, unless it is
+/// the file that cannot be read.
+absl::Status about_grid(const absl::Status& status, std::size_t i);
+
 /// Of counting a mesh. What has a reason keeps it.
 absl::Status about_mesh(const absl::Status& status);
 

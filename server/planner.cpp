@@ -1,6 +1,7 @@
 #include "server/planner.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
@@ -105,11 +106,28 @@ void Planner::load_shape(Job job) {
     threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
     return;
   }
+  if (!job.order.grid_names.empty()) return load_several(std::move(job));
   const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
   load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
     loaded.grids.push_back(std::move(grid));
     loaded.shape = std::move(volume);
     load_sizes(std::move(loaded));
+  });
+}
+
+/// One after another.
+void Planner::load_several(Job job) {
+  const auto& names = job.order.grid_names;
+  const std::size_t next = job.several.size();
+  if (next == names.size()) {
+    job.shape = std::exchange(job.several, {});
+    return load_sizes(std::move(job));
+  }
+  const VolumeKey key{job.order.space, job.order.digest, names[next]};
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    if (loaded.grids.empty()) loaded.grids.push_back(std::move(grid));  // all of one file
+    loaded.several.push_back(std::move(volume));
+    load_several(std::move(loaded));
   });
 }
 
@@ -132,7 +150,9 @@ void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
 }
 
 void Planner::Job::fail(const VolumeKey& key, const absl::Status& status) const {
-  then(*this, key.component ? about_field(status, field) : status);
+  if (key.component) return then(*this, about_field(status, field));
+  const bool is_one_of_several = !order.grid_names.empty() && grids_of(shape) == nullptr;
+  then(*this, is_one_of_several ? about_grid(status, several.size()) : status);
 }
 
 /// On the pool; its grids one after another.

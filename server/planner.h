@@ -1,6 +1,6 @@
 // From a valid order to a counted mesh: find the file, load the grid, load the grids of its
 // sizing and of its fields if there are any, plan; each step once. A scene has any number of
-// grids.
+// grids, and so has an order for several.
 #pragma once
 
 #include <atomic>
@@ -117,6 +117,7 @@ class Planner {
     std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
     std::vector<GridLease> grids = {};
     Shape shape = {};
+    GridList several = {};  ///< loaded so far, of as many as the order names
     std::size_t field = 0;  ///< of the request's, that is loaded next
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
@@ -128,6 +129,7 @@ class Planner {
   using GridLoaded = std::function<void(Job, GridLease, std::shared_ptr<const Volume>)>;
 
   void load_shape(Job job);
+  void load_several(Job job);
   void load_grid(Job job, const VolumeKey& key, GridLoaded then);
   void load_scene(Job job);
   void make_scene(Job job);

@@ -12,6 +12,7 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/explain.h"
+#include "server/grid_names_request.h"
 #include "server/mesh_events.h"
 #include "server/status.h"
 
@@ -146,6 +147,7 @@ absl::Status RemeshStream::take(v1::RemeshRequest message) {
 }
 
 absl::Status RemeshStream::take_start(const v1::MeshRequest& request) {
+  if (auto status = check_session_of_grids(request); !status.ok()) return status;
   auto order = parse_mesh_request(request);
   if (!order.ok()) return order.status();
   started_ = true;

@@ -11,6 +11,7 @@
 #include "proto/wire/sha256.h"
 #include "server/box_request.h"
 #include "server/field_request.h"
+#include "server/grid_names_request.h"
 #include "server/scene_request.h"
 #include "server/sizing_request.h"
 #include "server/status.h"
@@ -108,6 +109,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = check_cut(order.request); !status.ok()) {
     return invalid_field(std::string(status.message()));
   }
+  if (const auto status = parse_grid_names(request, order); !status.ok()) return status;
   if (!order.is_scene() || order.scene.has_grids()) return order;
   const auto made = scene_of_order(order);
   if (!made.ok()) return made.status();
@@ -129,6 +131,7 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field(absl::StrCat("encoding ", static_cast<int>(request.encoding()),
                                       " is unknown: see Capabilities.encodings"));
   }
+  if (auto status = check_stream_of_grids(request); !status.ok()) return status;
   const bool compact = request.encoding() == v1::ENCODING_COMPACT;
   if (compact && mesh->request.improve) {
     return invalid_field(
@@ -198,14 +201,18 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Shape& shape,
                                   const MeshHeader* header) {
   v1::MeshRequest canonical;
-  if (const Volume* volume = volume_of(shape)) {
+  if (const GridList* grids = grids_of(shape)) {
+    set_canonical_grids(order, *grids, canonical);
+  } else if (const Volume* volume = volume_of(shape)) {
     canonical.set_name(name_of_grid(order.digest));
     canonical.set_grid_name(volume->name);
     canonical.set_iso(order.request.iso.value_or(default_iso(shape)));
   } else {
     set_canonical_scene(order, canonical);
   }
-  canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));
+  if (grids_of(shape) == nullptr) {
+    canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));
+  }
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
   if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
@@ -237,7 +244,7 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
-                   exact_fields(canonical)),
+                   exact_fields(canonical), exact_grids(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();
@@ -283,6 +290,16 @@ void to_proto(const GridInfo& info, v1::GridInfo& message) {
   box.set_max_z(info.active_box.max.z);
 }
 
+void to_proto(const MeshPart& part, v1::MeshPart& message) {
+  message.set_name(part.name);
+  message.set_first_vertex(signed_count(part.first_vertex));
+  message.set_vertex_count(signed_count(part.vertex_count));
+  message.set_first_tet(signed_count(part.first_tet));
+  message.set_tet_count(signed_count(part.tet_count));
+  message.set_spacing(part.spacing);
+  message.set_levels(part.levels);
+}
+
 void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_vertex_count(signed_count(header.vertex_count));
   message.set_tet_count(signed_count(header.tet_count));
@@ -299,6 +316,7 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
     array.set_name(field.name);
     array.set_components(static_cast<std::int32_t>(field.components));
   }
+  for (const MeshPart& part : header.parts) to_proto(part, *message.add_parts());
   message.set_mesh_bytes(
       signed_count(ChunkSizes(header, header.vertex_count, header.tet_count).total()));
 }

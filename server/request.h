@@ -30,6 +30,7 @@ struct MeshOrder {
   std::string digest;     ///< of the grid file; empty where there is a scene
   std::string grid_name;  ///< within it; may be empty
   MeshRequest request;
+  std::vector<std::string> grid_names = {};  ///< of several grids instead
   std::string space = {};  ///< the caller's namespace, from whoever knows the call
   scene::Description scene =
       {};                        ///< whose grids are loaded later; no nodes where there is none
@@ -63,7 +64,8 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
 std::vector<std::string> files_of(const MeshOrder& order);
 
 /// The request with every default filled in, but for a box: without one it is the
-/// shape's extent. `coordinates` stays unset only if `header` is null.
+/// shape's extent. `coordinates` stays unset only if `header` is null. Of several grids each
+/// has its own spacing and iso unless they are given.
 v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Shape& shape,
                                   const MeshHeader* header);
@@ -80,6 +82,7 @@ v1::CoordinateType to_proto(CoordinateType type);
 v1::IndexType to_proto(IndexType type);
 v1::Preset to_proto(Preset preset);
 void to_proto(const GridInfo& info, v1::GridInfo& message);
+void to_proto(const MeshPart& part, v1::MeshPart& message);
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);
 void to_proto(const KeptParts& kept, v1::KeptParts& message);
 void to_proto(const LatticeToWorld& to_world, v1::Lattice& message);

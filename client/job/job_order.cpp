@@ -114,12 +114,12 @@ absl::StatusOr<JobOrder> understand_job(const JobArguments& arguments) {
   absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
   if (!request.ok()) return request.status();
   JobOrder order{
-      {arguments.input, arguments.request.grid, arguments.voxel},
-      {                        }
+      {arguments.input, arguments.request.grids, arguments.voxel},
+      {                         }
   };
   for (VertexField& field : request->fields) field.file = place_of(field.file);
   v1::Job& job = order.job;
-  *job.mutable_mesh() = wire_request(*request, "", arguments.request.grid);
+  *job.mutable_mesh() = wire_request(*request, "", arguments.request.grids);
   job.set_display_name(arguments.name.empty() ? default_name(arguments.input) : arguments.name);
   job.set_priority(arguments.priority);
   if (arguments.max_attempts) job.set_max_attempts(*arguments.max_attempts);

@@ -38,7 +38,7 @@ template <class Store>
 absl::Status store_input(const MeshInput& input, const Store& store, v1::MeshRequest& mesh) {
   if (is_scene_file(input.path)) {
     auto scene = read_scene_message(input.path, [&](const std::string& path) {
-      return store({path, "", {}});
+      return store({path, {}, {}});
     });
     if (scene.ok()) *mesh.mutable_scene() = *std::move(scene);
     return scene.status();
@@ -53,7 +53,7 @@ template <class Store>
 absl::Status store_fields(const Store& store, v1::MeshRequest& mesh) {
   for (v1::Field& field : *mesh.mutable_fields()) {
     if (field.grid().empty()) continue;
-    auto name = store({field.grid(), "", {}});
+    auto name = store({field.grid(), {}, {}});
     if (!name.ok()) return name.status();
     field.set_grid(*std::move(name));
   }

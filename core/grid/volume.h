@@ -41,6 +41,8 @@ struct VoxelTransform {
   std::array<double, 3> translation{};
   double voxel_size = 1;  ///< world units
 
+  friend bool operator==(const VoxelTransform&, const VoxelTransform&) = default;
+
   WorldPoint to_world(const VoxelPoint& p) const noexcept {
     const auto& a = linear;
     return {a[0][0] * p.x + a[0][1] * p.y + a[0][2] * p.z + translation[0],

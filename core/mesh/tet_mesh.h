@@ -29,6 +29,20 @@ struct FieldArray {
   friend bool operator==(const FieldArray&, const FieldArray&) = default;
 };
 
+/// One grid's mesh among those of several grids, which are joined: runs of the vertices and of
+/// the tets. Its tets have no other vertices.
+struct MeshPart {
+  std::string name;  ///< of the grid
+  std::uint64_t first_vertex = 0, vertex_count = 0;
+  std::uint64_t first_tet = 0, tet_count = 0;
+  double spacing = 0;  ///< as that of a header
+  int levels = 0;
+  friend bool operator==(const MeshPart&, const MeshPart&) = default;
+};
+
+/// Parts are numbered from 1 on where a tet has a label.
+inline constexpr std::size_t kMaxMeshParts = 64;
+
 /// Totals and encodings of a mesh.
 struct MeshHeader {
   std::uint64_t vertex_count = 0;
@@ -42,6 +56,9 @@ struct MeshHeader {
   double spacing = 0;        ///< lattice spacing h of the finest leaves, world units
   int levels = 0;            ///< coarser octree levels that the mesh really uses
   std::vector<FieldArray> fields;  ///< that every vertex has values of
+  /// Of a mesh of several grids, one behind the other; `spacing` is then the smallest of
+  /// theirs, and `levels` the most. Else empty.
+  std::vector<MeshPart> parts = {};
 
   /// float32 values that a vertex has, of all fields together.
   std::size_t field_values() const noexcept;

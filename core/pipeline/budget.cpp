@@ -120,6 +120,11 @@ double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
   constexpr double kInsideCost = 1.0 / 32;
   // Improving takes as long as so many surveys.
   constexpr double kImprovement = 10;
+  if (const GridList* grids = grids_of(shape)) {
+    double sum = 0;
+    for (const auto& grid : *grids) sum += estimate_bricks_to_plan(grid, request);
+    return sum;
+  }
   const double spacing = request.spacing.value_or(default_spacing(shape));
   const Scene* scene = scene_of(shape);
   const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)

@@ -69,6 +69,7 @@ absl::StatusOr<std::size_t> count_survey_blocks(const Shape& shape,
                                                 const MeshLimits& limits,
                                                 std::size_t block_bricks,
                                                 const Cancellation& cancellation) {
+  if (grids_of(shape) != nullptr) return 1;
   const auto prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
   if (request.manifold || is_made_whole(request)) return 1;
@@ -121,7 +122,7 @@ absl::StatusOr<Survey> join_survey(const PreparedMesh& prepared,
       append(survey, *here);
     }
     if (progress == nullptr) continue;
-    progress->total = bricks.size();
+    if (block == 0) progress->expect(bricks.size());
     progress->done += in_block.size();
   }
   return survey;

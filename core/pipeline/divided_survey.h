@@ -14,8 +14,9 @@
 namespace tet {
 
 /// Blocks of `block_bricks` bricks near the surface that a mesh's survey has. 1 where it is not
-/// to be divided: nodes are put back for a manifold one after the other, and a mesh with a
-/// graded surface is made as a whole. Errors: those of prepare_mesh.
+/// to be divided: nodes are put back for a manifold one after the other, a mesh with a
+/// graded surface is made as a whole, and several grids are planned in turn. Errors: those of
+/// prepare_mesh.
 absl::StatusOr<std::size_t> count_survey_blocks(const Shape& shape,
                                                 const MeshRequest& request,
                                                 const MeshLimits& limits,

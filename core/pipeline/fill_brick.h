@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/base/quality.h"
 #include "core/mesh/lattice_to_world.h"
@@ -27,6 +28,7 @@ struct MeshWorkspace::Impl {
   SlotIds<std::uint32_t> ids32;
   std::unique_ptr<SlotIds<std::uint64_t>> ids64;  // for meshes beyond 2^32 vertices only
   StuffedTets stuffed_tets;
+  std::vector<std::byte> places;  // of a chunk, before they are moved: see JoinedPlan
 };
 
 /// Fills the bricks of one chunk, one after another.

@@ -84,6 +84,14 @@ VoxelBox corner_box(const CountedMesh& mesh) {
   return box;
 }
 
+bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept {
+  const auto reach = [&](const WorldPoint& p) {
+    return std::max(
+        {std::abs(p.x - origin.x), std::abs(p.y - origin.y), std::abs(p.z - origin.z)});
+  };
+  return std::max(reach(bounds.min), reach(bounds.max)) > kMaxFloat32Extent * spacing;
+}
+
 absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               const VoxelBox& corners,
                                               double beyond,

@@ -19,6 +19,9 @@ VoxelBox corner_box(const BrickBox& domain);
 /// Finest-level bricks that hold vertices, as a box of lattice corners.
 VoxelBox corner_box(const CountedMesh& mesh);
 
+/// Whether float32 coordinates from `origin` on would bend the angle bounds of a mesh.
+bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept;
+
 /// Puts the origin where the request says, or in the middle of `corners`, a box of lattice
 /// corners; all vertices are no farther than `beyond` spacings outside of it. Fills in the
 /// header's origin, bounds, spacing and type of coordinates. Errors: kInvalidArgument (an

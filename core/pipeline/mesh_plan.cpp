@@ -18,6 +18,7 @@
 #include "core/pipeline/fill_brick.h"
 #include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/graded_mesh.h"
+#include "core/pipeline/joined_plan.h"
 #include "core/pipeline/mesh_place.h"
 #include "core/pipeline/prepared_mesh.h"
 #include "core/pipeline/sample_fields.h"
@@ -73,10 +74,20 @@ struct MeshPlan::Impl {
   std::vector<std::size_t> first_brick = {};  // of each chunk, and one more
   std::optional<GradedMesh> graded = {};      // made already; then there are no bricks
   std::vector<VertexField> fields = {};
+  std::optional<JoinedPlan> joined = {};  // of several grids; then all chunks are its
+
+  /// Of what has no bricks.
+  static MeshPlan::Impl without_bricks(Shape shape, const MeshHeader& header);
 
   void cut_into_chunks(std::size_t chunk_bytes);
   void fill_fields(const ChunkExtent& extent, const ChunkColumns& columns) const noexcept;
 };
+
+MeshPlan::Impl MeshPlan::Impl::without_bricks(Shape shape, const MeshHeader& header) {
+  MeshStructure none;
+  none.tree.levels.emplace_back();
+  return {std::move(shape), {}, CountedMesh(std::move(none), {}), header, {}, {}, {}};
+}
 
 void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   const auto bytes_before = [&](std::size_t brick) {
@@ -91,7 +102,9 @@ void MeshPlan::Impl::cut_into_chunks(std::size_t chunk_bytes) {
   header.chunk_count = first_brick.size() - 1;
 }
 
-MeshPlan::MeshPlan(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+MeshPlan::MeshPlan(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {
+  if (impl_->joined) improvement_ = impl_->joined->improvement();
+}
 MeshPlan::~MeshPlan() = default;
 
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
@@ -102,14 +115,16 @@ const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
   return impl_->boundary;
 }
 
-bool MeshPlan::has_bricks() const noexcept { return !impl_->graded; }
+bool MeshPlan::has_bricks() const noexcept { return !impl_->graded && !impl_->joined; }
 
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
+  if (impl_->joined) return impl_->joined->chunk(index);
   if (impl_->graded) return impl_->graded->chunk(index);
   return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
 }
 
 std::uint64_t MeshPlan::bytes() const noexcept {
+  if (impl_->joined) return impl_->joined->bytes();
   const std::uint64_t made = impl_->graded ? impl_->graded->bytes() : 0;
   return impl_->mesh.bytes() + heap_bytes(impl_->first_brick) + made + positions_.size();
 }
@@ -126,6 +141,7 @@ ChunkExtent MeshPlan::bricks(const BrickRange& range) const noexcept {
 QualityStats MeshPlan::fill_chunk(std::uint64_t index,
                                   MeshWorkspace& workspace,
                                   ChunkColumns columns) const noexcept {
+  if (impl_->joined) return impl_->joined->fill_chunk(index, workspace, columns);
   QualityStats stats;
   if (impl_->graded) {
     impl_->graded->fill_chunk(index, columns);
@@ -267,6 +283,22 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
   return improve_plan(*plan, limits, cancellation);
 }
 
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const GridList& grids,
+                                                            const MeshRequest& request,
+                                                            const MeshLimits& limits,
+                                                            const Cancellation& cancellation,
+                                                            MeshProgress* progress) {
+  absl::StatusOr<JoinedPlan> joined =
+      JoinedPlan::of(grids, request, limits, cancellation, progress);
+  if (!joined.ok()) return joined.status();
+  auto impl =
+      std::make_unique<MeshPlan::Impl>(MeshPlan::Impl::without_bricks(grids, joined->header()));
+  impl->boundary = joined->boundary();
+  impl->thin_walls = joined->thin_walls();
+  impl->joined = *std::move(joined);
+  return std::make_shared<const MeshPlan>(std::move(impl));
+}
+
 /// Surveys what neither an earlier plan nor other hosts have surveyed.
 absl::StatusOr<Survey> survey_rest(const PreparedMesh& prepared,
                                    const MeshPlan* earlier,
@@ -296,6 +328,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
                                                           MeshProgress* progress,
                                                           const SurveyedBlocks& surveyed,
                                                           const MeshPlan* earlier) {
+  if (const GridList* grids = grids_of(shape)) {
+    return plan_joined(*grids, request, limits, cancellation, progress);
+  }
   absl::StatusOr<PreparedMesh> prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
   const auto& [asked, field, space, bricks] = *prepared;

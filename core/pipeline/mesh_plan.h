@@ -43,6 +43,13 @@ class MeshWorkspace {
 /// Where long work stands; readable from any thread while it runs.
 struct MeshProgress {
   std::atomic<std::uint64_t> done{0}, total{0};  ///< bricks surveyed, of those to survey
+
+  /// So many more are to be surveyed, if that was not known already. One survey after the
+  /// other.
+  void expect(std::uint64_t bricks) noexcept {
+    const std::uint64_t all = done + bricks;
+    if (total < all) total = all;
+  }
 };
 
 /// A survey that was made before, in blocks of so many bricks near the surface.
@@ -93,7 +100,8 @@ class MeshPlan {
 
   /// Where the request asks for it: what the improvement did, and nothing otherwise.
   const std::optional<Improvement>& improvement() const noexcept { return improvement_; }
-  /// Improves the whole mesh as this plan's chunks make it.
+  /// Improves the whole mesh as this plan's chunks make it. Not of several grids, whose plan
+  /// has them improved where the request asks for it; the next two neither.
   Improvement improve(TetMesh& mesh, const Cancellation& cancellation) const;
   /// The same plan with the positions that an improvement found.
   std::shared_ptr<const MeshPlan> with_positions(ByteBuffer positions,
@@ -111,8 +119,9 @@ class MeshPlan {
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept;
 
-  /// False where the surface is graded: the mesh was made when it was planned, as a whole. All
-  /// that follows is for meshes of bricks.
+  /// False where the surface is graded: the mesh was made when it was planned, as a whole; and
+  /// of several grids, whose meshes are planned each by itself. All that follows is for meshes
+  /// of bricks.
   bool has_bricks() const noexcept;
 
   /// The same by bricks, of which there are any number in a chunk; without fields.
@@ -140,7 +149,8 @@ class MeshPlan {
 /// and tet given its place. Parallel; run it on a TaskPool. `progress` may be null. A request
 /// to improve the mesh makes the whole of it here once, and keeps the improved positions. What
 /// other hosts surveyed is not surveyed again (see divided_survey.h), nor what `earlier`, which
-/// may be null, surveyed of a shape that was the same there; the plan's chunks are the same.
+/// may be null, surveyed of a shape that was the same there; the plan's chunks are the same. Of
+/// several grids neither is looked at, and the limits are for all together: see joined_plan.h.
 ///
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),

@@ -20,23 +20,25 @@ absl::StatusOr<MeshResult> make_mesh(Shape shape,
                                      const Cancellation& cancellation,
                                      const ProgressFunction& progress,
                                      TetMesh used) {
-  // The mesh is improved where it lies: a plan would make it once more.
-  MeshRequest unimproved = request;
-  unimproved.improve = false;
+  // The mesh is improved where it lies: a plan would make it once more. Those of several grids
+  // are improved one by one, by their plan.
+  const bool improve_here = request.improve && grids_of(shape) == nullptr;
+  MeshRequest as_planned = request;
+  if (improve_here) as_planned.improve = false;
   MeshResult result;
   Clock::time_point start = Clock::now();
-  const auto plan = plan_mesh(std::move(shape), unimproved, limits, cancellation, nullptr);
+  const auto plan = plan_mesh(std::move(shape), as_planned, limits, cancellation, nullptr);
   if (!plan.ok()) return plan.status();
   result.plan_seconds = seconds_since(start);
 
   start = Clock::now();
-  const double share = request.improve ? 0.5 : 1;  // of the time, about
+  const double share = improve_here ? 0.5 : 1;  // of the time, about
   const auto tell = [&](double fraction) {
     if (progress) progress(share * fraction);
   };
   absl::StatusOr<FilledMesh> filled =
       fill_mesh(**plan, cancellation, tell, std::move(used),
-                request.improve ? FieldValues::kLater : FieldValues::kNow);
+                improve_here ? FieldValues::kLater : FieldValues::kNow);
   if (!filled.ok()) return filled.status();
   result.mesh = std::move(filled->mesh);
   result.quality = filled->quality;
@@ -44,7 +46,12 @@ absl::StatusOr<MeshResult> make_mesh(Shape shape,
   result.boundary = (*plan)->boundary();
   result.fill_seconds = seconds_since(start);
 
-  if (!request.improve) return result;
+  if (!improve_here) {
+    result.improvement = (*plan)->improvement();
+    if (result.improvement) result.improve_seconds = result.improvement->seconds;
+    result.plan_seconds -= result.improve_seconds;
+    return result;
+  }
   start = Clock::now();
   result.improvement = (*plan)->improve(result.mesh, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;

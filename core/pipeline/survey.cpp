@@ -291,7 +291,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const Cancellation& cancellation,
                                      MeshProgress* progress,
                                      const EarlierSurvey* earlier) {
-  if (progress != nullptr) progress->total = candidates.size();
+  if (progress != nullptr) progress->expect(candidates.size());
   std::shared_ptr<const RestoredNodes> restored;
   if (space.manifold) {
     auto nodes = find_nodes_to_restore(field, candidates, space.rules, cancellation);

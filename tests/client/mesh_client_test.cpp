@@ -306,6 +306,57 @@ TEST(MeshReceiver, RefusesRegionsThatWereNotAnnounced) {
   EXPECT_EQ(receiver.take(chunk).code(), absl::StatusCode::kDataLoss);
 }
 
+TEST(MeshReceiver, RefusesPartsThatAreNotAllOfTheMesh) {
+  const auto taken = [](const std::vector<std::pair<std::int64_t, std::int64_t>>& vertices,
+                        const std::string& name = "femur") {
+    v1::MeshEvent event = small_header();
+    for (const auto& [first, count] : vertices) {
+      v1::MeshPart& part = *event.mutable_header()->add_parts();
+      part.set_name(name);
+      part.set_first_vertex(first);
+      part.set_vertex_count(count);
+    }
+    return MeshReceiver().take(event).code();
+  };
+  constexpr auto kLost = absl::StatusCode::kDataLoss;
+  EXPECT_EQ(taken({
+                {0, 1},
+                {1, 1}
+  }),
+            absl::StatusCode::kOk);
+  EXPECT_EQ(taken({
+                {0, 1}
+  }),
+            kLost);
+  EXPECT_EQ(taken({
+                {0, 1},
+                {0, 1}
+  }),
+            kLost);
+  EXPECT_EQ(taken({
+                {0,  3},
+                {3, -1}
+  }),
+            kLost);
+  EXPECT_EQ(taken(
+                {
+                    {0, 1},
+                    {1, 1}
+  },
+                ""),
+            kLost);
+  EXPECT_EQ(taken(
+                {
+                    {0, 1},
+                    {1, 1}
+  },
+                "a\nb"),
+            kLost);
+  std::vector<std::pair<std::int64_t, std::int64_t>> many(65, {2, 0});
+  many.front() = {0, 2};
+  EXPECT_EQ(taken(many), kLost);
+}
+
 TEST(MeshReceiver, RefusesABoundaryWithImpossibleCounts) {
   MeshReceiver receiver;
   ASSERT_TRUE(receiver.take(small_header()).ok());

@@ -77,6 +77,26 @@ TEST(MeshReport, TellsBothSidesApart) {
   EXPECT_EQ(report["boundary"]["triangles"], 4) << "of the inside";
 }
 
+TEST(MeshReport, TellsTheGridsOfSeveralApart) {
+  MadeMesh made = made_cube();
+  EXPECT_FALSE(report_of(made).contains("parts"));
+  made.mesh.header.parts = {
+      {"femur", 0, 3, 0, 2, 0.5, 1},
+      {"tibia", 3, 5, 2, 4,   1, 0}
+  };
+  const auto parts = report_of(made)["parts"];
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0]["name"], "femur");
+  EXPECT_EQ(parts[0]["spacing"], 0.5);
+  EXPECT_EQ(parts[1]["tets"], 4);
+  EXPECT_EQ(parts[1]["vertices"], 5);
+  EXPECT_NEAR(parts[1]["volume"].get<double>(), 4.0 / 6, 1e-6);
+  EXPECT_THAT(summary_line("leg.vtu", made, 1),
+              testing::HasSubstr("6 tets (2 femur, 4 tibia), dihedral"));
+  made.mesh.header.parts.resize(12, {"more", 8, 0, 6, 0, 1, 0});
+  EXPECT_THAT(summary_line("leg.vtu", made, 1), testing::HasSubstr("and of 4 more grids)"));
+}
+
 TEST(MeshReport, TellsWhatAnImprovementDid) {
   MadeMesh made = made_cube();
   EXPECT_FALSE(report_of(made).contains("improvement"));

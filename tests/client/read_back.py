@@ -30,15 +30,21 @@ SAMPLES = {
     "outside": numpy.float32,
     "field": numpy.float32,
     "fields": numpy.float32,
+    "parts": numpy.float32,
 }
+# Of the sample "parts", as files have them.
+PART_NAMES = ['femur "left"', "a/b <c> & d"]
 
 
 def read_vtu_with_meshio(path):
     mesh = meshio.read(path)
     assert [block.type for block in mesh.cells] == ["tetra"], mesh.cells
-    assert set(mesh.cell_data) <= {"region"}, mesh.cell_data
-    return (mesh.points, mesh.cells[0].data, mesh.cell_data.get("region", [None])[0],
-            mesh.point_data)
+    assert set(mesh.cell_data) < {"region", "part"}, mesh.cell_data
+    labels = next(iter(mesh.cell_data.values()), [None])[0]
+    if "part" in mesh.cell_data:
+        assert {name: list(number) for name, number in mesh.field_data.items()} == {
+            name: [i + 1] for i, name in enumerate(PART_NAMES)}, mesh.field_data
+    return mesh.points, mesh.cells[0].data, labels, mesh.point_data
 
 
 def read_msh_with_meshio(path):
@@ -51,7 +57,8 @@ def read_msh_with_meshio(path):
         assert len(mesh.cells) == 1 and not mesh.field_data, mesh
         return mesh.points, tets, None, fields
     names = {name: list(tag) for name, tag in mesh.field_data.items()}
-    assert names == {"inside": [1, 3], "outside": [2, 3]}, names
+    assert names in ({"inside": [1, 3], "outside": [2, 3]},
+                     {PART_NAMES[0].replace('"', "'"): [1, 3], PART_NAMES[1]: [2, 3]}), names
     regions = numpy.concatenate(mesh.cell_data["gmsh:physical"])
     assert (regions == numpy.concatenate(mesh.cell_data["gmsh:geometrical"])).all()
     return mesh.points, tets, regions, fields
@@ -68,10 +75,10 @@ def read_with_vtk(reader, path):
     offsets = vtk_to_numpy(cells.GetOffsetsArray())
     assert (offsets == 4 * numpy.arange(grid.GetNumberOfCells() + 1)).all()
     data = grid.GetCellData()
-    regions = data.GetArray("region")
-    assert data.GetNumberOfArrays() == (regions is not None)
+    labels = data.GetArray("region") or data.GetArray("part")
+    assert data.GetNumberOfArrays() == (labels is not None)
     return (points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4),
-            None if regions is None else vtk_to_numpy(regions), point_data_of(grid))
+            None if labels is None else vtk_to_numpy(labels), point_data_of(grid))
 
 
 def point_data_of(grid):
@@ -114,10 +121,11 @@ class ReadBack(unittest.TestCase):
                 expected_points = numpy.array(expected["points"]).astype(points.dtype)
                 numpy.testing.assert_array_equal(points, expected_points)
                 numpy.testing.assert_array_equal(tets, expected["tets"])
+                labels = expected["parts"] if name == "parts" else expected["regions"]
                 if regions is None:
-                    self.assertEqual(expected["regions"], [])
+                    self.assertEqual(len(labels), 0)
                 else:
-                    numpy.testing.assert_array_equal(regions, expected["regions"])
+                    numpy.testing.assert_array_equal(regions, labels)
                 self.assertGreater(volumes(points, tets).min(), 0.1)
                 self.check_fields(fields, expected["fields"], is_msh)
 
@@ -173,6 +181,22 @@ class ReadBack(unittest.TestCase):
         self.assertEqual(vtk_to_numpy(scalars).dtype, numpy.uint8)
         with h5py.File(self.directory / "sides.vtkhdf") as file:
             self.assertEqual(file["VTKHDF/CellData/region"].dtype, numpy.uint8)
+
+    def test_parts_are_bytes_and_their_numbers_have_the_names_of_grids(self):
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.directory / "parts.vtu"))
+        reader.Update()
+        grid = reader.GetOutput()
+        self.assertEqual(grid.GetCellData().GetScalars().GetName(), "part")
+        self.assertEqual(vtk_to_numpy(grid.GetCellData().GetScalars()).dtype, numpy.uint8)
+        for i, name in enumerate(PART_NAMES):
+            self.assertEqual(list(vtk_to_numpy(grid.GetFieldData().GetArray(name))), [i + 1])
+        with h5py.File(self.directory / "parts.vtkhdf") as file:
+            group = file["VTKHDF"]
+            self.assertEqual(group["CellData/part"].dtype, numpy.uint8)
+            self.assertEqual({name: list(number) for name, number in group["FieldData"].items()},
+                             {name.replace("/", "_"): [i + 1]
+                              for i, name in enumerate(PART_NAMES)})
 
     def test_the_same_mesh_is_the_same_bytes(self):
         with tempfile.TemporaryDirectory() as again:

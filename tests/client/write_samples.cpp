@@ -37,8 +37,19 @@ nlohmann::json fields_of(const TetMesh& mesh) {
   return fields;
 }
 
+/// Two grids' meshes: the first `tets` tets, and the rest.
+TetMesh in_two_parts(TetMesh mesh, std::uint64_t tets) {
+  const std::uint64_t rest = mesh.header.tet_count - tets;
+  mesh.header.parts = {
+      {"femur \"left\"", 0,                            1,    0, tets, 1, 0},
+      {   "a/b <c> & d", 1, mesh.header.vertex_count - 1, tets, rest, 1, 0}
+  };
+  return mesh;
+}
+
 nlohmann::json contents_of(const TetMesh& mesh) {
   nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
+  nlohmann::json parts = points;
   for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
     const auto [x, y, z] = mesh.vertex(i);
     points.push_back({x, y, z});
@@ -46,11 +57,13 @@ nlohmann::json contents_of(const TetMesh& mesh) {
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
     tets.push_back(mesh.tet(i));
     if (mesh.header.has_regions) regions.push_back(mesh.region(i));
+    if (!mesh.header.parts.empty()) parts.push_back(i < mesh.header.parts[1].first_tet ? 1 : 2);
   }
   return {
       { "points",          points},
       {   "tets",            tets},
       {"regions",         regions},
+      {  "parts",           parts},
       { "fields", fields_of(mesh)}
   };
 }
@@ -103,6 +116,8 @@ absl::Status write_samples(const std::string& directory) {
   })));
   status.Update(write_sample(directory + "/fields",
                              with_fields(with_regions(kuhn_mesh(33), every_third), fields)));
+  status.Update(write_sample(directory + "/parts",
+                             with_fields(in_two_parts(kuhn_mesh(33), 100'001), fields)));
   return status;
 }
 

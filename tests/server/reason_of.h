@@ -19,4 +19,13 @@ inline std::string reason_of(const grpc::Status& status) {
   return info.domain() + "/" + info.reason();
 }
 
+/// The field that its BadRequest names; empty without one.
+inline std::string field_of(const grpc::Status& status) {
+  google::rpc::Status rpc;
+  google::rpc::BadRequest bad;
+  if (!rpc.ParseFromString(status.error_details())) return "no details";
+  for (const auto& detail : rpc.details()) detail.UnpackTo(&bad);
+  return bad.field_violations().empty() ? "" : bad.field_violations(0).field();
+}
+
 }  // namespace tet::test

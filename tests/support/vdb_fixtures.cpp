@@ -170,6 +170,37 @@ void write_fields(double voxel, const std::string& path) {
       openvdb::GridCPtrVec{ball, heat(1.5 * voxel), velocity(2 * voxel), count});
 }
 
+/// Voxels of `voxel`, turned about the z axis by 37 degrees and moved.
+openvdb::math::Transform::Ptr turned(double voxel, const Vec3d& origin) {
+  openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+  matrix.setToRotation(Vec3d(0, 0, 1), std::atan2(3, 4));
+  matrix.preScale(Vec3d(voxel));
+  const auto transform = openvdb::math::Transform::createLinearTransform(matrix);
+  transform->postTranslate(origin);
+  return transform;
+}
+
+void write_parts(double voxel, const std::string& path) {
+  const auto named = [](const char* name, const GridBase::Ptr& grid,
+                        const openvdb::math::Transform::Ptr& transform) {
+    grid->setName(name);
+    grid->setTransform(transform);
+    return grid;
+  };
+  const auto straight = [](double edge, const Vec3d& origin) {
+    const auto transform = openvdb::math::Transform::createLinearTransform(edge);
+    transform->postTranslate(origin);
+    return transform;
+  };
+  const double wide = 1.5 * voxel;
+  openvdb::io::File(path).write(openvdb::GridCPtrVec{
+      named("ball", level_set([](const Vec3d& p) { return p.length() - 1; }, voxel),
+            straight(voxel, {0, 0, 0})),
+      velocity(2 * voxel), named("ring", level_set(torus, wide), turned(wide, {3, 0.1, 0})),
+      named("cloud", fog(voxel), straight(voxel, Vec3d(0.3, 3.1, 0.7) * 1.01)),
+      named("twin", level_set(two_spheres, voxel), straight(voxel, {0, 0, 0}))});
+}
+
 using Maker = std::function<GridBase::Ptr(double voxel)>;
 
 Maker level_set_of(const Solid& solid) {
@@ -208,6 +239,7 @@ std::vector<std::string_view> fixture_kinds() {
 void write_fixture(std::string_view kind, double voxel, const std::string& path) {
   openvdb::initialize();
   if (kind == "fields") return write_fields(voxel, path);
+  if (kind == "parts") return write_parts(voxel, path);
   const auto maker = std::find_if(makers().begin(), makers().end(),
                                   [&](const auto& entry) { return entry.first == kind; });
   if (maker == makers().end()) {

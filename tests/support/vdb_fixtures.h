@@ -20,6 +20,11 @@ namespace tet::test {
 /// 1 + 2x - 3y + z/2 within 1.6 of the origin on each axis and -7 elsewhere, in voxels 1.5
 /// times as wide that lie between those of the sphere; "velocity" (vec3s), (x - y, 2z, 1 + x/4)
 /// and else (0, 0, -1), in voxels twice as wide; and "count", of whole numbers.
+///
+/// And "parts", a file of several solids: the level sets "ball" (radius 1), "ring" (radii 1 and
+/// 0.4, at x = 3, turned about z, in voxels 1.5 times as wide) and "twin" (as two-spheres, in
+/// the voxels of the ball); the density "cloud" (radius 1, at about y = 3, on voxels of its
+/// own); and "velocity", as above, which cannot be meshed.
 std::vector<std::string_view> fixture_kinds();
 
 /// Writes one grid named after its kind, with voxels of `voxel` world units, centred at the
