@@ -11,7 +11,6 @@
 namespace tet {
 namespace {
 
-constexpr std::int32_t kSurfaceDimension = 2;
 constexpr std::int32_t kTriangle = 2;  ///< Gmsh's number for a linear triangle
 
 /// The first is what no face of the box holds; the others are in the order of CutFace's bits.
@@ -66,7 +65,7 @@ std::uint64_t count_triangles(const std::vector<MshSurface>& surfaces) noexcept 
 }
 
 void write_triangles(BlockWriter& writer, const MshSurface& surface, std::uint64_t first) {
-  writer.number(std::array<std::int32_t, 3>{kSurfaceDimension, surface.tag, kTriangle});
+  writer.number(std::array<std::int32_t, 3>{kMshSurface, surface.tag, kTriangle});
   writer.number(std::uint64_t{surface.triangles.size()});
   writer.rows(surface.triangles.size(), [&](std::uint64_t i) {
     const auto& [a, b, c] = surface.triangles[i];

@@ -11,6 +11,9 @@
 
 namespace tet {
 
+/// The dimension of a surface.
+inline constexpr std::int32_t kMshSurface = 2;
+
 /// Triangles of one name, with the number that entity and physical group have in the file.
 struct MshSurface {
   std::int32_t tag = 0;

@@ -11,6 +11,7 @@
 #include <absl/strings/str_replace.h>
 
 #include "client/mesh_columns.h"
+#include "client/msh_surfaces.h"
 #include "core/mesh/regions.h"
 
 namespace tet {
@@ -28,8 +29,16 @@ struct FileVolume {
   std::uint64_t first_tet = 0, tets = 0;
 };
 
+/// What the elements of a file belong to.
+struct FileEntities {
+  std::vector<FileVolume> volumes;
+  std::vector<MshSurface> surfaces;
+
+  bool are_physical() const noexcept { return !volumes.front().name.empty(); }
+};
+
 /// The volumes of a file, in the order of their tags, which are the tets' labels.
-std::vector<FileVolume> volumes_of(const TetMesh& mesh) {
+std::vector<FileVolume> volumes_of(const TetMesh& mesh, bool named) {
   const MeshHeader& header = mesh.header;
   std::vector<FileVolume> volumes;
   for (const MeshPart& part : header.parts) {
@@ -37,7 +46,11 @@ std::vector<FileVolume> volumes_of(const TetMesh& mesh) {
     volumes.push_back({tag, part.name, {}, part.first_tet, part.tet_count});
   }
   if (!volumes.empty()) return volumes;
-  if (!header.has_regions) return {FileVolume{.tets = header.tet_count}};
+  if (!header.has_regions) {
+    return {
+        FileVolume{.name = named ? "inside" : "", .tets = header.tet_count}
+    };
+  }
   for (const auto& [region, name] :
        {std::pair(MeshRegion::kInside, "inside"), std::pair(MeshRegion::kOutside, "outside")}) {
     volumes.push_back(
@@ -46,12 +59,19 @@ std::vector<FileVolume> volumes_of(const TetMesh& mesh) {
   return volumes;
 }
 
-std::uint64_t file_bytes(const MeshHeader& header) noexcept {
+/// Where some elements have a physical name, all have.
+FileEntities entities_of(const TetMesh& mesh) {
+  std::vector<MshSurface> surfaces = msh_surfaces(mesh);
+  const bool named = !surfaces.empty();
+  return {volumes_of(mesh, named), std::move(surfaces)};
+}
+
+std::uint64_t file_bytes(const MeshHeader& header, std::uint64_t triangles) noexcept {
   std::uint64_t fields = 0;
   for (const FieldArray& field : header.fields) {
     fields += header.vertex_count * (4 + 8 * field.components);
   }
-  return header.vertex_count * 4 * 8 + header.tet_count * 5 * 8 + fields;
+  return header.vertex_count * 4 * 8 + header.tet_count * 5 * 8 + triangles * 4 * 8 + fields;
 }
 
 /// The format has 8 bytes for the number of a node, but 4 where it has data.
@@ -63,33 +83,46 @@ absl::Status check_node_numbers(const MeshHeader& header) {
                    header.vertex_count, ": write a .vtu or .vtkhdf"));
 }
 
-void write_physical_names(BlockWriter& writer, const std::vector<FileVolume>& volumes) {
-  if (volumes.front().name.empty()) return;
-  std::string text = absl::StrCat("$PhysicalNames\n", volumes.size(), "\n");
+std::string physical_name(std::int32_t dimension, std::int32_t tag, const std::string& name) {
+  const std::string quoted = absl::StrReplaceAll(name, {
+                                                           {"\"", "'"}
+  });
+  return absl::StrCat(dimension, " ", tag, " \"", quoted, "\"\n");
+}
+
+void write_physical_names(BlockWriter& writer, const FileEntities& entities) {
+  if (!entities.are_physical()) return;
+  const auto& [volumes, surfaces] = entities;
+  std::string text = absl::StrCat("$PhysicalNames\n", volumes.size() + surfaces.size(), "\n");
+  for (const MshSurface& surface : surfaces) {
+    text += physical_name(kMshSurface, surface.tag, surface.name);
+  }
   for (const FileVolume& volume : volumes) {
-    absl::StrAppend(&text, kVolume, " ", volume.tag, " \"",
-                    absl::StrReplaceAll(volume.name,
-                                        {
-                                            {"\"", "'"}
-    }),
-                    "\"\n");
+    text += physical_name(kVolume, volume.tag, volume.name);
   }
   writer.text(text + "$EndPhysicalNames\n");
 }
 
-void write_entities(BlockWriter& writer,
-                    const MeshHeader& header,
-                    const std::vector<FileVolume>& volumes) {
-  const WorldBox& box = header.bounds;
+/// An entity with the whole mesh's bounds, and nothing said of what bounds it.
+void write_entity(BlockWriter& writer,
+                  std::int32_t tag,
+                  bool is_physical,
+                  const WorldBox& box) {
+  writer.number(tag);
+  writer.number(std::array{box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z});
+  writer.number(std::uint64_t{is_physical});  // physical tags
+  if (is_physical) writer.number(tag);
+  writer.number(std::uint64_t{0});  // bounding entities
+}
+
+void write_entities(BlockWriter& writer, const WorldBox& bounds, const FileEntities& entities) {
+  const auto& [volumes, surfaces] = entities;
   writer.text("$Entities\n");
   // Points, curves, surfaces, volumes.
-  writer.number(std::array<std::uint64_t, 4>{0, 0, 0, volumes.size()});
+  writer.number(std::array<std::uint64_t, 4>{0, 0, surfaces.size(), volumes.size()});
+  for (const MshSurface& surface : surfaces) write_entity(writer, surface.tag, true, bounds);
   for (const FileVolume& volume : volumes) {
-    writer.number(volume.tag);
-    writer.number(std::array{box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z});
-    writer.number(std::uint64_t{!volume.name.empty()});  // physical tags
-    if (!volume.name.empty()) writer.number(volume.tag);
-    writer.number(std::uint64_t{0});  // bounding surfaces
+    write_entity(writer, volume.tag, entities.are_physical(), bounds);
   }
   writer.text("\n$EndEntities\n");
 }
@@ -122,13 +155,21 @@ void write_volume(BlockWriter& writer, const TetMesh& mesh, const FileVolume& vo
   });
 }
 
-void write_elements(BlockWriter& writer, const TetMesh& mesh, std::vector<FileVolume> volumes) {
+/// Tets come first, so that their tags are their numbers in the mesh.
+void write_elements(BlockWriter& writer, const TetMesh& mesh, FileEntities entities) {
+  auto& [volumes, surfaces] = entities;
   // Not every reader takes an empty block.
   std::erase_if(volumes, [](const FileVolume& volume) { return volume.tets == 0; });
-  const std::uint64_t count = mesh.header.tet_count;
+  const std::uint64_t tets = mesh.header.tet_count, count = tets + count_triangles(surfaces);
   writer.text("$Elements\n");
-  writer.number(std::array<std::uint64_t, 4>{volumes.size(), count, 1, count});
+  writer.number(
+      std::array<std::uint64_t, 4>{volumes.size() + surfaces.size(), count, 1, count});
   for (const FileVolume& volume : volumes) write_volume(writer, mesh, volume);
+  std::uint64_t next = tets + 1;
+  for (const MshSurface& surface : surfaces) {
+    write_triangles(writer, surface, next);
+    next += surface.triangles.size();
+  }
   writer.text("\n$EndElements\n");
 }
 
@@ -146,15 +187,16 @@ void write_node_data(BlockWriter& writer, const TetMesh& mesh, std::size_t i) {
 
 absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
   if (auto status = check_node_numbers(mesh.header); !status.ok()) return status;
-  BlockWriter writer(file, file_bytes(mesh.header), control);
+  const FileEntities entities = entities_of(mesh);
+  BlockWriter writer(file, file_bytes(mesh.header, count_triangles(entities.surfaces)),
+                     control);
   writer.text("$MeshFormat\n4.1 1 8\n");  // binary, with eight-byte sizes
   writer.number(std::int32_t{1});         // tells a reader the byte order
   writer.text("\n$EndMeshFormat\n");
-  const std::vector<FileVolume> volumes = volumes_of(mesh);
-  write_physical_names(writer, volumes);
-  write_entities(writer, mesh.header, volumes);
+  write_physical_names(writer, entities);
+  write_entities(writer, mesh.header.bounds, entities);
   write_nodes(writer, mesh);
-  write_elements(writer, mesh, volumes);
+  write_elements(writer, mesh, entities);
   for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) write_node_data(writer, mesh, i);
   return writer.status();
 }
