@@ -57,7 +57,7 @@ inline constexpr GradedLimits kGradedLimits{
 /// What every dihedral angle of a mesh with a graded surface lies between. Proven of positions
 /// as they are computed by tests/certificate/graded_certificate.cpp.
 inline constexpr double kLeastGradedAngleDeg = 5, kGreatestGradedAngleDeg = 174;
-/// And of one that a box cuts.
+/// And of one that a box cuts: within what graded_limits finds, not yet proven.
 inline constexpr double kLeastCutAngleDeg = 4, kGreatestCutAngleDeg = 175;
 
 /// Instead of an edge: the node counts as one on the surface where it is.
