@@ -34,8 +34,8 @@ absl::StatusOr<std::string> store_grid(const std::string& grid,
 std::string label_of(const MixArguments& arguments, const std::string& grid) {
   const MeshRequest& request = arguments.request.request;
   std::string label = grid;
-  if (!arguments.request.grid.empty())
-    absl::StrAppend(&label, " --grid ", arguments.request.grid);
+  for (const std::string& name : arguments.request.grids)
+    absl::StrAppend(&label, " --grid ", name);
   if (request.iso) absl::StrAppendFormat(&label, " --iso %g", *request.iso);
   if (request.spacing) absl::StrAppendFormat(&label, " --spacing %g", *request.spacing);
   if (request.levels != kMaxLevels) absl::StrAppend(&label, " --levels ", request.levels);
@@ -78,7 +78,7 @@ absl::StatusOr<MixEntry> prepare_entry(const MixArguments& arguments,
   MixEntry entry;
   entry.label = label_of(arguments, grid);
   entry.weight = arguments.weight;
-  entry.message = wire_request(*request, *name, arguments.request.grid);
+  entry.message = wire_request(*request, *name, arguments.request.grids);
   bar.begin("counting");
   const auto header = client.estimate(entry.message, interruption);
   if (!header.ok()) return header.status();

@@ -95,7 +95,7 @@ TEST_F(MixFile, HasTheOptionsOfTheMeshCommand) {
   EXPECT_EQ((*mix)[0].request.request.levels, 0);
   EXPECT_EQ((*mix)[0].request.request.spacing, 0.5);
   EXPECT_THAT((*mix)[1].grids, ElementsAre("my smoke.vdb"));
-  EXPECT_EQ((*mix)[1].request.grid, "density");
+  EXPECT_EQ((*mix)[1].request.grids, std::vector<std::string>{"density"});
   EXPECT_EQ((*mix)[1].vary_iso->at(1), 0.2);
 }
 
