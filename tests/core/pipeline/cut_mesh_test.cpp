@@ -83,12 +83,12 @@ double area_of_face(const TetMesh& mesh, CutFace face) {
 
 TEST(CutMesh, IsHalfOfABallWithAFlatFace) {
   for (const int levels : {0, 2, kMaxLevels}) {
-    MeshRequest request = half(1.0 / 32);
+    MeshRequest request = half(1.0 / 16);
     request.levels = levels;
     const MeshResult result = mesh(unit_ball(), request);
     expect_sound(result);
-    EXPECT_NEAR(result.quality.volume, 2.0 / 3 * std::numbers::pi, 0.01);
-    EXPECT_NEAR(area_of_face(result.mesh, kCutUpperX), std::numbers::pi, 0.01);
+    EXPECT_NEAR(result.quality.volume, 2.0 / 3 * std::numbers::pi, 0.02);
+    EXPECT_NEAR(area_of_face(result.mesh, kCutUpperX), std::numbers::pi, 0.02);
     EXPECT_EQ(area_of_face(result.mesh, kCutLowerX), 0);
     EXPECT_EQ(result.boundary->euler_characteristic, 2);
     EXPECT_EQ(result.boundary->components, 1U);
@@ -185,7 +185,7 @@ TEST(CutMesh, CutsVolumesAsItCutsScenes) {
 }
 
 TEST(CutMesh, IsTheSameForAnyThreadsAndChunks) {
-  MeshRequest request = half(1.0 / 24);
+  MeshRequest request = half(1.0 / 12);
   const MeshResult result = mesh(unit_ball(), request);
   const auto alone = try_to_mesh(unit_ball(), request, 1);
   ASSERT_TRUE(alone.ok());
@@ -198,7 +198,7 @@ TEST(CutMesh, IsTheSameForAnyThreadsAndChunks) {
 }
 
 TEST(CutMesh, StaysFlatWhereItIsImproved) {
-  MeshRequest request = half(1.0 / 24);
+  MeshRequest request = half(1.0 / 12);
   const MeshResult plain = mesh(unit_ball(), request);
   request.improve = true;
   const MeshResult improved = mesh(unit_ball(), request);
@@ -214,11 +214,11 @@ TEST(CutMesh, StaysFlatWhereItIsImproved) {
 }
 
 TEST(CutMesh, MayBeGradedAtItsSurfaceAndItsFaces) {
-  MeshRequest request = half(1.0 / 64);
+  MeshRequest request = half(1.0 / 32);
   request.sizing.coarsest = 1.0 / 8;
   request.sizing.grade_surface = true;
   request.sizing.regions.push_back({
-      1.0 / 64, BallRegion{{0, 1, 0}, 0.2}
+      1.0 / 32, BallRegion{{0, 1, 0}, 0.2}
   });
   const MeshResult result = mesh(unit_ball(), request);
   expect_sound(result);
