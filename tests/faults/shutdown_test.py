@@ -3,6 +3,7 @@
     TETSTREAM_BIN=build/dev/bin python3 tests/faults/shutdown_test.py [unittest options]
 """
 
+import pathlib
 import subprocess
 import threading
 import time
@@ -16,6 +17,7 @@ class Clients:
 
     def __init__(self, count, mesh_once):
         self.results = []
+        self._begun = []
         self._stop = threading.Event()
         self._may_begin = threading.Event()
         self._may_begin.set()
@@ -27,7 +29,11 @@ class Clients:
     def _work(self, mesh_once, number):
         while not self._stop.is_set():
             self._may_begin.wait()
+            self._begun.append(number)
             self.results.append(mesh_once(number))
+
+    def at_work(self):
+        return len(self._begun) - len(self.results)
 
     def begin_no_more(self):
         self._may_begin.clear()
@@ -40,6 +46,14 @@ class Clients:
         self._may_begin.set()
         for thread in self._threads:
             thread.join()
+
+
+def connections_to(address):
+    """Established ones, as the server's end sees them."""
+    port, established = f"{int(address.rpartition(':')[2]):04X}", "01"
+    rows = [line.split() for name in ("tcp", "tcp6")
+            for line in pathlib.Path("/proc/net", name).read_text().splitlines()[1:]]
+    return sum(row[1].endswith(":" + port) and row[3] == established for row in rows)
 
 
 class Shutdown(FaultTest):
@@ -83,6 +97,8 @@ class Shutdown(FaultTest):
         try:
             wait_until(lambda: len(clients.results) > 3)
             clients.begin_no_more()
+            # Who has not reached the server yet has no work under way.
+            wait_until(lambda: connections_to(server.address) >= clients.at_work())
             self.assertEqual(server.terminate(), 0)
             again = self.start(listen=server.address)
             clients.begin_again()
