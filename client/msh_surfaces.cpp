@@ -25,9 +25,11 @@ class VertexFaces {
         last_(mesh.fields.bytes().data() + row_bytes_ - sizeof(float)) {}
 
   std::uint32_t operator[](std::uint64_t vertex) const noexcept {
+    constexpr float kAllFaces = 63;
     float number = 0;
     std::memcpy(&number, last_ + vertex * row_bytes_, sizeof(number));
-    return static_cast<std::uint32_t>(number);
+    // It came from a server: it may be anything.
+    return number >= 0 && number <= kAllFaces ? static_cast<std::uint32_t>(number) : 0;
   }
 
  private:
@@ -49,7 +51,7 @@ std::vector<MshSurface> msh_surfaces(const TetMesh& mesh) {
   for (const Triangle& triangle : boundary_triangles(mesh)) {
     const std::uint32_t shared = faces[triangle[0]] & faces[triangle[1]] & faces[triangle[2]];
     const auto at = shared == 0 ? 0 : 1 + static_cast<std::size_t>(std::countr_zero(shared));
-    if (at < triangles.size()) triangles[at].push_back(triangle);
+    triangles[at].push_back(triangle);
   }
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     if (triangles[i].empty()) continue;

@@ -8,6 +8,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/grid/utf8.h"
+#include "core/pipeline/mesh_request.h"
 
 namespace tet {
 namespace {
@@ -33,6 +34,11 @@ absl::Status check_name(std::span<const VertexField> fields, std::size_t i) {
     return wrong(i, absl::StrFormat("name %s cannot name an array: it takes UTF-8 of 1 to %d "
                                     "bytes without control characters, / and quotes",
                                     quoted(name), VertexField::kMaxNameBytes));
+  }
+  if (name == kCutFaceArray) {
+    return wrong(i, absl::StrFormat("name %s is that of the array that tells the faces of a "
+                                    "box: call the field otherwise",
+                                    quoted(name)));
   }
   for (std::size_t other = 0; other < i; ++other) {
     if (name_of(fields[other]) != name) continue;
