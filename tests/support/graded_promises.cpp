@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 
@@ -141,18 +142,23 @@ std::string check_surface(const Input& input, const TetMesh& mesh) {
     return absl::StrFormat("vertex %d at (%.6f, %.6f, %.6f), phi %g, is %s", vertex, p.x, p.y,
                            p.z, phi(p), what);
   };
-  // A vertex in the box's faces may be next to the surface.
+  // A vertex in the box's faces may be next to the surface: a cut point violates a node along a
+  // far edge, of two leaves, from farthest. Where phi is no distance, that says nothing of it.
   const std::vector<CutFaces> faces = cut_faces(mesh);
-  const auto may_be_off = [&](std::uint64_t v) { return !faces.empty() && faces[v] != 0; };
+  const double beside = scene_of(input.shape) != nullptr
+                            ? 2 * kGradedLimits.corner_to_far_corner *
+                                  std::ldexp(mesh.header.spacing, mesh.header.levels)
+                            : std::numeric_limits<double>::infinity();
+  const auto most = [&](std::uint64_t v) {
+    return input.surface_phi + (!faces.empty() && faces[v] != 0 ? beside : 0);
+  };
   for (std::uint64_t v = 0; v < mesh.header.vertex_count; ++v) {
-    if (!may_be_off(v) && phi(mesh.vertex(v)) > input.surface_phi)
-      return describe(v, "outside");
+    if (phi(mesh.vertex(v)) > most(v)) return describe(v, "outside");
   }
   for (const Triangle& triangle : boundary_triangles(mesh)) {
     if (faces_of(faces, triangle) != 0) continue;
     for (const std::uint64_t v : triangle) {
-      if (!may_be_off(v) && std::abs(phi(mesh.vertex(v))) > input.surface_phi)
-        return describe(v, "off the surface");
+      if (std::abs(phi(mesh.vertex(v))) > most(v)) return describe(v, "off the surface");
     }
   }
   return "";
