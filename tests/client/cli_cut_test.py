@@ -1,4 +1,4 @@
-"""Cuts solids off at a box by the tetstream command, in its own process and on a server.
+"""Cuts solids off at a box by the tetstream command, in its own process, on a server, and as jobs.
 
     TETSTREAM_BIN=build/dev/bin python3 tests/client/cli_cut_test.py [unittest options]
 """
@@ -12,6 +12,7 @@ import meshio
 import numpy
 
 from command_case import ENDINGS, REFUSED, CommandTest, ServerTest
+from job_case import JobTest
 
 HALF = ("--box", *"0 -2 -2 2 2 2".split())  # of a sphere of radius 1
 IN_LOWER_X = 1  # the one face that cuts it
@@ -70,6 +71,19 @@ class CutsOnAServer(ServerTest):
             for path, where in ((here, ()), (there, ("--server", self.address))):
                 self.assert_done(self.tetstream(
                     "mesh", self.inputs / "sphere.vdb", "-o", path, *HALF, *where))
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
+
+
+class CutsOfJobs(JobTest):
+    volumes = {"sphere": 0.05}
+
+    def test_are_the_same_bytes(self):
+        job, = self.submit(self.inputs / "sphere.vdb", *HALF)
+        for ending in ENDINGS:
+            here, there = self.out / f"here{ending}", self.out / f"there{ending}"
+            self.assert_done(
+                self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", here, *HALF))
+            self.assert_done(self.job("fetch", job, "--wait", "-o", there))
             self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
 
 

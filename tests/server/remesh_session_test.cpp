@@ -1,7 +1,6 @@
 // Sessions: a mesh that follows its shape, frame by frame, over a real connection.
 #include "client/remesh_session.h"
 
-#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -14,6 +13,7 @@
 #include "core/grid/load.h"
 #include "core/grid/replace_leaves.h"
 #include "core/pipeline/mesher.h"
+#include "tests/core/pipeline/meshing.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 
@@ -21,12 +21,6 @@ namespace tet::test {
 namespace {
 
 using testing::HasSubstr;
-
-bool same_bytes(const TetMesh& a, const TetMesh& b) {
-  return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
-         std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
-         std::ranges::equal(a.regions.bytes(), b.regions.bytes());
-}
 
 /// A ball at -2, and a smaller one at `x`.
 v1::Scene two_balls(double x) {
@@ -54,6 +48,14 @@ v1::MeshRequest request_of(const v1::Scene& scene) {
   *request.mutable_scene() = scene;
   request.set_spacing(0.05);
   return request;
+}
+
+v1::Point point(double x, double y, double z) {
+  v1::Point made;
+  made.set_x(x);
+  made.set_y(y);
+  made.set_z(z);
+  return made;
 }
 
 /// A leaf that moves the surface of a level set outward.
@@ -107,6 +109,24 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfEachSceneAndOnlyWhatChanged) {
   }
   EXPECT_EQ(session->end(), absl::OkStatus());
   EXPECT_TRUE(work_stops());
+}
+
+TEST_F(RemeshSessionTest, BringsWholeMeshesOfWhatABoxCuts) {
+  start();
+  v1::MeshRequest request = request_of(two_balls(0));
+  *request.mutable_box()->mutable_min() = point(-2.4, -0.4, -0.4);
+  *request.mutable_box()->mutable_max() = point(2, 0.4, 0.4);
+  const Session session = begin(request);
+  ASSERT_TRUE(session);
+  for (const double x : {0.0, 0.2}) {
+    ASSERT_EQ(session->update(two_balls(x)), absl::OkStatus());
+    const StreamedMesh& mesh = session->mesh();
+    ASSERT_FALSE(mesh.mesh.header.fields.empty());
+    EXPECT_EQ(mesh.mesh.header.fields.back().name, kCutFaceArray);
+    const auto whole = client_->stream_mesh(mesh.canonical_request, {}, never_);
+    ASSERT_TRUE(whole.ok()) << whole.status();
+    EXPECT_TRUE(same_bytes(whole->mesh, mesh.mesh)) << x;
+  }
 }
 
 TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {

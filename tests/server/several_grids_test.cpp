@@ -7,6 +7,7 @@
 #include "core/pipeline/mesher.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
+#include "tests/server/streamed_chunks.h"
 
 namespace tet::test {
 namespace {
@@ -47,14 +48,7 @@ class SeveralGridsTest : public ServiceTest {
   }
 
   std::vector<std::string> chunks(std::int64_t start = 0) {
-    grpc::ClientContext context;
-    const auto reader = meshes_->StreamMesh(&context, stream_of(mesh_, start));
-    std::vector<std::string> chunks;
-    for (v1::MeshEvent event; reader->Read(&event);) {
-      if (event.has_chunk()) chunks.push_back(event.SerializeAsString());
-    }
-    EXPECT_TRUE(reader->Finish().ok());
-    return chunks;
+    return streamed_chunks(*meshes_, stream_of(mesh_, start));
   }
 
   grpc::Status refusal() {
