@@ -39,7 +39,7 @@ class ChunkReader {
     return input_.ConsumedEntireMessage();
   }
 
-  const ChunkMessage& chunk() const { return chunk_; }
+  const ReceivedChunk& chunk() const { return chunk_; }
 
  private:
   bool read_field(std::uint32_t tag) {
@@ -73,7 +73,7 @@ class ChunkReader {
   // Negative counts arrive as huge ones, which whoever uses them refuses.
   bool read_number(std::uint64_t& number) { return input_.ReadVarint64(&number); }
 
-  bool read_column(ChunkMessage::Column& column) {
+  bool read_column(ReceivedChunk::Column& column) {
     int size = 0;
     if (!input_.ReadVarintSizeAsInt(&size)) return false;
     column = {static_cast<std::size_t>(input_.CurrentPosition()),
@@ -82,7 +82,7 @@ class ChunkReader {
   }
 
   CodedInputStream& input_;
-  ChunkMessage chunk_;
+  ReceivedChunk chunk_;
 };
 
 /// Goes through a message's bytes from its beginning, slice by slice.
@@ -121,7 +121,7 @@ class MessageBytes {
 
 /// Calls `use(i, piece)` for the bytes of each column i, one piece after another.
 template <class Use>
-void read_columns(grpc::ByteBuffer& message, const ChunkMessage& chunk, const Use& use) {
+void read_columns(grpc::ByteBuffer& message, const ReceivedChunk& chunk, const Use& use) {
   MessageBytes bytes(message);
   for (std::size_t i = 0; i < chunk.columns.size(); ++i) {
     bytes.go_to(chunk.columns[i].begin);
@@ -136,7 +136,17 @@ void read_columns(grpc::ByteBuffer& message, const ChunkMessage& chunk, const Us
 
 }  // namespace
 
-std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
+ChunkNumbers numbers_of(const tetstream::v1::MeshChunk& chunk) {
+  const auto number = [](std::int64_t value) { return static_cast<std::uint64_t>(value); };
+  return {number(chunk.index()),     number(chunk.first_vertex()), number(chunk.vertex_count()),
+          number(chunk.first_tet()), number(chunk.tet_count()),    chunk.checksum()};
+}
+
+void copy_column(const std::string& from, std::span<std::byte> to) {
+  if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
+}
+
+std::optional<ReceivedChunk> read_chunk(grpc::ByteBuffer& message) {
   if (!message.Valid()) return std::nullopt;
   grpc::ProtoBufferReader bytes(&message);
   CodedInputStream input(&bytes);
@@ -151,7 +161,7 @@ std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message) {
 }
 
 std::uint32_t copy_columns(grpc::ByteBuffer& message,
-                           const ChunkMessage& chunk,
+                           const ReceivedChunk& chunk,
                            const ChunkColumns& to) {
   std::uint32_t checksum = 0;
   std::array left{to.positions, to.tets, to.regions, to.fields};
@@ -163,7 +173,7 @@ std::uint32_t copy_columns(grpc::ByteBuffer& message,
   return checksum;
 }
 
-std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ChunkMessage& chunk) {
+std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ReceivedChunk& chunk) {
   std::uint32_t checksum = 0;
   read_columns(message, chunk, [&](std::size_t, std::span<const std::byte> piece) {
     checksum = add_to_checksum(checksum, piece);

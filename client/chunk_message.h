@@ -6,16 +6,18 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include <grpcpp/support/byte_buffer.h>
 
 #include "core/mesh/tet_mesh.h"
 #include "proto/wire/chunk_frame.h"
+#include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
 
 /// What a message says of its chunk, and where in it the columns lie.
-struct ChunkMessage {
+struct ReceivedChunk {
   struct Column {
     std::size_t begin = 0, size = 0;
   };
@@ -23,18 +25,24 @@ struct ChunkMessage {
   std::array<Column, ChunkFrame::kColumns> columns;  ///< positions, tets, regions, fields
 };
 
+/// The same of a chunk that protobuf has read.
+ChunkNumbers numbers_of(const tetstream::v1::MeshChunk& chunk);
+
+/// Copies a column that has the size of its place.
+void copy_column(const std::string& from, std::span<std::byte> to);
+
 /// Reads a MeshEvent that holds a chunk as our server writes it: no field twice or unknown, and
 /// the columns last. Anything else, malformed bytes too, is left to protobuf: nothing.
 /// `message` is read, not changed.
-std::optional<ChunkMessage> read_chunk(grpc::ByteBuffer& message);
+std::optional<ReceivedChunk> read_chunk(grpc::ByteBuffer& message);
 
 /// Copies the columns, each into as many bytes as it has; returns the checksum of what was
 /// copied.
 std::uint32_t copy_columns(grpc::ByteBuffer& message,
-                           const ChunkMessage& chunk,
+                           const ReceivedChunk& chunk,
                            const ChunkColumns& to);
 
 /// The checksum of the columns where they are.
-std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ChunkMessage& chunk);
+std::uint32_t columns_checksum(grpc::ByteBuffer& message, const ReceivedChunk& chunk);
 
 }  // namespace tet

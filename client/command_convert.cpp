@@ -16,7 +16,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kConvertExamples = R"(
 A closed surface becomes the level set of what it encloses. A surface with holes has no inside:
 it becomes a shell one voxel thick, and the command says so.
 
@@ -62,7 +62,7 @@ absl::Status run_convert(const ConvertOptions& options, const Cancellation& inte
 
 Command add_convert_command(CLI::App& app) {
   const auto options = std::make_shared<ConvertOptions>();
-  app.footer(kExamples);
+  app.footer(kConvertExamples);
   app.add_option("IN", options->input, "A .obj, .stl or .ply surface")->required();
   app.add_option("OUT", options->output, "The .vdb file to write")->required();
   app.add_option("--voxel", options->voxel, "Voxel size, world units [longest extent / 128]");

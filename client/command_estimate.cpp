@@ -20,7 +20,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kEstimateExamples = R"(
 Examples:
   tetstream estimate bunny.vdb --levels 0
   tetstream estimate bunny.vdb --sizing '{"growth": 0.25}' --json
@@ -122,7 +122,7 @@ absl::Status run_estimate(const EstimateArguments& arguments,
 
 Command add_estimate_command(CLI::App& app) {
   const auto arguments = std::make_shared<EstimateArguments>();
-  app.footer(kExamples);
+  app.footer(kEstimateExamples);
   describe_input(app, arguments->mesh);
   app.add_flag("--json", arguments->json,
                "Print JSON: vertices, tets, bytes, count_seconds and fill_seconds");

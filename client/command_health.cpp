@@ -11,7 +11,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kHealthExamples = R"(
 Exits with 0 when the server says that it is serving, and with 3 otherwise.
 
 Example:
@@ -42,7 +42,7 @@ absl::Status run_health(const HealthArguments& arguments, const Cancellation& in
 
 Command add_health_command(CLI::App& app) {
   const auto arguments = std::make_shared<HealthArguments>();
-  app.footer(kExamples);
+  app.footer(kHealthExamples);
   app.add_option("--service", arguments->service,
                  "What is asked after: readiness, liveness, or jobs [readiness]");
   describe_server(app, arguments->server)->required();

@@ -12,7 +12,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kInfoExamples = R"(
 Examples:
   tetstream info bunny.vdb
   tetstream info bunny.vdb --json | jq '.[].name'
@@ -94,7 +94,7 @@ absl::Status run_info(const InfoOptions& options, const Cancellation& interrupti
 
 Command add_info_command(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
-  app.footer(kExamples);
+  app.footer(kInfoExamples);
   app.add_option("FILE", options->path, "A .vdb file")->required();
   app.add_flag("--json", options->json, "As JSON, for programs");
   app.add_flag("--trust", options->trust, kTrustHelp);

@@ -18,7 +18,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kMeshExamples = R"(
 Examples:
   tetstream mesh bunny.vdb -o bunny.vtu
       graded: finest at the surface, coarser inside
@@ -55,7 +55,7 @@ Examples:
 
 void describe_options(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
-  app.footer(kExamples);
+  app.footer(kMeshExamples);
   app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
       ->required();
   describe_input(app, arguments);

@@ -6,14 +6,14 @@
 namespace tet {
 namespace {
 
-Cancellation interruption;
+Cancellation interrupted_by_user;
 std::atomic<int> first_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
 
 void on_signal(int signal) {
   int none = 0;
   first_signal.compare_exchange_strong(none, signal);
-  interruption.cancel();
+  interrupted_by_user.cancel();
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ const Cancellation& watch_for_interruption() {
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
   for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, SIG_IGN);
-  return interruption;
+  return interrupted_by_user;
 }
 
 int interrupting_signal() noexcept { return first_signal.load(); }

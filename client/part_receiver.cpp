@@ -13,20 +13,6 @@
 
 namespace tet {
 
-namespace {
-
-ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
-  const auto number = [](std::int64_t value) { return static_cast<std::uint64_t>(value); };
-  return {number(chunk.index()),     number(chunk.first_vertex()), number(chunk.vertex_count()),
-          number(chunk.first_tet()), number(chunk.tet_count()),    chunk.checksum()};
-}
-
-void copy(const std::string& from, std::span<std::byte> to) {
-  if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
-}
-
-}  // namespace
-
 PartReceiver::PartReceiver(const MeshHeader& header,
                            std::string mesh_id,
                            std::uint64_t first,
@@ -64,10 +50,10 @@ absl::Status PartReceiver::take_chunk(const v1::MeshChunk& chunk) {
   absl::Status status = size_part(numbers, {chunk.positions().size(), chunk.tets().size(),
                                             chunk.regions().size(), chunk.fields().size()});
   if (!status.ok()) return status;
-  copy(chunk.positions(), part_.positions.bytes());
-  copy(chunk.tets(), part_.tets.bytes());
-  copy(chunk.regions(), part_.regions.bytes());
-  copy(chunk.fields(), part_.fields.bytes());
+  copy_column(chunk.positions(), part_.positions.bytes());
+  copy_column(chunk.tets(), part_.tets.bytes());
+  copy_column(chunk.regions(), part_.regions.bytes());
+  copy_column(chunk.fields(), part_.fields.bytes());
   return hand_on(numbers, chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(),
                                           chunk.fields()}));
 }

@@ -19,8 +19,6 @@ namespace {
 // Beyond any mesh that fits a machine, and small enough that sizes in bytes do not overflow.
 constexpr std::int64_t kMaxCount = std::int64_t{1} << 48;
 
-WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
-
 bool is_valid(const v1::MeshHeader& header) {
   return is_count(header.vertex_count()) && is_count(header.tet_count()) &&
          is_count(header.chunk_count()) &&
@@ -83,6 +81,8 @@ absl::Status bad_stream(const std::string& message) {
   return absl::DataLossError(absl::StrCat("the server's stream is broken: ", message));
 }
 
+WorldPoint world_point(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
+
 bool is_count(std::int64_t count) { return 0 <= count && count <= kMaxCount; }
 
 bool is_count(std::uint64_t count) { return count <= std::uint64_t{kMaxCount}; }
@@ -98,8 +98,8 @@ absl::StatusOr<MeshHeader> checked_header(const v1::MeshHeader& message) {
                                : CoordinateType::kFloat32;
   header.index_type =
       message.index_type() == v1::INDEX_TYPE_UINT64 ? IndexType::kUint64 : IndexType::kUint32;
-  header.origin = to_core(message.origin());
-  header.bounds = {to_core(message.bounds().min()), to_core(message.bounds().max())};
+  header.origin = world_point(message.origin());
+  header.bounds = {world_point(message.bounds().min()), world_point(message.bounds().max())};
   header.spacing = message.spacing();
   header.levels = message.levels();
   header.has_regions = message.has_regions();

@@ -22,6 +22,8 @@ absl::Status bad_stream(const std::string& message);
 bool is_count(std::int64_t count);
 bool is_count(std::uint64_t count);
 
+WorldPoint world_point(const v1::Point& point);
+
 /// A header as core has it. Errors: kDataLoss (impossible values).
 absl::StatusOr<MeshHeader> checked_header(const v1::MeshHeader& message);
 

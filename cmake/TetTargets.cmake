@@ -29,6 +29,10 @@ endif()
 if(TET_WERROR)
   target_compile_options(tet_flags INTERFACE -Werror)
 endif()
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # To the compiler what is private to a source belongs to a header then.
+  target_compile_options(tet_flags INTERFACE -Wno-subobject-linkage)
+endif()
 if(TET_CHECKS)
   target_compile_definitions(tet_flags INTERFACE TET_CHECKS=1)
 endif()
@@ -55,6 +59,13 @@ function(tet_executable name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE tet_flags ${ARG_DEPENDS})
+endfunction()
+
+# Reading a command line takes no time; optimising what does so takes minutes.
+function(tet_reads_command_lines)
+  foreach(target IN LISTS ARGN)
+    target_compile_options(${target} PRIVATE -O1)
+  endforeach()
 endfunction()
 
 # All that the tests take which have the label `fast` and not `command`: a sanitizer's build is short

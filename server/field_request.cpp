@@ -14,17 +14,17 @@ namespace tet {
 
 namespace {
 
-std::string path_of(std::size_t i) { return absl::StrFormat("%s[%d]", kFieldsField, i); }
+std::string field_path(std::size_t i) { return absl::StrFormat("%s[%d]", kFieldsField, i); }
 
 /// Which file it is in.
 absl::Status check_file(const v1::MeshRequest& request, std::size_t i) {
   const std::string& grid = request.fields(static_cast<int>(i)).grid();
   if (grid.empty()) {
     if (!request.has_scene()) return absl::OkStatus();
-    return invalid_field(absl::StrCat(path_of(i), ".grid must be set: a scene has no file"));
+    return invalid_field(absl::StrCat(field_path(i), ".grid must be set: a scene has no file"));
   }
   if (!digest_of_name(grid).empty()) return absl::OkStatus();
-  return invalid_field(absl::StrCat(path_of(i), ".grid \"", grid.substr(0, 100),
+  return invalid_field(absl::StrCat(field_path(i), ".grid \"", grid.substr(0, 100),
                                     "\" is not grids/ and 64 lower-case hexadecimal digits"));
 }
 

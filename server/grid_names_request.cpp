@@ -13,13 +13,13 @@ namespace tet {
 
 namespace {
 
-std::string path_of(std::size_t i) { return absl::StrFormat("%s[%d]", kGridNamesField, i); }
+std::string name_path(std::size_t i) { return absl::StrFormat("%s[%d]", kGridNamesField, i); }
 
 /// What no grid can be called.
 absl::Status check_lengths(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].size() <= kMaxGridNameBytes) continue;
-    return invalid_field(absl::StrFormat("%s has %d bytes; the limit is %d", path_of(i),
+    return invalid_field(absl::StrFormat("%s has %d bytes; the limit is %d", name_path(i),
                                          names[i].size(), kMaxGridNameBytes));
   }
   return absl::OkStatus();

@@ -22,9 +22,9 @@ ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
           .checksum = chunk.checksum()};
 }
 
-std::uint64_t column_bytes_of(const ChunkMessage& chunk) {
+std::uint64_t column_bytes_of(const ReceivedChunk& chunk) {
   std::uint64_t bytes = 0;
-  for (const ChunkMessage::Column& column : chunk.columns) bytes += column.size;
+  for (const ReceivedChunk::Column& column : chunk.columns) bytes += column.size;
   return bytes;
 }
 

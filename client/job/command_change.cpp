@@ -48,7 +48,7 @@ using Change = absl::Status (*)(JobSession&, const std::string&, const Cancellat
 
 absl::Status tell(JobSession& session, const absl::StatusOr<v1::Job>& job) {
   if (!job.ok()) return job.status();
-  session.print(json_of(*job), outcome_line(*job));
+  session.print(as_json(*job), outcome_line(*job));
   return absl::OkStatus();
 }
 

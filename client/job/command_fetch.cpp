@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExamples = R"(
+constexpr const char* kFetchExamples = R"(
 The same bytes as of `tetstream mesh`. A .vtkhdf file is put together from ranges that are read side by
 side, and the mesh is never in memory; the other formats need room for it. A connection that breaks is taken up at the first chunk that
 is missing. In a folder the files are called NAME-ID; those that are there already are not fetched
@@ -49,7 +49,7 @@ struct FetchArguments {
 };
 
 void describe_options(CLI::App& app, FetchArguments& arguments) {
-  app.footer(kExamples);
+  app.footer(kFetchExamples);
   describe_selection(app, arguments.selection);
   auto* const output = app.add_option("-o,--output", arguments.output,
                                       "The mesh file of one job: .vtu, .msh or .vtkhdf");

@@ -10,7 +10,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kJobExamples = R"(
 A night's work:
   tetstream job submit scans/*.vdb --server farm:7447 --label night=monday
       interrupted? The same command again submits what is missing, and nothing twice
@@ -31,7 +31,7 @@ struct NamedCommand {
 }  // namespace
 
 Command add_job_command(CLI::App& app) {
-  app.footer(kExamples);
+  app.footer(kJobExamples);
   app.require_subcommand(1);
   const auto commands = std::make_shared<std::vector<NamedCommand>>();
   const auto add = [&](const char* name, const char* about, Command (*describe)(CLI::App&)) {

@@ -13,7 +13,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kListExamples = R"(
 Examples:
   tetstream job list --server farm:7447
   tetstream job list --state failed --since 12h --server farm:7447
@@ -36,7 +36,7 @@ absl::Status run_list(const ListArguments& arguments, const Cancellation& interr
                         if (first && !(*session)->json)
                           (*session)->bar.say(table_header(), stdout);
                         first = false;
-                        (*session)->print(json_of(job), table_line(job));
+                        (*session)->print(as_json(job), table_line(job));
                       },
                       interruption);
 }
@@ -45,7 +45,7 @@ absl::Status run_list(const ListArguments& arguments, const Cancellation& interr
 
 Command add_list_command(CLI::App& app) {
   const auto arguments = std::make_shared<ListArguments>();
-  app.footer(kExamples);
+  app.footer(kListExamples);
   describe_filter(app, arguments->filter);
   describe_session(app, arguments->session);
   return [arguments](const Cancellation& interruption) {

@@ -12,7 +12,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kShowExamples = R"(
 Examples:
   tetstream job show jobs/019310c2a5d84f6b8e7a2c11 --server farm:7447
   tetstream job show --state failed --json --server farm:7447 | jq .dead_shards
@@ -34,9 +34,9 @@ absl::Status show_job(JobSession& session,
     if (!shards.ok()) return shards.status();
     dead = *std::move(shards);
   }
-  auto json = json_of(*job);
+  auto json = as_json(*job);
   json["dead_shards"] = nlohmann::ordered_json::array();
-  for (const v1::DeadShard& shard : dead) json["dead_shards"].push_back(json_of(shard));
+  for (const v1::DeadShard& shard : dead) json["dead_shards"].push_back(as_json(shard));
   session.print(json, std::string(absl::StripSuffix(description_of(*job, dead), "\n")));
   return absl::OkStatus();
 }
@@ -54,7 +54,7 @@ absl::Status run_show(const ShowArguments& arguments, const Cancellation& interr
 
 Command add_show_command(CLI::App& app) {
   const auto arguments = std::make_shared<ShowArguments>();
-  app.footer(kExamples);
+  app.footer(kShowExamples);
   describe_selection(app, arguments->selection);
   describe_session(app, arguments->session);
   return [arguments](const Cancellation& interruption) {

@@ -17,7 +17,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kSubmitExamples = R"(
 A line for each job that the server keeps from then on, whatever happens: its name and its input.
 
 Interrupted, or the network broke? Run the same command again. What was submitted is in a journal,
@@ -46,7 +46,7 @@ struct SubmitArguments {
 };
 
 void describe_options(CLI::App& app, SubmitArguments& arguments) {
-  app.footer(kExamples);
+  app.footer(kSubmitExamples);
   app.add_option(
       "INPUT", arguments.inputs,
       ".vdb volumes, closed .obj, .stl or .ply surfaces, .json scenes, or digests of stored "

@@ -18,7 +18,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kWaitExamples = R"(
 A line for each job when it is finished, and in the end how many ended how. Exits with 0 when all
 succeeded, with 1 when some did not, and with 3 when --patience is over before they are finished.
 
@@ -71,7 +71,7 @@ absl::Status wait_for(JobSession& session,
   const FollowWatch watch{.finished =
                               [&](const v1::Job& job) {
                                 summary.add(job);
-                                session.print(json_of(job), outcome_line(job));
+                                session.print(as_json(job), outcome_line(job));
                               },
                           .progress = [&](double jobs) { session.bar.update(jobs, total); }};
   const absl::Status followed = follow_jobs(session.jobs, names, watch, cancellation);
@@ -103,7 +103,7 @@ absl::Status run_wait(const WaitArguments& arguments, const Cancellation& interr
 
 Command add_wait_command(CLI::App& app) {
   const auto arguments = std::make_shared<WaitArguments>();
-  app.footer(kExamples);
+  app.footer(kWaitExamples);
   describe_selection(app, arguments->selection);
   app.add_option("--patience", arguments->patience, "The longest to wait [for ever]")
       ->type_name("TIME");

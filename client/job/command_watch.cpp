@@ -15,7 +15,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kExamples = R"(
+constexpr const char* kWatchExamples = R"(
 Without a JOB it tells of all from now on, until it is stopped. With some it begins with the first
 change of theirs that is known, and ends when they are finished. Every change comes once and in
 order, also when the connection breaks, or the server is started anew.
@@ -98,7 +98,7 @@ absl::Status run_watch(const WatchArguments& arguments, const Cancellation& inte
       watched->only(), *after,
       [&](const v1::JobEvent& event) {
         if (!watched->watches(event)) return true;
-        (*session)->print(json_of(event), event_line(event));
+        (*session)->print(as_json(event), event_line(event));
         return watched->take(event);
       },
       interruption);
@@ -108,7 +108,7 @@ absl::Status run_watch(const WatchArguments& arguments, const Cancellation& inte
 
 Command add_watch_command(CLI::App& app) {
   const auto arguments = std::make_shared<WatchArguments>();
-  app.footer(kExamples);
+  app.footer(kWatchExamples);
   app.add_option("JOB", arguments->names, "jobs/ID or the id alone; - reads them, one a line");
   app.add_option("--after", arguments->after,
                  "Begin after this revision; 0 takes all there are")

@@ -80,7 +80,7 @@ bool is_final(v1::JobState state) {
          state != v1::JOB_STATE_RUNNING;
 }
 
-Json json_of(const absl::Status& error) {
+Json as_json(const absl::Status& error) {
   return {
       {   "code", absl::StatusCodeToString(error.code())},
       { "reason",               reason_of_failure(error)},
@@ -88,7 +88,7 @@ Json json_of(const absl::Status& error) {
   };
 }
 
-Json json_of(const v1::Job& job) {
+Json as_json(const v1::Job& job) {
   Json json{
       {        "name",           job.name()},
       {       "state", name_of(job.state())},
@@ -104,13 +104,13 @@ Json json_of(const v1::Job& job) {
   json["progress"] = progress_json(job.progress());
   json["version"] = job.version();
   json["determinism_alarms"] = job.determinism_alarms();
-  if (job.has_error()) json["error"] = json_of(to_absl(job.error()));
+  if (job.has_error()) json["error"] = as_json(to_absl(job.error()));
   json["mesh"] = request_json(job.mesh());
   if (job.has_header()) json["header"] = header_json(job.header());
   return json;
 }
 
-Json json_of(const v1::JobEvent& event) {
+Json as_json(const v1::JobEvent& event) {
   return {
       {"revision",                 event.revision()},
       {    "time", TimeUtil::ToString(event.time())},
@@ -122,13 +122,13 @@ Json json_of(const v1::JobEvent& event) {
   };
 }
 
-Json json_of(const v1::DeadShard& shard) {
+Json as_json(const v1::DeadShard& shard) {
   return {
       {"first_chunk",              shard.first_chunk()},
       {  "end_chunk",                shard.end_chunk()},
       {   "attempts",                 shard.attempts()},
       {     "worker",                   shard.worker()},
-      {      "error",  json_of(to_absl(shard.error()))},
+      {      "error",  as_json(to_absl(shard.error()))},
       {       "time", TimeUtil::ToString(shard.time())}
   };
 }

@@ -17,11 +17,11 @@ std::string name_of(v1::JobChange change);
 bool is_final(v1::JobState state);
 
 /// docs/jobs.md lists the keys.
-nlohmann::ordered_json json_of(const v1::Job& job);
-nlohmann::ordered_json json_of(const v1::JobEvent& event);
-nlohmann::ordered_json json_of(const v1::DeadShard& shard);
+nlohmann::ordered_json as_json(const v1::Job& job);
+nlohmann::ordered_json as_json(const v1::JobEvent& event);
+nlohmann::ordered_json as_json(const v1::DeadShard& shard);
 /// `code`, `reason`, `message`.
-nlohmann::ordered_json json_of(const absl::Status& error);
+nlohmann::ordered_json as_json(const absl::Status& error);
 
 /// One line without its end. Text may come from elsewhere and need not be UTF-8.
 std::string line_of(const nlohmann::ordered_json& json);

@@ -20,7 +20,7 @@
 namespace tet {
 namespace {
 
-constexpr const char* kGroup = "Which jobs";
+constexpr const char* kWhichJobs = "Which jobs";
 constexpr int kPage = 1000;
 
 std::vector<std::string> state_names() {
@@ -108,19 +108,20 @@ void describe_filter(CLI::App& app, FilterArguments& arguments) {
   app.add_option("--state", arguments.states, "In this state; may be repeated")
       ->transform(CLI::IsMember(state_names(), CLI::ignore_case))
       ->allow_extra_args(false)
-      ->group(kGroup);
+      ->group(kWhichJobs);
   app.add_option("--label", arguments.labels, "With this label; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
-      ->group(kGroup);
-  app.add_option("--name", arguments.name_prefix, "Whose name begins like this")->group(kGroup);
+      ->group(kWhichJobs);
+  app.add_option("--name", arguments.name_prefix, "Whose name begins like this")
+      ->group(kWhichJobs);
   app.add_option("--since", arguments.since,
                  "Made since then: 90m (ago) or 2026-01-31T18:00:00Z")
       ->type_name("TIME")
-      ->group(kGroup);
+      ->group(kWhichJobs);
   app.add_option("--until", arguments.until, "Made before then")
       ->type_name("TIME")
-      ->group(kGroup);
+      ->group(kWhichJobs);
 }
 
 absl::StatusOr<v1::JobFilter> understand_filter(const FilterArguments& arguments) {
@@ -154,8 +155,9 @@ absl::StatusOr<v1::JobFilter> understand_filter(const FilterArguments& arguments
 void describe_selection(CLI::App& app, SelectionArguments& arguments) {
   app.add_option("JOB", arguments.names, "jobs/ID or the id alone; - reads them, one a line");
   describe_filter(app, arguments.filter);
-  app.add_option("--journal", arguments.journal, "Submitted with this journal")->group(kGroup);
-  app.add_flag("--all", arguments.all, "All there are")->group(kGroup);
+  app.add_option("--journal", arguments.journal, "Submitted with this journal")
+      ->group(kWhichJobs);
+  app.add_flag("--all", arguments.all, "All there are")->group(kWhichJobs);
   app.parse_complete_callback([&arguments] {
     if (!arguments.names.empty() || !arguments.filter.empty() || !arguments.journal.empty() ||
         arguments.all) {

@@ -39,7 +39,7 @@ void JobSession::failed(const std::string& name, const absl::Status& status) {
     print(
         {
             { "name",            name},
-            {"error", json_of(status)}
+            {"error", as_json(status)}
     },
         "");
   } else {

@@ -12,9 +12,8 @@
 namespace tet {
 namespace {
 
-constexpr int kMinNode = -2, kMaxCorner = 10;
-constexpr std::size_t kRow = 16, kSlice = 16 * kRow;          // of a halo
-constexpr std::size_t kUsedRows = kMaxCorner - kMinNode + 1;  // of a slice; as many slices
+constexpr int kMaxCorner = 10;
+constexpr std::size_t kUsedRows = kMaxCorner - kHaloMin + 1;  // of a slice; as many slices
 
 /// A brick of values as rows along z; all rows of a constant brick are one.
 struct BrickRows {
@@ -50,7 +49,7 @@ class Surroundings {
     const BrickRows* along_z = rows_.data();
     for (const Part& x : kParts) {
       for (const Part& y : kParts) {
-        copy_rows_along_z(along_z, x, y, &values[x.at * kSlice + y.at * kRow]);
+        copy_rows_along_z(along_z, x, y, &values[x.at * kHaloSlice + y.at * kHaloRow]);
         along_z += 3;
       }
     }
@@ -72,7 +71,7 @@ class Surroundings {
                                 float* to) noexcept {
     for (std::size_t i = 0; i < x.count; ++i) {
       for (std::size_t j = 0; j < y.count; ++j) {
-        float* const row = to + i * kSlice + j * kRow;
+        float* const row = to + i * kHaloSlice + j * kHaloRow;
         const auto from = [&](int brick) {
           return along_z[brick].row(x.first + i, y.first + j);
         };
@@ -94,8 +93,8 @@ void shift_slices(std::size_t rows,
                   std::array<float, kHaloNodes>& column) noexcept {
   const float sign = field.negated() ? -1.0F : 1.0F, shift = -sign * field.iso;
   for (std::size_t x = 0; x < rows; ++x) {
-    float* const slice = &column[x * kSlice];
-    for (std::size_t i = 0; i < rows * kRow; ++i) {
+    float* const slice = &column[x * kHaloSlice];
+    for (std::size_t i = 0; i < rows * kHaloRow; ++i) {
       slice[i] = PhiField::clamped(sign * slice[i] + shift);
     }
   }
@@ -104,15 +103,16 @@ void shift_slices(std::size_t rows,
 /// A centre's sample is the mean of its cell's corners, summed along z, then y, then x.
 TET_VECTOR_CLONES
 void average_centres(BrickSamples& samples) noexcept {
-  constexpr std::size_t kUsed = (kUsedRows - 1) * kRow;
+  constexpr std::size_t kUsed = (kUsedRows - 1) * kHaloRow;
   alignas(64) std::array<float, kUsed> sums{};  // of the slice before
   for (std::size_t x = 0; x < kUsedRows; ++x) {
-    float* const corner = &samples.corner[x * kSlice];
-    corner[kUsedRows * kRow] = 0;  // the last row's sums along z read it
+    float* const corner = &samples.corner[x * kHaloSlice];
+    corner[kUsedRows * kHaloRow] = 0;  // the last row's sums along z read it
     // What the first slice leaves behind itself is no centre, and is written again.
-    float* const before = &samples.centre[(x == 0 ? 0 : x - 1) * kSlice];
+    float* const before = &samples.centre[(x == 0 ? 0 : x - 1) * kHaloSlice];
     for (std::size_t i = 0; i < kUsed; ++i) {
-      const float sum = (corner[i] + corner[i + 1]) + (corner[i + kRow] + corner[i + kRow + 1]);
+      const float sum =
+          (corner[i] + corner[i + 1]) + (corner[i + kHaloRow] + corner[i + kHaloRow + 1]);
       before[i] = 0.125F * (sums[i] + sum) + 0.0F;  // no zero has a sign
       sums[i] = sum;
     }
@@ -170,8 +170,8 @@ void PhiSampler::interpolate(BrickCoord brick, BrickSamples& samples) noexcept {
     interpolate_lattice(*reader_, points(brick.x), points(brick.y), points(brick.z), column);
     shift_slices(count, field_, column);
   };
-  fill(kMinNode, kUsedRows, samples.corner);
-  fill(kMinNode + 0.5, kUsedRows - 1, samples.centre);
+  fill(kHaloMin, kUsedRows, samples.corner);
+  fill(kHaloMin + 0.5, kUsedRows - 1, samples.centre);
 }
 
 bool PhiSampler::inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {

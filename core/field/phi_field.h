@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -53,6 +54,11 @@ struct PhiField {
   /// world = linear * lattice + translation, lattice in units of the spacing.
   VoxelTransform lattice_transform() const noexcept;
 };
+
+/// The first node of a halo along each axis, and the nodes of a row and of a slice.
+inline constexpr int kHaloMin = -2;
+inline constexpr std::size_t kHaloRow = offset_index(0, 1, 0),
+                             kHaloSlice = offset_index(1, 0, 0);
 
 /// Samples of a brick of finest cells and its halo, as columns by `halo_index`.
 ///

@@ -5,8 +5,6 @@
 namespace tet {
 namespace {
 
-constexpr int kRegionBricks = Region::kEdgeBricks;
-
 /// The sign of a value, without phi's clamp.
 struct InsideTestOfValue {
   float iso;
@@ -22,8 +20,8 @@ RegionSigns signs_of(const PhiField& field, const Region& region) noexcept {
   RegionSigns signs;
   for (std::size_t row = 0; row < signs.inside.size(); ++row) {
     unsigned in = 0, out = 0;
-    for (std::size_t z = 0; z < kRegionBricks; ++z) {
-      const std::size_t at = row * kRegionBricks + z;
+    for (std::size_t z = 0; z < Region::kEdgeBricks; ++z) {
+      const std::size_t at = row * Region::kEdgeBricks + z;
       const std::uint32_t brick = region.brick_index[at];
       const ValueRange range = brick == Region::kConstant
                                    ? ValueRange{region.constant[at], region.constant[at]}
@@ -43,19 +41,19 @@ RegionSigns signs_of(const PhiField& field, const Region& region) noexcept {
 struct Span {
   std::size_t first, last;
   explicit Span(int part) noexcept
-      : first(part < 0 ? 0 : (part == 0 ? 1 : kRegionBricks + 1)),
-        last(part == 0 ? kRegionBricks : first) {}
+      : first(part < 0 ? 0 : (part == 0 ? 1 : Region::kEdgeBricks + 1)),
+        last(part == 0 ? Region::kEdgeBricks : first) {}
 };
 
 /// Place in its region of the brick at `i` of the halo.
 std::size_t within_region(std::size_t i) noexcept {
-  return (i + kRegionBricks - 1) % kRegionBricks;
+  return (i + Region::kEdgeBricks - 1) % Region::kEdgeBricks;
 }
 
 /// A region's row as bits of the halo's row.
 std::uint32_t halo_bits(std::uint16_t row, int part) noexcept {
-  if (part < 0) return row >> (kRegionBricks - 1);
-  return part == 0 ? std::uint32_t{row} << 1 : (row & 1U) << (kRegionBricks + 1);
+  if (part < 0) return row >> (Region::kEdgeBricks - 1);
+  return part == 0 ? std::uint32_t{row} << 1 : (row & 1U) << (Region::kEdgeBricks + 1);
 }
 
 BrickCoord part_of(std::size_t i) noexcept {
@@ -87,9 +85,9 @@ void SignsAround::enter(BrickCoord min) noexcept {
   const InsideTestOfValue inside(field_);
   for (std::size_t i = 0; i < around_.size(); ++i) {
     const BrickCoord part = part_of(i);
-    const VolumeReader::RegionOrConstant found =
-        reader_.region({min.x + kRegionBricks * part.x, min.y + kRegionBricks * part.y,
-                        min.z + kRegionBricks * part.z});
+    const VolumeReader::RegionOrConstant found = reader_.region(
+        {min.x + Region::kEdgeBricks * part.x, min.y + Region::kEdgeBricks * part.y,
+         min.z + Region::kEdgeBricks * part.z});
     if (found.region != nullptr) {
       any_region_ = true;
       around_[i] =
@@ -107,7 +105,7 @@ void SignsAround::add(const RegionSigns& signs, BrickCoord part) noexcept {
   const Span along_x(part.x), along_y(part.y);
   for (std::size_t x = along_x.first; x <= along_x.last; ++x) {
     for (std::size_t y = along_y.first; y <= along_y.last; ++y) {
-      const std::size_t row = within_region(x) * kRegionBricks + within_region(y);
+      const std::size_t row = within_region(x) * Region::kEdgeBricks + within_region(y);
       halo_inside_[x * kEdge + y] |= halo_bits(signs.inside[row], part.z);
       halo_outside_[x * kEdge + y] |= halo_bits(signs.outside[row], part.z);
     }
@@ -132,7 +130,8 @@ RegionRows SignsAround::near_surface() noexcept {
   spread(halo_outside_);
   RegionRows near;
   for (std::size_t row = 0; row < near.size(); ++row) {
-    const std::size_t at = (row / kRegionBricks + 1) * kEdge + row % kRegionBricks + 1;
+    const std::size_t at =
+        (row / Region::kEdgeBricks + 1) * kEdge + row % Region::kEdgeBricks + 1;
     near[row] = static_cast<std::uint16_t>((halo_inside_[at] & halo_outside_[at]) >> 1);
   }
   return near;

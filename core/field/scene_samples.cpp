@@ -8,9 +8,7 @@
 namespace tet {
 namespace {
 
-constexpr int kMinNode = -2;
 constexpr std::size_t kCorners = 13, kCentres = 12;  // along each axis of a halo
-constexpr std::size_t kRow = 16, kSlice = 16 * kRow;
 
 /// World coordinates of a halo's nodes of one kind along an axis: of a node alone, not of the
 /// brick that sees it.
@@ -24,7 +22,7 @@ struct AxisNodes {
   }
 };
 
-/// Samples count^3 nodes, slice by slice; the first lies at brick cell kMinNode + `shift`.
+/// Samples count^3 nodes, slice by slice; the first lies at brick cell kHaloMin + `shift`.
 void sample_nodes(SceneEvaluator& evaluator,
                   double spacing,
                   BrickCoord brick,
@@ -32,7 +30,7 @@ void sample_nodes(SceneEvaluator& evaluator,
                   std::size_t count,
                   std::array<float, kHaloNodes>& column) noexcept {
   const auto nodes = [&](std::int32_t at) {
-    return AxisNodes(8.0 * at + kMinNode + shift, count, spacing);
+    return AxisNodes(8.0 * at + kHaloMin + shift, count, spacing);
   };
   const AxisNodes x = nodes(brick.x), y = nodes(brick.y), z = nodes(brick.z);
   scene::Points points;
@@ -46,7 +44,7 @@ void sample_nodes(SceneEvaluator& evaluator,
     std::fill_n(points.x.begin(), count * count, x.at[i]);
     const double* phi = evaluator.evaluate(points, count * count);
     for (std::size_t j = 0; j < count; ++j) {
-      float* const row = &column[i * kSlice + j * kRow];
+      float* const row = &column[i * kHaloSlice + j * kHaloRow];
       for (std::size_t k = 0; k < count; ++k) row[k] = PhiField::clamped(*phi++);
     }
   }

@@ -14,7 +14,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kBricksPerRange = 16;
+constexpr std::size_t kLeavesPerRange = 16;
 
 /// Cells of the largest size around all that is inside, and around the surface.
 CellSet root_cells(const FoundBricks& found, int level, const Cancellation& cancellation) {
@@ -92,7 +92,7 @@ LevelNodes finest_nodes(const OctreeLevel& level) {
   LevelNodes nodes;
   nodes.used.resize(level.bricks.size());
   nodes.centre = level.leaf;
-  for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+  for_each_range(level.bricks.size(), kLeavesPerRange, [&](std::size_t begin, std::size_t end) {
     BrickNeighbours neighbours(level.bricks);
     for (std::size_t i = begin; i < end; ++i) {
       nodes.used[i] =
@@ -133,7 +133,7 @@ CellSet cells_at_surface(const PhiField& field,
                          const std::vector<BrickCoord>& near_surface,
                          const Cancellation& cancellation) {
   CellSet cells{near_surface, std::vector<BrickMask>(near_surface.size())};
-  for_each_range(near_surface.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+  for_each_range(near_surface.size(), kLeavesPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
     const auto samples = std::make_unique<BrickSamples>();
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {

@@ -11,7 +11,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kTetsPerRange = 16384;
+constexpr std::size_t kTetsPerSearch = 16384;
 
 /// Both ends of an edge as one number, which sorts by the lower node first.
 using EdgeKey = std::uint64_t;
@@ -36,10 +36,10 @@ void add_crossed(const BackgroundMesh& mesh, std::size_t tet, std::vector<EdgeKe
 std::vector<EdgeKey> crossed_edges(const BackgroundMesh& mesh,
                                    const Cancellation& cancellation) {
   const std::size_t tets = mesh.tet_count();
-  std::vector<std::vector<EdgeKey>> ranges((tets + kTetsPerRange - 1) / kTetsPerRange);
+  std::vector<std::vector<EdgeKey>> ranges((tets + kTetsPerSearch - 1) / kTetsPerSearch);
   for_each_index(ranges.size(), [&](std::size_t r) {
-    const std::size_t end = std::min(tets, (r + 1) * kTetsPerRange);
-    for (std::size_t i = r * kTetsPerRange; i < end && !cancellation.requested(); ++i) {
+    const std::size_t end = std::min(tets, (r + 1) * kTetsPerSearch);
+    for (std::size_t i = r * kTetsPerSearch; i < end && !cancellation.requested(); ++i) {
       add_crossed(mesh, i, ranges[r]);
     }
     sort_unique_keys(ranges[r]);

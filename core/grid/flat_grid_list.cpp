@@ -16,18 +16,18 @@
 namespace tet {
 namespace {
 
-constexpr std::array<char, 8> kMagic{'t', 'e', 't', '-', 'i', 'n', 'f', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::array<char, 8> kListMagic{'t', 'e', 't', '-', 'i', 'n', 'f', '\n'};
+constexpr std::uint32_t kListVersion = 1;
 constexpr std::size_t kMaxTextBytes = 1000;
 
-struct Header {
-  std::array<char, 8> magic = kMagic;
-  std::uint32_t version = kVersion;
+struct ListHeader {
+  std::array<char, 8> magic = kListMagic;
+  std::uint32_t version = kListVersion;
   std::uint32_t reserved = 0;
   std::uint64_t grid_count = 0;
   std::uint64_t text_bytes = 0;
 };
-static_assert(sizeof(Header) == 32);
+static_assert(sizeof(ListHeader) == 32);
 
 /// A grid but for its texts, which follow each other in a column of their own.
 struct Record {
@@ -57,19 +57,19 @@ Record record_of(const GridInfo& grid) {
   return record;
 }
 
-absl::Status wrong(const std::string& what) {
+absl::Status wrong_list(const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("the list of grids is not valid: ", what));
 }
 
-absl::StatusOr<Header> read_header(FlatReader& reader) {
-  const auto bytes = reader.column<std::byte>(sizeof(Header));
-  if (!bytes) return wrong("it has no header");
-  Header header;
-  std::memcpy(&header, bytes->data(), sizeof(Header));
-  if (header.magic != kMagic) return wrong("it does not begin with its magic number");
-  if (header.version != kVersion || header.reserved != 0) {
-    return wrong(
-        absl::StrFormat("its version is %d and only %d can be read", header.version, kVersion));
+absl::StatusOr<ListHeader> read_header(FlatReader& reader) {
+  const auto bytes = reader.column<std::byte>(sizeof(ListHeader));
+  if (!bytes) return wrong_list("it has no header");
+  ListHeader header;
+  std::memcpy(&header, bytes->data(), sizeof(ListHeader));
+  if (header.magic != kListMagic) return wrong_list("it does not begin with its magic number");
+  if (header.version != kListVersion || header.reserved != 0) {
+    return wrong_list(absl::StrFormat("its version is %d and only %d can be read",
+                                      header.version, kListVersion));
   }
   return header;
 }
@@ -103,16 +103,17 @@ absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text)
       !take(text, record.value_type_bytes, kMaxTextBytes, grid.value_type) ||
       !take(text, record.grid_class_bytes, kMaxTextBytes, grid.grid_class) ||
       !take(text, record.not_meshable_bytes, kMaxTextBytes, grid.not_meshable)) {
-    return wrong("a text is too long");
+    return wrong_list("a text is too long");
   }
   if (!is_printable(grid.value_type) || !is_printable(grid.grid_class) ||
       !is_printable(grid.not_meshable)) {
-    return wrong("a text is not printable");
+    return wrong_list("a text is not printable");
   }
-  if (!is_box(record.active_box)) return wrong("a box is none");
-  if (!is_component_count(record.field_components)) return wrong("a field has no such values");
+  if (!is_box(record.active_box)) return wrong_list("a box is none");
+  if (!is_component_count(record.field_components))
+    return wrong_list("a field has no such values");
   if (!std::isfinite(record.voxel_size) && grid.not_meshable.empty()) {
-    return wrong("a voxel size is not finite");
+    return wrong_list("a voxel size is not finite");
   }
   grid.voxel_size = record.voxel_size;
   grid.active_voxels = record.active_voxels;
@@ -131,11 +132,11 @@ absl::Status write_flat_grid_list(std::span<const GridInfo> grids, const ByteSin
     records.push_back(record_of(grid));
     absl::StrAppend(&text, grid.name, grid.value_type, grid.grid_class, grid.not_meshable);
   }
-  Header header;
+  ListHeader header;
   header.grid_count = records.size();
   header.text_bytes = text.size();
   FlatWriter writer(sink);
-  writer.add(std::span<const Header>(&header, 1));
+  writer.add(std::span<const ListHeader>(&header, 1));
   writer.add(std::span<const Record>(records));
   writer.add(std::span<const char>(text));
   return writer.status();
@@ -143,12 +144,13 @@ absl::Status write_flat_grid_list(std::span<const GridInfo> grids, const ByteSin
 
 absl::StatusOr<std::vector<GridInfo>> read_flat_grid_list(std::span<const std::byte> block) {
   FlatReader reader(block);
-  const absl::StatusOr<Header> header = read_header(reader);
+  const absl::StatusOr<ListHeader> header = read_header(reader);
   if (!header.ok()) return header.status();
   const auto records = reader.column<Record>(header->grid_count);
-  if (!records) return wrong(absl::StrFormat("%d grids do not fit in it", header->grid_count));
+  if (!records)
+    return wrong_list(absl::StrFormat("%d grids do not fit in it", header->grid_count));
   const auto bytes = reader.column<char>(header->text_bytes);
-  if (!bytes || !reader.at_end()) return wrong("its texts do not fill it");
+  if (!bytes || !reader.at_end()) return wrong_list("its texts do not fill it");
   std::string_view text(bytes->data(), bytes->size());
   std::vector<GridInfo> grids;
   for (const Record& record : *records) {
@@ -156,7 +158,7 @@ absl::StatusOr<std::vector<GridInfo>> read_flat_grid_list(std::span<const std::b
     if (!grid.ok()) return grid.status();
     grids.push_back(*std::move(grid));
   }
-  if (!text.empty()) return wrong("its texts do not fill it");
+  if (!text.empty()) return wrong_list("its texts do not fill it");
   return grids;
 }
 

@@ -96,30 +96,30 @@ Header header_of(const Volume& volume, std::size_t constant_count) {
   return header;
 }
 
-absl::Status wrong(const std::string& what) {
+absl::Status wrong_volume(const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("the flat volume is not valid: ", what));
 }
 
 absl::StatusOr<Header> read_header(FlatReader& reader, std::size_t block_size) {
   const auto bytes = reader.column<std::byte>(sizeof(Header));
-  if (!bytes) return wrong(absl::StrFormat("%d bytes hold no header", block_size));
+  if (!bytes) return wrong_volume(absl::StrFormat("%d bytes hold no header", block_size));
   Header header;
   std::memcpy(&header, bytes->data(), sizeof(Header));
-  if (header.magic != kMagic) return wrong("it does not begin with its magic number");
+  if (header.magic != kMagic) return wrong_volume("it does not begin with its magic number");
   if (header.version != kVersion || header.reserved != 0) {
-    return wrong(
+    return wrong_volume(
         absl::StrFormat("its version is %d and only %d can be read", header.version, kVersion));
   }
   if (header.total_bytes != block_size) {
-    return wrong(
+    return wrong_volume(
         absl::StrFormat("it claims %d bytes and has %d", header.total_bytes, block_size));
   }
   if (header.kind > static_cast<std::uint32_t>(VolumeKind::kVectorField)) {
-    return wrong(absl::StrFormat("kind %d is none", header.kind));
+    return wrong_volume(absl::StrFormat("kind %d is none", header.kind));
   }
   if (header.name_bytes > kMaxGridNameBytes) {
-    return wrong(absl::StrFormat("its name has %d bytes and the limit is %d", header.name_bytes,
-                                 kMaxGridNameBytes));
+    return wrong_volume(absl::StrFormat("its name has %d bytes and the limit is %d",
+                                        header.name_bytes, kMaxGridNameBytes));
   }
   if (absl::Status s = check_transform(header.transform); !s.ok()) return s;
   return header;
@@ -136,20 +136,25 @@ struct Columns {
 
 absl::StatusOr<Columns> read_columns(const Header& header, FlatReader& reader) {
   const auto name = reader.column<char>(header.name_bytes);
-  if (!name) return wrong("its name does not fit in it");
+  if (!name) return wrong_volume("its name does not fit in it");
   const auto bricks = reader.column<BrickCoord>(header.brick_count);
-  if (!bricks) return wrong(absl::StrFormat("%d bricks do not fit in it", header.brick_count));
+  if (!bricks)
+    return wrong_volume(absl::StrFormat("%d bricks do not fit in it", header.brick_count));
   const auto values = reader.column<float>(header.brick_count, kBrickCells);
-  if (!values) return wrong(absl::StrFormat("%d bricks do not fit in it", header.brick_count));
+  if (!values)
+    return wrong_volume(absl::StrFormat("%d bricks do not fit in it", header.brick_count));
   const auto constants = reader.column<ConstantBrick>(header.constant_count);
   if (!constants) {
-    return wrong(absl::StrFormat("%d constant bricks do not fit in it", header.constant_count));
+    return wrong_volume(
+        absl::StrFormat("%d constant bricks do not fit in it", header.constant_count));
   }
   const auto cubes = reader.column<ConstantCube>(header.cube_count);
-  if (!cubes) return wrong(absl::StrFormat("%d cubes do not fit in it", header.cube_count));
-  if (!reader.at_end()) return wrong("bytes follow its last column");
+  if (!cubes)
+    return wrong_volume(absl::StrFormat("%d cubes do not fit in it", header.cube_count));
+  if (!reader.at_end()) return wrong_volume("bytes follow its last column");
   const bool empty = bricks->empty() && constants->empty() && cubes->empty();
-  if (empty && has_inside(static_cast<VolumeKind>(header.kind))) return wrong("it is empty");
+  if (empty && has_inside(static_cast<VolumeKind>(header.kind)))
+    return wrong_volume("it is empty");
   return Columns{*name, *bricks, *values, *constants, *cubes};
 }
 
@@ -163,7 +168,8 @@ template <class T, class Place>
 absl::Status check_order(std::span<const T> items, const char* what, const Place& place) {
   for (std::size_t i = 1; i < items.size(); ++i) {
     if (!(place(items[i - 1]) < place(items[i]))) {
-      return wrong(absl::StrFormat("%s %d does not come after the one before it", what, i));
+      return wrong_volume(
+          absl::StrFormat("%s %d does not come after the one before it", what, i));
     }
   }
   return absl::OkStatus();
@@ -173,7 +179,7 @@ template <class T, class Place>
 absl::Status check_bricks(std::span<const T> items, const char* what, const Place& place) {
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (!within_limits(place(items[i]))) {
-      return wrong(absl::StrFormat("%s %d is beyond voxel %d", what, i, kMaxVoxelCoord));
+      return wrong_volume(absl::StrFormat("%s %d is beyond voxel %d", what, i, kMaxVoxelCoord));
     }
   }
   return check_order(items, what, place);

@@ -12,7 +12,7 @@ constexpr std::size_t kEdge = kBrickEdge;
 constexpr std::size_t kMaxVoxels = 2 * AxisPoints::kMax;  // along an axis
 
 /// Of two values; never beyond them, and of one sign if they are.
-inline float between(float low, float high, float weight) noexcept {
+inline float blend(float low, float high, float weight) noexcept {
   return (1 - weight) * low + weight * high;
 }
 
@@ -24,7 +24,7 @@ void blend_rows(const float* __restrict low,
                 float* __restrict out) noexcept {
   for (std::size_t b = 0; b < bricks; ++b) {
     for (std::size_t i = b * kEdge; i < (b + 1) * kEdge; ++i) {
-      out[i] = between(low[i], high[i], weight);
+      out[i] = blend(low[i], high[i], weight);
     }
   }
 }
@@ -52,7 +52,7 @@ class VoxelRows {
 
   const AxisBricks& bricks_z() const noexcept { return bricks_z_; }
 
-  /// Rows between the slices of voxels at x and x + 1: one for each voxel along y.
+  /// Rows blend the slices of voxels at x and x + 1: one for each voxel along y.
   using Rows = std::array<std::array<float, kMaxVoxels * kEdge>, kMaxVoxels>;
   void blend_slices(std::int32_t x, float weight, Rows& rows) noexcept {
     const Slice &low = slice_at(x), &high = slice_at(x + 1);
@@ -132,7 +132,7 @@ struct RowPoints {
       high[k] = row[behind[k]];
     }
     for (std::size_t k = 0; k < AxisPoints::kMax; ++k) {
-      values[k] = between(low[k], high[k], weight[k]);
+      values[k] = blend(low[k], high[k], weight[k]);
     }
   }
 };

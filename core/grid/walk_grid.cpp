@@ -16,7 +16,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kLongestType = 64;
+constexpr std::size_t kLongestTreeType = 64;
 constexpr char kSuffixSeparator = '\x1e';
 
 /// Where a grid says that its parts lie; all 0 in files without offsets.
@@ -25,7 +25,7 @@ struct Extent {
   std::int64_t grid = 0, blocks = 0, end = 0;
 };
 
-struct Descriptor {
+struct GridDescriptor {
   std::uint64_t at = 0;
   GridOutline grid;
   std::string parent;  // unique name of the grid whose tree it shares
@@ -48,13 +48,13 @@ Extent read_extent(VdbCursor& cursor) {
   return extent;
 }
 
-Descriptor read_descriptor(VdbCursor& cursor, const WalkLimits& limits) {
-  Descriptor descriptor;
+GridDescriptor read_descriptor(VdbCursor& cursor, const WalkLimits& limits) {
+  GridDescriptor descriptor;
   descriptor.at = cursor.position();
   GridOutline& grid = descriptor.grid;
   grid.unique_name = cursor.read_string(limits.name_bytes, "grid name", "grid name text");
   grid.name = display_name(grid.unique_name);
-  grid.tree_type = cursor.read_string(kLongestType, "grid type", "grid type text");
+  grid.tree_type = cursor.read_string(kLongestTreeType, "grid type", "grid type text");
   constexpr std::string_view kHalf = "_HalfFloat";
   grid.half_float = grid.tree_type.ends_with(kHalf);
   if (grid.half_float) grid.tree_type.resize(grid.tree_type.size() - kHalf.size());
@@ -65,7 +65,7 @@ Descriptor read_descriptor(VdbCursor& cursor, const WalkLimits& limits) {
   return descriptor;
 }
 
-void check_name(const Descriptor& descriptor, const VdbOutline& outline) {
+void check_name(const GridDescriptor& descriptor, const VdbOutline& outline) {
   if (!is_utf8(descriptor.grid.unique_name)) {
     refuse_at(descriptor.at, absl::StrFormat("the grid name %s is not UTF-8",
                                              quoted_name(descriptor.grid.unique_name)));
@@ -108,7 +108,7 @@ VdbCompression read_compression(VdbCursor& cursor) {
 }
 
 /// The reader goes by the metadata where it decides whether values are half floats.
-void check_half_float(const Descriptor& descriptor, const WalkedMetadata& metadata) {
+void check_half_float(const GridDescriptor& descriptor, const WalkedMetadata& metadata) {
   if (metadata.half_float != descriptor.grid.half_float) {
     refuse_at(descriptor.at,
               "a grid's type and its metadata disagree whether its values are "
@@ -126,14 +126,14 @@ void skip_to_end(VdbCursor& cursor, const Extent& extent) {
   cursor.skip(end - cursor.position(), "unwalked grid");
 }
 
-void check_can_skip(const Descriptor& descriptor, bool has_offsets) {
+void check_can_skip(const GridDescriptor& descriptor, bool has_offsets) {
   if (has_offsets) return;
   refuse_at(descriptor.at, absl::StrFormat("the values of a grid of type %s cannot be passed "
                                            "over, since the file has no offsets",
                                            quoted_name(descriptor.grid.tree_type)));
 }
 
-void skip_unknown_tree(VdbCursor& cursor, Descriptor& descriptor, bool has_offsets) {
+void skip_unknown_tree(VdbCursor& cursor, GridDescriptor& descriptor, bool has_offsets) {
   check_can_skip(descriptor, has_offsets);
   const Extent& extent = descriptor.extent;
   if (extent.blocks < static_cast<std::int64_t>(cursor.position()) ||
@@ -149,7 +149,7 @@ void skip_unknown_tree(VdbCursor& cursor, Descriptor& descriptor, bool has_offse
 
 void walk_known_tree(VdbCursor& cursor,
                      const ByteSource& source,
-                     Descriptor& descriptor,
+                     GridDescriptor& descriptor,
                      const TreeType& type,
                      bool has_offsets) {
   GridOutline& grid = descriptor.grid;
@@ -170,7 +170,7 @@ void walk_known_tree(VdbCursor& cursor,
 }
 
 /// The grid whose tree this one shares.
-const GridOutline& find_parent(const Descriptor& descriptor, const VdbOutline& outline) {
+const GridOutline& find_parent(const GridDescriptor& descriptor, const VdbOutline& outline) {
   const auto parent =
       std::find_if(outline.grids.begin(), outline.grids.end(), [&](const GridOutline& grid) {
         return grid.unique_name == descriptor.parent && !grid.instance &&
@@ -185,7 +185,7 @@ const GridOutline& find_parent(const Descriptor& descriptor, const VdbOutline& o
 
 void walk_tree(VdbCursor& cursor,
                const ByteSource& source,
-               Descriptor& descriptor,
+               GridDescriptor& descriptor,
                const VdbOutline& outline) {
   if (descriptor.grid.instance) {
     const GridOutline& parent = find_parent(descriptor, outline);
@@ -202,7 +202,7 @@ void walk_tree(VdbCursor& cursor,
 }
 
 /// The reader sizes two tables by this number.
-void check_delayed_leaves(const Descriptor& descriptor, const WalkedMetadata& metadata) {
+void check_delayed_leaves(const GridDescriptor& descriptor, const WalkedMetadata& metadata) {
   const std::uint64_t places = metadata.delayed_leaves.value_or(0);
   if (places != 0 && places != descriptor.grid.tree.leaves) {
     refuse_at(descriptor.at, absl::StrFormat("a grid has places for %d leaves, and %d leaves",
@@ -216,7 +216,7 @@ GridOutline walk_grid(VdbCursor& cursor,
                       const ByteSource& source,
                       const VdbOutline& outline,
                       const WalkLimits& limits) {
-  Descriptor descriptor = read_descriptor(cursor, limits);
+  GridDescriptor descriptor = read_descriptor(cursor, limits);
   check_name(descriptor, outline);
   check_start(descriptor.extent, cursor, outline.has_offsets);
   descriptor.grid.compression = read_compression(cursor);

@@ -5,8 +5,6 @@
 namespace tet {
 namespace {
 
-constexpr std::int32_t kLeafEdge = 8;
-
 void check_mask(std::uint64_t at, const std::byte* mask, const std::byte* expected) {
   if (std::memcmp(mask, expected, LeafMask::kBytes) != 0) {
     refuse_at(at, "a leaf has another mask than in the tree's topology");

@@ -8,7 +8,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kQuotedCharacters = 64;
 constexpr std::size_t kLongestMessage = 300;
 
 }  // namespace
@@ -23,9 +23,9 @@ void refuse_over_limit(const std::string& why) {
 }
 
 std::string quoted_name(const std::string& name) {
-  const std::string escaped = absl::CHexEscape(name.substr(0, kLongestName));
-  const bool cut = name.size() > kLongestName || escaped.size() > kLongestName;
-  return absl::StrCat("'", escaped.substr(0, kLongestName), cut ? "...'" : "'");
+  const std::string escaped = absl::CHexEscape(name.substr(0, kQuotedCharacters));
+  const bool cut = name.size() > kQuotedCharacters || escaped.size() > kQuotedCharacters;
+  return absl::StrCat("'", escaped.substr(0, kQuotedCharacters), cut ? "...'" : "'");
 }
 
 }  // namespace tet

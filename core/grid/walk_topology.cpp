@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::int32_t kUpperEdge = 4096;
 constexpr std::int32_t kLowerEdge = 128;
-constexpr std::int32_t kLeafEdge = 8;
 
 /// Twice the meshable range: far enough that reading decides nothing, and without overflow.
 constexpr std::int32_t kFarthest = 2 * kMaxVoxelCoord;

@@ -16,7 +16,7 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kLongestMapType = 64;
 
 /// What is repeated was computed by other compilers in other ways.
 constexpr double kTolerance = 1e-6;
@@ -114,7 +114,7 @@ void walk_frustum(VdbCursor& cursor) {
   read_number(cursor, "frustum depth");
   const std::uint64_t map_at = cursor.position();
   const std::string name =
-      cursor.read_string(kLongestName, "frustum map type", "frustum map type text");
+      cursor.read_string(kLongestMapType, "frustum map type", "frustum map type text");
   if (!walk_linear_map(cursor, name)) {
     refuse_at(map_at, absl::StrFormat("%s is not a linear map", quoted_name(name)));
   }
@@ -125,7 +125,7 @@ void walk_frustum(VdbCursor& cursor) {
 void walk_transform(VdbCursor& cursor) {
   const std::uint64_t at = cursor.position();
   const std::string name =
-      cursor.read_string(kLongestName, "transform type", "transform type text");
+      cursor.read_string(kLongestMapType, "transform type", "transform type text");
   if (name == "NonlinearFrustumMap") return walk_frustum(cursor);
   if (!walk_linear_map(cursor, name)) {
     refuse_at(at, absl::StrFormat("the transform %s is not known", quoted_name(name)));

@@ -11,6 +11,9 @@
 
 namespace tet {
 
+/// Of a leaf, in voxels.
+inline constexpr std::int32_t kLeafEdge = 8;
+
 /// The leaves below one lower node: their masks lie one after the other.
 struct LeafRun {
   std::uint64_t masks_at = 0;     ///< in the file

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include "core/base/brick_mask.h"
@@ -54,6 +55,9 @@ inline constexpr std::array<LatticeCoord, kDirections> kDirection{
      }
 };
 constexpr bool is_long(int direction) noexcept { return direction % kOwnedDirections < 3; }
+/// Lengths of edges in units of the spacing.
+inline constexpr float kLongLength = 1;
+inline constexpr float kShortLength = static_cast<float>(std::numbers::sqrt3 / 2);
 constexpr int opposite(int direction) noexcept {
   return (direction + kOwnedDirections) % kDirections;
 }

@@ -10,14 +10,14 @@
 #include "core/base/parallel.h"
 #include "core/mesh/load_batch.h"
 #include "core/mesh/star.h"
+#include "core/mesh/tets_per_range.h"
 #include "core/mesh/vertex_mover.h"
 #include "core/mesh/vertex_stars.h"
 
 namespace tet {
 namespace {
 
-constexpr std::uint64_t kTetsPerRange = 16384;
-constexpr std::size_t kVerticesPerRange = 32;
+constexpr std::size_t kStarsPerRange = 32;
 /// Twelve end at the same angles as four on bunny, torus and gyroid.
 constexpr int kSweeps = 4;
 
@@ -106,7 +106,7 @@ class Sweeper {
   /// Once cancelled, some of it.
   void sweep(const Cancellation& cancellation) {
     for (const std::vector<std::uint32_t>& set : sets_) {
-      for_each_range(set.size(), kVerticesPerRange, [&](std::size_t begin, std::size_t end) {
+      for_each_range(set.size(), kStarsPerRange, [&](std::size_t begin, std::size_t end) {
         if (cancellation.requested()) return;
         VertexMover mover(mesh_, field_, to_world_, good_angles(), angles_);
         for (std::size_t i = begin; i < end; ++i) move(set[i], mover);

@@ -5,11 +5,10 @@
 
 #include "core/base/parallel.h"
 #include "core/mesh/load_batch.h"
+#include "core/mesh/tets_per_range.h"
 
 namespace tet {
 namespace {
-
-constexpr std::size_t kTetsPerRange = 16384;
 
 QualityStats measure_range(const MeshView& view,
                            std::uint64_t begin,

@@ -6,11 +6,10 @@
 
 #include "core/base/parallel.h"
 #include "core/base/tet_geometry.h"
+#include "core/mesh/tets_per_range.h"
 
 namespace tet {
 namespace {
-
-constexpr std::size_t kTetsPerRange = 16384;
 
 double six_volumes(const TetMesh& mesh, std::uint64_t i) noexcept {
   const auto [a, b, c, d] = mesh.tet(i);

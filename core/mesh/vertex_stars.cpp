@@ -4,11 +4,10 @@
 #include <array>
 
 #include "core/base/parallel.h"
+#include "core/mesh/tets_per_range.h"
 
 namespace tet {
 namespace {
-
-constexpr std::uint64_t kTetsPerRange = 16384;
 
 /// A corner at a chosen vertex.
 struct ChosenCorner {

@@ -21,7 +21,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kBricksPerRange = 16;
+constexpr std::size_t kCodedPerRange = 16;
 
 /// Enters the cut points that a finest brick's tets reach.
 void unpack_cut_points(const CountedMesh& mesh, std::size_t brick, StuffedLattice& lattice) {
@@ -48,18 +48,17 @@ bool fans_are_right(const CountedMesh& mesh) {
   if (!mesh.rules().both_sides) return true;
   const OctreeLevel& finest = mesh.tree().levels[0];
   std::atomic<bool> right{true};
-  for_each_range(
-      finest.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
-        const auto lattice = std::make_unique<StuffedLattice>();
-        for (std::size_t i = begin; i < end; ++i) {
-          if (!mesh.touches_surface(i)) continue;
-          unpack_cut_points(mesh, i, *lattice);
-          const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
-          const FanMasks fans =
-              find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
-          if (fans != mesh.survey().fans[mesh.stuffed(i)]) right = false;
-        }
-      });
+  for_each_range(finest.bricks.size(), kCodedPerRange, [&](std::size_t begin, std::size_t end) {
+    const auto lattice = std::make_unique<StuffedLattice>();
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!mesh.touches_surface(i)) continue;
+      unpack_cut_points(mesh, i, *lattice);
+      const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
+      const FanMasks fans =
+          find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
+      if (fans != mesh.survey().fans[mesh.stuffed(i)]) right = false;
+    }
+  });
   return right;
 }
 

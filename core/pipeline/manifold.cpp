@@ -13,7 +13,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kBricksPerRange = 8;
+constexpr std::size_t kRestoredPerRange = 8;
 
 using NodeMasks = std::array<BrickMask, kNodeKinds>;
 
@@ -40,7 +40,7 @@ class Restoration {
               const StuffingRules& rules,
               const Cancellation& cancellation)
       : bricks_(bricks), cancellation_(cancellation), index_(bricks), states_(bricks.size()) {
-    for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+    for_each_range(bricks.size(), kRestoredPerRange, [&](std::size_t begin, std::size_t end) {
       PhiSampler sampler(field);
       const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
       for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
@@ -81,7 +81,8 @@ class Restoration {
   std::vector<std::uint32_t> run_round(const std::vector<std::uint32_t>& active) {
     std::vector<NodeMasks> bad(active.size());
     for_each_index(
-        active.size(), [&](std::size_t i) { bad[i] = bad_nodes(active[i]); }, kBricksPerRange);
+        active.size(), [&](std::size_t i) { bad[i] = bad_nodes(active[i]); },
+        kRestoredPerRange);
     std::vector<bool> again(states_.size());
     for (std::size_t i = 0; i < active.size(); ++i) {
       if (!any(bad[i])) continue;

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
 #include "core/field/cell_signs.h"
 
@@ -16,9 +15,8 @@ namespace {
 /// seen; a corner of 90 degrees is met with 0.707 at most, so edges of thick solids are not.
 constexpr double kFacing = 0.75;
 
-constexpr float kShortLength = static_cast<float>(std::numbers::sqrt3 / 2);
 constexpr float edge_length(int direction) noexcept {
-  return is_long(direction) ? 1 : kShortLength;
+  return is_long(direction) ? kLongLength : kShortLength;
 }
 
 /// A vector in the lattice's axes, of any length.

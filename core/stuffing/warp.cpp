@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <emmintrin.h>
 #include <limits>
-#include <numbers>
 
 #include "core/base/vector_clones.h"
 
@@ -16,10 +15,6 @@ constexpr HaloSet kNodes = halo_cube(kNodeMin, kNodeMax);
 /// Words of a set that hold those nodes.
 constexpr std::size_t kFirstWord = halo_index(kNodeMin, -2, -2) / 64;
 constexpr std::size_t kEndWord = halo_index(kNodeMax + 1, -2, -2) / 64;
-
-/// Lengths of long and short edges in units of the spacing.
-constexpr float kLongLength = 1;
-constexpr float kShortLength = static_cast<float>(std::numbers::sqrt3 / 2);
 
 /// A violating cut point as a number that sorts like (distance, direction): the bits of a float
 /// that is not negative sort like the float.

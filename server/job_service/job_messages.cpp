@@ -21,7 +21,7 @@ using google::protobuf::util::TimeUtil;
 constexpr char kPrefix[] = "jobs/";
 constexpr std::size_t kIdDigits = 24;
 constexpr std::size_t kMaxQuoted = 60;
-constexpr int kDefaultPage = 100, kMaxPage = 1000;
+constexpr int kDefaultJobs = 100, kMaxJobs = 1000;
 constexpr absl::Duration kMaxWait = absl::Hours(1);
 
 bool is_job_id(std::string_view text) {
@@ -205,7 +205,7 @@ absl::StatusOr<absl::Duration> parse_wait(const v1::WaitJobRequest& request) {
 absl::StatusOr<std::int64_t> parse_page_size(std::int32_t page_size) {
   if (page_size < 0)
     return invalid_field(absl::StrCat("page_size ", page_size, " is negative"));
-  return page_size == 0 ? kDefaultPage : std::min(page_size, kMaxPage);
+  return page_size == 0 ? kDefaultJobs : std::min(page_size, kMaxJobs);
 }
 
 std::string name_of_job(const std::string& id) { return kPrefix + id; }

@@ -11,7 +11,7 @@ namespace tet {
 namespace {
 
 /// One look at the store, which ends sooner where something happens.
-constexpr absl::Duration kLook = absl::Milliseconds(500);
+constexpr absl::Duration kNewsInterval = absl::Milliseconds(500);
 
 bool concerns(const JobEvent& event, const std::string& space, const std::string& job) {
   return event.space == space && (job.empty() || event.job == job);
@@ -42,7 +42,7 @@ void JobNews::run(const std::stop_token& stopping) {
   while (wait_for_listeners(stopping)) {
     const auto last = jobs_.revision();
     if (!last.ok()) {
-      absl::SleepFor(kLook);
+      absl::SleepFor(kNewsInterval);
       continue;
     }
     tell_all();
@@ -62,7 +62,7 @@ void JobNews::read_on(std::int64_t revision, const std::stop_token& stopping) {
   while (!stopping.stop_requested()) {
     WatchJobs query;
     query.after_revision = revision;
-    query.wait = kLook;
+    query.wait = kNewsInterval;
     const auto page = jobs_.watch(query);
     if (!page.ok()) return;
     revision = page->revision;

@@ -11,7 +11,7 @@ namespace tet {
 
 namespace {
 
-constexpr std::int64_t kPage = 100;
+constexpr std::int64_t kEventsPerPage = 100;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void JobWatch::begin(const v1::WatchJobsRequest& request) {
   }
   query_.space = call_.space();
   query_.after_revision = request.after_revision();
-  query_.limit = kPage;
+  query_.limit = kEventsPerPage;
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->end_from_outside(shutting_down());
   });
@@ -84,7 +84,7 @@ void JobWatch::read() {
       end(page.status());
     } else {
       query_.after_revision = page->revision;
-      news_ = news_ || std::ssize(page->events) == kPage;
+      news_ = news_ || std::ssize(page->events) == kEventsPerPage;
       for (JobEvent& event : page->events) {
         deleted_ = !query_.job.empty() && event.change == JobChange::kDeleted;
         events_.push_back(std::move(event));

@@ -14,7 +14,7 @@ namespace tet {
 namespace {
 
 /// Digests read at once, and how many chunks behind they are forgotten.
-constexpr std::int64_t kPage = 1024;
+constexpr std::int64_t kDigestsPerPage = 1024;
 
 absl::Status parse(grpc::ByteBuffer request, v1::ReadJobResultRequest& message) {
   if (!deserialize(request, message)) {
@@ -87,10 +87,11 @@ absl::StatusOr<ChunkMessage> ResultStream::make(std::uint64_t index, Block block
 absl::StatusOr<ChunkDigest> ResultStream::digest_of_chunk(std::int64_t index) {
   const std::lock_guard lock(digests_mutex_);
   if (!digests_.contains(index)) {
-    const std::int64_t end = std::min(index + kPage, static_cast<std::int64_t>(chunk_count()));
+    const std::int64_t end =
+        std::min(index + kDigestsPerPage, static_cast<std::int64_t>(chunk_count()));
     auto page = desk_.jobs.chunk_digests(id_, {index, end});
     if (!page.ok()) return page.status();
-    digests_.erase(digests_.begin(), digests_.lower_bound(index - kPage));
+    digests_.erase(digests_.begin(), digests_.lower_bound(index - kDigestsPerPage));
     digests_.merge(*page);
   }
   const auto found = digests_.find(index);

@@ -1,7 +1,6 @@
 #include "tests/certificate/certify.h"
 
 #include <algorithm>
-#include <limits>
 #include <queue>
 #include <vector>
 
@@ -10,8 +9,6 @@
 
 namespace tet::certificate {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One angle of one tet over a box. Its badness is sign * cot: cot for the least angle, -cot
 /// for the greatest.

@@ -1,15 +1,12 @@
 #include "tests/certificate/contest.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/stuffing/surface_diagonal.h"
 #include "tests/certificate/dihedral.h"
 
 namespace tet::certificate {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The mesher compares in double; its squared cosines are off by far less than this part.
 constexpr double kRounding = 1e-6;

@@ -59,8 +59,7 @@ IntervalVector scaled(const IntervalVector& u, const Interval& by) {
 
 Interval length(const IntervalVector& u) { return sqrt(squared_length(u)); }
 
-const Interval kAnything(-std::numeric_limits<double>::infinity(),
-                         std::numeric_limits<double>::infinity());
+const Interval kAnything(-kInfinity, kInfinity);
 
 }  // namespace
 

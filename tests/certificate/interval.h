@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include <boost/numeric/interval.hpp>
 
 namespace tet::certificate {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// An interval of reals with double ends. Arithmetic encloses every exact result, but only
 /// while a `RoundUpward` lives on the thread.

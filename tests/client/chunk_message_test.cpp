@@ -105,7 +105,7 @@ void expect_same_outcome(const std::string& bytes, const std::string& what) {
   }
 }
 
-TEST(ChunkMessage, PutsColumnsWhereTheyBelongHoweverTheyWereSliced) {
+TEST(ReceivedChunk, PutsColumnsWhereTheyBelongHoweverTheyWereSliced) {
   const std::string bytes = chunk().SerializeAsString();
   for (std::size_t slice_bytes = 1; slice_bytes <= bytes.size(); ++slice_bytes) {
     grpc::ByteBuffer message = in_slices(bytes, slice_bytes);
@@ -124,7 +124,7 @@ TEST(ChunkMessage, PutsColumnsWhereTheyBelongHoweverTheyWereSliced) {
   }
 }
 
-TEST(ChunkMessage, RefusesWhatWasCutOffAnywhere) {
+TEST(ReceivedChunk, RefusesWhatWasCutOffAnywhere) {
   const std::string whole = chunk().SerializeAsString();
   for (std::size_t size = 1; size < whole.size(); ++size) {
     EXPECT_EQ(taken_by_hand(whole.substr(0, size), 16).code, absl::StatusCode::kDataLoss)
@@ -133,7 +133,7 @@ TEST(ChunkMessage, RefusesWhatWasCutOffAnywhere) {
   }
 }
 
-TEST(ChunkMessage, RefusesEveryByteThatWasChangedAsProtobufWould) {
+TEST(ReceivedChunk, RefusesEveryByteThatWasChangedAsProtobufWould) {
   const std::string whole = chunk().SerializeAsString();
   for (std::size_t i = 0; i < whole.size(); ++i) {
     for (const int change : {0x01, 0x07, 0x80, 0xff}) {
@@ -144,7 +144,7 @@ TEST(ChunkMessage, RefusesEveryByteThatWasChangedAsProtobufWould) {
   }
 }
 
-TEST(ChunkMessage, TakesRandomFieldsAsProtobufWould) {
+TEST(ReceivedChunk, TakesRandomFieldsAsProtobufWould) {
   std::mt19937 random(7);
   const std::string pieces[] = {std::string("\x1a\x02\x08\x01", 4),
                                 std::string("\x3a\x00", 2),
@@ -173,7 +173,7 @@ TEST(ChunkMessage, TakesRandomFieldsAsProtobufWould) {
   }
 }
 
-TEST(ChunkMessage, TakesFieldsInAnotherOrderByProtobufsHelp) {
+TEST(ReceivedChunk, TakesFieldsInAnotherOrderByProtobufsHelp) {
   const v1::MeshChunk whole = chunk().chunk();
   v1::MeshChunk columns;
   columns.set_positions(whole.positions());
@@ -190,7 +190,7 @@ TEST(ChunkMessage, TakesFieldsInAnotherOrderByProtobufsHelp) {
   EXPECT_EQ(taken_by_hand(message, 16), (Outcome{absl::StatusCode::kOk, 1}));
 }
 
-TEST(ChunkMessage, RefusesVerticesThatThereAreNot) {
+TEST(ReceivedChunk, RefusesVerticesThatThereAreNot) {
   v1::MeshEvent beyond = chunk();
   v1::MeshChunk& message = *beyond.mutable_chunk();
   message.set_tets(ids({0, 1, 2, 0, 2, 1, 0, 3}));
@@ -201,13 +201,13 @@ TEST(ChunkMessage, RefusesVerticesThatThereAreNot) {
   EXPECT_EQ(taken_by_protobuf(beyond.SerializeAsString()), refused);
 }
 
-TEST(ChunkMessage, RefusesAColumnLongerThanTheMessage) {
+TEST(ReceivedChunk, RefusesAColumnLongerThanTheMessage) {
   // positions of 2^31 - 1 bytes, of which none came
   grpc::ByteBuffer message = in_slices("\x1a\x06\x3a\xff\xff\xff\xff\x07", 3);
   EXPECT_FALSE(read_chunk(message));
 }
 
-TEST(ChunkMessage, RefusesAnEmptyMessageWithoutAChunk) {
+TEST(ReceivedChunk, RefusesAnEmptyMessageWithoutAChunk) {
   grpc::ByteBuffer nothing;
   EXPECT_FALSE(read_chunk(nothing));
   grpc::ByteBuffer empty = in_slices("", 1);

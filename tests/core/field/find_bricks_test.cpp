@@ -10,7 +10,7 @@
 namespace tet {
 namespace {
 
-PhiField field_of(const Volume& volume, double spacing_voxels = 1) {
+PhiField grid_field(const Volume& volume, double spacing_voxels = 1) {
   PhiField field;
   field.volume = &volume;
   field.spacing_voxels = spacing_voxels;
@@ -22,7 +22,7 @@ TEST(FindBricks, SeesTheSurfaceBetweenATileAndTheBackground) {
   VolumeBuilder builder(VolumeKind::kLevelSet, 1);
   builder.add_constant_cube({128, -128, 0}, 128, -1);
   const Volume tile = *std::move(builder).build();
-  const auto found = find_bricks(field_of(tile));
+  const auto found = find_bricks(grid_field(tile));
   ASSERT_TRUE(found.ok()) << found.status();
   // A layer of bricks on either side of the cube's faces: 18^3 less the 14^3 deep inside.
   EXPECT_EQ(found->near_surface.size(), 18U * 18 * 18 - 14 * 14 * 14);
@@ -35,7 +35,7 @@ TEST(FindBricks, SeesATileThatSpansRegionsAsOne) {
   builder.add_constant_cube({-128, 0, 0}, 128, -1);
   builder.add_constant_cube({0, 0, 0}, 128, -1);
   const Volume tiles = *std::move(builder).build();
-  const auto found = find_bricks(field_of(tiles));
+  const auto found = find_bricks(grid_field(tiles));
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->near_surface.size(), 34U * 18 * 18 - 30 * 14 * 14);
 }
@@ -44,7 +44,7 @@ TEST(FindBricks, SeesALargeTileAsItsShellAndWhatLiesDeepInIt) {
   VolumeBuilder builder(VolumeKind::kLevelSet, 1);
   builder.add_constant_cube({0, 0, -4096}, 4096, -1);
   const Volume tile = *std::move(builder).build();
-  const auto found = find_bricks(field_of(tile));
+  const auto found = find_bricks(grid_field(tile));
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->near_surface.size(), 514U * 514 * 514 - 510U * 510 * 510);
   EXPECT_DOUBLE_EQ(found->inside_cells, 4096.0 * 4096 * 4096);
@@ -58,7 +58,7 @@ TEST(FindBricks, RefusesTilesWithTooMuchSurfaceWithoutListingIt) {
   }
   const Volume tiles = *std::move(builder).build();
   for (const double spacing : {1.0, 0.3, 1e-6}) {
-    const auto found = find_bricks(field_of(tiles, spacing));
+    const auto found = find_bricks(grid_field(tiles, spacing));
     EXPECT_EQ(found.status().code(), absl::StatusCode::kResourceExhausted) << spacing;
   }
 }
@@ -71,7 +71,7 @@ TEST(FindBricks, RefusesTilesThatClaimTooManyRegions) {
   }
   for (VolumeBuilder* builder : {&large, &scattered}) {
     const Volume tiles = *std::move(*builder).build();
-    const absl::Status status = find_bricks(field_of(tiles)).status();
+    const absl::Status status = find_bricks(grid_field(tiles)).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition) << status;
   }
 }
@@ -82,7 +82,7 @@ TEST(FindBricks, StopsOnceItIsCancelled) {
   const Volume tile = *std::move(builder).build();
   Cancellation cancelled;
   cancelled.cancel();
-  EXPECT_EQ(find_bricks(field_of(tile), kMaxSurfaceBricks, cancelled).status().code(),
+  EXPECT_EQ(find_bricks(grid_field(tile), kMaxSurfaceBricks, cancelled).status().code(),
             absl::StatusCode::kCancelled);
 }
 
@@ -90,7 +90,7 @@ TEST(FindBricks, SeesConstantBricksInsideARegion) {
   VolumeBuilder builder(VolumeKind::kLevelSet, 1);
   builder.add_constant_brick({15, 3, 3}, -1);  // its neighbours lie in two regions
   const Volume brick = *std::move(builder).build();
-  const auto found = find_bricks(field_of(brick));
+  const auto found = find_bricks(grid_field(brick));
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->near_surface.size(), 27U);
 }
@@ -100,9 +100,9 @@ TEST(FindBricks, MapsVoxelBricksToTheLattice) {
   builder.add_constant_brick({0, 0, 0}, -1);
   const Volume brick = *std::move(builder).build();
   for (const double spacing : {0.5, 2.0, 3.7}) {
-    const auto found = find_bricks(field_of(brick, spacing));
+    const auto found = find_bricks(grid_field(brick, spacing));
     ASSERT_TRUE(found.ok()) << found.status();
-    PhiSampler sampler(field_of(brick, spacing));
+    PhiSampler sampler(grid_field(brick, spacing));
     // Every lattice corner that is inside lies in a brick that is listed.
     for (int x = -20; x < 40; ++x) {
       const int y = 2, z = 2;
@@ -117,7 +117,7 @@ TEST(FindBricks, MapsVoxelBricksToTheLattice) {
 
 TEST(FindBricks, RefusesAnInsideWithoutEnd) {
   const Volume everywhere = *VolumeBuilder(VolumeKind::kLevelSet, -1).build();
-  EXPECT_EQ(check_inside_ends(field_of(everywhere)).code(),
+  EXPECT_EQ(check_inside_ends(grid_field(everywhere)).code(),
             absl::StatusCode::kFailedPrecondition);
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
+constexpr const char* kScannedBunny = "/usr/share/glmark2/models/bunny.obj";
 
 /// An axis-aligned box from `low` to `high` on each axis; the last `missing` triangles left
 /// out.
@@ -93,7 +93,7 @@ TEST(SurfaceToVolume, WritesWhatItWouldReturn) {
 }
 
 TEST(SurfaceToVolume, ConvertsTheBunny) {
-  const auto surface = read_surface(kBunny);
+  const auto surface = read_surface(kScannedBunny);
   ASSERT_TRUE(surface.ok()) << surface.status();
   constexpr double kVoxel = 0.03;
   const auto result = surface_to_volume(*surface, kVoxel);

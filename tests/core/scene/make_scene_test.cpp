@@ -15,7 +15,7 @@ namespace {
 using namespace scene;
 using test::SceneWriter;
 
-std::string refusal(const Description& description) {
+std::string refusal_of(const Description& description) {
   return std::string(make_scene(description).status().message());
 }
 
@@ -23,7 +23,7 @@ template <class... Nodes>
 std::string refusal_of_nodes(Nodes... nodes) {
   Description description;
   description.nodes = {nodes...};
-  return refusal(description);
+  return refusal_of(description);
 }
 
 template <class Kind>
@@ -60,7 +60,7 @@ TEST(MakeScene, NamesTheSizeThatCannotBe) {
             "nodes[0].schwarz_p.thickness 0 is not from 1e-15 to 1e+15");
   EXPECT_EQ(refusal_of(std::monostate{}),
             "nodes[0] is of no kind: set sphere, union or another");
-  EXPECT_EQ(refusal({}), "nodes is empty");
+  EXPECT_EQ(refusal_of({}), "nodes is empty");
 }
 
 TEST(MakeScene, FollowsNamesToEarlierNodesOnly) {
@@ -87,7 +87,8 @@ TEST(MakeScene, BoundsNodesDepthAndCopies) {
   SceneWriter deep;
   std::string node = deep.add(Sphere{1});
   for (int i = 0; i < Scene::kMaxDepth; ++i) node = deep.add(Offset{node, 0.01});
-  EXPECT_EQ(refusal(deep.description()), "nodes[64].offset is 65 nodes deep; the limit is 64");
+  EXPECT_EQ(refusal_of(deep.description()),
+            "nodes[64].offset is 65 nodes deep; the limit is 64");
 
   SceneWriter doubling;
   node = doubling.add(Sphere{1});
@@ -96,7 +97,7 @@ TEST(MakeScene, BoundsNodesDepthAndCopies) {
         Combine::kUnion, {node, node}
     });
   EXPECT_EQ(
-      refusal(doubling.description()),
+      refusal_of(doubling.description()),
       "nodes[12].union is 8191 primitives and operators, every copy counted; the limit is "
       "4096");
 
@@ -108,13 +109,13 @@ TEST(MakeScene, BoundsNodesDepthAndCopies) {
   };
   rows.add(repeat);
   EXPECT_EQ(
-      refusal(rows.description()),
+      refusal_of(rows.description()),
       "nodes[1].repeat is 1.6e+28 primitives and operators, every copy counted; the limit "
       "is 4096");
 
   Description many;
   many.nodes.resize(1025);
-  EXPECT_EQ(refusal(many), "nodes has 1025 entries; the limit is 1024");
+  EXPECT_EQ(refusal_of(many), "nodes has 1025 entries; the limit is 1024");
 }
 
 TEST(MakeScene, SaysWhichNodeHasNoEnd) {
