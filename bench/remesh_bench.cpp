@@ -61,9 +61,11 @@ struct Parts {
   double plan = 0, compare = 0, fill = 0, splice = 0, whole = 0;
 };
 
+/// As a session does it: `updated` becomes the new mesh, in the memory of the one it was.
 void update_once(const Plan& earlier,
                  const TetMesh& mesh,
                  const std::shared_ptr<const Volume>& volume,
+                 TetMesh& updated,
                  Parts& parts,
                  double& sent_tets) {
   auto start = Clock::now();
@@ -73,7 +75,7 @@ void update_once(const Plan& earlier,
   const auto patch = MeshPatch::between(*earlier, now);
   parts.compare += seconds_since(start);
   start = Clock::now();
-  TetMesh updated = splice_mesh(mesh, now->header(), patch->kept()).value();
+  updated = splice_mesh(mesh, now->header(), patch->kept(), std::move(updated)).value();
   parts.splice += seconds_since(start);
   start = Clock::now();
   for_each_range(patch->patch_count(), 1, [&](std::size_t begin, std::size_t end) {
@@ -95,10 +97,14 @@ void remesh(benchmark::State& state, Solid solid, const BenchSize& size) {
     const auto changed = std::make_shared<const Volume>(inflated_at_one_place(*volume));
     const Plan earlier = plan(volume);
     const TetMesh mesh = std::move(fill_mesh(*earlier, {}, nullptr)->mesh);
+    TetMesh updated(mesh.header);
     Parts parts;
     double sent = 0;
+    update_once(earlier, mesh, changed, updated, parts, sent);  // touches its memory
+    parts = {};
+    sent = 0;
     for (auto _ : state) {
-      update_once(earlier, mesh, changed, parts, sent);
+      update_once(earlier, mesh, changed, updated, parts, sent);
       state.PauseTiming();
       const auto start = Clock::now();
       benchmark::DoNotOptimize(fill_mesh(*plan(changed), {}, nullptr));

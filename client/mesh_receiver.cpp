@@ -19,8 +19,6 @@ namespace tet {
 
 namespace {
 
-WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
-
 std::uint64_t unsigned_count(std::int64_t count) { return static_cast<std::uint64_t>(count); }
 
 Improvement to_core(const v1::Improvement& message) {
@@ -37,7 +35,7 @@ ThinWalls to_core(const v1::ThinWalls& message) {
   walls.region_count = unsigned_count(message.region_count());
   for (const v1::ThinRegion& region : message.regions()) {
     walls.regions.push_back({
-        {to_core(region.box().min()), to_core(region.box().max())},
+        {world_point(region.box().min()), world_point(region.box().max())},
         unsigned_count(region.inside_spots()),
         unsigned_count(region.outside_spots())
     });
@@ -61,16 +59,6 @@ BoundaryTopology to_core(const v1::BoundaryTopology& message) {
           .non_manifold_edges = unsigned_count(message.non_manifold_edges()),
           .non_manifold_vertices = unsigned_count(message.non_manifold_vertices()),
           .restored_nodes = unsigned_count(message.restored_nodes())};
-}
-
-ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
-  return {unsigned_count(chunk.index()),        unsigned_count(chunk.first_vertex()),
-          unsigned_count(chunk.vertex_count()), unsigned_count(chunk.first_tet()),
-          unsigned_count(chunk.tet_count()),    chunk.checksum()};
-}
-
-void copy(const std::string& from, std::span<std::byte> to) {
-  if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }
 
 std::vector<KeptRun> to_core(const google::protobuf::RepeatedPtrField<v1::KeptRun>& messages) {
@@ -160,7 +148,7 @@ absl::Status MeshReceiver::take_header(const v1::MeshHeader& header) {
 
 absl::Status MeshReceiver::allocate(const MeshHeader& header) {
   try {
-    received_.mesh = TetMesh(header);
+    received_.mesh = TetMesh(header, std::move(used_));
     return absl::OkStatus();
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrCat(
@@ -174,7 +162,7 @@ absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header, const MeshHea
   kept_ = {to_core(header.kept().vertices()), to_core(header.kept().tets())};
   absl::StatusOr<TetMesh> mesh = absl::InternalError("not made");
   TaskPool pool;
-  pool.run([&] { mesh = splice_mesh(*base_, checked, kept_); });
+  pool.run([&] { mesh = splice_mesh(*base_, checked, kept_, std::move(used_)); });
   if (absl::IsInvalidArgument(mesh.status())) return bad_stream(mesh.status().ToString());
   if (!mesh.ok()) return mesh.status();
   received_.mesh = *std::move(mesh);
@@ -187,10 +175,10 @@ absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
   const auto columns = place_of(numbers, {chunk.positions().size(), chunk.tets().size(),
                                           chunk.regions().size(), chunk.fields().size()});
   if (!columns.ok()) return columns.status();
-  copy(chunk.positions(), columns->positions);
-  copy(chunk.tets(), columns->tets);
-  copy(chunk.regions(), columns->regions);
-  copy(chunk.fields(), columns->fields);
+  copy_column(chunk.positions(), columns->positions);
+  copy_column(chunk.tets(), columns->tets);
+  copy_column(chunk.regions(), columns->regions);
+  copy_column(chunk.fields(), columns->fields);
   return advance(numbers, chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(),
                                           chunk.fields()}));
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -22,8 +23,9 @@ namespace tet {
 class MeshReceiver {
  public:
   /// `base`, which may be null, is the mesh that the request names as its base; it must outlive
-  /// this.
-  explicit MeshReceiver(const TetMesh* base = nullptr) : base_(base) {}
+  /// this. The mesh is made in the memory of `used`, as far as that is enough.
+  explicit MeshReceiver(const TetMesh* base = nullptr, TetMesh used = {})
+      : base_(base), used_(std::move(used)) {}
 
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
   absl::Status take(const v1::MeshEvent& event);
@@ -62,6 +64,7 @@ class MeshReceiver {
   void take_quality(const v1::MeshTrailer& trailer);
 
   const TetMesh* base_;
+  TetMesh used_;
   StreamedMesh received_;
   KeptParts kept_;                          ///< of the base
   std::uint64_t chunks_ = 0;                ///< that come, once there is a header

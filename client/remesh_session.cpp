@@ -48,12 +48,12 @@ absl::Status RemeshSession::update(const std::vector<v1::LeafUpdate>& leaves) {
 absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
   if (ended_) return absl::FailedPreconditionError("the session is over: begin another");
   if (!stream_->write(serialized(message))) return broken();
-  MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh);
+  MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh, std::move(used_));
   if (auto status = receive(receiver); !status.ok()) return status;
   tets_sent_ = receiver.tets_sent();
   auto mesh = std::move(receiver).finish(cancellation_);
   if (!mesh.ok()) return mesh.status();
-  mesh_ = *std::move(mesh);
+  used_ = std::exchange(mesh_, *std::move(mesh)).mesh;
   return absl::OkStatus();
 }
 

@@ -50,6 +50,7 @@ class RemeshSession {
   std::unique_ptr<RawCall> stream_;
   bool ended_ = false;
   StreamedMesh mesh_;
+  TetMesh used_;  ///< the mesh before it: memory for the next
   std::uint64_t tets_sent_ = 0;
 };
 

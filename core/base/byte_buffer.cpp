@@ -30,8 +30,11 @@ ByteBuffer::ByteBuffer(std::size_t size) : size_(size), capacity_(size) {
 
 ByteBuffer::ByteBuffer(std::size_t size, ByteBuffer&& used) {
   if (used.capacity_.value < size) {
+    // What has grown once will grow again; pages that are never touched cost nothing.
+    const std::size_t spare = used.capacity_.value == 0 ? 0 : size / 16;
     used = {};  // before there is another one
-    *this = ByteBuffer(size);
+    *this = ByteBuffer(size + spare);
+    size_ = size;
   } else {
     *this = std::move(used);
     size_ = size;

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
@@ -38,58 +40,93 @@ absl::Status check_runs(const std::vector<KeptRun>& runs,
   return absl::OkStatus();
 }
 
-/// New ids of kept vertices. Tets in a row use vertices of few runs, so the last one is tried
-/// first.
+/// New ids of kept vertices: what is to be added to the old ones. Immutable.
 class NewIds {
  public:
-  explicit NewIds(std::span<const KeptRun> runs) : runs_(runs) {}
+  NewIds(std::span<const KeptRun> runs, std::uint64_t from_count)
+      : runs_(runs),
+        from_count_(from_count),
+        shifts_((from_count + kSlot - 1) / kSlot, kMixed) {
+    for (const KeptRun& run : runs) {
+      const std::uint64_t first = (run.from + kSlot - 1) / kSlot;
+      const std::uint64_t end =
+          run.from + run.count == from_count ? shifts_.size() : (run.from + run.count) / kSlot;
+      for (std::uint64_t slot = first; slot < end; ++slot) shifts_[slot] = run.to - run.from;
+    }
+  }
 
   /// The run that holds every id in [least, most], or null.
-  const KeptRun* run_of(std::uint64_t least, std::uint64_t most) {
-    if (!holds(last_, least)) last_ = find(least);
-    return holds(last_, least) && holds(last_, most) ? last_ : nullptr;
+  const KeptRun* run_of(std::uint64_t least, std::uint64_t most) const {
+    const auto after = std::upper_bound(
+        runs_.begin(), runs_.end(), least,
+        [](std::uint64_t value, const KeptRun& run) { return value < run.from; });
+    if (after == runs_.begin()) return nullptr;
+    const KeptRun* const run = &*(after - 1);
+    return most - run->from < run->count ? run : nullptr;
   }
+
+  /// Writes ids of the earlier mesh, each below `from_count`; false where one is not kept.
+  template <class Index>
+  bool move(std::span<const Index> from, Index* to) const {
+    for (const Index id : from) {
+      std::uint64_t shift = shifts_[id / kSlot];
+      if (shift == kMixed) {
+        const KeptRun* const run = run_of(id, id);
+        if (run == nullptr) return false;
+        shift = run->to - run->from;
+      }
+      *to++ = static_cast<Index>(id + shift);  // modulo 2^n, so down too
+    }
+    return true;
+  }
+
+  std::uint64_t from_count() const { return from_count_; }
 
  private:
-  static bool holds(const KeptRun* run, std::uint64_t id) {
-    return run != nullptr && id >= run->from && id - run->from < run->count;
-  }
-  const KeptRun* find(std::uint64_t id) const {
-    const auto after = std::upper_bound(
-        runs_.begin(), runs_.end(), id,
-        [](std::uint64_t value, const KeptRun& run) { return value < run.from; });
-    return after == runs_.begin() ? nullptr : &*(after - 1);
-  }
+  /// Ids in a row that are looked up together where one run holds all of them.
+  static constexpr std::uint64_t kSlot = 256;
+  static constexpr std::uint64_t kMixed = std::uint64_t{1} << 63;  // no shift: ids are smaller
 
   std::span<const KeptRun> runs_;
-  const KeptRun* last_ = nullptr;
+  std::uint64_t from_count_;
+  std::vector<std::uint64_t> shifts_;  // of each slot
 };
+
+template <class Index>
+struct IdRange {
+  Index least, most;
+};
+
+/// Of at least one id.
+template <class Index>
+IdRange<Index> range_of(std::span<const Index> ids) {
+  IdRange<Index> range{ids[0], ids[0]};
+  for (const Index id : ids) {  // vectorised, as std::ranges::minmax is not
+    range.least = id < range.least ? id : range.least;
+    range.most = id > range.most ? id : range.most;
+  }
+  return range;
+}
 
 /// Writes ids under their new numbers; false where one is not kept.
 template <class Index>
-bool move_ids(std::span<const Index> from, NewIds& ids, Index* to) {
-  const auto [least, most] = std::ranges::minmax(from);
-  if (const KeptRun* run = ids.run_of(least, most)) {
-    const auto shift = static_cast<Index>(run->to - run->from);  // modulo 2^n, so down too
-    std::ranges::transform(from, to, [&](Index id) { return static_cast<Index>(id + shift); });
-    return true;
-  }
-  for (const Index id : from) {
-    const KeptRun* run = ids.run_of(id, id);
-    if (run == nullptr) return false;
-    *to++ = static_cast<Index>(id + (run->to - run->from));
-  }
+bool move_ids(std::span<const Index> from, const NewIds& ids, Index* to) {
+  const auto [least, most] = range_of(from);
+  if (most >= ids.from_count()) return false;
+  const KeptRun* const run = ids.run_of(least, most);
+  if (run == nullptr) return ids.move(from, to);
+  const auto shift = static_cast<Index>(run->to - run->from);
+  for (std::size_t i = 0; i < from.size(); ++i) to[i] = static_cast<Index>(from[i] + shift);
   return true;
 }
 
 template <class Index>
-bool move_tets(const TetMesh& from, const KeptParts& kept, const KeptRun& run, TetMesh& to) {
+bool move_tets(const TetMesh& from, const NewIds& ids, const KeptRun& run, TetMesh& to) {
   const auto* const source = reinterpret_cast<const Index*>(from.tets.bytes().data());
   auto* const target = reinterpret_cast<Index*>(to.tets.bytes().data());
   const std::size_t blocks = (run.count + kBlockTets - 1) / kBlockTets;
   std::atomic<bool> all_kept{true};
   for_each_range(blocks, 16, [&](std::size_t begin, std::size_t end) {
-    NewIds ids(kept.vertices);
     for (std::size_t block = begin; block < end; ++block) {
       const std::uint64_t first = block * kBlockTets;
       const std::uint64_t count = std::min(kBlockTets, run.count - first);
@@ -131,12 +168,13 @@ bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept {
 
 absl::StatusOr<TetMesh> splice_mesh(const TetMesh& from,
                                     const MeshHeader& header,
-                                    const KeptParts& kept) {
+                                    const KeptParts& kept,
+                                    TetMesh used) {
   if (absl::Status status = check_splice(from.header, header, kept); !status.ok())
     return status;
   TetMesh mesh;
   try {
-    mesh = TetMesh(header);
+    mesh = TetMesh(header, std::move(used));
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrFormat("no memory for %d vertices and %d tets",
                                                         header.vertex_count, header.tet_count));
@@ -145,11 +183,12 @@ absl::StatusOr<TetMesh> splice_mesh(const TetMesh& from,
     copy_rows(from.positions.bytes(), mesh.positions.bytes(),
               3 * size_of(header.coordinate_type), kept.vertices[i]);
   });
+  const NewIds ids(kept.vertices, from.header.vertex_count);
   for (const KeptRun& run : kept.tets) {
     if (header.has_regions) copy_rows(from.regions.bytes(), mesh.regions.bytes(), 1, run);
     const bool moved = header.index_type == IndexType::kUint32
-                           ? move_tets<std::uint32_t>(from, kept, run, mesh)
-                           : move_tets<std::uint64_t>(from, kept, run, mesh);
+                           ? move_tets<std::uint32_t>(from, ids, run, mesh)
+                           : move_tets<std::uint64_t>(from, ids, run, mesh);
     if (!moved) {
       return absl::InvalidArgumentError("a kept tet has a vertex that is not kept");
     }

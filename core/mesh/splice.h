@@ -30,13 +30,15 @@ struct KeptParts {
 bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept;
 
 /// A mesh with the kept parts of `from` in their new places; its other vertices and tets are
-/// unspecified, to be written through `columns_of`. Parallel; run it on a TaskPool.
+/// unspecified, to be written through `columns_of`. Made in the memory of `used`, a mesh that
+/// is no longer needed, as far as that is enough. Parallel; run it on a TaskPool.
 ///
 /// Errors: kInvalidArgument (headers that cannot be spliced, runs that are out of order or do
 /// not fit the meshes, a kept tet with a vertex that is not kept), kResourceExhausted (no
 /// memory).
 absl::StatusOr<TetMesh> splice_mesh(const TetMesh& from,
                                     const MeshHeader& header,
-                                    const KeptParts& kept);
+                                    const KeptParts& kept,
+                                    TetMesh used = {});
 
 }  // namespace tet

@@ -8,25 +8,39 @@
 #include "core/base/brick_neighbours.h"
 #include "core/base/parallel.h"
 #include "core/lattice/reach.h"
+#include "core/pipeline/mesh_difference.h"
 #include "core/stuffing/count_tets.h"
 
 namespace tet {
 namespace {
 
-constexpr std::size_t kBricksPerRange = 16;
+constexpr std::size_t kCountedPerRange = 16;
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
-/// Calls `body(place, around)` for each brick of a level, in any order; for some, once
-/// cancelled.
+/// Calls `known(place)` for each brick of a level that `is_known`, and `body(place, around)`
+/// for the others, in any order; for some, once cancelled.
+template <class Body, class IsKnown, class Known>
+void for_each_surrounded(const OctreeLevel& level,
+                         const Cancellation& cancellation,
+                         const Body& body,
+                         const IsKnown& is_known,
+                         const Known& known) {
+  for_each_range(level.bricks.size(), kCountedPerRange,
+                 [&](std::size_t begin, std::size_t end) {
+                   if (cancellation.requested()) return;
+                   BrickNeighbours neighbours(level.bricks);
+                   for (std::size_t i = begin; i < end; ++i) {
+                     is_known(i) ? known(i) : body(i, neighbours.around(level.bricks[i]));
+                   }
+                 });
+}
+
 template <class Body>
 void for_each_surrounded(const OctreeLevel& level,
                          const Cancellation& cancellation,
                          const Body& body) {
-  for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
-    if (cancellation.requested()) return;
-    BrickNeighbours neighbours(level.bricks);
-    for (std::size_t i = begin; i < end; ++i) body(i, neighbours.around(level.bricks[i]));
-  });
+  for_each_surrounded(
+      level, cancellation, body, [](std::size_t) { return false; }, [](std::size_t) {});
 }
 
 /// Leaves of the bricks beyond a finest brick's faces.
@@ -49,14 +63,20 @@ CountedMesh::CountedMesh(const PhiField& field,
                          Octree tree,
                          const StuffingRules& rules,
                          bool uniform,
-                         const Cancellation& cancellation)
+                         const Cancellation& cancellation,
+                         const ComparedMesh* earlier)
     : rules_(rules), survey_(std::move(survey)), tree_(std::move(tree)) {
   // In a uniform mesh of the inside every brick with a vertex is there already.
   if (!uniform || rules.both_sides) insert_corner_bricks(tree_.levels[0]);
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
   find_stuffed(field, cancellation);
   if (!cancellation.requested()) find_vertices(cancellation);
-  if (!cancellation.requested()) count_bricks(cancellation);
+  if (cancellation.requested()) return;
+  if (earlier == nullptr) {
+    count_bricks(cancellation, nullptr, {});
+  } else {
+    count_bricks(cancellation, &earlier->mesh, find_kept_bricks(*earlier, {*this, field}));
+  }
 }
 
 CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
@@ -67,7 +87,7 @@ CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
       stuffed_(std::move(structure.stuffed)) {
   find_cut_points();
   find_vertices({});
-  count_bricks({});
+  count_bricks({}, nullptr, {});
 }
 
 void CountedMesh::find_cut_points() {
@@ -76,13 +96,13 @@ void CountedMesh::find_cut_points() {
       [&](std::size_t i) {
         if (touches_surface(i)) survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(i));
       },
-      kBricksPerRange);
+      kCountedPerRange);
 }
 
 void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancellation) {
   const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
   stuffed_.resize(bricks.size());
-  for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+  for_each_range(bricks.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
     // Both lists are sorted: their bricks are met in turn.
     auto surveyed =
@@ -152,7 +172,9 @@ void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used)
   }
 }
 
-void CountedMesh::count_bricks(const Cancellation& cancellation) {
+void CountedMesh::count_bricks(const Cancellation& cancellation,
+                               const CountedMesh* earlier,
+                               std::span<const KeptBricks> kept) {
   std::size_t bricks = 0;
   for (const OctreeLevel& level : tree_.levels) {
     first_brick_.push_back(bricks);
@@ -160,12 +182,21 @@ void CountedMesh::count_bricks(const Cancellation& cancellation) {
   }
   std::vector<std::uint64_t> vertices(bricks), tets(bricks);
   for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
-    for_each_surrounded(tree_.levels[l], cancellation,
-                        [&](std::size_t i, const PlacesAround& around) {
-                          const BrickPlace place{static_cast<int>(l), i};
-                          vertices[first_brick_[l] + i] = vertices_of(place);
-                          tets[first_brick_[l] + i] = tets_of(place, around);
-                        });
+    const auto is_kept = [&](std::size_t i) {
+      return earlier != nullptr && kept[l].tets[i] != kNewBrick;
+    };
+    const auto take = [&](std::size_t i) {
+      const std::size_t before = earlier->first_brick_[l] + kept[l].tets[i];
+      vertices[first_brick_[l] + i] =
+          earlier->first_vertex_[before + 1] - earlier->first_vertex_[before];
+      tets[first_brick_[l] + i] = earlier->first_tet_[before + 1] - earlier->first_tet_[before];
+    };
+    const auto count = [&](std::size_t i, const PlacesAround& around) {
+      const BrickPlace place{static_cast<int>(l), i};
+      vertices[first_brick_[l] + i] = vertices_of(place);
+      tets[first_brick_[l] + i] = tets_of(place, around);
+    };
+    for_each_surrounded(tree_.levels[l], cancellation, count, is_kept, take);
   }
   first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
   first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });

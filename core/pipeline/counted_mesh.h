@@ -16,6 +16,8 @@
 
 namespace tet {
 
+struct KeptBricks;
+
 /// A brick of the mesh: its octree level and its place among that level's bricks.
 struct BrickPlace {
   int level = 0;
@@ -37,13 +39,15 @@ struct MeshStructure {
 /// bytes.
 class CountedMesh {
  public:
-  /// Of no use once it is cancelled.
+  /// Of no use once it is cancelled. What `earlier`, which may be null, counted is not counted
+  /// again; both meshes have the same rules and lattice.
   CountedMesh(const PhiField& field,
               Survey survey,
               Octree tree,
               const StuffingRules& rules,
               bool uniform,
-              const Cancellation& cancellation = {});
+              const Cancellation& cancellation = {},
+              const ComparedMesh* earlier = nullptr);
 
   /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets
   /// use.
@@ -94,7 +98,10 @@ class CountedMesh {
   void find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
   void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
   void find_cut_points();
-  void count_bricks(const Cancellation& cancellation);
+  /// `earlier` may be null, and has the bricks in `kept`.
+  void count_bricks(const Cancellation& cancellation,
+                    const CountedMesh* earlier,
+                    std::span<const KeptBricks> kept);
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place, const PlacesAround& around) const noexcept;
   std::uint64_t finest_tets_of(std::size_t brick, const PlacesAround& around) const noexcept;

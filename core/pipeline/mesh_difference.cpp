@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
@@ -14,7 +15,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kBricksPerRange = 64;
+constexpr std::size_t kComparedPerRange = 64;
 
 /// Packed geometry of one brick after another, found again where it was not kept.
 class Geometry {
@@ -96,10 +97,8 @@ class LevelComparison {
   Geometry geometry_before_, geometry_;
 };
 
-constexpr std::uint32_t kNew = ~std::uint32_t{0};
-
-/// Of each brick of a level: its number in the earlier level where it is as it was, else kNew.
-/// `changed` gets the bricks that only one level has, and those that differ.
+/// Of each brick of a level: its number in the earlier level where it is as it was, else
+/// kNewBrick. `changed` gets the bricks that only one level has, and those that differ.
 std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
                                      const ComparedMesh& now,
                                      int level,
@@ -110,9 +109,9 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
   const std::vector<BrickCoord>& before =
       l < levels_before.size() ? levels_before[l].bricks : kNone;
   const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
-  std::vector<std::uint32_t> same(bricks.size(), kNew);
+  std::vector<std::uint32_t> same(bricks.size(), kNewBrick);
   std::ranges::set_symmetric_difference(before, bricks, std::back_inserter(changed));
-  for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+  for_each_range(bricks.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
     LevelComparison comparison(earlier, now, level);
     auto at = std::ranges::lower_bound(before, bricks[begin]);
     for (std::size_t i = begin; i < end; ++i) {
@@ -123,7 +122,7 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
     }
   });
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    if (same[i] == kNew && std::ranges::binary_search(before, bricks[i])) {
+    if (same[i] == kNewBrick && std::ranges::binary_search(before, bricks[i])) {
       changed.push_back(bricks[i]);
     }
   }
@@ -146,28 +145,23 @@ void add_run(std::vector<KeptRun>& runs, const KeptRun& run) {
 void add_level(const ComparedMesh& earlier,
                const ComparedMesh& now,
                int level,
-               std::span<const std::uint32_t> same,
-               std::span<const BrickCoord> touched,
+               const KeptBricks& kept,
                MeshDifference& difference) {
-  const auto l = static_cast<std::size_t>(level);
-  const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
   const std::size_t first = now.mesh.first_brick(level);
-  auto at = touched.begin();
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    while (at != touched.end() && *at < bricks[i]) ++at;
-    const bool is_touched = at != touched.end() && *at == bricks[i];
+  for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
     const std::size_t brick = first + i;
-    if (same[i] != kNew) {
-      const std::size_t before = earlier.mesh.first_brick(level) + same[i];
+    if (kept.vertices[i] != kNewBrick) {
+      const std::size_t before = earlier.mesh.first_brick(level) + kept.vertices[i];
       add_run(difference.kept.vertices,
               {earlier.mesh.first_vertex(before), now.mesh.first_vertex(brick),
                now.mesh.first_vertex(brick + 1) - now.mesh.first_vertex(brick)});
-      if (!is_touched) {
-        add_run(difference.kept.tets,
-                {earlier.mesh.first_tet(before), now.mesh.first_tet(brick),
-                 now.mesh.first_tet(brick + 1) - now.mesh.first_tet(brick)});
-        continue;
-      }
+    }
+    if (kept.tets[i] != kNewBrick) {
+      const std::size_t before = earlier.mesh.first_brick(level) + kept.tets[i];
+      add_run(difference.kept.tets,
+              {earlier.mesh.first_tet(before), now.mesh.first_tet(brick),
+               now.mesh.first_tet(brick + 1) - now.mesh.first_tet(brick)});
+      continue;
     }
     auto& changed = difference.changed;
     if (!changed.empty() && changed.back().end == brick) {
@@ -178,19 +172,43 @@ void add_level(const ComparedMesh& earlier,
   }
 }
 
+/// Of `same`, the bricks that are not among the sorted `touched`.
+std::vector<std::uint32_t> untouched(std::span<const std::uint32_t> same,
+                                     const std::vector<BrickCoord>& bricks,
+                                     const std::vector<BrickCoord>& touched) {
+  std::vector<std::uint32_t> rest(same.begin(), same.end());
+  auto at = touched.begin();
+  for (std::size_t i = 0; i < bricks.size() && at != touched.end(); ++i) {
+    while (at != touched.end() && *at < bricks[i]) ++at;
+    if (at != touched.end() && *at == bricks[i]) rest[i] = kNewBrick;
+  }
+  return rest;
+}
+
 }  // namespace
+
+std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now) {
+  std::vector<KeptBricks> kept;
+  std::vector<BrickCoord> changed_below;  // bricks of finer levels, as bricks of the last one
+  for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
+    std::vector<BrickCoord> changed;
+    std::vector<std::uint32_t> same = find_same(earlier, now, level, changed);
+    // Tets of a level have nodes of finer ones.
+    for (const BrickCoord b : changed_below) changed.push_back({b.x >> 1, b.y >> 1, b.z >> 1});
+    sort_unique(changed);
+    const auto& bricks = now.mesh.tree().levels[static_cast<std::size_t>(level)].bricks;
+    std::vector<std::uint32_t> same_tets = untouched(same, bricks, with_neighbours(changed));
+    kept.push_back({std::move(same), std::move(same_tets)});
+    changed_below = std::move(changed);
+  }
+  return kept;
+}
 
 MeshDifference compare_meshes(const ComparedMesh& earlier, const ComparedMesh& now) {
   MeshDifference difference;
-  std::vector<BrickCoord> touched;  // bricks of the level below whose tets may have changed
-  for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
-    std::vector<BrickCoord> changed;
-    const std::vector<std::uint32_t> same = find_same(earlier, now, level, changed);
-    // Tets of a level have nodes of finer ones.
-    for (const BrickCoord b : touched) changed.push_back({b.x >> 1, b.y >> 1, b.z >> 1});
-    sort_unique(changed);
-    touched = with_neighbours(changed);
-    add_level(earlier, now, level, same, touched, difference);
+  const std::vector<KeptBricks> kept = find_kept_bricks(earlier, now);
+  for (std::size_t level = 0; level < kept.size(); ++level) {
+    add_level(earlier, now, static_cast<int>(level), kept[level], difference);
   }
   return difference;
 }

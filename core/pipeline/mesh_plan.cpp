@@ -299,24 +299,35 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const GridList& grid
   return std::make_shared<const MeshPlan>(std::move(impl));
 }
 
+/// An earlier mesh, where parts of it may be those of the new one: it has the same rules and
+/// lattice, and no part was made with regard to others.
+struct AlikeMesh {
+  ComparedMesh mesh;
+  std::unique_ptr<const FieldDifference> difference;
+};
+
+std::optional<AlikeMesh> find_alike(const MeshPlan* earlier, const PreparedMesh& prepared) {
+  if (earlier == nullptr || !earlier->has_bricks()) return std::nullopt;
+  const ComparedMesh before = earlier->counted();
+  if (!(before.mesh.rules() == prepared.space.rules) ||
+      !can_reuse(before.mesh.survey(), prepared.space)) {
+    return std::nullopt;
+  }
+  auto difference = FieldDifference::between(before.field, prepared.field);
+  if (difference == nullptr) return std::nullopt;
+  return AlikeMesh{before, std::move(difference)};
+}
+
 /// Surveys what neither an earlier plan nor other hosts have surveyed.
 absl::StatusOr<Survey> survey_rest(const PreparedMesh& prepared,
-                                   const MeshPlan* earlier,
+                                   const std::optional<AlikeMesh>& alike,
                                    const SurveyedBlocks& surveyed,
                                    const Cancellation& cancellation,
                                    MeshProgress* progress) {
-  if (earlier != nullptr && earlier->has_bricks()) {
-    const auto [mesh, field] = earlier->counted();
-    const bool alike =
-        mesh.rules() == prepared.space.rules && can_reuse(mesh.survey(), prepared.space);
-    const auto difference = alike ? FieldDifference::between(field, prepared.field) : nullptr;
-    if (difference != nullptr) {
-      const EarlierSurvey before{mesh.survey(), *difference};
-      return survey_bricks(prepared.field, prepared.bricks.near_surface, prepared.space,
-                           cancellation, progress, &before);
-    }
-  }
-  return join_survey(prepared, surveyed, cancellation, progress);
+  if (!alike) return join_survey(prepared, surveyed, cancellation, progress);
+  const EarlierSurvey before{alike->mesh.mesh.survey(), *alike->difference};
+  return survey_bricks(prepared.field, prepared.bricks.near_surface, prepared.space,
+                       cancellation, progress, &before);
 }
 
 }  // namespace
@@ -341,8 +352,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   if (is_made_whole(request)) {
     return plan_graded(shape, *prepared, request, *rules, limits, cancellation);
   }
+  const std::optional<AlikeMesh> alike = find_alike(earlier, *prepared);
   absl::StatusOr<Survey> survey =
-      survey_rest(*prepared, earlier, surveyed, cancellation, progress);
+      survey_rest(*prepared, alike, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
   const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -351,7 +363,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   ThinWalls thin_walls = gather_thin_walls(survey->thin, field.lattice_transform());
   CountedMesh mesh(field, *std::move(survey), std::move(tree), space.rules, asked.levels == 0,
-                   cancellation);
+                   cancellation, alike ? &alike->mesh : nullptr);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   const MeshHeader header = header_of(mesh, request);

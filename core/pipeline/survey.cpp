@@ -17,7 +17,7 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kBricksPerRange = 8;
+constexpr std::size_t kSurveyedPerRange = 8;
 
 struct SurveyedBrick {
   StuffedBrick stuffed;
@@ -25,7 +25,6 @@ struct SurveyedBrick {
   std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
   std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
-  const std::byte* geometry = nullptr;  ///< where it is kept
   bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
 };
 
@@ -142,49 +141,53 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
 /// Packs the geometry of one brick after another, as long as there is room for it.
 class GeometryKeeper {
  public:
-  /// `room` is what all keepers together may still take, bytes.
-  explicit GeometryKeeper(std::atomic<std::int64_t>& room) : room_(room) {}
+  /// `room` is what all keepers together may still take, bytes; `kept` gets the place of each
+  /// brick that was kept.
+  GeometryKeeper(std::atomic<std::int64_t>& room, std::vector<const std::byte*>& kept)
+      : room_(room), kept_(kept) {}
 
-  void keep(const StuffedLattice& lattice, SurveyedBrick& found) {
-    if (std::byte* const to = make_room(found)) pack_geometry(lattice, found.stuffed, to);
+  void keep(std::size_t brick, const StuffedBrick& stuffed, const StuffedLattice& lattice) {
+    if (std::byte* const to = make_room(brick, stuffed)) pack_geometry(lattice, stuffed, to);
   }
 
-  /// The same of a brick whose geometry was packed before.
-  void keep_again(SurveyedBrick& found) {
-    const std::byte* const packed = std::exchange(found.geometry, nullptr);
+  /// The same of a brick whose geometry was packed before; null where it was not.
+  void keep_again(std::size_t brick, const StuffedBrick& stuffed, const std::byte* packed) {
     if (packed == nullptr) return;
-    if (std::byte* const to = make_room(found)) {
-      std::copy_n(packed, GeometrySizes(found.stuffed).bytes(), to);
+    if (std::byte* const to = make_room(brick, stuffed)) {
+      std::copy_n(packed, GeometrySizes(stuffed).bytes(), to);
     }
   }
 
-  /// Moves all of it to where it stays, and tells the bricks.
+  /// Moves all of it to where it stays.
   std::shared_ptr<std::byte[]> take() {
     if (packed_.empty()) return nullptr;
     std::shared_ptr<std::byte[]> block =
         std::make_unique_for_overwrite<std::byte[]>(packed_.size());
     std::copy(packed_.begin(), packed_.end(), block.get());
-    for (const auto& [found, begin] : kept_) found->geometry = block.get() + begin;
+    for (const auto& [brick, begin] : begins_) kept_[brick] = block.get() + begin;
     return block;
   }
 
  private:
   /// Null where there is none.
-  std::byte* make_room(SurveyedBrick& found) {
-    const std::size_t size = GeometrySizes(found.stuffed).bytes();
+  std::byte* make_room(std::size_t brick, const StuffedBrick& stuffed) {
+    const std::size_t size = GeometrySizes(stuffed).bytes();
     if (room_.fetch_sub(static_cast<std::int64_t>(size)) < static_cast<std::int64_t>(size)) {
       return nullptr;
     }
     const std::size_t begin = packed_.size();
     packed_.resize(begin + size);
-    kept_.emplace_back(&found, begin);
+    begins_.emplace_back(brick, begin);
     return packed_.data() + begin;
   }
 
   std::atomic<std::int64_t>& room_;
+  std::vector<const std::byte*>& kept_;
   std::vector<std::byte> packed_;
-  std::vector<std::pair<SurveyedBrick*, std::size_t>> kept_;
+  std::vector<std::pair<std::size_t, std::size_t>> begins_;
 };
+
+constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};
 
 /// Looks bricks up in an earlier survey. Not thread-safe: one per task.
 class EarlierBricks {
@@ -194,21 +197,14 @@ class EarlierBricks {
 
   bool still_holds(BrickCoord brick) { return asker_.same_around(brick); }
 
-  /// As it was found then; its geometry is the earlier survey's.
-  std::optional<SurveyedBrick> find(BrickCoord brick) const {
-    const auto found = std::ranges::lower_bound(survey_.bricks, brick);
-    if (found == survey_.bricks.end() || *found != brick) return std::nullopt;
-    const auto at = static_cast<std::size_t>(found - survey_.bricks.begin());
-    SurveyedBrick before;
-    before.stuffed = survey_.stuffed[at];
-    before.finest = survey_.finest[at];
-    before.surface = {survey_.counts[at], survey_.sheets[at]};
-    before.geometry = survey_.geometry.of_brick[at];
-    const auto parts = std::ranges::lower_bound(survey_.parts, at, {}, &PartsOfBrick::brick);
-    if (parts != survey_.parts.end() && parts->brick == at) {
-      before.parts = std::make_unique<SurfaceParts>(parts->parts);
-    }
-    return before;
+  /// Its place in the earlier survey, or kNotKnown where the surface did not reach it. Bricks
+  /// are asked for in ascending order.
+  std::uint32_t find(BrickCoord brick) {
+    const auto begin = survey_.bricks.begin() + static_cast<std::ptrdiff_t>(at_);
+    const auto found = std::lower_bound(begin, survey_.bricks.end(), brick);
+    at_ = static_cast<std::size_t>(found - survey_.bricks.begin());
+    const bool known = found != survey_.bricks.end() && *found == brick;
+    return known ? static_cast<std::uint32_t>(at_) : kNotKnown;
   }
 
   ThinSpots thin_spots(BrickCoord brick) const {
@@ -220,29 +216,88 @@ class EarlierBricks {
  private:
   const Survey& survey_;
   FieldDifference::Asker asker_;
+  std::size_t at_ = 0;
 };
+
+/// What was found of each candidate.
+struct Findings {
+  // Most candidates have no part in the surface where the lattice is finer than the voxels.
+  std::vector<std::unique_ptr<SurveyedBrick>> surveyed;
+  std::vector<std::uint32_t>
+      known;  ///< the place in the earlier survey of those it still holds of
+  std::vector<const std::byte*> geometry;        ///< where it is kept
+  std::vector<std::unique_ptr<ThinSpots>> thin;  ///< null where there are none
+
+  explicit Findings(std::size_t candidates)
+      : surveyed(candidates),
+        known(candidates, kNotKnown),
+        geometry(candidates),
+        thin(candidates) {}
+
+  /// How many the surface reaches.
+  std::size_t count() const {
+    std::size_t bricks = 0;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      bricks += surveyed[i] != nullptr || known[i] != kNotKnown;
+    }
+    return bricks;
+  }
+};
+
+void reserve(Survey& survey, std::size_t bricks) {
+  survey.bricks.reserve(bricks);
+  survey.stuffed.reserve(bricks);
+  survey.finest.reserve(bricks);
+  survey.geometry.of_brick.reserve(bricks);
+  survey.counts.reserve(bricks);
+  survey.sheets.reserve(bricks);
+}
+
+/// Appends a brick as it was found then.
+void add_known(const Survey& earlier, std::uint32_t at, Survey& survey) {
+  survey.stuffed.push_back(earlier.stuffed[at]);
+  survey.finest.push_back(earlier.finest[at]);
+  survey.counts.push_back(earlier.counts[at]);
+  const auto parts = std::ranges::lower_bound(earlier.parts, at, {}, &PartsOfBrick::brick);
+  if (parts != earlier.parts.end() && parts->brick == at) {
+    survey.parts.push_back({static_cast<std::uint32_t>(survey.sheets.size()), parts->parts});
+  }
+  survey.sheets.push_back(earlier.sheets[at]);
+}
+
+void add_surveyed(SurveyedBrick& found, bool both_sides, Survey& survey) {
+  survey.stuffed.push_back(found.stuffed);
+  survey.finest.push_back(found.finest);
+  if (both_sides) survey.fans.push_back(found.fans ? *found.fans : FanMasks{});
+  survey.counts.push_back(found.surface.counts);
+  if (found.parts) {
+    survey.parts.push_back(
+        {static_cast<std::uint32_t>(survey.sheets.size()), std::move(*found.parts)});
+  }
+  survey.sheets.push_back(found.surface.sheet);
+  survey.box_cuts_surface = survey.box_cuts_surface || found.at_domain_face;
+}
 
 /// Gathers what was found, in the order of the bricks, and lets go of it.
 Survey gather(const std::vector<BrickCoord>& candidates,
-              std::vector<std::unique_ptr<SurveyedBrick>>& found,
+              Findings& findings,
+              const EarlierSurvey* earlier,
               bool both_sides,
               const Cancellation& cancellation) {
   Survey survey;
+  reserve(survey, findings.count());
   for (std::size_t i = 0; i < candidates.size() && !cancellation.requested(); ++i) {
-    if (!found[i]) continue;
+    if (findings.thin[i]) survey.thin.push_back({candidates[i], *findings.thin[i]});
+    const bool known = findings.known[i] != kNotKnown;
+    if (!known && findings.surveyed[i] == nullptr) continue;
     survey.bricks.push_back(candidates[i]);
-    survey.stuffed.push_back(found[i]->stuffed);
-    survey.finest.push_back(found[i]->finest);
-    survey.geometry.of_brick.push_back(found[i]->geometry);
-    if (both_sides) survey.fans.push_back(found[i]->fans ? *found[i]->fans : FanMasks{});
-    survey.counts.push_back(found[i]->surface.counts);
-    if (found[i]->parts) {
-      const auto at = static_cast<std::uint32_t>(survey.sheets.size());
-      survey.parts.push_back({at, std::move(*found[i]->parts)});
+    survey.geometry.of_brick.push_back(findings.geometry[i]);
+    if (known) {
+      add_known(earlier->survey, findings.known[i], survey);
+    } else {
+      add_surveyed(*findings.surveyed[i], both_sides, survey);
+      findings.surveyed[i] = nullptr;
     }
-    survey.sheets.push_back(found[i]->surface.sheet);
-    survey.box_cuts_surface = survey.box_cuts_surface || found[i]->at_domain_face;
-    found[i] = nullptr;
   }
   return survey;
 }
@@ -298,47 +353,48 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     if (!nodes.ok()) return nodes.status();
     restored = *std::move(nodes);
   }
-  // Most candidates have no part in the surface where the lattice is finer than the voxels.
-  std::vector<std::unique_ptr<SurveyedBrick>> found(candidates.size());
-  std::vector<std::unique_ptr<ThinSpots>> thin(candidates.size());  // null where there are none
+  Findings findings(candidates.size());
   std::vector<std::shared_ptr<std::byte[]>> blocks(
       candidates.size());  // of ranges, where they begin
   std::atomic<std::int64_t> room{static_cast<std::int64_t>(space.kept_geometry_bytes)};
-  for_each_range(candidates.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+  for_each_range(candidates.size(), kSurveyedPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
-    const auto workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
-    GeometryKeeper keeper(room);
+    std::unique_ptr<SurveyWorkspace> workspace;
+    GeometryKeeper keeper(room, findings.geometry);
     std::optional<EarlierBricks> before;
     if (earlier != nullptr) before.emplace(*earlier);
-    ThinSpots spots;
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      const bool known = before && before->still_holds(candidates[i]);
-      auto brick = known ? before->find(candidates[i])
-                         : survey_brick(sampler, candidates[i], space, restored.get(),
-                                        *workspace, spots);
-      if (known) spots = before->thin_spots(candidates[i]);
-      if (brick) found[i] = std::make_unique<SurveyedBrick>(*std::move(brick));
-      if (found[i]) {
-        known ? keeper.keep_again(*found[i])
-              : keeper.keep(workspace->stuffing.lattice, *found[i]);
+      ThinSpots spots;
+      if (before && before->still_holds(candidates[i])) {
+        const std::uint32_t at = findings.known[i] = before->find(candidates[i]);
+        spots = before->thin_spots(candidates[i]);
+        if (at != kNotKnown) {
+          keeper.keep_again(i, earlier->survey.stuffed[at],
+                            earlier->survey.geometry.of_brick[at]);
+        }
+      } else {
+        if (!workspace) workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
+        auto found =
+            survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
+        if (found) {
+          keeper.keep(i, found->stuffed, workspace->stuffing.lattice);
+          findings.surveyed[i] = std::make_unique<SurveyedBrick>(*std::move(found));
+        }
       }
-      if (spots.any()) thin[i] = std::make_unique<ThinSpots>(spots);
+      if (spots.any()) findings.thin[i] = std::make_unique<ThinSpots>(spots);
       if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
     }
     blocks[begin] = keeper.take();
   });
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
 
-  Survey survey = gather(candidates, found, space.rules.both_sides, cancellation);
+  Survey survey = gather(candidates, findings, earlier, space.rules.both_sides, cancellation);
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
   survey.restored = std::move(restored);
   std::erase(blocks, nullptr);
   survey.geometry.blocks = std::move(blocks);
   survey.geometry.block_bytes =
       space.kept_geometry_bytes - static_cast<std::uint64_t>(std::max<std::int64_t>(room, 0));
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (thin[i]) survey.thin.push_back({candidates[i], *thin[i]});
-  }
   return survey;
 }
 
