@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -42,22 +43,45 @@ void focus_on(PhiSampler& sampler, BrickCoord brick, int level) {
   sampler.scene().focus({middle(brick.x), middle(brick.y), middle(brick.z)}, half_edge);
 }
 
-/// The candidates that lie inside; their nodes all lie on one side, so one corner tells.
+/// Of `cells`, those that a chain of cells with a common node leads to from its first one.
+BrickMask first_part(const BrickMask& cells) noexcept {
+  BrickMask part;
+  for (std::size_t x = 0; x < 8 && !part.any(); ++x) {
+    part.slice[x] = cells.slice[x] & (~cells.slice[x] + 1);
+  }
+  for (BrickMask before; !(before == part);) {
+    before = part;
+    for (int axis = 0; axis < 3; ++axis) {
+      part |= next_along(axis, part, {}) | previous_along(axis, part, {});
+    }
+    part &= cells;
+  }
+  return part;
+}
+
+/// The candidates that lie inside. A candidate's nodes all lie on one side, and so do those of
+/// all that it shares a node with: one corner tells of them.
 BrickMask inside_cells(PhiSampler& sampler,
                        const InsideTest& is_inside,
                        BrickCoord brick,
                        int level,
                        const BrickMask& candidates) {
-  BrickMask inside;
+  const auto corner = [level](std::int32_t b, std::size_t i) {
+    return (std::int64_t{b} * kBrickEdge + static_cast<std::int64_t>(i)) << level;
+  };
+  BrickMask inside, rest = candidates;
   if (candidates.any()) focus_on(sampler, brick, level);
-  for_each_bit(candidates, [&](int x, int y, int z) {
-    const auto corner = [&](std::int32_t b, int i) {
-      return (std::int64_t{b} * 8 + i) << level;
-    };
-    if (is_inside(sampler, corner(brick.x, x), corner(brick.y, y), corner(brick.z, z))) {
-      inside.set(x, y, z);
+  while (rest.any()) {
+    const BrickMask part = first_part(rest);
+    std::size_t x = 0;
+    while (part.slice[x] == 0) ++x;
+    const auto first = static_cast<std::size_t>(std::countr_zero(part.slice[x]));
+    if (is_inside(sampler, corner(brick.x, x), corner(brick.y, first / 8),
+                  corner(brick.z, first % 8))) {
+      inside |= part;
     }
-  });
+    rest &= ~part;
+  }
   return inside;
 }
 

@@ -50,7 +50,14 @@ bool same_signs(const StuffedBrick& a, const StuffedBrick& b) {
   return a.plus == b.plus && a.zero == b.zero && a.cut == b.cut;
 }
 
-/// Finds bricks of one level that are as they were.
+/// What of a brick is not as it was.
+enum class Change : std::uint8_t {
+  kNone,
+  kVertices,  ///< which it owns, or where they lie
+  kLeaves,    ///< or cells refined, or inside: what bricks on all sides of it look at
+};
+
+/// Tells bricks of one level from those that they were.
 class LevelComparison {
  public:
   LevelComparison(const ComparedMesh& earlier, const ComparedMesh& now, int level)
@@ -60,25 +67,29 @@ class LevelComparison {
         geometry_before_(earlier),
         geometry_(now) {}
 
-  bool same(std::size_t before, std::size_t brick) {
-    const OctreeLevel& a = tree_level(earlier_);
-    const OctreeLevel& b = tree_level(now_);
+  Change change(std::size_t before, std::size_t brick) {
+    if (!same_cells(before, brick)) return Change::kLeaves;
     const LevelNodes& nodes_before = earlier_.mesh.nodes(level_);
     const LevelNodes& nodes = now_.mesh.nodes(level_);
-    if (!(a.leaf[before] == b.leaf[brick] &&
-          nodes_before.corner[before] == nodes.corner[brick] &&
-          nodes_before.centre[before] == nodes.centre[brick])) {
-      return false;
-    }
-    if (level_ == 0) return same_surface(before, brick);
-    const bool same_inside = a.inside.empty() == b.inside.empty() &&
-                             (a.inside.empty() || a.inside[before] == b.inside[brick]);
-    return same_inside && a.refined[before] == b.refined[brick];
+    const bool same_nodes = nodes_before.corner[before] == nodes.corner[brick] &&
+                            nodes_before.centre[before] == nodes.centre[brick];
+    if (!same_nodes || (level_ == 0 && !same_surface(before, brick))) return Change::kVertices;
+    return Change::kNone;
   }
 
  private:
   const OctreeLevel& tree_level(const ComparedMesh& of) const {
     return of.mesh.tree().levels[static_cast<std::size_t>(level_)];
+  }
+
+  bool same_cells(std::size_t before, std::size_t brick) const {
+    const OctreeLevel& a = tree_level(earlier_);
+    const OctreeLevel& b = tree_level(now_);
+    if (!(a.leaf[before] == b.leaf[brick])) return false;
+    if (level_ == 0) return true;
+    const bool same_inside = a.inside.empty() == b.inside.empty() &&
+                             (a.inside.empty() || a.inside[before] == b.inside[brick]);
+    return same_inside && a.refined[before] == b.refined[brick];
   }
 
   bool same_surface(std::size_t before, std::size_t brick) {
@@ -97,12 +108,47 @@ class LevelComparison {
   Geometry geometry_before_, geometry_;
 };
 
+/// Bricks of a level that are not as they were.
+struct ChangedBricks {
+  std::vector<BrickCoord> vertices, leaves;
+
+  void add(BrickCoord brick, Change change) {
+    if (change == Change::kVertices) vertices.push_back(brick);
+    if (change == Change::kLeaves) leaves.push_back(brick);
+  }
+
+  /// Tets have nodes of finer levels, where those have leaves.
+  void add_parents(const ChangedBricks& finer) {
+    const auto parent = [](BrickCoord b) { return BrickCoord{b.x >> 1, b.y >> 1, b.z >> 1}; };
+    std::ranges::transform(finer.vertices, std::back_inserter(vertices), parent);
+    std::ranges::transform(finer.leaves, std::back_inserter(leaves), parent);
+    sort_unique(vertices);
+    sort_unique(leaves);
+  }
+
+  /// Bricks whose tets may be others: they read cells of all 26 bricks around, and vertices of
+  /// the upper ones. Sorted, unique.
+  std::vector<BrickCoord> readers() const {
+    std::vector<BrickCoord> bricks = with_neighbours(leaves);
+    for (const BrickCoord b : vertices) {
+      for_each_brick(
+          {
+              {b.x - 1, b.y - 1, b.z - 1},
+              b
+      },
+          [&](BrickCoord brick) { bricks.push_back(brick); });
+    }
+    sort_unique(bricks);
+    return bricks;
+  }
+};
+
 /// Of each brick of a level: its number in the earlier level where it is as it was, else
 /// kNewBrick. `changed` gets the bricks that only one level has, and those that differ.
 std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
                                      const ComparedMesh& now,
                                      int level,
-                                     std::vector<BrickCoord>& changed) {
+                                     ChangedBricks& changed) {
   const auto l = static_cast<std::size_t>(level);
   static const std::vector<BrickCoord> kNone;
   const auto& levels_before = earlier.mesh.tree().levels;
@@ -110,7 +156,8 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
       l < levels_before.size() ? levels_before[l].bricks : kNone;
   const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
   std::vector<std::uint32_t> same(bricks.size(), kNewBrick);
-  std::ranges::set_symmetric_difference(before, bricks, std::back_inserter(changed));
+  std::vector<Change> change(bricks.size(), Change::kNone);
+  std::ranges::set_symmetric_difference(before, bricks, std::back_inserter(changed.leaves));
   for_each_range(bricks.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
     LevelComparison comparison(earlier, now, level);
     auto at = std::ranges::lower_bound(before, bricks[begin]);
@@ -118,14 +165,11 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
       while (at != before.end() && *at < bricks[i]) ++at;
       if (at == before.end() || *at != bricks[i]) continue;
       const auto number = static_cast<std::size_t>(at - before.begin());
-      if (comparison.same(number, i)) same[i] = static_cast<std::uint32_t>(number);
+      change[i] = comparison.change(number, i);
+      if (change[i] == Change::kNone) same[i] = static_cast<std::uint32_t>(number);
     }
   });
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    if (same[i] == kNewBrick && std::ranges::binary_search(before, bricks[i])) {
-      changed.push_back(bricks[i]);
-    }
-  }
+  for (std::size_t i = 0; i < bricks.size(); ++i) changed.add(bricks[i], change[i]);
   return same;
 }
 
@@ -189,17 +233,15 @@ std::vector<std::uint32_t> untouched(std::span<const std::uint32_t> same,
 
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now) {
   std::vector<KeptBricks> kept;
-  std::vector<BrickCoord> changed_below;  // bricks of finer levels, as bricks of the last one
+  ChangedBricks finer;
   for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
-    std::vector<BrickCoord> changed;
+    ChangedBricks changed;
     std::vector<std::uint32_t> same = find_same(earlier, now, level, changed);
-    // Tets of a level have nodes of finer ones.
-    for (const BrickCoord b : changed_below) changed.push_back({b.x >> 1, b.y >> 1, b.z >> 1});
-    sort_unique(changed);
+    changed.add_parents(finer);
     const auto& bricks = now.mesh.tree().levels[static_cast<std::size_t>(level)].bricks;
-    std::vector<std::uint32_t> same_tets = untouched(same, bricks, with_neighbours(changed));
+    std::vector<std::uint32_t> same_tets = untouched(same, bricks, changed.readers());
     kept.push_back({std::move(same), std::move(same_tets)});
-    changed_below = std::move(changed);
+    finer = std::move(changed);
   }
   return kept;
 }

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <random>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,8 +35,12 @@ TetMesh mesh_of(const MeshPlan& plan) {
 }
 
 /// The mesh of `now` from that of `earlier` and the patches.
-TetMesh spliced(const TetMesh& earlier, const MeshPlan& now, const MeshPatch& patch) {
-  absl::StatusOr<TetMesh> mesh = splice_mesh(earlier, now.header(), patch.kept());
+TetMesh spliced(const TetMesh& earlier,
+                const MeshPlan& now,
+                const MeshPatch& patch,
+                TetMesh used = {}) {
+  absl::StatusOr<TetMesh> mesh =
+      splice_mesh(earlier, now.header(), patch.kept(), std::move(used));
   EXPECT_TRUE(mesh.ok()) << mesh.status();
   if (!mesh.ok()) return {};
   MeshWorkspace workspace;
@@ -146,6 +153,86 @@ TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {
   other.preset = Preset::kMinAngle;
   const Volume ball = test::ball(12);
   EXPECT_EQ(MeshPatch::between(*plan_of(ball, {}), plan_of(ball, other)), nullptr);
+}
+
+TEST(Splice, IsTheSameInTheMemoryOfAnotherMesh) {
+  const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
+  const auto patch = MeshPatch::between(*earlier, now);
+  ASSERT_TRUE(patch);
+  for (const int radius : {8, 36}) {
+    SCOPED_TRACE(radius);
+    TetMesh used = mesh_of(*plan_of(test::ball(radius), {}));
+    const std::byte* const memory = used.tets.bytes().data();
+    const bool is_enough = used.tets.size() >= 16 * now->header().tet_count;
+    const TetMesh mesh = spliced(mesh_of(*earlier), *now, *patch, std::move(used));
+    EXPECT_TRUE(same_bytes(mesh, mesh_of(*now)));
+    EXPECT_EQ(is_enough, radius == 36);
+    EXPECT_TRUE(!is_enough || mesh.tets.bytes().data() == memory);
+  }
+}
+
+/// Random runs of `count` vertices, some of them left out; in the new mesh there are gaps of
+/// up to `most_new` others.
+std::vector<KeptRun> random_runs(std::uint64_t count,
+                                 std::uint64_t most_new,
+                                 std::mt19937& random) {
+  std::vector<KeptRun> runs;
+  std::uint64_t from = random() % 3, to = random() % (most_new + 1);
+  while (from < count) {
+    const std::uint64_t kept = std::min<std::uint64_t>(1 + random() % 700, count - from);
+    runs.push_back({from, to, kept});
+    from += kept + random() % 3;
+    to += kept + random() % (most_new + 1);
+  }
+  return runs;
+}
+
+/// Number of vertex `id` after those runs, or nothing.
+std::optional<std::uint64_t> moved(const std::vector<KeptRun>& runs, std::uint64_t id) {
+  for (const KeptRun& run : runs) {
+    if (run.from <= id && id < run.from + run.count) return id - run.from + run.to;
+  }
+  return std::nullopt;
+}
+
+TEST(Splice, MovesIdsAsOneAfterTheOtherWould) {
+  std::mt19937 random(20071);
+  for (const std::uint64_t vertices : {1U, 255U, 256U, 257U, 3000U}) {
+    for (int turn = 0; turn < 50; ++turn) {
+      SCOPED_TRACE(vertices);
+      MeshHeader header;
+      header.vertex_count = vertices;
+      header.tet_count = 1500;  // more than are moved at a time
+      TetMesh mesh(header);
+      const std::vector<KeptRun> runs = random_runs(vertices, turn % 2 == 0 ? 0 : 5, random);
+      const std::span ids(reinterpret_cast<std::uint32_t*>(mesh.tets.bytes().data()),
+                          4 * header.tet_count);
+      if (runs.empty()) continue;
+      const std::size_t most = turn % 3 == 0 ? 1 : runs.size();  // all in one run, or in any
+      for (std::uint32_t& id : ids) {
+        const KeptRun& run = runs[random() % most];
+        id = static_cast<std::uint32_t>(run.from + random() % run.count);
+      }
+      MeshHeader now = header;
+      now.vertex_count = runs.back().to + runs.back().count;
+      const auto result = splice_mesh(mesh, now, {runs, {{0, 0, header.tet_count}}});
+      ASSERT_TRUE(result.ok()) << result.status();
+      for (std::uint64_t i = 0; i < header.tet_count; ++i) {
+        for (std::size_t c = 0; c < 4; ++c) {
+          ASSERT_EQ(result->tet(i)[c], moved(runs, mesh.tet(i)[c])) << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(Splice, RefusesATetWithAVertexThatThereIsNot) {
+  TetMesh mesh = mesh_of(*plan_of(test::ball(8), {}));
+  const std::uint64_t vertices = mesh.header.vertex_count, tets = mesh.header.tet_count;
+  reinterpret_cast<std::uint32_t*>(mesh.tets.bytes().data())[5] =
+      static_cast<std::uint32_t>(vertices);
+  EXPECT_TRUE(absl::IsInvalidArgument(
+      splice_mesh(mesh, mesh.header, {{{0, 0, vertices}}, {{0, 0, tets}}}).status()));
 }
 
 TEST(Splice, RefusesRunsThatDoNotFit) {
