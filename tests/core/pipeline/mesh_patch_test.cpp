@@ -119,6 +119,25 @@ TEST(MeshPatch, MakesTheSameBytesAsTheWholeMesh) {
   }
 }
 
+TEST(MeshPatch, MakesTheSameBytesWhereverTheChangeIs) {
+  std::mt19937 random(7);
+  const auto coordinate = [&] { return static_cast<std::int32_t>(random() % 61) - 30; };
+  for (int turn = 0; turn < 8; ++turn) {
+    SCOPED_TRACE(turn);
+    MeshRequest request;
+    request.preset = turn % 3 == 0 ? Preset::kBothSides : Preset::kDefault;
+    if (turn % 2 != 0) request.spacing = 0.9;
+    const float depth = static_cast<float>(random() % 12) / 2;
+    const VoxelCoord at{coordinate(), coordinate(), coordinate()};
+    const Plan earlier = plan_of(dented_ball(0), request);
+    const Plan now = plan_of(dented_ball(depth, at), request);
+    ASSERT_TRUE(earlier && now);
+    const auto patch = MeshPatch::between(*earlier, now);
+    ASSERT_TRUE(patch);
+    EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
+  }
+}
+
 TEST(MeshPatch, KeepsAllButWhatIsNearTheChange) {
   const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
   const auto patch = MeshPatch::between(*earlier, now);
