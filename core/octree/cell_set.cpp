@@ -16,29 +16,50 @@ BrickCoord parent_of(BrickCoord brick) noexcept {
   return {brick.x >> 1, brick.y >> 1, brick.z >> 1};
 }
 
-/// A row of 16 cells as the 8 of their parents.
-std::uint64_t parents_of_row(std::uint64_t row) noexcept {
-  std::uint64_t bits = (row | row >> 1) & 0x5555;
-  bits = (bits | bits >> 1) & 0x3333;
-  bits = (bits | bits >> 2) & 0x0f0f;
-  return (bits | bits >> 4) & 0xff;
+/// The even bits of each 16 as its lower 8; the odd ones must not be set.
+std::uint64_t even_bits(std::uint64_t bits) noexcept {
+  bits = (bits | bits >> 1) & 0x3333333333333333;
+  bits = (bits | bits >> 2) & 0x0f0f0f0f0f0f0f0f;
+  return (bits | bits >> 4) & 0x00ff00ff00ff00ff;
 }
 
 /// Cells of a level as their parents, in halo coordinates of the parent's brick.
 HaloSet parents(const HaloSet& cells, BrickCoord brick) noexcept {
-  HaloSet out;
+  constexpr int kRowBits = 16, kWordRows = 4, kSliceWords = 4;
   const int ox = (brick.x & 1) * 4, oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;
-  const auto row_of = [&](int x, int y) {
-    const int at = halo_index(x, y, -2);
-    return cells.word[static_cast<std::size_t>(at >> 6)] >> (at & 63) & 0xffff;
+  HaloSet out;
+  const auto add_row = [&](int x, int y, std::uint64_t row) {
+    const int at = halo_index(ox + x, oy + y, oz - 1);
+    out.word[static_cast<std::size_t>(at >> 6)] |= row << (at & 63);
   };
   for (int x = -1; x < 7; ++x) {
-    for (int y = -1; y < 7; ++y) {
-      const std::uint64_t children = row_of(2 * x, 2 * y) | row_of(2 * x, 2 * y + 1) |
-                                     row_of(2 * x + 1, 2 * y) | row_of(2 * x + 1, 2 * y + 1);
-      const int at = halo_index(ox + x, oy + y, oz - 1);
-      out.word[static_cast<std::size_t>(at >> 6)] |= parents_of_row(children) << (at & 63);
+    const auto lower = static_cast<std::size_t>(halo_index(2 * x, -2, -2) >> 6);
+    for (int w = 0; w < kSliceWords; ++w) {
+      const std::size_t at = lower + static_cast<std::size_t>(w);
+      std::uint64_t children = cells.word[at] | cells.word[at + kSliceWords];
+      if (children == 0) continue;
+      children |= children >> kRowBits;
+      const std::uint64_t rows = even_bits((children | children >> 1) & 0x0000555500005555);
+      const int y = w * kWordRows / 2 - 1;
+      add_row(x, y, rows & 0xff);
+      add_row(x, y + 1, rows >> 2 * kRowBits);
     }
+  }
+  return out;
+}
+
+/// The same of a brick's own cells alone: an eighth of the parent's brick.
+BrickMask parents(const BrickMask& cells, BrickCoord brick) noexcept {
+  const auto ox = static_cast<std::size_t>((brick.x & 1) * 4);
+  const int oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;
+  BrickMask out;
+  for (std::size_t x = 0; x < 4; ++x) {
+    std::uint64_t children = cells.slice[2 * x] | cells.slice[2 * x + 1];
+    children |= children >> kBrickEdge;
+    std::uint64_t rows = even_bits((children | children >> 1) & 0x0055005500550055);
+    rows = (rows | rows >> 8) & 0x0000ffff0000ffff;
+    rows = (rows | rows >> 16) & 0x00000000ffffffff;
+    out.slice[ox + x] = rows << (oy * kBrickEdge + oz);
   }
   return out;
 }
@@ -143,9 +164,7 @@ CellSet parents_of(const CellSet& cells, const Cancellation& cancellation) {
   CellSetBuilder builder;
   for (std::size_t i = 0; i < cells.bricks.size() && !cancellation.requested(); ++i) {
     if (!cells.cells[i].any()) continue;
-    HaloSet children;
-    add_brick(children, cells.cells[i], 0, 0, 0);
-    builder.add(parent_of(cells.bricks[i]), brick_part(parents(children, cells.bricks[i])));
+    builder.add(parent_of(cells.bricks[i]), parents(cells.cells[i], cells.bricks[i]));
   }
   return builder.take();
 }
