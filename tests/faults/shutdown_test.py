@@ -4,6 +4,7 @@
 """
 
 import pathlib
+import signal
 import subprocess
 import threading
 import time
@@ -121,10 +122,21 @@ class Shutdown(FaultTest):
             self.addCleanup(server.close)
         client = self.long_mesh(",".join(server.address for server in servers))
         self.addCleanup(client.kill)
-        wait_until(lambda: servers[0].samples()["tetstream_sent_chunks_total"] > 2)
+        wait_until(lambda: servers[0].samples()["tetstream_meshes_running"] > 0)
+
+        def has_chunks():
+            """Lets the client work for a moment, or all would be sent before we look again."""
+            client.send_signal(signal.SIGCONT)
+            time.sleep(0.02)
+            client.send_signal(signal.SIGSTOP)
+            return servers[0].samples()["tetstream_sent_chunks_total"] > 2
+
+        client.send_signal(signal.SIGSTOP)
+        wait_until(has_chunks)
         began = time.monotonic()
         self.assertEqual(servers[0].terminate(), 0)
         self.assertLess(time.monotonic() - began, 5)
+        client.send_signal(signal.SIGCONT)
         _, errors = client.communicate(timeout=200)
         self.assertEqual(client.returncode, 0, errors)
         ended = [line for line in servers[0].log("call") if line["method"] == "StreamMesh"]
