@@ -140,8 +140,8 @@ void find_zeros(const BackgroundMesh& mesh,
                 const PhiField& field,
                 const Cancellation& cancellation,
                 SurfaceEdges& edges) {
-  constexpr std::size_t kNodesPerRange = 4096;
-  for_each_range(mesh.node.size(), kNodesPerRange, [&](std::size_t begin, std::size_t end) {
+  constexpr std::size_t kNodesPerSearch = 4096;
+  for_each_range(mesh.node.size(), kNodesPerSearch, [&](std::size_t begin, std::size_t end) {
     LatticeSampler sampler(field);
     EdgeBatch batch(mesh, edges);
     std::uint32_t written = edges.first[begin];

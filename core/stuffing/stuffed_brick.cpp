@@ -84,11 +84,11 @@ FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) 
 }
 
 FinestNodes seen_from_outside(const FinestNodes& inside) noexcept {
-  constexpr HaloSet kNodes = halo_cube(kNodeMin, kNodeMax);
+  constexpr HaloSet kAllNodes = halo_cube(kNodeMin, kNodeMax);
   FinestNodes outside = inside;
   outside.region = MeshRegion::kOutside;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    outside.plus[kind] = kNodes - inside.plus[kind] - inside.zero[kind];
+    outside.plus[kind] = kAllNodes - inside.plus[kind] - inside.zero[kind];
   }
   return outside;
 }
