@@ -88,6 +88,9 @@ constexpr int end_offset(NodeKind kind, int direction) noexcept {
          node_index(start);
 }
 
+/// The nodes of the brick itself, of either kind.
+inline constexpr HaloSet kOwnNodes = halo_cube(0, 7);
+
 /// An edge family: all edges that nodes of one kind own in one direction. 14 of them hold every
 /// edge of the lattice once.
 inline constexpr int kEdgeFamilies = kNodeKinds * kOwnedDirections;

@@ -13,6 +13,7 @@
 #include "core/base/parallel.h"
 #include "core/pipeline/manifold.h"
 #include "core/stuffing/cut_tet.h"
+#include "core/stuffing/surface_walk.h"
 
 namespace tet {
 namespace {
@@ -128,8 +129,9 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   found.finest = with_siblings(cells);
   found.surface = survey_surface(lattice.warped, found.stuffed);
   if (found.surface.sheet.any && !found.surface.sheet.one) {
-    found.parts =
-        std::make_unique<SurfaceParts>(find_surface_parts(lattice.warped, workspace.surface));
+    std::optional<SurfaceParts> parts = parts_between_regions(lattice.warped);
+    if (!parts) parts = walk_surface(lattice.warped, workspace.surface);
+    found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
   }
   if (!space.domain) return found;
   found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));

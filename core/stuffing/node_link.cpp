@@ -212,9 +212,10 @@ NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
   return {ends_in(plus, kind, node), ends_in(zero, kind, node)};
 }
 
+bool has_tet_of_zeros(const NodeLink& link) noexcept { return kWithTriangle.has(link.zero); }
+
 bool is_plainly_manifold(const NodeLink& link) noexcept {
-  return kConnected.has(link.plus) && kConnected.has(minus_of(link)) &&
-         !kWithTriangle.has(link.zero);
+  return kConnected.has(link.plus) && kConnected.has(minus_of(link)) && !has_tet_of_zeros(link);
 }
 
 SurfaceAtNode surface_at(const NodeLink& link) noexcept {

@@ -37,6 +37,9 @@ NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
                  NodeKind kind,
                  int node) noexcept;
 
+/// Whether the node and three zeros beside it are a tet.
+bool has_tet_of_zeros(const NodeLink& link) noexcept;
+
 /// True only where the surface is a manifold at the node, if it is there at all: quick, and
 /// true for nearly every node of a resolved surface.
 ///

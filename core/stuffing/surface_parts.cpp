@@ -1,235 +1,174 @@
 #include "core/stuffing/surface_parts.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
-#include <span>
 
+#include "core/base/vector_clones.h"
 #include "core/lattice/background.h"
-#include "core/stuffing/count_tets.h"
-#include "core/stuffing/stencil.h"
-#include "core/stuffing/stuffed_brick.h"
+#include "core/stuffing/node_link.h"
+#include "core/stuffing/node_regions.h"
 
 namespace tet {
 namespace {
 
-constexpr HaloSet kOwnNodes = halo_cube(0, 7);
-constexpr BricksAround kOwnBrick = 1U << 13;
+/// More regions than a surface that is resolved has near a brick.
+constexpr std::size_t kMaxRegions = 8;
 
-/// The brick of a halo index within [-1, 8]^3.
-BricksAround brick_of(int index) noexcept {
-  const Cell at(index);
-  const auto step = [](int i) { return i < 0 ? 0 : 1 + (i >> 3); };
-  return 1U << (9 * step(at.x) + 3 * step(at.y) + step(at.z));
+/// A region of nodes on one side of the surface.
+struct NodeRegion {
+  NodePlanes nodes, beside;
+};
+
+/// False where there are too many.
+bool find_regions(NodePlanes nodes, const NodePlanes& zero, std::vector<NodeRegion>& regions) {
+  while (nodes.any()) {
+    if (regions.size() == kMaxRegions) return false;
+    NodeRegion& region = regions.emplace_back();
+    region.nodes = first_region(nodes, zero);
+    region.beside = nodes_beside(region.nodes);
+    nodes -= region.nodes;
+  }
+  return true;
 }
 
-/// The bricks of a tet's nodes.
-BricksAround bricks_of(const TetShape& shape, int cell) noexcept {
-  constexpr HaloSet kWithin = halo_cube(0, 6);
-  if (kWithin.test(cell)) return kOwnBrick;
+/// Whether what lies between two regions is one part of the surface.
+bool tell_parts_apart(const std::vector<NodeRegion>& inside,
+                      const std::vector<NodeRegion>& others,
+                      const NodePlanes& zero) noexcept {
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (meet(inside[i].beside & inside[k].beside, zero)) return false;
+    }
+  }
+  for (std::size_t j = 0; j < others.size(); ++j) {
+    for (std::size_t k = 0; k < j; ++k) {
+      if (meet(others[j].beside, others[k].nodes)) return false;
+    }
+  }
+  return true;
+}
+
+/// Signs of the nodes in a brick's star.
+struct Signs {
+  NodePlanes plus, zero, minus;
+  NodePlanes stray;  ///< zeros without a `-` beside them, as far as can be seen
+
+  explicit Signs(const WarpedLattice& lattice) noexcept
+      : plus(NodePlanes::in_star(lattice.plus)),
+        zero(NodePlanes::in_star(lattice.zero)),
+        minus(NodePlanes(kBrickStar) - plus - zero),
+        stray(zero - nodes_beside(minus)) {}
+};
+
+/// Whether all tets at stray zeros that can be seen have a `+`: such zeros are as good as `+`.
+bool lie_inside(const NodePlanes& stray, const WarpedLattice& lattice) noexcept {
+  const NodeSets nodes = stray.sets();
+  bool inside = true;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    for_each_bit(nodes[kind], [&](int node) {
+      inside = inside && !has_tet_of_zeros(link_of(lattice.plus, lattice.zero, kind, node));
+    });
+  }
+  return inside;
+}
+
+/// The vertices of a part: its zero nodes, and the nodes that own its cut points.
+struct PartVertices {
+  std::array<HaloSet, kVertexSlots> slot;
+  BricksAround bricks = 0;  ///< of both ends of the edges that are crossed
+};
+
+/// Cut points on the edges from `plus` nodes to `minus` nodes, at the nodes that own them.
+TET_VECTOR_CLONES
+void find_cuts_between(const NodeSets& plus,
+                       const NodeSets& minus,
+                       std::array<HaloSet, kVertexSlots>& slot) noexcept {
+  for (int family = 0; family < kEdgeFamilies; ++family) {
+    const NodeKind kind = family_kind(family);
+    const NodeKind end = end_kind(kind, family_direction(family));
+    const int offset = end_offset(kind, family_direction(family));
+    const HaloSet plus_end = seen_from(plus[end], offset);
+    const HaloSet minus_end = seen_from(minus[end], offset);
+    slot[static_cast<std::size_t>(kNodeKinds + family)] = HaloSet::from_words(
+        [&, &low_plus = plus[kind], &low_minus = minus[kind]](std::size_t w) {
+          return (low_plus.word[w] & minus_end.word[w]) |
+                 (low_minus.word[w] & plus_end.word[w]);
+        });
+  }
+}
+
+/// Of an index within [-1, 8] the brick: 0, 1 or 2 along an axis.
+constexpr unsigned brick_along(int i) noexcept { return i < 0 ? 0 : (i < 8 ? 1 : 2); }
+
+/// The bricks that have one of these nodes.
+BricksAround bricks_of(const NodePlanes& nodes) noexcept {
   BricksAround bricks = 0;
-  for (const int offset : shape.offset) bricks |= brick_of(cell + offset);
+  for (int x = NodePlanes::kMin; x <= NodePlanes::kMax; ++x) {
+    const NodePlane& corners = nodes.of(kCorner, x);
+    const NodePlane& centres = nodes.of(kCentre, x);
+    for (int y = NodePlanes::kMin; y <= NodePlanes::kMax; ++y) {
+      const unsigned at = static_cast<unsigned>(y + 2);
+      const std::uint64_t row =
+          (corners.word[at / 4] | centres.word[at / 4]) >> (at % 4 * 16) & 0xffff;
+      if (row == 0) continue;
+      const unsigned along_z = static_cast<unsigned>((row >> 1 & 1) != 0) |
+                               static_cast<unsigned>((row >> 2 & 0xff) != 0) << 1 |
+                               static_cast<unsigned>((row >> 10 & 1) != 0) << 2;
+      bricks |= along_z << (9 * brick_along(x) + 3 * brick_along(y));
+    }
+  }
   return bricks;
 }
 
-/// The piece of surface in a cut tet: its corners, and its triangles.
-struct SurfacePiece {
-  std::array<StencilVertex, 4> corner{};
-  std::uint8_t corners = 0;
-  std::uint8_t triangles() const noexcept {
-    return static_cast<std::uint8_t>(corners < 3 ? 0 : corners - 2);
-  }
-};
-
-constexpr std::array<SurfacePiece, kStencilCases> kSurfacePiece = [] {
-  std::array<SurfacePiece, kStencilCases> pieces{};
-  for (std::size_t number = 0; number < kStencilCases; ++number) {
-    const internal::SortedNodes nodes(number);
-    if (nodes.plus_count == 0 || nodes.minus_count == 0) continue;
-    SurfacePiece& piece = pieces[number];
-    for (std::size_t i = 0; i < nodes.zero_count; ++i) {
-      piece.corner[piece.corners++] = nodes.zero[i];
-    }
-    for (std::size_t i = 0; i < nodes.plus_count; ++i) {
-      for (std::size_t j = 0; j < nodes.minus_count; ++j) {
-        piece.corner[piece.corners++] =
-            cut_on_edge(edge_between(nodes.plus[i], nodes.minus[j]));
-      }
-    }
-  }
-  return pieces;
-}();
-
-/// A vertex of the surface, as SurfaceWorkspace knows it.
-std::uint16_t vertex_at(const TetShape& shape, int cell, StencilVertex corner) noexcept {
-  const std::size_t slot =
-      corner < 4 ? shape.kind[corner]
-                 : kNodeKinds + shape.edge_family[static_cast<std::size_t>(corner - 4)];
-  const std::size_t node =
-      corner < 4 ? corner : kTetEdge[static_cast<std::size_t>(corner - 4)][0];
-  return static_cast<std::uint16_t>(slot * kHaloNodes +
-                                    static_cast<std::size_t>(cell + shape.offset[node]));
+PartVertices vertices_between(const NodeRegion& inside,
+                              const NodeRegion& other,
+                              const Signs& signs) noexcept {
+  PartVertices part;
+  // Of each region, the nodes at the surface.
+  const NodePlanes plus = inside.nodes & signs.plus & other.beside;
+  const NodePlanes rest = other.nodes & nodes_beside(plus);
+  find_cuts_between(plus.sets(), (rest & signs.minus).sets(), part.slot);
+  const NodeSets zeros = (rest & signs.zero).sets();
+  std::copy(zeros.begin(), zeros.end(), part.slot.begin());
+  part.bricks = bricks_of(plus | rest);
+  return part;
 }
 
-/// Number of the stencil of a tet.
-std::size_t number_at(const ShapeSigns& signs, int cell) noexcept {
-  return stencil_number(sign_at(signs, 0, cell), sign_at(signs, 1, cell),
-                        sign_at(signs, 2, cell), sign_at(signs, 3, cell));
+bool has_own_vertex(const PartVertices& part) noexcept {
+  return std::any_of(part.slot.begin(), part.slot.end(),
+                     [](const HaloSet& nodes) { return (nodes & kOwnNodes).any(); });
 }
 
-/// Tets `+000`: whole, with one `+`.
-HaloSet tets_on_three_zeros(const ShapeSigns& signs) noexcept {
-  return HaloSet::from_words([&](std::size_t w) {
-    std::uint64_t odd = 0, several = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      several |= odd & signs.plus[i]->word[w];
-      odd ^= signs.plus[i]->word[w];
-    }
-    return signs.whole.word[w] & odd & ~several;
-  });
-}
-
-/// Unites what the surface joins.
-class SurfaceWalk {
- public:
-  SurfaceWalk(const WarpedLattice& lattice, SurfaceWorkspace& workspace)
-      : lattice_(lattice), workspace_(workspace) {}
-
-  void walk() {
-    FinestNodes nodes{.plus = lattice_.plus, .zero = lattice_.zero, .leaf = {}};
-    nodes.leaf = halo_cube(kNodeMin, kNodeMax);
-    for (int axis = 0; axis < 3; ++axis) {
-      const FaceSigns faces = signs_around_faces(nodes, axis, kCellsAround);
-      for (std::size_t turn = 0; turn < 4; ++turn) {
-        walk_shape(static_cast<std::size_t>(axis) * 4 + turn, faces);
+/// Lists what a part has here and in later bricks.
+void add_part(const PartVertices& vertices, SurfaceParts& parts) {
+  const std::uint16_t part = parts.count++;
+  parts.beside.push_back(vertices.bricks & ~kOwnBrick);
+  for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
+    for_each_bit(vertices.slot[slot], [&](int index) {
+      const VertexOwner owner(index);
+      if (owner.brick < VertexOwner::kHere) return;
+      if (owner.brick == VertexOwner::kHere) {
+        parts.part_of.push_back({owner.element(slot), part});
+      } else {
+        parts.links.push_back({owner.brick, owner.element(slot), part});
       }
-    }
-  }
-
- private:
-  void walk_shape(std::size_t s, const FaceSigns& faces) {
-    const TetShape& shape = kTetShape[s];
-    const ShapeSigns signs = signs_of_shape(faces, shape);
-    for_each_bit(signs.cut, [&](int cell) {
-      const SurfacePiece& piece = kSurfacePiece[number_at(signs, cell)];
-      add(shape, cell, std::span(piece.corner).first(piece.corners));
-    });
-    // A face of three zeros is on the boundary unless the tet behind it is inside too.
-    for_each_bit(tets_on_three_zeros(signs), [&](int cell) {
-      std::array<StencilVertex, 3> face{};
-      std::size_t corners = 0, plus = 0;
-      for (StencilVertex i = 0; i < 4; ++i) {
-        if (signs.plus[i]->test(cell)) {
-          plus = i;
-        } else {
-          face[corners++] = i;
-        }
-      }
-      // Around a face without a node of the brick not every sign is known, and others see to
-      // it.
-      const bool own = std::any_of(face.begin(), face.end(), [&](StencilVertex i) {
-        return kOwnNodes.test(cell + shape.offset[i]);
-      });
-      if (!own && !kOwnNodes.test(cell)) return;
-      if (lattice_.plus[shape.kind[plus]].test(cell + kMirrored[s][plus])) return;
-      add(shape, cell, face);
     });
   }
-
-  void add(const TetShape& shape, int cell, std::span<const StencilVertex> corners) {
-    const std::uint16_t first = vertex_at(shape, cell, corners[0]);
-    for (const StencilVertex corner : corners.subspan(1)) {
-      workspace_.unite(first, vertex_at(shape, cell, corner));
-    }
-    const BricksAround bricks = bricks_of(shape, cell);
-    if (bricks != kOwnBrick) workspace_.beside().push_back({first, bricks});
-  }
-
-  const WarpedLattice& lattice_;
-  SurfaceWorkspace& workspace_;
-};
-
-/// A halo index as its brick, each coordinate -1, 0 or 1, and the place within it.
-struct Owner {
-  std::array<std::int8_t, 3> brick;
-  std::uint16_t place;
-  explicit Owner(int index) noexcept {
-    const Cell at(index);
-    const auto brick_of = [](int i) { return static_cast<std::int8_t>(i < 0 ? -1 : i >> 3); };
-    brick = {brick_of(at.x), brick_of(at.y), brick_of(at.z)};
-    place = static_cast<std::uint16_t>(((at.x & 7) * 8 + (at.y & 7)) * 8 + (at.z & 7));
-  }
-};
-
-std::uint16_t element_of(std::size_t slot, const Owner& owner) noexcept {
-  return static_cast<std::uint16_t>(slot * kBrickCells + owner.place);
-}
-
-/// Calls `visit(slot, index, root)` for every vertex of the surface that was met.
-template <class Visit>
-void for_each_vertex(SurfaceWorkspace& workspace, const Visit& visit) {
-  for (std::size_t slot = 0; slot < SurfaceWorkspace::kSlots; ++slot) {
-    for_each_bit(workspace.touched(slot), [&](int index) {
-      visit(slot, index,
-            workspace.find(static_cast<std::uint16_t>(slot * kHaloNodes +
-                                                      static_cast<std::size_t>(index))));
-    });
-  }
-}
-
-/// Edges from the brick's zeros to `+` nodes are crossed at the zero, if only the lattice says
-/// so.
-void note_plus_beside_zeros(const WarpedLattice& lattice, SurfaceWorkspace& workspace) {
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    const HaloSet& touched = workspace.touched(kind);
-    for_each_bit(touched & kOwnNodes, [&](int node) {
-      BricksAround bricks = 0;
-      for (int d = 0; d < kDirections; ++d) {
-        const int end = node + end_offset(kind, d);
-        if (lattice.plus[end_kind(kind, d)].test(end)) bricks |= brick_of(end);
-      }
-      const auto vertex = static_cast<std::uint16_t>(kind * kHaloNodes + node);
-      workspace.beside().push_back({vertex, bricks});
-    });
-  }
-}
-
-/// Numbers the parts in the order of their first vertices, and says what each is beside.
-SurfaceParts number_parts(SurfaceWorkspace& workspace) {
-  SurfaceParts parts;
-  std::vector<std::uint16_t> roots;
-  const auto part_of = [&](std::uint16_t root) {
-    return static_cast<std::uint16_t>(std::find(roots.begin(), roots.end(), root) -
-                                      roots.begin());
-  };
-  for_each_vertex(workspace, [&](std::size_t, int index, std::uint16_t root) {
-    if (kOwnNodes.test(index) && part_of(root) == roots.size()) roots.push_back(root);
-  });
-  parts.count = static_cast<std::uint16_t>(roots.size());
-  parts.beside.resize(parts.count);
-  for (const auto& [vertex, bricks] : workspace.beside()) {
-    const std::uint16_t part = part_of(workspace.find(vertex));
-    if (part != parts.count) parts.beside[part] |= bricks & ~kOwnBrick;
-  }
-  constexpr std::array<std::int8_t, 3> kHere{0, 0, 0};
-  std::vector<SurfaceLink>& links = workspace.links();
-  links.clear();
-  for_each_vertex(workspace, [&](std::size_t slot, int index, std::uint16_t root) {
-    const Owner owner(index);
-    if (owner.brick < kHere) return;
-    const std::uint16_t part = part_of(root);
-    if (part == parts.count) return;
-    const std::uint16_t element = element_of(slot, owner);
-    if (owner.brick != kHere) {
-      links.push_back({owner.brick, element, part});
-    } else if (parts.count > 1) {
-      parts.part_of.push_back({element, part});
-    }
-  });
-  parts.links.assign(links.begin(), links.end());  // no larger than it need be: it is kept
-  return parts;
 }
 
 }  // namespace
+
+VertexOwner::VertexOwner(int index) noexcept {
+  const Cell at(index);
+  const auto brick_of = [](int i) { return static_cast<std::int8_t>(i < 0 ? -1 : i >> 3); };
+  brick = {brick_of(at.x), brick_of(at.y), brick_of(at.z)};
+  place = static_cast<std::uint16_t>(((at.x & 7) * 8 + (at.y & 7)) * 8 + (at.z & 7));
+}
+
+std::uint16_t VertexOwner::element(std::size_t slot) const noexcept {
+  return static_cast<std::uint16_t>(slot * kBrickCells + place);
+}
 
 std::uint16_t SurfaceParts::part(std::uint16_t element) const noexcept {
   if (count < 2) return 0;
@@ -238,37 +177,29 @@ std::uint16_t SurfaceParts::part(std::uint16_t element) const noexcept {
   return (*at)[1];
 }
 
-void SurfaceWorkspace::clear() noexcept {
-  touched_ = {};
-  beside_.clear();
-}
-
-void SurfaceWorkspace::touch(std::uint16_t vertex) noexcept {
-  HaloSet& touched = touched_[vertex / kHaloNodes];
-  const int index = vertex % kHaloNodes;
-  if (touched.test(index)) return;
-  touched.set(index);
-  parent_[vertex] = vertex;
-}
-
-std::uint16_t SurfaceWorkspace::find(std::uint16_t vertex) noexcept {
-  while (parent_[vertex] != vertex) {
-    vertex = parent_[vertex] = parent_[parent_[vertex]];
+std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice) {
+  const Signs signs(lattice);
+  if (!lie_inside(signs.stray, lattice)) return std::nullopt;
+  const NodePlanes zero = signs.zero - signs.stray;
+  std::vector<NodeRegion> inside, others;
+  if (!find_regions(signs.plus | signs.stray, signs.stray, inside) ||
+      !find_regions(signs.minus | zero, zero, others) ||
+      !tell_parts_apart(inside, others, zero)) {
+    return std::nullopt;
   }
-  return vertex;
-}
-
-void SurfaceWorkspace::unite(std::uint16_t a, std::uint16_t b) noexcept {
-  touch(a);
-  touch(b);
-  parent_[find(b)] = find(a);
-}
-
-SurfaceParts find_surface_parts(const WarpedLattice& lattice, SurfaceWorkspace& workspace) {
-  workspace.clear();
-  SurfaceWalk(lattice, workspace).walk();
-  note_plus_beside_zeros(lattice, workspace);
-  return number_parts(workspace);
+  SurfaceParts parts;
+  for (const NodeRegion& i : inside) {
+    for (const NodeRegion& o : others) {
+      if (!meet(i.beside, o.nodes)) continue;
+      const PartVertices vertices = vertices_between(i, o, signs);
+      if (has_own_vertex(vertices)) add_part(vertices, parts);
+    }
+  }
+  if (parts.count < 2) parts.part_of.clear();
+  std::sort(parts.part_of.begin(), parts.part_of.end());
+  parts.part_of.shrink_to_fit();  // it is kept
+  parts.links.shrink_to_fit();
+  return parts;
 }
 
 }  // namespace tet

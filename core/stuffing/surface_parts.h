@@ -1,9 +1,10 @@
-// The connected parts of the surface near a brick, walked tet by tet: for the few bricks where
-// signs alone do not tell that there is one.
+// The connected parts of the surface near a brick that is no single sheet there.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/brick_mask.h"
@@ -21,6 +22,7 @@ struct SurfaceLink {
 
 /// One bit for each brick around another, by its place (see PlacesAround).
 using BricksAround = std::uint32_t;
+inline constexpr BricksAround kOwnBrick = 1U << 13;
 
 /// The connected parts of the surface that have a vertex in a brick.
 ///
@@ -37,37 +39,27 @@ struct SurfaceParts {
   std::uint16_t part(std::uint16_t element) const noexcept;
 };
 
-/// Scratch memory of `find_surface_parts`, reused from brick to brick.
-class SurfaceWorkspace;
+/// Where a vertex is, of a node at an index of a brick's halo: its brick, each coordinate -1, 0
+/// or 1, and the node's place there.
+struct VertexOwner {
+  static constexpr std::array<std::int8_t, 3> kHere{0, 0, 0};
 
-SurfaceParts find_surface_parts(const WarpedLattice& lattice, SurfaceWorkspace& workspace);
+  std::array<std::int8_t, 3> brick;
+  std::uint16_t place;
 
-class SurfaceWorkspace {
- public:
-  void clear() noexcept;
-
-  /// Unites the parts of two vertices, each at 4096 * slot + halo index.
-  void unite(std::uint16_t a, std::uint16_t b) noexcept;
-  std::uint16_t find(std::uint16_t vertex) noexcept;
-  const HaloSet& touched(std::size_t slot) const noexcept { return touched_[slot]; }
-
-  /// Bricks with a node that has an edge to, or through, what has this vertex.
-  struct Beside {
-    std::uint16_t vertex;
-    BricksAround bricks;
-  };
-  std::vector<Beside>& beside() noexcept { return beside_; }
-  std::vector<SurfaceLink>& links() noexcept { return links_; }
-
-  static constexpr std::size_t kSlots = kNodeKinds + kEdgeFamilies;
-
- private:
-  void touch(std::uint16_t vertex) noexcept;
-
-  std::array<HaloSet, kSlots> touched_;
-  std::array<std::uint16_t, kSlots * kHaloNodes> parent_;
-  std::vector<Beside> beside_;
-  std::vector<SurfaceLink> links_;
+  explicit VertexOwner(int index) noexcept;
+  /// `slot` is the node's kind, or 2 + the cut point's edge family.
+  std::uint16_t element(std::size_t slot) const noexcept;
 };
+inline constexpr std::size_t kVertexSlots = kNodeKinds + kEdgeFamilies;
+
+/// Nothing where signs do not tell the parts apart, or there are very many: then the surface
+/// has to be walked.
+///
+/// A part lies between one region of `+` nodes and one of others, and all that lies between the
+/// same two is one part: in a ball, what two connected sets that cover it have in common is
+/// connected. With zeros that holds where edges between two of them are not needed for a region
+/// to hang together, and each zero is beside one region of `+` only.
+std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice);
 
 }  // namespace tet

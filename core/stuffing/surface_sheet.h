@@ -9,8 +9,8 @@
 
 namespace tet {
 
-/// The surface among the nodes [-1, 8]^3 of a brick. An edge between a `+` node and another is
-/// crossed at its cut point, or at its zero end.
+/// The surface in the star of a brick (see kBrickStar). An edge between a `+` node and another
+/// is crossed at its cut point, or at its zero end.
 struct SurfaceSheet {
   bool any = false;  ///< an edge of one of the brick's own nodes is crossed
   bool one = false;  ///< all crossings hang together: they are on one component of the boundary
@@ -19,8 +19,6 @@ struct SurfaceSheet {
   std::uint16_t later = 0;
 };
 
-/// `plus` and `zero` have nodes in [-1, 8]^3 only.
-///
 /// A surface that cuts a ball in pieces has as many as there are regions on both of its sides,
 /// less one; so there is one where the `+` nodes are connected, and the others are. Filling a
 /// set of nodes is cheaper than following a surface. Edges between zeros do not count as

@@ -9,8 +9,6 @@
 namespace tet {
 namespace {
 
-constexpr HaloSet kOwnNodes = halo_cube(0, 7);
-
 /// Of the tets `+000`, those whose three zeros are a triangle of the boundary: the tet behind
 /// them is not inside too.
 std::uint64_t count_zero_triangles(const WarpedLattice& lattice,

@@ -1,5 +1,7 @@
 // The boundary's topology is counted with the mesh, and may be made a manifold.
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -39,6 +41,45 @@ Volume few_values(int edge, std::uint32_t seed) {
       });
 }
 
+/// A ball with single samples of its inside that are exactly zero: no surface is there.
+Volume ball_with_lone_zeros() {
+  constexpr float kRadius = 20;
+  return test::dense_volume(
+      {
+          {-24, -24, -24},
+          { 24,  24,  24}
+  },
+      3, [](VoxelCoord v) {
+        const auto square = [](std::int32_t i) { return static_cast<float>(i * i); };
+        const float from_middle = std::sqrt(square(v.x) + square(v.y) + square(v.z));
+        const bool lone = v.x % 5 == 0 && v.y % 6 == 0 && v.z % 7 == 0;
+        return lone && from_middle < kRadius - 4 ? 0 : from_middle - kRadius;
+      });
+}
+
+/// Sheets and walls of all thicknesses, rounded: where they meet bricks' edges and each other,
+/// many samples are exactly zero.
+Volume rounded_waves(std::uint32_t seed) {
+  constexpr int kEdge = 28;
+  const float steps = 0.7F + 0.6F * static_cast<float>(seed % 5);
+  const float wave = 0.3F + 0.1F * static_cast<float>(seed % 4);
+  const float phase = 1.7F * static_cast<float>(seed);
+  return test::dense_volume(
+      {
+          {        0,         0,         0},
+          {kEdge - 1, kEdge - 1, kEdge - 1}
+  },
+      3, [=](VoxelCoord v) {
+        const auto along = [&](float i, float j) {
+          return std::sin(wave * i + phase) * std::cos(wave * j - 0.3F * phase);
+        };
+        const auto x = static_cast<float>(v.x), y = static_cast<float>(v.y),
+                   z = static_cast<float>(v.z);
+        const float sum = along(x, y) + along(y, z) + along(z, x) + 0.2F * std::sin(phase);
+        return std::round(steps * sum) / steps;
+      });
+}
+
 std::vector<std::pair<std::string, Volume>> fields() {
   std::vector<std::pair<std::string, Volume>> all;
   for (test::Solid& solid : test::smooth_solids()) {
@@ -49,6 +90,10 @@ std::vector<std::pair<std::string, Volume>> fields() {
   all.emplace_back("random signs and zeros", test::random_signs(14, 2, 3));
   all.emplace_back("random signs, mostly zeros", test::random_signs(14, 3, 2));
   all.emplace_back("few values", few_values(14, 4));
+  all.emplace_back("ball with lone zeros", ball_with_lone_zeros());
+  for (std::uint32_t seed = 0; seed < 8; ++seed) {
+    all.emplace_back("rounded waves " + std::to_string(seed), rounded_waves(seed));
+  }
   all.emplace_back("flipped tiles", test::ball_with_flipped_tiles(27));
   return all;
 }

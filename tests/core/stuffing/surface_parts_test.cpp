@@ -1,0 +1,218 @@
+#include "core/stuffing/surface_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/lattice/bcc.h"
+#include "core/stuffing/count_tets.h"
+#include "core/stuffing/node_regions.h"
+#include "core/stuffing/surface_sheet.h"
+
+namespace tet {
+namespace {
+
+/// A sum of waves, rounded: sheets, thin walls, and nodes that are exactly zero.
+class Waves {
+ public:
+  explicit Waves(std::uint32_t seed) : random_(seed) {
+    for (Wave& wave : waves_) {
+      wave = {draw(-0.7, 0.7), draw(-0.7, 0.7), draw(-0.7, 0.7), draw(0, 6.3)};
+    }
+    offset_ = draw(-1, 1);
+    steps_ = draw(0.6, 8);
+  }
+  long operator()(LatticeCoord at) const {
+    double sum = offset_;
+    for (const auto& [x, y, z, phase] : waves_) {
+      sum += std::sin(0.5 * (x * at.x + y * at.y + z * at.z) + phase);
+    }
+    return std::lround(steps_ * sum);
+  }
+
+ private:
+  struct Wave {
+    double x, y, z, phase;
+  };
+  double draw(double low, double high) {
+    return std::uniform_real_distribution(low, high)(random_);
+  }
+
+  std::mt19937 random_;
+  std::array<Wave, 3> waves_;
+  double offset_ = 0, steps_ = 1;
+};
+
+std::unique_ptr<WarpedLattice> lattice_of(const Waves& waves) {
+  auto lattice = std::make_unique<WarpedLattice>();
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    for_each_bit(halo_cube(-1, 8), [&](int index) {
+      const long value = waves(node_coord(kind, index));
+      if (value > 0) lattice->plus[kind].set(index);
+      if (value == 0) lattice->zero[kind].set(index);
+    });
+  }
+  return lattice;
+}
+
+/// A vertex of the surface: its slot (see VertexOwner), and its node's halo index.
+using Vertex = std::pair<std::size_t, int>;
+
+/// The parts of the surface that a brick's star makes, walked tet by tet.
+class SurfaceOfStar {
+ public:
+  explicit SurfaceOfStar(const WarpedLattice& lattice) : lattice_(lattice) {
+    for (std::size_t s = 0; s < kTetShapes; ++s) {
+      for_each_bit(halo_cube(-2, 8), [&](int cell) { add_tet(s, cell); });
+    }
+  }
+
+  bool has(Vertex vertex) const { return parent_.contains(vertex); }
+  Vertex root(Vertex vertex) const {
+    while (parent_.at(vertex) != vertex) vertex = parent_.at(vertex);
+    return vertex;
+  }
+  std::size_t count_parts() const { return count_roots(halo_cube(-1, 8)); }
+  /// Those with a vertex of the brick's own.
+  std::size_t count_own_parts() const { return count_roots(kOwnNodes); }
+
+ private:
+  std::size_t count_roots(const HaloSet& nodes) const {
+    std::set<Vertex> roots;
+    for (const auto& [vertex, parent] : parent_) {
+      if (nodes.test(vertex.second)) roots.insert(root(vertex));
+    }
+    return roots.size();
+  }
+
+  void add_tet(std::size_t number, int cell) {
+    const TetShape& shape = kTetShape[number];
+    std::vector<std::size_t> plus, minus;
+    std::vector<Vertex> vertices;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const int node = cell + shape.offset[i];
+      if (!kBrickStar[shape.kind[i]].test(node)) continue;
+      if (lattice_.zero[shape.kind[i]].test(node)) {
+        vertices.emplace_back(shape.kind[i], node);
+      } else {
+        (lattice_.plus[shape.kind[i]].test(node) ? plus : minus).push_back(i);
+      }
+    }
+    if (plus.size() == 1 && vertices.size() == 3) {
+      const int behind = cell + kMirrored[number][plus[0]];
+      const NodeKind kind = shape.kind[plus[0]];
+      if (!kBrickStar[kind].test(behind) || lattice_.plus[kind].test(behind)) return;
+    } else if (plus.empty() || minus.empty()) {
+      return;
+    }
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      const auto [low, high] = kTetEdge[e];
+      const auto on = [&](std::size_t a, std::size_t b) {
+        return std::ranges::count(plus, a) != 0 && std::ranges::count(minus, b) != 0;
+      };
+      if (!on(low, high) && !on(high, low)) continue;
+      vertices.emplace_back(kNodeKinds + shape.edge_family[e], cell + shape.offset[low]);
+    }
+    for (const Vertex& vertex : vertices) parent_.try_emplace(vertex, vertex);
+    for (const Vertex& vertex : vertices) parent_[root(vertex)] = root(vertices[0]);
+  }
+
+  const WarpedLattice& lattice_;
+  std::map<Vertex, Vertex> parent_;
+};
+
+/// The part of each vertex that is listed.
+std::map<Vertex, std::uint16_t> part_of_vertices(const SurfaceParts& parts) {
+  std::map<std::pair<std::array<std::int8_t, 3>, std::uint16_t>, std::uint16_t> by_element;
+  for (const SurfaceLink& link : parts.links) {
+    by_element[{link.to_brick, link.element}] = link.part;
+  }
+  for (const auto& [element, part] : parts.part_of) {
+    by_element[{VertexOwner::kHere, element}] = part;
+  }
+  std::map<Vertex, std::uint16_t> found;
+  for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
+    for_each_bit(halo_cube(-1, 8), [&](int index) {
+      const VertexOwner owner(index);
+      const auto part = by_element.find({owner.brick, owner.element(slot)});
+      if (part != by_element.end()) found[{slot, index}] = part->second;
+    });
+  }
+  return found;
+}
+
+TEST(SurfaceSheet, IsOneOnlyWhereTheSurfaceHangsTogether) {
+  int sheets = 0;
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto lattice = lattice_of(Waves(seed));
+    if (!surface_sheet(lattice->plus, lattice->zero).one) continue;
+    ++sheets;
+    EXPECT_LE(SurfaceOfStar(*lattice).count_parts(), 1U);
+  }
+  EXPECT_GT(sheets, 20);
+}
+
+TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
+  int told = 0;
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto lattice = lattice_of(Waves(seed));
+    const auto parts = parts_between_regions(*lattice);
+    if (!parts) continue;
+    ++told;
+    const SurfaceOfStar surface(*lattice);
+    EXPECT_EQ(parts->count, surface.count_own_parts());
+    std::set<std::pair<std::uint16_t, Vertex>> pairs;
+    std::set<Vertex> roots;
+    for (const auto& [vertex, part] : part_of_vertices(*parts)) {
+      if (!surface.has(vertex)) {
+        EXPECT_FALSE(kOwnNodes.test(vertex.second));
+        continue;  // a zero with both signs beside it, in different tets
+      }
+      pairs.emplace(part, surface.root(vertex));
+      roots.insert(surface.root(vertex));
+    }
+    EXPECT_EQ(pairs.size(), roots.size());
+    if (parts->count > 1) {
+      EXPECT_EQ(pairs.size(), parts->count);
+    }
+  }
+  EXPECT_GT(told, 50);
+}
+
+TEST(PartsBetweenRegions, AreNotToldBesideATetOfZeros) {
+  // A block of zeros within the inside has a boundary, and no `-` beside it.
+  WarpedLattice lattice{};
+  const HaloSet block = halo_cube(3, 4);
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    lattice.plus[kind] = halo_cube(-1, 8) - block;
+    lattice.zero[kind] = block;
+  }
+  EXPECT_FALSE(parts_between_regions(lattice).has_value());
+}
+
+TEST(PartsBetweenRegions, AreNoneAroundALoneZeroOfTheInside) {
+  WarpedLattice lattice{};
+  for (const NodeKind kind : {kCorner, kCentre}) lattice.plus[kind] = halo_cube(-1, 8);
+  HaloSet zero;
+  zero.set(halo_index(4, 4, 4));
+  lattice.zero[kCorner] = zero;
+  lattice.plus[kCorner] -= zero;
+  const auto parts = parts_between_regions(lattice);
+  ASSERT_TRUE(parts.has_value());
+  EXPECT_EQ(parts->count, 0);
+}
+
+}  // namespace
+}  // namespace tet
