@@ -28,17 +28,23 @@ BrickMask brick_part(const HaloSet& set, int dx, int dy, int dz) noexcept {
 }
 
 void add_brick(HaloSet& set, const BrickMask& mask, int bx, int by, int bz) noexcept {
-  // A row of 8 cells is a byte; shifted by 8*bz it lies in the row's 16 bits or falls off them.
-  const int shift = 8 * bz + 2;
+  // A row of 8 cells is a byte; widened to the 16 bits of the set's rows, and shifted along z
+  // and y, what lies beyond the halo falls off.
+  auto* const rows = reinterpret_cast<char*>(set.word.data());
+  const __m128i up = _mm_cvtsi32_si128(bz < 0 ? 0 : 8 * bz + 2);
+  const __m128i down = _mm_cvtsi32_si128(bz < 0 ? -8 * bz - 2 : 0);
+  const int first_y = by < 0 ? kHaloMin : 8 * by - (by > 0 ? 2 : 0);
   for (int x = std::max(0, kHaloMin - 8 * bx); x < std::min(8, kHaloMax + 1 - 8 * bx); ++x) {
     const std::uint64_t slice = mask.slice[static_cast<std::size_t>(x)];
     if (slice == 0) continue;
-    for (int y = std::max(0, kHaloMin - 8 * by); y < std::min(8, kHaloMax + 1 - 8 * by); ++y) {
-      const std::uint64_t cells = slice >> (y * 8) & 0xff;
-      const std::uint64_t row_bits = (shift >= 0 ? cells << shift : cells >> -shift) & 0xffff;
-      const int row = halo_index(x + 8 * bx, y + 8 * by, -2);
-      set.word[static_cast<std::size_t>(row >> 6)] |= row_bits << (row & 63);
-    }
+    const __m128i bytes = _mm_cvtsi64_si128(static_cast<long long>(slice));
+    __m128i cells = _mm_unpacklo_epi8(bytes, _mm_setzero_si128());
+    cells = _mm_srl_epi16(_mm_sll_epi16(cells, up), down);
+    if (by < 0) cells = _mm_srli_si128(cells, 12);  // rows 6 and 7 are the first two
+    if (by > 0) cells = _mm_slli_si128(cells, 4);   // rows 0 to 5 are the last six
+    auto* const at =
+        reinterpret_cast<__m128i*>(rows + 2 * (halo_index(x + 8 * bx, first_y, kHaloMin) / 16));
+    _mm_storeu_si128(at, _mm_or_si128(_mm_loadu_si128(at), cells));
   }
 }
 

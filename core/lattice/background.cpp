@@ -73,43 +73,35 @@ BackgroundCells gather_background(const OctreeLevel& level,
                                   const PlacesAround& around,
                                   MeshRegion region) noexcept {
   BackgroundCells cells{gather_halo(level.leaf, around), gather_halo(level.refined, around),
-                        kOwnCells};
+                        BrickMask::all()};
   if (level.inside.empty()) return cells;
   // A brick's tets are those of its own cells: no others' sides matter.
-  HaloSet inside;
-  add_brick(inside, level.inside[around[kItself]], 0, 0, 0);
-  if (region == MeshRegion::kInside) {
-    cells.own &= inside;
-  } else {
-    cells.own -= inside;
-  }
+  const BrickMask& inside = level.inside[around[kItself]];
+  cells.own = region == MeshRegion::kInside ? inside : ~inside;
   return cells;
-}
-
-HaloSet faces_to_larger(const BackgroundCells& cells, int direction) noexcept {
-  return (cells.leaf & cells.own) -
-         seen_from(cells.leaf | cells.refined, face_offset(direction));
 }
 
 BackgroundCounts count_background(const BackgroundCells& cells) noexcept {
   BackgroundCounts counts;
   for (int axis = 0; axis < 3; ++axis) {
-    const HaloSet pairs = internal::pairs_across(cells, axis);
+    const BrickMask pairs = internal::pairs_across(cells, axis);
+    std::uint64_t halved = 0;
     for (int turn = 0; turn < 4; ++turn) {
-      const std::uint64_t halved = (pairs & internal::midpoints(cells, axis, turn)).count();
-      counts.bcc += pairs.count() - halved;
-      counts.bisected += 2 * halved;
+      halved += (pairs & internal::midpoints(cells, axis, turn)).count();
     }
+    counts.bcc += 4 * std::uint64_t{pairs.count()} - halved;
+    counts.bisected += 2 * halved;
   }
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     counts.quadrisected +=
         8 * std::uint64_t{internal::faces_to_refined(cells, direction).count()};
     const internal::HalfPyramids found = internal::half_pyramids(cells, direction);
-    for_each_bit(found.cells, [&](int index) {
-      const int start = diagonal_turn(direction, Cell(index));
+    for_each_bit(found.cells, [&](int x, int y, int z) {
+      const Cell cell{x, y, z};
+      const int start = diagonal_turn(direction, cell);
       for (const int half : {0, 2}) {
         const int midpoints =
-            found.has_middle(index, start + half) + found.has_middle(index, start + half + 1);
+            found.has_middle(cell, start + half) + found.has_middle(cell, start + half + 1);
         counts.half_pyramid += midpoints == 0;
         counts.halved += midpoints == 1;
         counts.in_three += midpoints == 2;

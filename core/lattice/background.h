@@ -35,8 +35,8 @@ struct BackgroundCounts {
 /// Leaves and refined cells of a brick and its halo, at one level.
 struct BackgroundCells {
   HaloSet leaf, refined;
-  HaloSet own;  ///< cells of the brick whose tets are meant: its tets are those of its leaves,
-                ///< and those across their upper faces
+  BrickMask own;  ///< cells of the brick whose tets are meant: its tets are those of its
+                  ///< leaves, and those across their upper faces
 };
 
 /// The cells of a brick as one region sees them.
@@ -59,25 +59,27 @@ Index* fill_background(const BackgroundCells& cells,
                        Index* tets,
                        BackgroundCounts& counts) noexcept;
 
-/// Own leaves whose face across `direction` (0..5: +x, +y, +z, -x, -y, -z) touches a larger
-/// leaf, or is a face of the domain: neither leaf nor refined at this level.
-HaloSet faces_to_larger(const BackgroundCells& cells, int direction) noexcept;
-
+/// Of a cell the faces, by direction: +x, +y, +z, -x, -y, -z.
 inline constexpr int kFaceDirections = 6;
+/// From a cell to the one across a face.
+constexpr LatticeCoord face_step(int direction) noexcept {
+  const int sign = direction < 3 ? 1 : -1;
+  return {direction % 3 == 0 ? sign : 0, direction % 3 == 1 ? sign : 0,
+          direction % 3 == 2 ? sign : 0};
+}
 constexpr int face_offset(int direction) noexcept {
-  constexpr std::array<int, 3> kStep{offset_index(1, 0, 0), offset_index(0, 1, 0),
-                                     offset_index(0, 0, 1)};
-  const int step = kStep[static_cast<std::size_t>(direction % 3)];
-  return direction < 3 ? step : -step;
+  const LatticeCoord step = face_step(direction);
+  return offset_index(step.x, step.y, step.z);
 }
 
-/// Corner `turn` of a cell's face, offset from the cell: counter-clockwise seen from outside.
-constexpr LatticeCoord face_turn(int direction, int turn) noexcept {
+namespace internal {
+
+constexpr LatticeCoord find_face_turn(int direction, int turn) noexcept {
   if (direction < 3) {
-    const LatticeCoord at = internal::face_corner(direction, turn);
+    const LatticeCoord at = face_corner(direction, turn);
     return {at.x / 2, at.y / 2, at.z / 2};
   }
-  LatticeCoord at = internal::face_corner(direction - 3, 3 - turn);
+  LatticeCoord at = face_corner(direction - 3, 3 - turn);
   at = {at.x / 2, at.y / 2, at.z / 2};
   if (direction == 3) at.x = 0;
   if (direction == 4) at.y = 0;
@@ -85,9 +87,29 @@ constexpr LatticeCoord face_turn(int direction, int turn) noexcept {
   return at;
 }
 
+inline constexpr auto kFaceTurn = [] {
+  std::array<std::array<LatticeCoord, 4>, kFaceDirections> corners{};
+  for (int d = 0; d < kFaceDirections; ++d) {
+    for (int turn = 0; turn < 4; ++turn) {
+      corners[static_cast<std::size_t>(d)][static_cast<std::size_t>(turn)] =
+          find_face_turn(d, turn);
+    }
+  }
+  return corners;
+}();
+
+}  // namespace internal
+
+/// Corner `turn` of a cell's face, offset from the cell: counter-clockwise seen from outside.
+constexpr LatticeCoord face_turn(int direction, int turn) noexcept {
+  return internal::kFaceTurn[static_cast<std::size_t>(direction)]
+                            [static_cast<std::size_t>(turn)];
+}
+
 /// A cell of a brick, or of its halo.
 struct Cell {
   int x, y, z;
+  constexpr Cell(int at_x, int at_y, int at_z) noexcept : x(at_x), y(at_y), z(at_z) {}
   constexpr explicit Cell(int halo_index) noexcept
       : x((halo_index >> 8) - 2), y((halo_index >> 4 & 15) - 2), z((halo_index & 15) - 2) {}
 };

@@ -10,51 +10,63 @@
 namespace tet {
 namespace internal {
 
-/// Offset of the two other cells around edge `turn` of a cell's upper face across `axis`.
-constexpr int beside_edge(int axis, int turn) noexcept {
+/// The brick's cells, as those a step away are.
+inline BrickMask cells_at(const HaloSet& cells, LatticeCoord step) noexcept {
+  return brick_part(cells, step.x, step.y, step.z);
+}
+
+/// To the two other cells around edge `turn` of a cell's upper face across `axis`.
+constexpr LatticeCoord beside_edge(int axis, int turn) noexcept {
   // Edges run from corner `turn` to the next: they lie low in v, high in u, high in v, low in
   // u.
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  constexpr std::array<int, 4> kSign{-1, 1, 1, -1};
   const int along = turn % 2 == 0 ? v : u;
-  return kSign[static_cast<std::size_t>(turn)] * face_offset(along);
+  const bool is_up = turn == 1 || turn == 2;
+  return face_step(is_up ? along : along + 3);
 }
 
 /// Same-size leaves across the upper face of an axis.
-inline HaloSet pairs_across(const BackgroundCells& cells, int axis) noexcept {
-  return cells.leaf & seen_from(cells.leaf, face_offset(axis)) & cells.own;
+inline BrickMask pairs_across(const BackgroundCells& cells, int axis) noexcept {
+  return brick_part(cells.leaf) & cells_at(cells.leaf, face_step(axis)) & cells.own;
 }
 
 /// Where edge `turn` of the face has a midpoint: a cell around it is refined.
-inline HaloSet midpoints(const BackgroundCells& cells, int axis, int turn) noexcept {
-  const int beside = beside_edge(axis, turn);
-  return seen_from(cells.refined, beside) |
-         seen_from(cells.refined, beside + face_offset(axis));
+inline BrickMask midpoints(const BackgroundCells& cells, int axis, int turn) noexcept {
+  const LatticeCoord beside = beside_edge(axis, turn);
+  return cells_at(cells.refined, beside) | cells_at(cells.refined, beside + face_step(axis));
 }
 
-inline HaloSet faces_to_refined(const BackgroundCells& cells, int direction) noexcept {
-  return cells.leaf & seen_from(cells.refined, face_offset(direction)) & cells.own;
+inline BrickMask faces_to_refined(const BackgroundCells& cells, int direction) noexcept {
+  return brick_part(cells.leaf) & cells_at(cells.refined, face_step(direction)) & cells.own;
+}
+
+/// Own leaves whose face touches a larger leaf, or is a face of the domain: neither leaf nor
+/// refined at this level.
+inline BrickMask faces_to_larger(const BackgroundCells& cells, int direction) noexcept {
+  const LatticeCoord across = face_step(direction);
+  return brick_part(cells.leaf) & cells.own &
+         ~(cells_at(cells.leaf, across) | cells_at(cells.refined, across));
 }
 
 /// From a cell to the one beside edge `turn` of its face across `direction`.
-constexpr int beside_face_edge(int direction, int turn) noexcept {
+constexpr LatticeCoord beside_face_edge(int direction, int turn) noexcept {
   const LatticeCoord a = face_turn(direction, turn), b = face_turn(direction, (turn + 1) & 3);
   const auto side = [](int from, int to) { return from == to ? 2 * from - 1 : 0; };
   LatticeCoord step{side(a.x, b.x), side(a.y, b.y), side(a.z, b.z)};
   if (direction % 3 == 0) step.x = 0;
   if (direction % 3 == 1) step.y = 0;
   if (direction % 3 == 2) step.z = 0;
-  return offset_index(step.x, step.y, step.z);
+  return step;
 }
 
 /// The half pyramids of a face by the midpoints of its four edges. Towards a larger leaf there
 /// are none: the leaves beside the face are no smaller, or the tree would not be balanced.
 struct HalfPyramids {
-  HaloSet cells;
-  std::array<HaloSet, 4> middle;  ///< by turn
+  BrickMask cells;
+  std::array<BrickMask, 4> middle;  ///< by turn
 
-  int has_middle(int cell, int turn) const noexcept {
-    return middle[static_cast<std::size_t>(turn & 3)].test(cell) ? 1 : 0;
+  int has_middle(Cell cell, int turn) const noexcept {
+    return middle[static_cast<std::size_t>(turn & 3)].test(cell.x, cell.y, cell.z) ? 1 : 0;
   }
 };
 
@@ -63,7 +75,7 @@ inline HalfPyramids half_pyramids(const BackgroundCells& cells, int direction) n
   if (!found.cells.any()) return found;
   for (int turn = 0; turn < 4; ++turn) {
     found.middle[static_cast<std::size_t>(turn)] =
-        found.cells & seen_from(cells.refined, beside_face_edge(direction, turn));
+        found.cells & cells_at(cells.refined, beside_face_edge(direction, turn));
   }
   return found;
 }
@@ -74,23 +86,28 @@ Index* write_pairs(const BackgroundCells& cells,
                    Ids& ids,
                    Index* out,
                    BackgroundCounts& counts) noexcept {
-  const std::array<HaloSet, 4> middle{midpoints(cells, axis, 0), midpoints(cells, axis, 1),
-                                      midpoints(cells, axis, 2), midpoints(cells, axis, 3)};
-  for_each_bit(pairs_across(cells, axis), [&](int index) {
-    const Cell c(index);
-    const Index low = ids.centre(c.x, c.y, c.z);
-    const Index high = ids.centre(c.x + (axis == 0), c.y + (axis == 1), c.z + (axis == 2));
+  const std::array<BrickMask, 4> middle{midpoints(cells, axis, 0), midpoints(cells, axis, 1),
+                                        midpoints(cells, axis, 2), midpoints(cells, axis, 3)};
+  for_each_bit(pairs_across(cells, axis), [&](int x, int y, int z) {
+    const Index low = ids.centre(x, y, z);
+    const Index high = ids.centre(x + (axis == 0), y + (axis == 1), z + (axis == 2));
+    std::array<Index, 4> corner;
     for (int turn = 0; turn < 4; ++turn) {
-      const LatticeCoord a = face_turn(axis, turn), b = face_turn(axis, (turn + 1) & 3);
-      const Index from = ids.finer_corner(2 * (c.x + a.x), 2 * (c.y + a.y), 2 * (c.z + a.z));
-      const Index to = ids.finer_corner(2 * (c.x + b.x), 2 * (c.y + b.y), 2 * (c.z + b.z));
-      if (!middle[static_cast<std::size_t>(turn)].test(index)) {
+      const LatticeCoord a = face_turn(axis, turn);
+      corner[static_cast<std::size_t>(turn)] =
+          ids.finer_corner(2 * (x + a.x), 2 * (y + a.y), 2 * (z + a.z));
+    }
+    for (int turn = 0; turn < 4; ++turn) {
+      const auto t = static_cast<std::size_t>(turn);
+      const Index from = corner[t], to = corner[(t + 1) & 3];
+      if (!middle[t].test(x, y, z)) {
         out = write_tet(out, low, high, from, to);
         ++counts.bcc;
         continue;
       }
+      const LatticeCoord a = face_turn(axis, turn), b = face_turn(axis, (turn + 1) & 3);
       const Index mid =
-          ids.finer_corner(2 * c.x + a.x + b.x, 2 * c.y + a.y + b.y, 2 * c.z + a.z + b.z);
+          ids.finer_corner(2 * x + a.x + b.x, 2 * y + a.y + b.y, 2 * z + a.z + b.z);
       out = write_tet(out, low, high, from, mid);
       out = write_tet(out, low, high, mid, to);
       counts.bisected += 2;
@@ -105,22 +122,21 @@ Index* write_quadrisected(const BackgroundCells& cells,
                           Ids& ids,
                           Index* out,
                           BackgroundCounts& counts) noexcept {
-  for_each_bit(faces_to_refined(cells, direction), [&](int index) {
+  for_each_bit(faces_to_refined(cells, direction), [&](int x, int y, int z) {
     counts.quadrisected += 8;
-    const Cell c(index);
-    const Index centre = ids.centre(c.x, c.y, c.z);
-    const LatticeCoord p = face_turn(direction, 0), q = face_turn(direction, 2);
-    const Index face_centre =
-        ids.finer_corner(2 * c.x + p.x + q.x, 2 * c.y + p.y + q.y, 2 * c.z + p.z + q.z);
+    const Index centre = ids.centre(x, y, z);
+    const auto middle_of = [&](int first, int second) {
+      const LatticeCoord a = face_turn(direction, first), b = face_turn(direction, second);
+      return ids.finer_corner(2 * x + a.x + b.x, 2 * y + a.y + b.y, 2 * z + a.z + b.z);
+    };
+    const Index face_centre = middle_of(0, 2);
+    Index from = middle_of(0, 0);
     for (int turn = 0; turn < 4; ++turn) {
-      const LatticeCoord a = face_turn(direction, turn),
-                         b = face_turn(direction, (turn + 1) & 3);
-      const Index mid =
-          ids.finer_corner(2 * c.x + a.x + b.x, 2 * c.y + a.y + b.y, 2 * c.z + a.z + b.z);
-      out = write_tet(out, centre, face_centre,
-                      ids.finer_corner(2 * (c.x + a.x), 2 * (c.y + a.y), 2 * (c.z + a.z)), mid);
-      out = write_tet(out, centre, face_centre, mid,
-                      ids.finer_corner(2 * (c.x + b.x), 2 * (c.y + b.y), 2 * (c.z + b.z)));
+      const int next = (turn + 1) & 3;
+      const Index mid = middle_of(turn, next), to = middle_of(next, next);
+      out = write_tet(out, centre, face_centre, from, mid);
+      out = write_tet(out, centre, face_centre, mid, to);
+      from = to;
     }
   });
   return out;
@@ -131,18 +147,17 @@ Index* write_quadrisected(const BackgroundCells& cells,
 template <class Index, class Ids>
 Index* write_half_pyramid(const HalfPyramids& found,
                           int direction,
-                          int cell,
+                          Cell cell,
                           int turn,
                           Ids& ids,
                           Index* out,
                           BackgroundCounts& counts) noexcept {
-  const Cell c(cell);
-  const auto at = [&](int first, int second) {  // the corner, or the middle of two
+  const auto at = [&, c = cell](int first, int second) {  // the corner, or the middle of two
     const LatticeCoord p = face_turn(direction, first & 3),
                        q = face_turn(direction, second & 3);
     return ids.finer_corner(2 * c.x + p.x + q.x, 2 * c.y + p.y + q.y, 2 * c.z + p.z + q.z);
   };
-  const Index centre = ids.centre(c.x, c.y, c.z);
+  const Index centre = ids.centre(cell.x, cell.y, cell.z);
   const Index a = at(turn, turn), b = at(turn + 1, turn + 1), d = at(turn + 2, turn + 2);
   const bool first = found.has_middle(cell, turn) != 0;
   const bool second = found.has_middle(cell, turn + 1) != 0;
@@ -184,10 +199,11 @@ Index* write_background(const BackgroundCells& cells,
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     tets = internal::write_quadrisected(cells, direction, ids, tets, counts);
     const internal::HalfPyramids found = internal::half_pyramids(cells, direction);
-    for_each_bit(found.cells, [&](int index) {
-      const int start = diagonal_turn(direction, Cell(index));
+    for_each_bit(found.cells, [&](int x, int y, int z) {
+      const Cell cell{x, y, z};
+      const int start = diagonal_turn(direction, cell);
       for (const int turn : {start, start + 2}) {
-        tets = internal::write_half_pyramid(found, direction, index, turn, ids, tets, counts);
+        tets = internal::write_half_pyramid(found, direction, cell, turn, ids, tets, counts);
       }
     });
   }

@@ -220,7 +220,8 @@ ShapeSigns signs_of_shape(const FaceSigns& faces, const TetShape& shape) noexcep
 HaloSet cells_with_half_pyramids(const FinestNodes& nodes,
                                  const HaloSet& own,
                                  int direction) noexcept {
-  HaloSet cells = faces_to_larger({nodes.leaf, {}, own}, direction) & nodes.plus[kCentre];
+  HaloSet cells = (nodes.leaf & own) - seen_from(nodes.leaf, face_offset(direction));
+  cells &= nodes.plus[kCentre];
   // Towards a larger leaf they are all alike; not where the surface leaves the domain.
   for (int turn = 0; turn < 4 && cells.any(); ++turn) {
     const LatticeCoord at = face_turn(direction, turn);

@@ -41,7 +41,7 @@ Corner unpacked(PackedPlace packed) {
 BackgroundCells mixed_cells() {
   std::mt19937 random(1);
   BackgroundCells cells;
-  cells.own = halo_cube(0, kBrickEdge - 1);
+  cells.own = BrickMask::all();
   for (int x = -1; x <= kBrickEdge; ++x) {
     for (int y = -1; y <= kBrickEdge; ++y) {
       for (int z = -1; z <= kBrickEdge; ++z) {
