@@ -10,11 +10,6 @@
 namespace tet {
 namespace internal {
 
-/// The brick's cells, as those a step away are.
-inline BrickMask cells_at(const HaloSet& cells, LatticeCoord step) noexcept {
-  return brick_part(cells, step.x, step.y, step.z);
-}
-
 /// To the two other cells around edge `turn` of a cell's upper face across `axis`.
 constexpr LatticeCoord beside_edge(int axis, int turn) noexcept {
   // Edges run from corner `turn` to the next: they lie low in v, high in u, high in v, low in
@@ -27,17 +22,18 @@ constexpr LatticeCoord beside_edge(int axis, int turn) noexcept {
 
 /// Same-size leaves across the upper face of an axis.
 inline BrickMask pairs_across(const BackgroundCells& cells, int axis) noexcept {
-  return brick_part(cells.leaf) & cells_at(cells.leaf, face_step(axis)) & cells.own;
+  return brick_part(cells.leaf) & brick_part(cells.leaf, face_step(axis)) & cells.own;
 }
 
 /// Where edge `turn` of the face has a midpoint: a cell around it is refined.
 inline BrickMask midpoints(const BackgroundCells& cells, int axis, int turn) noexcept {
   const LatticeCoord beside = beside_edge(axis, turn);
-  return cells_at(cells.refined, beside) | cells_at(cells.refined, beside + face_step(axis));
+  return brick_part(cells.refined, beside) |
+         brick_part(cells.refined, beside + face_step(axis));
 }
 
 inline BrickMask faces_to_refined(const BackgroundCells& cells, int direction) noexcept {
-  return brick_part(cells.leaf) & cells_at(cells.refined, face_step(direction)) & cells.own;
+  return brick_part(cells.leaf) & brick_part(cells.refined, face_step(direction)) & cells.own;
 }
 
 /// Own leaves whose face touches a larger leaf, or is a face of the domain: neither leaf nor
@@ -45,7 +41,7 @@ inline BrickMask faces_to_refined(const BackgroundCells& cells, int direction) n
 inline BrickMask faces_to_larger(const BackgroundCells& cells, int direction) noexcept {
   const LatticeCoord across = face_step(direction);
   return brick_part(cells.leaf) & cells.own &
-         ~(cells_at(cells.leaf, across) | cells_at(cells.refined, across));
+         ~(brick_part(cells.leaf, across) | brick_part(cells.refined, across));
 }
 
 /// From a cell to the one beside edge `turn` of its face across `direction`.
@@ -75,7 +71,7 @@ inline HalfPyramids half_pyramids(const BackgroundCells& cells, int direction) n
   if (!found.cells.any()) return found;
   for (int turn = 0; turn < 4; ++turn) {
     found.middle[static_cast<std::size_t>(turn)] =
-        found.cells & cells_at(cells.refined, beside_face_edge(direction, turn));
+        found.cells & brick_part(cells.refined, beside_face_edge(direction, turn));
   }
   return found;
 }

@@ -81,11 +81,21 @@ constexpr LatticeCoord node_coord(NodeKind kind, int index) noexcept {
           2 * ((index & 15) - 2) + kind};
 }
 
+/// From a node's cell to that of the node at the end of `direction`: each -1, 0 or 1.
+constexpr LatticeCoord end_step(NodeKind kind, int direction) noexcept {
+  const LatticeCoord to = kDirection[static_cast<std::size_t>(direction)];
+  // Shifting right rounds down, which drops a centre's half.
+  return {(kind + to.x) >> 1, (kind + to.y) >> 1, (kind + to.z) >> 1};
+}
 /// From a node's halo index to that of the node at the end of `direction`.
 constexpr int end_offset(NodeKind kind, int direction) noexcept {
-  const LatticeCoord start{kind, kind, kind};
-  return node_index(start + kDirection[static_cast<std::size_t>(direction)]) -
-         node_index(start);
+  const LatticeCoord step = end_step(kind, direction);
+  return offset_index(step.x, step.y, step.z);
+}
+
+/// Of a set of nodes those that are a step on from each of the brick's own.
+inline BrickMask brick_part(const HaloSet& nodes, LatticeCoord step) noexcept {
+  return brick_part(nodes, step.x, step.y, step.z);
 }
 
 /// The nodes of the brick itself, of either kind.

@@ -102,10 +102,9 @@ std::uint64_t count_fans(const FanMasks& fans) noexcept {
 /// True where every node that was inside has moved onto the surface. The samples alone would
 /// then take some of the brick for inside.
 bool lost_its_inside(const StuffedLattice& lattice) noexcept {
-  constexpr HaloSet kOwn = halo_cube(0, 7);
   const WarpedLattice& warped = lattice.warped;
   return !warped.plus[kCorner].any() && !warped.plus[kCentre].any() &&
-         (lattice.cuts.signs.inside[kCorner] & kOwn).any();
+         brick_part(lattice.cuts.signs.inside[kCorner]).any();
 }
 
 /// Nothing where the surface does not reach the brick.

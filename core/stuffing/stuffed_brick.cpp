@@ -22,6 +22,38 @@ void add_surroundings(FinestNodes& nodes, const BrickSurroundings& bricks) noexc
   }
 }
 
+/// The brick's own nodes of a kind with a `+` neighbour: zeros among them are in tets.
+BrickMask beside_plus(const WarpedLattice& lattice, NodeKind kind) noexcept {
+  BrickMask beside;
+  for (int direction = 0; direction < kDirections; ++direction) {
+    beside |= brick_part(lattice.plus[end_kind(kind, direction)], end_step(kind, direction));
+  }
+  return beside;
+}
+
+/// Where the tets around the upper face across `axis` of the cell a step on are mixed.
+BrickMask mixed_faces(const WarpedLattice& lattice,
+                      const StuffingRules& rules,
+                      int axis,
+                      LatticeCoord step) noexcept {
+  // The four tets around a face share both centres, so one of them is mixed if the six nodes
+  // are.
+  const auto around_face = [&](const std::array<HaloSet, kNodeKinds>& nodes, auto unite) {
+    BrickMask set = brick_part(nodes[kCentre], step);
+    unite(set, brick_part(nodes[kCentre], step + face_step(axis)));
+    for (int turn = 0; turn < 4; ++turn) {
+      unite(set, brick_part(nodes[kCorner], step + face_turn(axis, turn)));
+    }
+    return set;
+  };
+  const auto any = [](BrickMask& set, const BrickMask& more) { set |= more; };
+  const auto all = [](BrickMask& set, const BrickMask& more) { set &= more; };
+  BrickMask mixed = around_face(lattice.plus, any) & ~around_face(lattice.plus, all);
+  // Unmoved zeros too: half pyramids take all their nodes to be on one side.
+  if (rules.both_sides) mixed |= around_face(lattice.zero, any);
+  return mixed;
+}
+
 }  // namespace
 
 StuffedBrick StuffedBrick::all_inside() noexcept {
@@ -40,38 +72,23 @@ StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules
   StuffedBrick brick;
   for (const NodeKind kind : {kCorner, kCentre}) {
     brick.plus[kind] = brick_part(lattice.plus[kind]);
-    HaloSet zero = used_zeros(lattice, kind);
+    brick.zero[kind] = brick_part(lattice.zero[kind]) & beside_plus(lattice, kind);
     // Outside, a node that moved is a vertex whatever is around it. Other zeros are as good as
     // `-`.
-    if (rules.both_sides) zero |= lattice.warped[kind];
-    brick.zero[kind] = brick_part(zero);
+    if (rules.both_sides) brick.zero[kind] |= brick_part(lattice.warped[kind]);
   }
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) brick.cut[f] = brick_part(lattice.cut[f]);
   return brick;
 }
 
 BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
-  // The four tets around a face share both centres, so one of them is mixed if the six nodes
-  // are.
-  HaloSet stuffed;
+  BrickMask stuffed;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto around_face = [&](const std::array<HaloSet, kNodeKinds>& nodes, auto unite) {
-      HaloSet set = nodes[kCentre];
-      unite(set, seen_from(nodes[kCentre], face_offset(axis)));
-      for (int turn = 0; turn < 4; ++turn) {
-        const LatticeCoord at = face_turn(axis, turn);
-        unite(set, seen_from(nodes[kCorner], offset_index(at.x, at.y, at.z)));
-      }
-      return set;
-    };
-    const auto any = [](HaloSet& set, const HaloSet& more) { set |= more; };
-    const auto all = [](HaloSet& set, const HaloSet& more) { set &= more; };
-    HaloSet mixed = around_face(lattice.plus, any) - around_face(lattice.plus, all);
-    // Unmoved zeros too: half pyramids take all their nodes to be on one side.
-    if (rules.both_sides) mixed |= around_face(lattice.zero, any);
-    stuffed |= mixed | seen_from(mixed, -face_offset(axis));
+    // A cell has tets around its upper face, and around its lower one: the upper one below.
+    stuffed |= mixed_faces(lattice, rules, axis, {}) |
+               mixed_faces(lattice, rules, axis, face_step(axis + 3));
   }
-  return brick_part(stuffed);
+  return stuffed;
 }
 
 FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) noexcept {

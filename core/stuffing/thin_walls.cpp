@@ -65,23 +65,11 @@ void for_each_between_cuts(const CutPoints& cuts,
                            NodeKind kind,
                            int direction,
                            const Visit& visit) {
-  constexpr HaloSet kOwn = halo_cube(0, 7);
-  constexpr int kFirst = halo_index(0, 0, 0) >> 6, kLast = halo_index(7, 7, 7) >> 6;
   const NodeKind end = end_kind(kind, direction);
-  const int offset = end_offset(kind, opposite(direction));
-  const auto& ahead = cuts.cut[static_cast<std::size_t>(edge_family(kind, direction))].word;
-  const auto& behind = cuts.cut[static_cast<std::size_t>(edge_family(end, direction))].word;
-  for (int w = kFirst; w <= kLast; ++w) {
-    // The word that begins `offset` bits further on; the halo holds both that it lies in.
-    const auto at = static_cast<std::size_t>(w + (offset >> 6));
-    const int shift = offset & 63;
-    const std::uint64_t moved = behind[at] >> shift | behind[at + 1] << 1 << (63 - shift);
-    const auto own = static_cast<std::size_t>(w);
-    for (std::uint64_t bits = ahead[own] & moved & kOwn.word[own]; bits != 0;
-         bits &= bits - 1) {
-      visit(w * 64 + std::countr_zero(bits));
-    }
-  }
+  const HaloSet& ahead = cuts.cut[static_cast<std::size_t>(edge_family(kind, direction))];
+  const HaloSet& behind = cuts.cut[static_cast<std::size_t>(edge_family(end, direction))];
+  for_each_bit(brick_part(ahead) & brick_part(behind, end_step(kind, opposite(direction))),
+               [&](int x, int y, int z) { visit(halo_index(x, y, z)); });
 }
 
 /// Notes the nodes of one kind that lines in one direction find in a thin wall.

@@ -173,13 +173,4 @@ bool has_both_sides(const WarpedLattice& lattice) noexcept {
   return (corner.any() || centre.any()) && ((kNodes - corner).any() || (kNodes - centre).any());
 }
 
-HaloSet used_zeros(const WarpedLattice& lattice, NodeKind kind) noexcept {
-  HaloSet beside_plus;
-  for (int direction = 0; direction < kDirections; ++direction) {
-    beside_plus |=
-        seen_from(lattice.plus[end_kind(kind, direction)], end_offset(kind, direction));
-  }
-  return lattice.zero[kind] & beside_plus;
-}
-
 }  // namespace tet

@@ -42,7 +42,4 @@ void warp_lattice(const CutPoints& cuts,
 /// True when some of the nodes are `+` and some are not.
 bool has_both_sides(const WarpedLattice& lattice) noexcept;
 
-/// Zero nodes of the brick that a tet uses: those with a `+` neighbour.
-HaloSet used_zeros(const WarpedLattice& lattice, NodeKind kind) noexcept;
-
 }  // namespace tet
