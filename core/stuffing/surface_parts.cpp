@@ -49,16 +49,28 @@ bool tell_parts_apart(const std::vector<NodeRegion>& inside,
   return true;
 }
 
+/// The nodes of the box with a `-` beside them in the box.
+NodePlanes beside_minus(const WarpedLattice& lattice) noexcept {
+  constexpr HaloSet kBox = halo_cube(NodePlanes::kMin, NodePlanes::kMax);
+  NodeSets minus;
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    minus[kind] = kBox - lattice.plus[kind] - lattice.zero[kind];
+  }
+  return nodes_beside(NodePlanes(minus));
+}
+
 /// Signs of the nodes in a brick's star.
 struct Signs {
   NodePlanes plus, zero, minus;
-  NodePlanes stray;  ///< zeros without a `-` beside them, as far as can be seen
+  /// Zeros without a `-` beside them, as far as can be seen: beyond the star too, as there a
+  /// tet may end on a face of three.
+  NodePlanes stray;
 
   explicit Signs(const WarpedLattice& lattice) noexcept
       : plus(NodePlanes::in_star(lattice.plus)),
         zero(NodePlanes::in_star(lattice.zero)),
         minus(NodePlanes(kBrickStar) - plus - zero),
-        stray(zero - nodes_beside(minus)) {}
+        stray(zero - beside_minus(lattice)) {}
 };
 
 /// Whether all tets at stray zeros that can be seen have a `+`: such zeros are as good as `+`.
@@ -140,14 +152,16 @@ bool has_own_vertex(const PartVertices& part) noexcept {
                      [](const HaloSet& nodes) { return (nodes & kOwnNodes).any(); });
 }
 
-/// Lists what a part has here and in later bricks.
+/// Lists what a part has here and in later bricks; in earlier ones too, where only they have
+/// something of it to hold on to.
 void add_part(const PartVertices& vertices, SurfaceParts& parts) {
+  const bool own = has_own_vertex(vertices);
   const std::uint16_t part = parts.count++;
   parts.beside.push_back(vertices.bricks & ~kOwnBrick);
   for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
     for_each_bit(vertices.slot[slot], [&](int index) {
       const VertexOwner owner(index);
-      if (owner.brick < VertexOwner::kHere) return;
+      if (own && owner.brick < VertexOwner::kHere) return;
       if (owner.brick == VertexOwner::kHere) {
         parts.part_of.push_back({owner.element(slot), part});
       } else {
@@ -192,7 +206,7 @@ std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice) 
     for (const NodeRegion& o : others) {
       if (!meet(i.beside, o.nodes)) continue;
       const PartVertices vertices = vertices_between(i, o, signs);
-      if (has_own_vertex(vertices)) add_part(vertices, parts);
+      if ((vertices.bricks & kOwnBrick) != 0) add_part(vertices, parts);
     }
   }
   if (parts.count < 2) parts.part_of.clear();

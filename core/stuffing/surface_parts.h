@@ -13,7 +13,7 @@
 
 namespace tet {
 
-/// A vertex of a later brick (in one of 13 directions) that belongs to a part of this one's.
+/// A vertex of another brick that belongs to a part of this one's.
 struct SurfaceLink {
   std::array<std::int8_t, 3> to_brick{};
   std::uint16_t element = 0;  ///< see SurfaceParts
@@ -24,12 +24,14 @@ struct SurfaceLink {
 using BricksAround = std::uint32_t;
 inline constexpr BricksAround kOwnBrick = 1U << 13;
 
-/// The connected parts of the surface that have a vertex in a brick.
+/// The connected parts of the surface that cross an edge of a brick's own nodes. A part without
+/// a vertex of the brick's own may be all that joins those of the bricks around.
 ///
 /// A vertex is an element: 512 * (its node's kind, or 2 + its cut point's edge family) + its
 /// node's place in the brick, (x*8 + y)*8 + z.
 struct SurfaceParts {
   std::uint16_t count = 0;
+  /// To later bricks (in 13 directions); of a part without an own vertex, to all.
   std::vector<SurfaceLink> links;
   /// Where there are several parts: that of each element, sorted by element.
   std::vector<std::array<std::uint16_t, 2>> part_of;

