@@ -46,13 +46,17 @@ void Dispatcher::ended(const LoadRequest& request, const Outcome& outcome) {
     if (!queue_.empty()) {
       next = std::move(queue_.front());
       queue_.pop_front();
+    } else {
+      --outstanding_;  // before its worker is free for another
+      ++ending_;
     }
   }
   book(request, outcome, gave_up);
   if (answered_) answered_(outcome.status);
   if (next) return send(*next, true);
   const std::lock_guard lock(mutex_);
-  if (--outstanding_ == 0) idle_.notify_all();
+  --ending_;
+  if (is_idle()) idle_.notify_all();
 }
 
 void Dispatcher::book(const LoadRequest& request, const Outcome& outcome, bool gave_up) {
@@ -65,7 +69,7 @@ void Dispatcher::book(const LoadRequest& request, const Outcome& outcome, bool g
 
 bool Dispatcher::wait_until_idle(Nanoseconds time) {
   std::unique_lock lock(mutex_);
-  return idle_.wait_for(lock, time, [this] { return outstanding_ == 0; });
+  return idle_.wait_for(lock, time, [this] { return is_idle(); });
 }
 
 void Dispatcher::give_up() {

@@ -40,6 +40,7 @@ class Dispatcher {
   void send(const LoadRequest& request, bool queued);
   void ended(const LoadRequest& request, const Outcome& outcome);
   void book(const LoadRequest& request, const Outcome& outcome, bool gave_up);
+  bool is_idle() const noexcept { return outstanding_ == 0 && ending_ == 0; }
 
   const LoadPlan& plan_;
   RequestSender& sender_;
@@ -49,6 +50,7 @@ class Dispatcher {
   std::condition_variable idle_;
   std::deque<LoadRequest> queue_;
   std::size_t outstanding_ = 0;
+  std::size_t ending_ = 0;  ///< answered, and not yet booked
   bool gave_up_ = false;
 };
 
