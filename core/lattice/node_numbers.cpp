@@ -32,7 +32,7 @@ BrickMask corners_used_below(const OctreeLevel& below,
     if (at == kNoBrick) continue;
     for (std::size_t x = 0; x < 4; ++x) {
       mask.slice[static_cast<std::size_t>(4 * ox) + x] |=
-          even_places(nodes.used[at].slice[2 * x]) << (32 * oy + 4 * oz);
+          even_places(nodes.used_corners(at).slice[2 * x]) << (32 * oy + 4 * oz);
     }
   }
   return mask;
@@ -137,7 +137,7 @@ NodeNumbers::NodeNumbers(const Octree& tree, const std::vector<LevelNodes>& node
 bool NodeNumbers::used(int level, BrickCoord brick, int x, int y, int z) noexcept {
   const auto l = static_cast<std::size_t>(level);
   const std::uint32_t at = bricks_[l].find(brick);
-  return at != kNoBrick && (*nodes_)[l].used[at].test(x, y, z);
+  return at != kNoBrick && (*nodes_)[l].used_corners(at).test(x, y, z);
 }
 
 std::uint64_t NodeNumbers::corner(int level, BrickCoord brick, int x, int y, int z) noexcept {

@@ -16,10 +16,14 @@ namespace tet {
 /// Vertices at the nodes of one octree level, by brick. A brick's ids run over its corners,
 /// then its centres, then (at level 0) its cut points.
 struct LevelNodes {
-  std::vector<BrickMask> used;    ///< corners that leaves of this level have
+  std::vector<BrickMask> used;    ///< corners that leaves of this level have; empty: `corner`
   std::vector<BrickMask> corner;  ///< those that no finer leaf has: the brick owns them
   std::vector<BrickMask> centre;
   std::vector<std::uint64_t> first_vertex;  ///< id of the brick's first vertex
+
+  const BrickMask& used_corners(std::size_t brick) const noexcept {
+    return used.empty() ? corner[brick] : used[brick];
+  }
 };
 
 /// Leaves of a brick and of the seven beyond its lower faces, edges and corner, at

@@ -133,7 +133,6 @@ void CountedMesh::find_vertices(const Cancellation& cancellation) {
       find_finest_vertices(i, around);
     }
   });
-  nodes_[0].used = nodes_[0].corner;
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
     nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
   }

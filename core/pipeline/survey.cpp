@@ -4,14 +4,18 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <absl/status/status.h>
 
 #include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
 #include "core/pipeline/manifold.h"
+#include "core/pipeline/survey_findings.h"
 #include "core/stuffing/cut_tet.h"
 #include "core/stuffing/surface_walk.h"
 
@@ -19,15 +23,9 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kSurveyedPerRange = 8;
-
-struct SurveyedBrick {
-  StuffedBrick stuffed;
-  BrickMask finest;
-  std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
-  SurveyedSurface surface;
-  std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
-  bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
-};
+/// Candidates whose findings lie around by themselves until they are gathered: a few MB, and
+/// enough for many threads.
+constexpr std::size_t kSurveyedAtATime = 8192;
 
 struct SurveyWorkspace {
   StuffingWorkspace stuffing;
@@ -139,57 +137,6 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   return found;
 }
 
-/// Packs the geometry of one brick after another, as long as there is room for it.
-class GeometryKeeper {
- public:
-  /// `room` is what all keepers together may still take, bytes; `kept` gets the place of each
-  /// brick that was kept.
-  GeometryKeeper(std::atomic<std::int64_t>& room, std::vector<const std::byte*>& kept)
-      : room_(room), kept_(kept) {}
-
-  void keep(std::size_t brick, const StuffedBrick& stuffed, const StuffedLattice& lattice) {
-    if (std::byte* const to = make_room(brick, stuffed)) pack_geometry(lattice, stuffed, to);
-  }
-
-  /// The same of a brick whose geometry was packed before; null where it was not.
-  void keep_again(std::size_t brick, const StuffedBrick& stuffed, const std::byte* packed) {
-    if (packed == nullptr) return;
-    if (std::byte* const to = make_room(brick, stuffed)) {
-      std::copy_n(packed, GeometrySizes(stuffed).bytes(), to);
-    }
-  }
-
-  /// Moves all of it to where it stays.
-  std::shared_ptr<std::byte[]> take() {
-    if (packed_.empty()) return nullptr;
-    std::shared_ptr<std::byte[]> block =
-        std::make_unique_for_overwrite<std::byte[]>(packed_.size());
-    std::copy(packed_.begin(), packed_.end(), block.get());
-    for (const auto& [brick, begin] : begins_) kept_[brick] = block.get() + begin;
-    return block;
-  }
-
- private:
-  /// Null where there is none.
-  std::byte* make_room(std::size_t brick, const StuffedBrick& stuffed) {
-    const std::size_t size = GeometrySizes(stuffed).bytes();
-    if (room_.fetch_sub(static_cast<std::int64_t>(size)) < static_cast<std::int64_t>(size)) {
-      return nullptr;
-    }
-    const std::size_t begin = packed_.size();
-    packed_.resize(begin + size);
-    begins_.emplace_back(brick, begin);
-    return packed_.data() + begin;
-  }
-
-  std::atomic<std::int64_t>& room_;
-  std::vector<const std::byte*>& kept_;
-  std::vector<std::byte> packed_;
-  std::vector<std::pair<std::size_t, std::size_t>> begins_;
-};
-
-constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};
-
 /// Looks bricks up in an earlier survey. Not thread-safe: one per task.
 class EarlierBricks {
  public:
@@ -220,88 +167,88 @@ class EarlierBricks {
   std::size_t at_ = 0;
 };
 
-/// What was found of each candidate.
-struct Findings {
-  // Most candidates have no part in the surface where the lattice is finer than the voxels.
-  std::vector<std::unique_ptr<SurveyedBrick>> surveyed;
-  std::vector<std::uint32_t>
-      known;  ///< the place in the earlier survey of those it still holds of
-  std::vector<const std::byte*> geometry;        ///< where it is kept
-  std::vector<std::unique_ptr<ThinSpots>> thin;  ///< null where there are none
-
-  explicit Findings(std::size_t candidates)
-      : surveyed(candidates),
-        known(candidates, kNotKnown),
-        geometry(candidates),
-        thin(candidates) {}
-
-  /// How many the surface reaches.
-  std::size_t count() const {
-    std::size_t bricks = 0;
-    for (std::size_t i = 0; i < known.size(); ++i) {
-      bricks += surveyed[i] != nullptr || known[i] != kNotKnown;
-    }
-    return bricks;
-  }
+/// What is surveyed, and how.
+struct SurveyTask {
+  const PhiField& field;
+  const MeshedSpace& space;
+  const EarlierSurvey* earlier;
+  const Cancellation& cancellation;
+  MeshProgress* progress;
 };
 
-void reserve(Survey& survey, std::size_t bricks) {
-  survey.bricks.reserve(bricks);
-  survey.stuffed.reserve(bricks);
-  survey.finest.reserve(bricks);
-  survey.geometry.of_brick.reserve(bricks);
-  survey.counts.reserve(bricks);
-  survey.sheets.reserve(bricks);
-}
+/// Surveys candidates, some at a time.
+class Surveyor {
+ public:
+  Surveyor(const SurveyTask& task, Survey& survey)
+      : task_(task),
+        survey_(survey),
+        room_(static_cast<std::int64_t>(task.space.kept_geometry_bytes)) {}
 
-/// Appends a brick as it was found then.
-void add_known(const Survey& earlier, std::uint32_t at, Survey& survey) {
-  survey.stuffed.push_back(earlier.stuffed[at]);
-  survey.finest.push_back(earlier.finest[at]);
-  survey.counts.push_back(earlier.counts[at]);
-  const auto parts = std::ranges::lower_bound(earlier.parts, at, {}, &PartsOfBrick::brick);
-  if (parts != earlier.parts.end() && parts->brick == at) {
-    survey.parts.push_back({static_cast<std::uint32_t>(survey.sheets.size()), parts->parts});
+  /// Appends what is found of `candidates`, which follow those before; `still_to_come` follow
+  /// them.
+  void add(std::span<const BrickCoord> candidates, std::size_t still_to_come) {
+    Findings findings(candidates.size());
+    std::vector<std::shared_ptr<std::byte[]>> blocks(
+        candidates.size());  // of ranges, where they begin
+    for_each_range(candidates.size(), kSurveyedPerRange,
+                   [&](std::size_t begin, std::size_t end) {
+                     GeometryKeeper keeper(room_, findings.geometry);
+                     find_range(candidates, begin, end, findings, keeper);
+                     blocks[begin] = keeper.take();
+                   });
+    if (task_.cancellation.requested()) return;
+    std::erase(blocks, nullptr);
+    std::ranges::move(blocks, std::back_inserter(survey_.geometry.blocks));
+    add_findings(candidates, std::move(findings), task_.earlier, task_.space.rules.both_sides,
+                 still_to_come, survey_);
   }
-  survey.sheets.push_back(earlier.sheets[at]);
-}
 
-void add_surveyed(SurveyedBrick& found, bool both_sides, Survey& survey) {
-  survey.stuffed.push_back(found.stuffed);
-  survey.finest.push_back(found.finest);
-  if (both_sides) survey.fans.push_back(found.fans ? *found.fans : FanMasks{});
-  survey.counts.push_back(found.surface.counts);
-  if (found.parts) {
-    survey.parts.push_back(
-        {static_cast<std::uint32_t>(survey.sheets.size()), std::move(*found.parts)});
+  std::uint64_t kept_bytes() const {
+    return task_.space.kept_geometry_bytes -
+           static_cast<std::uint64_t>(std::max<std::int64_t>(room_, 0));
   }
-  survey.sheets.push_back(found.surface.sheet);
-  survey.box_cuts_surface = survey.box_cuts_surface || found.at_domain_face;
-}
 
-/// Gathers what was found, in the order of the bricks, and lets go of it.
-Survey gather(const std::vector<BrickCoord>& candidates,
-              Findings& findings,
-              const EarlierSurvey* earlier,
-              bool both_sides,
-              const Cancellation& cancellation) {
-  Survey survey;
-  reserve(survey, findings.count());
-  for (std::size_t i = 0; i < candidates.size() && !cancellation.requested(); ++i) {
-    if (findings.thin[i]) survey.thin.push_back({candidates[i], *findings.thin[i]});
-    const bool known = findings.known[i] != kNotKnown;
-    if (!known && findings.surveyed[i] == nullptr) continue;
-    survey.bricks.push_back(candidates[i]);
-    survey.geometry.of_brick.push_back(findings.geometry[i]);
-    if (known) {
-      add_known(earlier->survey, findings.known[i], survey);
-    } else {
-      add_surveyed(*findings.surveyed[i], both_sides, survey);
-      findings.surveyed[i] = nullptr;
+ private:
+  void find_range(std::span<const BrickCoord> candidates,
+                  std::size_t begin,
+                  std::size_t end,
+                  Findings& findings,
+                  GeometryKeeper& keeper) {
+    const EarlierSurvey* const earlier = task_.earlier;
+    PhiSampler sampler(task_.field);
+    std::optional<ScratchPool<SurveyWorkspace>::Turn> workspace;
+    std::optional<EarlierBricks> before;
+    if (earlier != nullptr) before.emplace(*earlier);
+    for (std::size_t i = begin; i < end && !task_.cancellation.requested(); ++i) {
+      ThinSpots spots;
+      if (before && before->still_holds(candidates[i])) {
+        const std::uint32_t at = findings.known[i] = before->find(candidates[i]);
+        spots = before->thin_spots(candidates[i]);
+        if (at != kNotKnown) {
+          keeper.keep_again(i, earlier->survey.stuffed[at],
+                            earlier->survey.geometry.of_brick[at]);
+        }
+      } else {
+        if (!workspace) workspace.emplace(workspaces_);
+        auto found = survey_brick(sampler, candidates[i], task_.space, survey_.restored.get(),
+                                  **workspace, spots);
+        if (found) {
+          keeper.keep(i, found->stuffed, (*workspace)->stuffing.lattice);
+          findings.surveyed[i] = std::make_unique<SurveyedBrick>(*std::move(found));
+        }
+      }
+      if (spots.any()) findings.thin[i] = std::make_unique<ThinSpots>(spots);
+      if (task_.progress != nullptr) {
+        task_.progress->done.fetch_add(1, std::memory_order_relaxed);
+      }
     }
   }
-  return survey;
-}
+
+  const SurveyTask task_;
+  Survey& survey_;
+  std::atomic<std::int64_t> room_;
+  ScratchPool<SurveyWorkspace> workspaces_;
+};
 
 }  // namespace
 
@@ -348,54 +295,20 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      MeshProgress* progress,
                                      const EarlierSurvey* earlier) {
   if (progress != nullptr) progress->expect(candidates.size());
-  std::shared_ptr<const RestoredNodes> restored;
+  Survey survey;
   if (space.manifold) {
     auto nodes = find_nodes_to_restore(field, candidates, space.rules, cancellation);
     if (!nodes.ok()) return nodes.status();
-    restored = *std::move(nodes);
+    survey.restored = *std::move(nodes);
   }
-  Findings findings(candidates.size());
-  std::vector<std::shared_ptr<std::byte[]>> blocks(
-      candidates.size());  // of ranges, where they begin
-  std::atomic<std::int64_t> room{static_cast<std::int64_t>(space.kept_geometry_bytes)};
-  for_each_range(candidates.size(), kSurveyedPerRange, [&](std::size_t begin, std::size_t end) {
-    PhiSampler sampler(field);
-    std::unique_ptr<SurveyWorkspace> workspace;
-    GeometryKeeper keeper(room, findings.geometry);
-    std::optional<EarlierBricks> before;
-    if (earlier != nullptr) before.emplace(*earlier);
-    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      ThinSpots spots;
-      if (before && before->still_holds(candidates[i])) {
-        const std::uint32_t at = findings.known[i] = before->find(candidates[i]);
-        spots = before->thin_spots(candidates[i]);
-        if (at != kNotKnown) {
-          keeper.keep_again(i, earlier->survey.stuffed[at],
-                            earlier->survey.geometry.of_brick[at]);
-        }
-      } else {
-        if (!workspace) workspace = std::make_unique_for_overwrite<SurveyWorkspace>();
-        auto found =
-            survey_brick(sampler, candidates[i], space, restored.get(), *workspace, spots);
-        if (found) {
-          keeper.keep(i, found->stuffed, workspace->stuffing.lattice);
-          findings.surveyed[i] = std::make_unique<SurveyedBrick>(*std::move(found));
-        }
-      }
-      if (spots.any()) findings.thin[i] = std::make_unique<ThinSpots>(spots);
-      if (progress != nullptr) progress->done.fetch_add(1, std::memory_order_relaxed);
-    }
-    blocks[begin] = keeper.take();
-  });
-  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
-
-  Survey survey = gather(candidates, findings, earlier, space.rules.both_sides, cancellation);
-  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
-  survey.restored = std::move(restored);
-  std::erase(blocks, nullptr);
-  survey.geometry.blocks = std::move(blocks);
-  survey.geometry.block_bytes =
-      space.kept_geometry_bytes - static_cast<std::uint64_t>(std::max<std::int64_t>(room, 0));
+  Surveyor surveyor({field, space, earlier, cancellation, progress}, survey);
+  for (std::size_t first = 0; first < candidates.size(); first += kSurveyedAtATime) {
+    const std::span rest = std::span(candidates).subspan(first);
+    const std::span now = rest.first(std::min(kSurveyedAtATime, rest.size()));
+    surveyor.add(now, rest.size() - now.size());
+    if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  }
+  survey.geometry.block_bytes = surveyor.kept_bytes();
   return survey;
 }
 

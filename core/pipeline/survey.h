@@ -84,8 +84,8 @@ struct MeshedSpace {
   std::uint64_t kept_geometry_bytes = MeshLimits{}.kept_geometry_bytes;
 };
 
-/// Memory that a brick takes until the mesh is made, bytes: while the survey runs it is held
-/// twice.
+/// Memory that a brick takes until the mesh is made, bytes: it may be held twice while columns
+/// grow.
 constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexcept {
   const std::uint64_t fans = rules.both_sides ? sizeof(FanMasks) : 0;
   return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) +
