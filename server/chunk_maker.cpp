@@ -41,10 +41,11 @@ ChunkMessage make_columns(const ChunkSource& source,
                              frame.fields(block)};
 
   ChunkMessage message;
-  MeshWorkspace workspace = memory.workspaces.take();
-  message.quality = source.patch ? source.patch->fill(index, workspace, columns)
-                                 : plan.fill_chunk(index, workspace, columns);
-  memory.workspaces.give_back(std::move(workspace));
+  {
+    const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
+    message.quality = source.patch ? source.patch->fill(index, *workspace, columns)
+                                   : plan.fill_chunk(index, *workspace, columns);
+  }
   const auto parts =
       frame.write(block, {index, extent.first_vertex, extent.vertex_count, extent.first_tet,
                           extent.tet_count, checksum_of(columns)});
@@ -64,9 +65,7 @@ ChunkMessage make_compact(const MeshPlan& plan,
                           Held held) {
   const ChunkExtent extent = plan.chunk(index);
   std::vector<std::byte> bytes;
-  MeshWorkspace workspace = memory.workspaces.take();
-  plan.encode_chunk(index, workspace, bytes);
-  memory.workspaces.give_back(std::move(workspace));
+  plan.encode_chunk(index, *ScratchPool<MeshWorkspace>::Turn(memory.workspaces), bytes);
 
   v1::MeshEvent event;
   v1::MeshChunk& chunk = *event.mutable_chunk();

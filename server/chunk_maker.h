@@ -6,11 +6,11 @@
 
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/base/scratch_pool.h"
 #include "core/pipeline/mesh_patch.h"
 #include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/send_budget.h"
-#include "server/workspace_pool.h"
 
 namespace tet {
 
@@ -32,7 +32,7 @@ struct ChunkMessage {
 
 /// Memory to make chunks with, and in.
 struct ChunkMemory {
-  WorkspacePool& workspaces;
+  ScratchPool<MeshWorkspace>& workspaces;
   BlockPool& blocks;
 };
 

@@ -8,7 +8,9 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
 #include "core/decode/decoder_pool.h"
+#include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
 #include "server/config.h"
@@ -17,7 +19,6 @@
 #include "server/results/result_store.h"
 #include "server/send_budget.h"
 #include "server/stall_watch.h"
-#include "server/workspace_pool.h"
 
 namespace tet {
 
@@ -46,7 +47,7 @@ struct MeshEngine {
   const Config config;
   CallRegistry& calls;
   Activity activity;
-  WorkspacePool workspaces;
+  ScratchPool<MeshWorkspace> workspaces;
   BlockPool blocks;
   SendBudget send_budget;
   StallWatch stalls;
