@@ -1,8 +1,10 @@
 // The boundary's topology is counted with the mesh, and may be made a manifold.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -80,6 +82,31 @@ Volume rounded_waves(std::uint32_t seed) {
       });
 }
 
+/// A ball, solid or hollow, whose surface barely passes the corner where eight bricks meet:
+/// some of them have a single node beyond it.
+Volume ball_at_a_corner(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto draw = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  const double radius = draw(3, 9), beyond = draw(-0.6, 0.6);
+  const bool hollow = seed % 2 == 1, rounded = seed % 3 == 0;
+  std::array<double, 3> way{draw(-1, 1), draw(-1, 1), draw(-1, 1)};
+  const double length = std::hypot(way[0], way[1], way[2]);
+  for (double& along : way) along *= (radius + beyond) / length;
+  return test::dense_volume(
+      {
+          {-20, -20, -20},
+          { 20,  20,  20}
+  },
+      3, [=](VoxelCoord v) {
+        const double from_middle = std::hypot(v.x - way[0], v.y - way[1], v.z - way[2]);
+        double phi = from_middle - radius;
+        if (hollow) phi = std::max(-phi, std::hypot(v.x, v.y, v.z) - 19);
+        return static_cast<float>(rounded ? std::round(4 * phi) / 4 : phi);
+      });
+}
+
 std::vector<std::pair<std::string, Volume>> fields() {
   std::vector<std::pair<std::string, Volume>> all;
   for (test::Solid& solid : test::smooth_solids()) {
@@ -122,6 +149,15 @@ TEST(SurfaceTopology, IsWhatTheFinishedMeshHas) {
   }
 }
 
+TEST(SurfaceTopology, HangsTogetherAcrossTheCornersOfBricks) {
+  std::vector<std::uint32_t> seeds{122, 208, 400, 532, 856, 962};  // where it once did not
+  for (std::uint32_t seed = 0; seed < 20; ++seed) seeds.push_back(seed);
+  for (const std::uint32_t seed : seeds) {
+    SCOPED_TRACE(seed);
+    expect_counted_as_measured(mesh(ball_at_a_corner(seed), {}));
+  }
+}
+
 TEST(SurfaceTopology, OfBothSidesIsThatOfTheInside) {
   for (const auto& [name, volume] : fields()) {
     for (const bool manifold : {false, true}) {
@@ -146,6 +182,28 @@ TEST(SurfaceTopology, IsNotToldWhereABoxCutsTheSurface) {
       { 64,  64,   0}
   };
   EXPECT_FALSE(mesh(test::ball(15), request).boundary.has_value());
+}
+
+/// More bricks than are surveyed at a time.
+TEST(SurfaceTopology, OfALargePlateIsThatOfASphere) {
+  constexpr float kHalfEdge = 414.3F, kHalfThickness = 2.7F, kMiddle = 3.5F;
+  const Volume plate = test::dense_volume(
+      {
+          {-415, -415, 0},
+          { 415,  415, 7}
+  },
+      3, [](VoxelCoord v) {
+        const auto beyond = [](float i, float half) { return std::abs(i) - half; };
+        return std::max({beyond(static_cast<float>(v.x), kHalfEdge),
+                         beyond(static_cast<float>(v.y), kHalfEdge),
+                         beyond(static_cast<float>(v.z) - kMiddle, kHalfThickness)});
+      });
+  const auto plan =
+      plan_mesh(std::make_shared<const Volume>(plate), {}, {}, {}, nullptr).value();
+  ASSERT_TRUE(plan->boundary().has_value());
+  EXPECT_EQ(plan->boundary()->components, 1U);
+  EXPECT_EQ(plan->boundary()->euler_characteristic, 2);
+  EXPECT_EQ(plan->boundary()->non_manifold_edges, 0U);
 }
 
 TEST(ManifoldMesh, HasAManifoldBoundaryWithinTheBoundsOnEveryField) {
