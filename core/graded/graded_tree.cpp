@@ -47,13 +47,14 @@ OctreeLevel level_of(CellSet cells,
   }
   OctreeLevel level;
   level.bricks = std::move(cells.bricks);
-  level.leaf = std::move(cells.cells);
-  level.refined.resize(level.bricks.size());
+  level.leaf.reserve(level.bricks.size());
+  level.refined.reserve(level.bricks.size());
   const BrickIndex index(refined.bricks);
   for (std::size_t i = 0; i < level.bricks.size(); ++i) {
     const std::uint32_t at = index.find(level.bricks[i]);
-    if (at != kNoBrick) level.refined[i] = refined.cells[at];
-    level.leaf[i] &= ~level.refined[i];
+    const BrickMask divided = at != kNoBrick ? refined.cells[at] : BrickMask{};
+    level.leaf.push_back(cells.cells[i] & ~divided);
+    level.refined.push_back(divided);
   }
   level.index = BrickIndex(level.bricks);
   insert_corner_bricks(level);
@@ -89,18 +90,14 @@ Octree grow(const GradedCover& graded,
 }
 
 LevelNodes finest_nodes(const OctreeLevel& level) {
-  LevelNodes nodes;
-  nodes.used.resize(level.bricks.size());
-  nodes.centre = level.leaf;
+  std::vector<BrickMask> corner(level.bricks.size());
   for_each_range(level.bricks.size(), kLeavesPerRange, [&](std::size_t begin, std::size_t end) {
     BrickNeighbours neighbours(level.bricks);
     for (std::size_t i = begin; i < end; ++i) {
-      nodes.used[i] =
-          leaf_corners(lower_leaves(level.leaf, neighbours.around(level.bricks[i])));
+      corner[i] = leaf_corners(lower_leaves(level.leaf, neighbours.around(level.bricks[i])));
     }
   });
-  nodes.corner = nodes.used;
-  return nodes;
+  return {{}, MaskColumn(corner), level.leaf, {}};
 }
 
 void number_nodes(GradedTree& graded) {

@@ -19,6 +19,9 @@ namespace tet {
 enum NodeKind : std::uint8_t { kCorner = 0, kCentre = 1 };
 inline constexpr int kNodeKinds = 2;
 
+/// Of a brick's own nodes, those of each kind.
+using NodeMasks = std::array<BrickMask, kNodeKinds>;
+
 /// Doubled lattice coordinates, or an offset between two of them.
 struct LatticeCoord {
   std::int32_t x = 0, y = 0, z = 0;

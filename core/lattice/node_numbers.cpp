@@ -60,8 +60,7 @@ BrickCoord settle(BrickCoord brick, int& x, int& y, int& z) noexcept {
 
 }  // namespace
 
-LowerLeaves lower_leaves(const std::vector<BrickMask>& leaf,
-                         const PlacesAround& around) noexcept {
+LowerLeaves lower_leaves(const MaskColumn& leaf, const PlacesAround& around) noexcept {
   static constexpr BrickMask kNone;
   LowerLeaves leaves;
   for (std::size_t o = 0; o < leaves.size(); ++o) {
@@ -105,20 +104,17 @@ void insert_corner_bricks(OctreeLevel& level) {
 LevelNodes background_nodes(const OctreeLevel& level,
                             const OctreeLevel& finer_level,
                             const LevelNodes& finer) {
-  LevelNodes nodes;
-  nodes.used.resize(level.bricks.size());
-  nodes.corner.resize(level.bricks.size());
-  nodes.centre = level.leaf;
+  std::vector<BrickMask> used(level.bricks.size()), corner(level.bricks.size());
   for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     BrickNeighbours neighbours(level.bricks);
     for (std::size_t i = begin; i < end; ++i) {
       const BrickCoord brick = level.bricks[i];
-      nodes.used[i] = leaf_corners(lower_leaves(level.leaf, neighbours.around(brick)));
-      if (!nodes.used[i].any()) continue;
-      nodes.corner[i] = nodes.used[i] & ~corners_used_below(finer_level, finer, brick);
+      used[i] = leaf_corners(lower_leaves(level.leaf, neighbours.around(brick)));
+      if (!used[i].any()) continue;
+      corner[i] = used[i] & ~corners_used_below(finer_level, finer, brick);
     }
   });
-  return nodes;
+  return {MaskColumn(used), MaskColumn(corner), level.leaf, {}};
 }
 
 std::uint32_t NearbyBricks::find(BrickCoord brick) noexcept {

@@ -8,6 +8,8 @@
 #include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
 #include "core/base/brick_neighbours.h"
+#include "core/base/heap_bytes.h"
+#include "core/base/mask_column.h"
 #include "core/lattice/bcc.h"
 #include "core/octree/octree.h"
 
@@ -16,13 +18,16 @@ namespace tet {
 /// Vertices at the nodes of one octree level, by brick. A brick's ids run over its corners,
 /// then its centres, then (at level 0) its cut points.
 struct LevelNodes {
-  std::vector<BrickMask> used;    ///< corners that leaves of this level have; empty: `corner`
-  std::vector<BrickMask> corner;  ///< those that no finer leaf has: the brick owns them
-  std::vector<BrickMask> centre;
+  MaskColumn used;    ///< corners that leaves of this level have; empty: `corner`
+  MaskColumn corner;  ///< those that no finer leaf has: the brick owns them
+  MaskColumn centre;
   std::vector<std::uint64_t> first_vertex;  ///< id of the brick's first vertex
 
   const BrickMask& used_corners(std::size_t brick) const noexcept {
     return used.empty() ? corner[brick] : used[brick];
+  }
+  std::uint64_t bytes() const noexcept {
+    return used.bytes() + corner.bytes() + centre.bytes() + heap_bytes(first_vertex);
   }
 };
 
@@ -31,8 +36,7 @@ struct LevelNodes {
 using LowerLeaves = std::array<const BrickMask*, 8>;
 
 /// `leaf` has those of each brick of the level.
-LowerLeaves lower_leaves(const std::vector<BrickMask>& leaf,
-                         const PlacesAround& around) noexcept;
+LowerLeaves lower_leaves(const MaskColumn& leaf, const PlacesAround& around) noexcept;
 
 /// The corners of these leaves that the brick itself owns.
 BrickMask leaf_corners(const LowerLeaves& leaves) noexcept;

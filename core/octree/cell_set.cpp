@@ -112,6 +112,17 @@ BrickMask children_of(const BrickMask& parent_cells, int ox, int oy, int oz) noe
   return mask;
 }
 
+template <class Masks>
+HaloSet gather_halo_of(const Masks& masks, const PlacesAround& around) noexcept {
+  HaloSet set;
+  if (masks.empty()) return set;
+  for (int o = 0; o < 27; ++o) {
+    const std::uint32_t at = around[static_cast<std::size_t>(o)];
+    if (at != kNoBrick) add_brick(set, masks[at], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
+  }
+  return set;
+}
+
 /// The bricks of a set and those around them, where they have cells after at most two steps.
 CellSet grown_by(const CellSet& cells, int steps, const Cancellation& cancellation) {
   CellSet out{with_neighbours(cells.bricks), {}};
@@ -151,13 +162,11 @@ CellSet CellSetBuilder::take() {
 }
 
 HaloSet gather_halo(const std::vector<BrickMask>& masks, const PlacesAround& around) noexcept {
-  HaloSet set;
-  if (masks.empty()) return set;
-  for (int o = 0; o < 27; ++o) {
-    const std::uint32_t at = around[static_cast<std::size_t>(o)];
-    if (at != kNoBrick) add_brick(set, masks[at], o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
-  }
-  return set;
+  return gather_halo_of(masks, around);
+}
+
+HaloSet gather_halo(const MaskColumn& masks, const PlacesAround& around) noexcept {
+  return gather_halo_of(masks, around);
 }
 
 CellSet parents_of(const CellSet& cells, const Cancellation& cancellation) {

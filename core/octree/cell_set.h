@@ -8,6 +8,7 @@
 #include "core/base/brick_mask.h"
 #include "core/base/brick_neighbours.h"
 #include "core/base/cancel.h"
+#include "core/base/mask_column.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -33,6 +34,7 @@ class CellSetBuilder {
 /// What `masks`, one for each brick of a list, say of a brick whose neighbours are known, and
 /// of its halo.
 HaloSet gather_halo(const std::vector<BrickMask>& masks, const PlacesAround& around) noexcept;
+HaloSet gather_halo(const MaskColumn& masks, const PlacesAround& around) noexcept;
 
 // Each is of no use once it is cancelled.
 

@@ -96,9 +96,9 @@ OctreeLevel make_level(const PhiField& field,
                        const Cancellation& cancellation) {
   OctreeLevel made;
   made.bricks = std::move(candidates.bricks);
-  made.leaf = std::move(candidates.cells);
-  made.refined.resize(made.bricks.size());
-  if (cover.domain) made.inside.resize(made.bricks.size());
+  std::vector<BrickMask> leaf = std::move(candidates.cells);
+  std::vector<BrickMask> divided(made.bricks.size()), inside;
+  if (cover.domain) inside.resize(made.bricks.size());
   made.index = BrickIndex(made.bricks);
   const BrickIndex refined_index(refined.bricks);
   for_each_range(made.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -106,19 +106,24 @@ OctreeLevel make_level(const PhiField& field,
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord brick = made.bricks[i];
       const std::uint32_t at = refined_index.find(brick);
-      if (at != kNoBrick) made.refined[i] = refined.cells[at];
-      made.leaf[i] &= ~made.refined[i];
-      if (cover.domain) made.leaf[i] &= DomainCells(*cover.domain, level).whole(brick);
-      const BrickMask inside = inside_cells(sampler, is_inside, brick, level, made.leaf[i]);
-      (cover.domain ? made.inside : made.leaf)[i] = inside;
+      if (at != kNoBrick) divided[i] = refined.cells[at];
+      leaf[i] &= ~divided[i];
+      if (cover.domain) leaf[i] &= DomainCells(*cover.domain, level).whole(brick);
+      (cover.domain ? inside : leaf)[i] =
+          inside_cells(sampler, is_inside, brick, level, leaf[i]);
     }
   });
+  made.leaf = MaskColumn(leaf);
+  made.refined = MaskColumn(divided);
+  made.inside = MaskColumn(inside);
   return made;
 }
 
 bool any_leaf(const OctreeLevel& level) {
-  return std::any_of(level.leaf.begin(), level.leaf.end(),
-                     [](const BrickMask& mask) { return mask.any(); });
+  for (std::size_t i = 0; i < level.leaf.size(); ++i) {
+    if (level.leaf[i].any()) return true;
+  }
+  return false;
 }
 
 /// Level 0 where more than the surface's cells are finest: the children of level 1's refined
@@ -147,7 +152,7 @@ CellSet finest_cells(const CellSet& at_surface,
 OctreeLevel finest_level(CellSet finest) {
   OctreeLevel level;
   level.bricks = std::move(finest.bricks);
-  level.leaf = std::move(finest.cells);
+  level.leaf = MaskColumn(finest.cells);
   level.index = BrickIndex(level.bricks);
   return level;
 }
@@ -158,11 +163,14 @@ void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
   std::vector<BrickCoord> merged;
   std::set_union(bricks.begin(), bricks.end(), more.begin(), more.end(),
                  std::back_inserter(merged));
-  const auto spread = [&](std::vector<BrickMask>& masks) {
+  const auto spread = [&](MaskColumn& masks) {
     if (masks.empty()) return;
-    std::vector<BrickMask> out(merged.size());
-    for (std::size_t i = 0, from = 0; i < merged.size() && from < bricks.size(); ++i) {
-      if (merged[i] == bricks[from]) out[i] = masks[from++];
+    MaskColumn out;
+    out.reserve(merged.size());
+    std::size_t from = 0;
+    for (const BrickCoord brick : merged) {
+      const bool known = from < bricks.size() && bricks[from] == brick;
+      out.push_back(known ? masks[from++] : BrickMask{});
     }
     masks = std::move(out);
   };
@@ -174,7 +182,7 @@ void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
 }
 
 HaloSet gather_halo(const OctreeLevel& level,
-                    const std::vector<BrickMask>& masks,
+                    const MaskColumn& masks,
                     BrickCoord brick) noexcept {
   PlacesAround around;
   for (int o = 0; o < 27; ++o) {

@@ -9,6 +9,8 @@
 #include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
 #include "core/base/cancel.h"
+#include "core/base/heap_bytes.h"
+#include "core/base/mask_column.h"
 #include "core/base/types.h"
 #include "core/field/phi_field.h"
 #include "core/octree/cell_set.h"
@@ -19,9 +21,9 @@ namespace tet {
 /// One level of the octree; level 0 is the finest. Columns of equal length.
 struct OctreeLevel {
   std::vector<BrickCoord> bricks;  ///< sorted, unique
-  std::vector<BrickMask> leaf;     ///< level 0: cells to be stuffed; above: leaves inside
-  std::vector<BrickMask> refined;  ///< cells divided into the eight below; none at level 0
-  std::vector<BrickMask> inside;   ///< leaves above level 0 that lie inside; empty: all of them
+  MaskColumn leaf;                 ///< level 0: cells to be stuffed; above: leaves inside
+  MaskColumn refined;              ///< cells divided into the eight below; none at level 0
+  MaskColumn inside;               ///< leaves above level 0 that lie inside; empty: all of them
   BrickIndex index;  ///< of `bricks`, which it refers to: a level may be moved but not copied
 
   OctreeLevel() = default;
@@ -32,7 +34,7 @@ struct OctreeLevel {
   void insert_bricks(const std::vector<BrickCoord>& more);
 
   std::uint64_t bytes() const noexcept {
-    return all_heap_bytes(bricks, leaf, refined, inside) + index.bytes();
+    return heap_bytes(bricks) + leaf.bytes() + refined.bytes() + inside.bytes() + index.bytes();
   }
 };
 
@@ -46,7 +48,7 @@ struct Octree {
 
 /// What `masks` (one for each brick of the level) say of a brick and its halo.
 HaloSet gather_halo(const OctreeLevel& level,
-                    const std::vector<BrickMask>& masks,
+                    const MaskColumn& masks,
                     BrickCoord brick) noexcept;
 
 /// The cells with all their siblings: the seven others of the same parent.

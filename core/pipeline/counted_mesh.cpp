@@ -15,6 +15,7 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kCountedPerRange = 16;
+constexpr std::size_t kFoundAtATime = 8192;  ///< bricks whose vertices are held as whole masks
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
 /// Calls `known(place)` for each brick of a level that `is_known`, and `body(place, around)`
@@ -33,14 +34,6 @@ void for_each_surrounded(const OctreeLevel& level,
                      is_known(i) ? known(i) : body(i, neighbours.around(level.bricks[i]));
                    }
                  });
-}
-
-template <class Body>
-void for_each_surrounded(const OctreeLevel& level,
-                         const Cancellation& cancellation,
-                         const Body& body) {
-  for_each_surrounded(
-      level, cancellation, body, [](std::size_t) { return false; }, [](std::size_t) {});
 }
 
 /// Leaves of the bricks beyond a finest brick's faces.
@@ -124,39 +117,44 @@ void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancel
 void CountedMesh::find_vertices(const Cancellation& cancellation) {
   const OctreeLevel& finest = tree_.levels[0];
   nodes_.resize(tree_.levels.size());
-  nodes_[0].corner.resize(finest.bricks.size());
-  nodes_[0].centre.resize(finest.bricks.size());
-  for_each_surrounded(finest, cancellation, [&](std::size_t i, const PlacesAround& around) {
-    if (rules_.both_sides) {
-      find_vertices_of_both_sides(i, around);
-    } else {
-      find_finest_vertices(i, around);
+  nodes_[0].corner.reserve(finest.bricks.size());
+  nodes_[0].centre.reserve(finest.bricks.size());
+  std::vector<NodeMasks> found;
+  for (std::size_t first = 0; first < finest.bricks.size(); first += kFoundAtATime) {
+    found.assign(std::min(kFoundAtATime, finest.bricks.size() - first), {});
+    for_each_range(found.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
+      if (cancellation.requested()) return;
+      BrickNeighbours neighbours(finest.bricks);
+      for (std::size_t i = begin; i < end; ++i) {
+        const PlacesAround& around = neighbours.around(finest.bricks[first + i]);
+        found[i] = rules_.both_sides ? find_vertices_of_both_sides(first + i, around)
+                                     : find_finest_vertices(first + i, around);
+      }
+    });
+    for (const NodeMasks& nodes : found) {
+      nodes_[0].corner.push_back(nodes[kCorner]);
+      nodes_[0].centre.push_back(nodes[kCentre]);
     }
-  });
+  }
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
     nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
   }
 }
 
-void CountedMesh::find_finest_vertices(std::size_t brick, const PlacesAround& around) {
+NodeMasks CountedMesh::find_finest_vertices(std::size_t brick,
+                                            const PlacesAround& around) const {
   const StuffedBrick* stuffed = stuffed_at(static_cast<std::uint32_t>(brick));
-  if (stuffed == nullptr) return;
-  const auto vertices = finest_vertices(*stuffed, lower_leaves(tree_.levels[0].leaf, around));
-  nodes_[0].corner[brick] = vertices[kCorner];
-  nodes_[0].centre[brick] = vertices[kCentre];
+  if (stuffed == nullptr) return {};
+  return finest_vertices(*stuffed, lower_leaves(tree_.levels[0].leaf, around));
 }
 
-void CountedMesh::find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around) {
-  const std::vector<BrickMask>& leaf = tree_.levels[0].leaf;
-  if (!touches_surface(brick)) {
-    nodes_[0].corner[brick] = leaf_corners(lower_leaves(leaf, around));
-    nodes_[0].centre[brick] = leaf[brick];
-    return;
-  }
+NodeMasks CountedMesh::find_vertices_of_both_sides(std::size_t brick,
+                                                   const PlacesAround& around) {
+  const MaskColumn& leaf = tree_.levels[0].leaf;
+  if (!touches_surface(brick)) return {leaf_corners(lower_leaves(leaf, around)), leaf[brick]};
   const UsedByTets used = used_by_tets(surroundings(brick), gather_halo(leaf, around));
-  nodes_[0].corner[brick] = used.node[kCorner];
-  nodes_[0].centre[brick] = used.node[kCentre];
   trim_cut_points(stuffed_[brick], used);
+  return used.node;
 }
 
 void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used) {
@@ -224,7 +222,7 @@ std::uint64_t CountedMesh::bytes() const noexcept {
   std::uint64_t bytes = survey_.bytes() + all_heap_bytes(stuffed_, first_vertex_, first_tet_);
   for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();
   for (const LevelNodes& nodes : nodes_) {
-    bytes += all_heap_bytes(nodes.used, nodes.corner, nodes.centre, nodes.first_vertex);
+    bytes += nodes.bytes();
   }
   return bytes;
 }

@@ -94,8 +94,8 @@ class CountedMesh {
   OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   void find_stuffed(const PhiField& field, const Cancellation& cancellation);
   void find_vertices(const Cancellation& cancellation);
-  void find_finest_vertices(std::size_t brick, const PlacesAround& around);
-  void find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
+  NodeMasks find_finest_vertices(std::size_t brick, const PlacesAround& around) const;
+  NodeMasks find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
   void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
   void find_cut_points();
   /// `earlier` may be null, and has the bricks in `kept`.

@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::size_t kRestoredPerRange = 8;
 
-using NodeMasks = std::array<BrickMask, kNodeKinds>;
-
 /// A brick's nodes after the warp, as far as it is decided.
 struct NodeStates {
   NodeMasks plus, zero;

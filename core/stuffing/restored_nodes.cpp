@@ -26,8 +26,7 @@ void clear_ends(const HaloSet& edges,
 
 }  // namespace
 
-RestoredNodes::RestoredNodes(std::vector<BrickCoord> bricks,
-                             std::vector<std::array<BrickMask, kNodeKinds>> nodes)
+RestoredNodes::RestoredNodes(std::vector<BrickCoord> bricks, std::vector<NodeMasks> nodes)
     : bricks_(std::move(bricks)), nodes_(std::move(nodes)), index_(bricks_) {}
 
 std::uint64_t RestoredNodes::count() const noexcept {

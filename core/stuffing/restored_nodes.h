@@ -19,8 +19,7 @@ class RestoredNodes {
  public:
   RestoredNodes() = default;
   /// `bricks` are sorted and unique, `nodes` as many.
-  RestoredNodes(std::vector<BrickCoord> bricks,
-                std::vector<std::array<BrickMask, kNodeKinds>> nodes);
+  RestoredNodes(std::vector<BrickCoord> bricks, std::vector<NodeMasks> nodes);
   RestoredNodes(RestoredNodes&&) = default;
   RestoredNodes& operator=(RestoredNodes&&) = default;
 
@@ -30,7 +29,7 @@ class RestoredNodes {
 
  private:
   std::vector<BrickCoord> bricks_;
-  std::vector<std::array<BrickMask, kNodeKinds>> nodes_;
+  std::vector<NodeMasks> nodes_;
   BrickIndex index_;
 };
 

@@ -110,8 +110,7 @@ FinestNodes seen_from_outside(const FinestNodes& inside) noexcept {
   return outside;
 }
 
-std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
-                                                  const LowerLeaves& leaves) noexcept {
+NodeMasks finest_vertices(const StuffedBrick& brick, const LowerLeaves& leaves) noexcept {
   return {(brick.plus[kCorner] & leaf_corners(leaves)) | brick.zero[kCorner],
           (brick.plus[kCentre] & *leaves[0]) | brick.zero[kCentre]};
 }

@@ -27,8 +27,8 @@ struct StuffingRules {
 /// Signs of a brick's own nodes after the warp, and its own cut points. All other nodes are
 /// `-`.
 struct StuffedBrick {
-  std::array<BrickMask, kNodeKinds> plus;
-  std::array<BrickMask, kNodeKinds> zero;  ///< only zeros that some tet has
+  NodeMasks plus;
+  NodeMasks zero;  ///< only zeros that some tet has
   std::array<BrickMask, kEdgeFamilies> cut;
 
   /// A brick far inside: every node is `+`.
@@ -69,8 +69,7 @@ FinestNodes seen_from_outside(const FinestNodes& inside) noexcept;
 
 /// Nodes of the brick that are vertices of a one-sided mesh: used zeros, and `+` nodes of
 /// finest leaves.
-std::array<BrickMask, kNodeKinds> finest_vertices(const StuffedBrick& brick,
-                                                  const LowerLeaves& leaves) noexcept;
+NodeMasks finest_vertices(const StuffedBrick& brick, const LowerLeaves& leaves) noexcept;
 
 /// A brick and the 26 around it, at 9*(x+1) + 3*(y+1) + z+1; null where every node is `-`.
 using BrickSurroundings = std::array<const StuffedBrick*, 27>;
@@ -82,7 +81,7 @@ std::array<BrickMask, kEdgeFamilies> edges_cut(const BrickSurroundings& bricks) 
 /// What a mesh of both sides uses of a brick: the nodes, and the edges, of all its tets. At the
 /// edge of the domain that is less than everything.
 struct UsedByTets {
-  std::array<BrickMask, kNodeKinds> node;
+  NodeMasks node;
   std::array<BrickMask, kEdgeFamilies> edge;
 };
 

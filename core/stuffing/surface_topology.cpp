@@ -87,9 +87,8 @@ SurveyedSurface survey_surface(const WarpedLattice& lattice,
   return found;
 }
 
-std::array<BrickMask, kNodeKinds> non_manifold_nodes(
-    const std::array<HaloSet, kNodeKinds>& plus,
-    const std::array<HaloSet, kNodeKinds>& zero) noexcept {
+NodeMasks non_manifold_nodes(const std::array<HaloSet, kNodeKinds>& plus,
+                             const std::array<HaloSet, kNodeKinds>& zero) noexcept {
   std::array<HaloSet, kNodeKinds> bad;
   for (const NodeKind kind : {kCorner, kCentre}) {
     for_each_bit(zero[kind] & kOwnNodes, [&](int node) {

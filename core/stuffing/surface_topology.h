@@ -37,8 +37,7 @@ SurveyedSurface survey_surface(const WarpedLattice& lattice, const StuffedBrick&
 
 /// Nodes of the brick where the boundary of the inside is no manifold, ends of edges that are
 /// none included. `plus` and `zero` are valid for nodes in [-1, 8]^3.
-std::array<BrickMask, kNodeKinds> non_manifold_nodes(
-    const std::array<HaloSet, kNodeKinds>& plus,
-    const std::array<HaloSet, kNodeKinds>& zero) noexcept;
+NodeMasks non_manifold_nodes(const std::array<HaloSet, kNodeKinds>& plus,
+                             const std::array<HaloSet, kNodeKinds>& zero) noexcept;
 
 }  // namespace tet
