@@ -21,6 +21,14 @@ class MaskColumn {
     for (const BrickMask& mask : masks) push_back(mask);
   }
 
+  /// So many full masks.
+  static MaskColumn full(std::size_t count) {
+    MaskColumn column;
+    column.masks_ = {BrickMask{}, BrickMask::all()};
+    column.at_.assign(count, kFull);
+    return column;
+  }
+
   bool empty() const noexcept { return at_.empty(); }
   std::size_t size() const noexcept { return at_.size(); }
   /// Valid until a mask is added.

@@ -16,10 +16,10 @@
 namespace tet {
 namespace {
 
-/// Every cell of the level's bricks that `inside` reaches into, and of `also`.
-CellSet cells_covering(const std::vector<BrickBox>& inside,
-                       int level,
-                       const std::vector<BrickCoord>& also) {
+/// The level's bricks that `inside` reaches into, and `also`.
+std::vector<BrickCoord> bricks_covering(const std::vector<BrickBox>& inside,
+                                        int level,
+                                        const std::vector<BrickCoord>& also) {
   const auto above = [&](BrickCoord b) {
     return BrickCoord{b.x >> level, b.y >> level, b.z >> level};
   };
@@ -29,10 +29,12 @@ CellSet cells_covering(const std::vector<BrickBox>& inside,
                    [&](BrickCoord brick) { bricks.push_back(brick); });
   }
   sort_unique(bricks);
-  CellSet cells;
-  cells.cells.assign(bricks.size(), BrickMask::all());
-  cells.bricks = std::move(bricks);
-  return cells;
+  return bricks;
+}
+
+CellSet all_cells_of(std::vector<BrickCoord> bricks) {
+  std::vector<BrickMask> all(bricks.size(), BrickMask::all());
+  return {std::move(bricks), std::move(all)};
 }
 
 /// Of a scene only what matters to a brick's corners is asked.
@@ -149,10 +151,10 @@ CellSet finest_cells(const CellSet& at_surface,
   return cells;
 }
 
-OctreeLevel finest_level(CellSet finest) {
+OctreeLevel finest_level(std::vector<BrickCoord> bricks, MaskColumn leaf) {
   OctreeLevel level;
-  level.bricks = std::move(finest.bricks);
-  level.leaf = MaskColumn(finest.cells);
+  level.bricks = std::move(bricks);
+  level.leaf = std::move(leaf);
   level.index = BrickIndex(level.bricks);
   return level;
 }
@@ -215,8 +217,11 @@ Octree build_octree(CellSet finest,
   Octree tree;
   if (rules.max_levels == 0) {
     // Beyond a domain there is nothing, near the surface or not.
-    const auto also = cover.domain ? std::vector<BrickCoord>{} : finest.bricks;
-    tree.levels.push_back(finest_level(cells_covering(cover.boxes, 0, also)));
+    const auto also = cover.domain ? std::vector<BrickCoord>{} : std::move(finest.bricks);
+    finest = {};
+    std::vector<BrickCoord> bricks = bricks_covering(cover.boxes, 0, also);
+    MaskColumn leaf = MaskColumn::full(bricks.size());
+    tree.levels.push_back(finest_level(std::move(bricks), std::move(leaf)));
     return tree;
   }
   RefinedCells refined_cells(finest, cover, rules, cancellation);
@@ -224,12 +229,13 @@ Octree build_octree(CellSet finest,
   if (rules.sized()) {
     finest = finest_cells(finest, refined, field, is_inside, cover, cancellation);
   }
-  tree.levels.push_back(finest_level(std::move(finest)));
+  tree.levels.push_back(finest_level(std::move(finest.bricks), MaskColumn(finest.cells)));
   for (int level = 1; level <= rules.max_levels && !cancellation.requested(); ++level) {
     CellSet above = refined_cells.above(refined, level);
-    CellSet candidates = level < rules.max_levels
-                             ? children_of(above, cancellation)
-                             : cells_covering(cover.boxes, level, refined.bricks);
+    CellSet candidates =
+        level < rules.max_levels
+            ? children_of(above, cancellation)
+            : all_cells_of(bricks_covering(cover.boxes, level, refined.bricks));
     OctreeLevel made = make_level(field, is_inside, cover, level, std::move(candidates),
                                   refined, cancellation);
     if (!any_leaf(made)) break;

@@ -28,6 +28,7 @@ TEST(MaskColumn, TakesFourBytesForAFullOrAnEmptyMask) {
   masks.resize(2000);
   const MaskColumn column(masks);
   EXPECT_LT(column.bytes(), 2000 * 4 + 1000);
+  EXPECT_EQ(MaskColumn::full(10)[9], BrickMask::all());
 }
 
 }  // namespace
