@@ -69,8 +69,8 @@ class SurfacePieces {
       const std::uint32_t other =
           around[static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1)];
       if (other == kNoBrick || parts_[other] == nullptr) continue;
-      pieces_.unite(first_[brick] + link.part,
-                    first_[other] + parts_[other]->part(link.element));
+      const auto part = parts_[other]->part(link.element);
+      if (part) pieces_.unite(first_[brick] + link.part, first_[other] + *part);
     }
   }
 

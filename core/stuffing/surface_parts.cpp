@@ -184,10 +184,12 @@ std::uint16_t VertexOwner::element(std::size_t slot) const noexcept {
   return static_cast<std::uint16_t>(slot * kBrickCells + place);
 }
 
-std::uint16_t SurfaceParts::part(std::uint16_t element) const noexcept {
-  if (count < 2) return 0;
+std::optional<std::uint16_t> SurfaceParts::part(std::uint16_t element) const noexcept {
+  if (count == 0) return std::nullopt;
+  if (count == 1) return 0;
   const auto at = std::lower_bound(part_of.begin(), part_of.end(),
                                    std::array<std::uint16_t, 2>{element, 0});
+  if (at == part_of.end() || (*at)[0] != element) return std::nullopt;
   return (*at)[1];
 }
 

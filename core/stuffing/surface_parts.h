@@ -38,7 +38,8 @@ struct SurfaceParts {
   /// Of each part, other bricks with a node that has an edge to or through it.
   std::vector<BricksAround> beside;
 
-  std::uint16_t part(std::uint16_t element) const noexcept;
+  /// Nothing of a vertex that is not listed: what another process counted may lack any.
+  std::optional<std::uint16_t> part(std::uint16_t element) const noexcept;
 };
 
 /// Where a vertex is, of a node at an index of a brick's halo: its brick, each coordinate -1, 0

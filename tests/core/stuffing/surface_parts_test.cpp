@@ -196,6 +196,20 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
   EXPECT_GT(told, 50);
 }
 
+TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
+  SurfaceParts parts;
+  EXPECT_FALSE(parts.part(7).has_value());
+  parts.count = 2;
+  EXPECT_FALSE(parts.part(7).has_value());
+  parts.part_of = {
+      {6, 0},
+      {8, 1}
+  };
+  EXPECT_FALSE(parts.part(7).has_value());
+  EXPECT_FALSE(parts.part(9).has_value());
+  EXPECT_EQ(parts.part(8), 1);
+}
+
 TEST(PartsBetweenRegions, AreNotToldBesideATetOfZeros) {
   // A block of zeros within the inside has a boundary, and no `-` beside it.
   WarpedLattice lattice{};
