@@ -17,6 +17,9 @@ class BrickIds {
   BrickIds(NodeNumbers& numbers, int level, BrickCoord brick)
       : numbers_(numbers), level_(level), brick_(brick) {
     ids_.fill(kUnknown);
+    numbers.for_each_corner(level, brick, [&](int x, int y, int z, std::uint64_t id) {
+      ids_[place(x, y, z)] = static_cast<Index>(id);
+    });
     for (std::size_t o = 0; o < centre_.size(); ++o) {
       const UpperOffset at(o);
       if (at.x + at.y + at.z > 1) continue;  // tets reach across faces only
@@ -33,8 +36,8 @@ class BrickIds {
 
   /// Corner at twice the cell coordinates, so that midpoints have whole ones.
   Index finer_corner(int x, int y, int z) noexcept {
-    Index& id = ids_[static_cast<std::size_t>((x * 17 + y) * 17 + z)];
-    if (id == kUnknown) {
+    Index& id = ids_[place(x, y, z)];
+    if (id == kUnknown) {  // two levels below, or nowhere
       id = static_cast<Index>(numbers_.finer_corner(level_, brick_, x, y, z));
     }
     return id;
@@ -54,6 +57,11 @@ class BrickIds {
   };
 
   static constexpr Index kUnknown = ~Index{0};
+
+  static constexpr std::size_t place(int x, int y, int z) noexcept {
+    return static_cast<std::size_t>((x * 17 + y) * 17 + z);
+  }
+
   NodeNumbers& numbers_;
   int level_;
   BrickCoord brick_;

@@ -1,48 +1,86 @@
 #include "core/stuffing/node_regions.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstring>
+
+#include "core/base/vector_clones.h"
+
+// Rows are passed by reference and always inlined: what a vector is passed in depends on the
+// processor.
+#define TET_INLINE [[gnu::always_inline]] inline
 
 namespace tet {
 namespace {
 
 constexpr std::size_t kPlanes = NodePlanes::kPlanes;
 
-/// The next plane's nodes on short edges from these: each centre from the four corners around
-/// it.
-NodePlane centres_beside(const NodePlane& corners) noexcept {
-  std::array<std::uint64_t, 4> rows{};
-  for (std::size_t i = 0; i < 3; ++i) rows[i] = corners.word[i] | corners.word[i] >> 1;
-  NodePlane out;
-  for (std::size_t i = 0; i < 3; ++i) out.word[i] = rows[i] | rows[i] >> 16 | rows[i + 1] << 48;
-  return out;
+/// All rows of a plane: what is done to one is done to each.
+using Rows = std::uint16_t __attribute__((vector_size(sizeof(NodePlane))));
+
+TET_INLINE void read(const NodePlane& plane, Rows& rows) noexcept {
+  std::memcpy(&rows, plane.word.data(), sizeof(rows));
+}
+TET_INLINE void write(const Rows& rows, NodePlane& plane) noexcept {
+  std::memcpy(plane.word.data(), &rows, sizeof(rows));
+}
+TET_INLINE bool any(const Rows& rows) noexcept {
+  NodePlane plane;
+  write(rows, plane);
+  return (plane.word[0] | plane.word[1] | plane.word[2] | plane.word[3]) != 0;
 }
 
-NodePlane corners_beside(const NodePlane& centres) noexcept {
-  std::array<std::uint64_t, 4> rows{};
-  for (std::size_t i = 0; i < 3; ++i) rows[i + 1] = centres.word[i] | centres.word[i] << 1;
-  NodePlane out;
-  for (std::size_t i = 0; i < 3; ++i) {
-    out.word[i] = rows[i + 1] | rows[i + 1] << 16 | rows[i] >> 48;
-  }
-  return out;
+/// Adds each row to the one before it.
+TET_INLINE void add_to_previous(const Rows& rows, Rows& found) noexcept {
+  constexpr Rows kNone{};
+  found |= __builtin_shufflevector(rows, kNone, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
+                                   15, 16);
+}
+TET_INLINE void add_to_next(const Rows& rows, Rows& found) noexcept {
+  constexpr Rows kNone{};
+  found |= __builtin_shufflevector(rows, kNone, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
+                                   13, 14);
 }
 
-/// A plane's own nodes on long edges from these.
-NodePlane beside_in_plane(const NodePlane& nodes) noexcept {
-  const auto& [a, b, c] = nodes.word;
-  return {
-      {a << 1 | a >> 1 | a << 16 | a >> 16 | b << 48,
-       b << 1 | b >> 1 | b << 16 | b >> 16 | a >> 48 | c << 48,
-       c << 1 | c >> 1 | c << 16 | c >> 16 | b >> 48}
+/// Adds a plane's own nodes on long edges from these.
+TET_INLINE void add_beside_in_plane(const Rows& nodes, Rows& found) noexcept {
+  found |= nodes << 1 | nodes >> 1;
+  add_to_previous(nodes, found);
+  add_to_next(nodes, found);
+}
+
+/// Adds the centres on short edges from the corners of the next plane: each has four around it.
+TET_INLINE void add_centres_beside(const Rows& corners, Rows& found) noexcept {
+  const Rows rows = corners | corners >> 1;
+  found |= rows;
+  add_to_previous(rows, found);
+}
+TET_INLINE void add_corners_beside(const Rows& centres, Rows& found) noexcept {
+  const Rows rows = centres | centres << 1;
+  found |= rows;
+  add_to_next(rows, found);
+}
+
+/// Adds a plane's nodes on edges from these: long ones from itself and the next of its kind,
+/// short ones from the other kind.
+TET_INLINE void add_beside(const NodePlanes& from, std::size_t to, Rows& found) noexcept {
+  Rows rows, other{};
+  read(from.plane[to], rows);
+  add_beside_in_plane(rows, found);
+  const auto add_kind = [&](std::size_t plane, Rows & sum) __attribute__((always_inline)) {
+    if (plane >= kPlanes) return;
+    read(from.plane[plane], rows);
+    sum |= rows;
   };
-}
-
-NodePlane beside(const NodePlane& plane, std::size_t number) noexcept {
-  return number % 2 == kCorner ? centres_beside(plane) : corners_beside(plane);
-}
-
-void add(NodePlane& plane, const NodePlane& more) noexcept {
-  for (std::size_t w = 0; w < 3; ++w) plane.word[w] |= more.word[w];
+  add_kind(to - 2, found);  // wraps below the first
+  add_kind(to + 2, found);
+  add_kind(to - 1, other);
+  add_kind(to + 1, other);
+  if (to % 2 == kCorner) {
+    add_corners_beside(other, found);
+  } else {
+    add_centres_beside(other, found);
+  }
 }
 
 /// A plane within the box: rows and bits beyond it are none of its nodes.
@@ -57,95 +95,86 @@ constexpr NodePlane kWithin = [] {
   return plane;
 }();
 
-bool any(const NodePlane& plane) noexcept {
-  return (plane.word[0] | plane.word[1] | plane.word[2]) != 0;
-}
-
 /// Where a plane of the box lies in a halo set.
 std::size_t first_word(std::size_t plane) noexcept {
-  return 4 * (plane / 2 + static_cast<std::size_t>(NodePlanes::kMin + 2));
+  return std::tuple_size_v<decltype(NodePlane::word)> *
+         (plane / 2 + static_cast<std::size_t>(NodePlanes::kMin + 2));
 }
 
-/// A plane's nodes on edges from these: long ones from itself and the next of its kind, short
-/// ones from the other kind.
-NodePlane plane_beside(const NodePlanes& from, std::size_t to) noexcept {
-  NodePlane found = beside_in_plane(from.plane[to]);
-  if (to > 0) add(found, beside(from.plane[to - 1], to - 1));
-  if (to > 1) add(found, from.plane[to - 2]);
-  if (to + 1 < kPlanes) add(found, beside(from.plane[to + 1], to + 1));
-  if (to + 2 < kPlanes) add(found, from.plane[to + 2]);
-  return found;
-}
-
-/// Fills a set of nodes from its first one.
+/// Fills a set of nodes from some of them.
 class Flood {
  public:
-  Flood(const NodePlanes& nodes, const NodePlanes& zero) : nodes_(nodes), zero_(zero) {}
+  /// `reached` has the first ones.
+  TET_INLINE Flood(const NodePlanes& nodes, const NodePlanes& zero, NodePlanes& reached)
+      : nodes_(nodes), zero_(zero), reached_(reached), nonzero_(reached) {
+    nonzero_ -= zero;
+  }
 
-  const NodePlanes& fill() noexcept {
-    seed();
-    for (bool grown = true; grown && !(reached_ == nodes_);) {
-      grown = false;
-      for (std::size_t i = 0; i < kPlanes; ++i) grown |= flow(i);
-      if (!grown || reached_ == nodes_) break;
-      for (std::size_t i = kPlanes; i-- > 0;) grown |= flow(i);
+  TET_INLINE void fill() noexcept {
+    while (true) {
+      start_sweep();
+      for (std::size_t i = 0; i < kPlanes; ++i) flow(i);
+      if (ended()) return;
+      start_sweep();
+      for (std::size_t i = kPlanes; i-- > 0;) flow(i);
+      if (ended()) return;
     }
-    return reached_;
   }
 
  private:
-  void seed() noexcept {
-    for (std::size_t i = 0; i < kPlanes; ++i) {
-      for (std::size_t w = 0; w < 3; ++w) {
-        const std::uint64_t word = nodes_.plane[i].word[w];
-        if (word == 0) continue;
-        reached_.plane[i].word[w] = word & (~word + 1);
-        nonzero_.plane[i].word[w] = reached_.plane[i].word[w] & ~zero_.plane[i].word[w];
-        return;
-      }
-    }
-  }
+  TET_INLINE void start_sweep() noexcept { grown_ = left_ = Rows{}; }
+  TET_INLINE bool ended() const noexcept { return !any(grown_) || !any(left_); }
 
-  bool flow(std::size_t to) noexcept {
-    NodePlane rest, rest_zero;  // that no edge has led to so far
-    for (std::size_t w = 0; w < 3; ++w) {
-      const std::uint64_t word = nodes_.plane[to].word[w] & ~reached_.plane[to].word[w];
-      rest_zero.word[w] = word & zero_.plane[to].word[w];
-      rest.word[w] = word ^ rest_zero.word[w];
+  TET_INLINE void flow(std::size_t to) noexcept {
+    Rows nodes, reached;
+    read(nodes_.plane[to], nodes);
+    read(reached_.plane[to], reached);
+    const Rows rest = nodes & ~reached;  // that no edge has led to so far
+    if (!any(rest)) return;
+    Rows zero, found{};
+    read(zero_.plane[to], zero);
+    add_beside(reached_, to, found);
+    if (any(rest & zero)) {
+      Rows found_from_nonzero{};
+      add_beside(nonzero_, to, found_from_nonzero);
+      found = (found & ~zero) | found_from_nonzero;
     }
-    std::uint64_t more = 0;
-    if (any(rest)) {
-      const NodePlane found = plane_beside(reached_, to);
-      for (std::size_t w = 0; w < 3; ++w) {
-        const std::uint64_t grown = found.word[w] & rest.word[w];
-        reached_.plane[to].word[w] |= grown;
-        nonzero_.plane[to].word[w] |= grown;
-        more |= grown;
-      }
-    }
-    if (any(rest_zero)) {
-      const NodePlane found = plane_beside(nonzero_, to);
-      for (std::size_t w = 0; w < 3; ++w) {
-        const std::uint64_t grown = found.word[w] & rest_zero.word[w];
-        reached_.plane[to].word[w] |= grown;
-        more |= grown;
-      }
-    }
-    return more != 0;
+    const Rows grown = rest & found;
+    write(reached | grown, reached_.plane[to]);
+    write((reached | grown) & ~zero, nonzero_.plane[to]);
+    grown_ |= grown;
+    left_ |= rest & ~grown;
   }
 
   const NodePlanes& nodes_;
   const NodePlanes& zero_;
-  NodePlanes reached_, nonzero_;
+  NodePlanes& reached_;
+  NodePlanes nonzero_;
+  Rows grown_{}, left_{};  // in this sweep; of the latter there may be less by now
 };
+
+TET_VECTOR_CLONES
+void fill(const NodePlanes& nodes, const NodePlanes& zero, NodePlanes& reached) noexcept {
+  Flood(nodes, zero, reached).fill();
+}
+
+TET_VECTOR_CLONES
+void find_beside(const NodePlanes& nodes, NodePlanes& found) noexcept {
+  Rows within;
+  read(kWithin, within);
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    Rows beside{};
+    add_beside(nodes, i, beside);
+    write(beside & within, found.plane[i]);
+  }
+}
 
 }  // namespace
 
 NodePlanes::NodePlanes(const NodeSets& nodes) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 3; ++w) {
-      plane[i].word[w] = nodes[i % 2].word[first_word(i) + w];
-    }
+    const std::uint64_t* const first = &nodes[i % 2].word[first_word(i)];
+    std::copy_n(first, plane[i].word.size(), plane[i].word.begin());
   }
 }
 
@@ -157,55 +186,60 @@ NodePlanes NodePlanes::in_star(const NodeSets& nodes) noexcept {
 NodeSets NodePlanes::sets() const noexcept {
   NodeSets nodes;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 3; ++w) {
-      nodes[i % 2].word[first_word(i) + w] = plane[i].word[w];
-    }
+    std::ranges::copy(plane[i].word, &nodes[i % 2].word[first_word(i)]);
   }
   return nodes;
 }
 
 NodePlanes& NodePlanes::operator|=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 3; ++w) plane[i].word[w] |= o.plane[i].word[w];
+    for (std::size_t w = 0; w < 4; ++w) plane[i].word[w] |= o.plane[i].word[w];
   }
   return *this;
 }
 
 NodePlanes& NodePlanes::operator&=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 3; ++w) plane[i].word[w] &= o.plane[i].word[w];
+    for (std::size_t w = 0; w < 4; ++w) plane[i].word[w] &= o.plane[i].word[w];
   }
   return *this;
 }
 
 NodePlanes& NodePlanes::operator-=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 3; ++w) plane[i].word[w] &= ~o.plane[i].word[w];
+    for (std::size_t w = 0; w < 4; ++w) plane[i].word[w] &= ~o.plane[i].word[w];
   }
   return *this;
 }
 
 bool meet(const NodePlanes& a, const NodePlanes& b) noexcept {
-  std::uint64_t common = 0;
+  NodePlane common;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 3; ++w) common |= a.plane[i].word[w] & b.plane[i].word[w];
+    for (std::size_t w = 0; w < 4; ++w)
+      common.word[w] |= a.plane[i].word[w] & b.plane[i].word[w];
   }
-  return common != 0;
+  return !(common == NodePlane());
 }
 
 NodePlanes nodes_beside(const NodePlanes& nodes) noexcept {
   NodePlanes found;
-  for (std::size_t i = 0; i < kPlanes; ++i) {
-    const NodePlane plane = plane_beside(nodes, i);
-    for (std::size_t w = 0; w < 3; ++w) {
-      found.plane[i].word[w] = plane.word[w] & kWithin.word[w];
-    }
-  }
+  find_beside(nodes, found);
   return found;
 }
 
 NodePlanes first_region(const NodePlanes& nodes, const NodePlanes& zero) noexcept {
-  return Flood(nodes, zero).fill();
+  NodePlanes region;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    for (std::size_t w = 0; w < 4; ++w) {
+      const std::uint64_t word = nodes.plane[i].word[w];
+      if (word == 0) continue;
+      region.plane[i].word[w] = word & (~word + 1);
+      fill(nodes, zero, region);
+      return region;
+    }
+  }
+  return region;
 }
 
 }  // namespace tet
+#undef TET_INLINE

@@ -26,10 +26,10 @@ inline constexpr NodeSets kBrickStar = [] {
   return star;
 }();
 
-/// The nodes of one kind with the same x: 12 rows of 16 bits, y from -2 on. The box has none
-/// beyond.
+/// The nodes of one kind with the same x: 16 rows of 16 bits, y and z from -2 on, as in a
+/// HaloSet. The box has none in the first row nor in the last ones.
 struct NodePlane {
-  std::array<std::uint64_t, 3> word{};
+  std::array<std::uint64_t, 4> word{};
 
   friend bool operator==(const NodePlane&, const NodePlane&) = default;
 };

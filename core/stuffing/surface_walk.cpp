@@ -159,9 +159,10 @@ void for_each_vertex(SurfaceWorkspace& workspace, const Visit& visit) {
 /// Edges from the brick's zeros to `+` nodes are crossed at the zero, if only the lattice says
 /// so.
 void note_plus_beside_zeros(const WarpedLattice& lattice, SurfaceWorkspace& workspace) {
+  constexpr HaloSet kOutermost = kOwnNodes - halo_cube(1, 6);
   for (const NodeKind kind : {kCorner, kCentre}) {
-    const HaloSet& touched = workspace.touched(kind);
-    for_each_bit(touched & kOwnNodes, [&](int node) {
+    // Deeper nodes have edges to the brick's own nodes alone.
+    for_each_bit(workspace.touched(kind) & kOutermost, [&](int node) {
       BricksAround bricks = 0;
       for (int d = 0; d < kDirections; ++d) {
         const int end = node + end_offset(kind, d);
