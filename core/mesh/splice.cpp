@@ -17,8 +17,10 @@
 namespace tet {
 namespace {
 
-/// Tets that are moved at a time: few enough to stay in the cache between two looks at them.
-constexpr std::uint64_t kBlockTets = 1024;
+/// Tets that are moved at a time: so few that most have ids of a run or two, and that they are
+/// still in the nearest cache when they are looked at again.
+constexpr std::uint64_t kBlockTets = 32;
+constexpr std::size_t kBlocksPerRange = 512;
 
 absl::Status check_runs(const std::vector<KeptRun>& runs,
                         const char* what,
@@ -40,6 +42,10 @@ absl::Status check_runs(const std::vector<KeptRun>& runs,
   return absl::OkStatus();
 }
 
+bool holds(const KeptRun& run, std::uint64_t id) noexcept {
+  return id >= run.from && id - run.from < run.count;
+}
+
 /// New ids of kept vertices: what is to be added to the old ones. Immutable.
 class NewIds {
  public:
@@ -55,14 +61,14 @@ class NewIds {
     }
   }
 
-  /// The run that holds every id in [least, most], or null.
-  const KeptRun* run_of(std::uint64_t least, std::uint64_t most) const {
+  /// The run that holds an id, or null.
+  const KeptRun* run_of(std::uint64_t id) const {
     const auto after = std::upper_bound(
-        runs_.begin(), runs_.end(), least,
+        runs_.begin(), runs_.end(), id,
         [](std::uint64_t value, const KeptRun& run) { return value < run.from; });
     if (after == runs_.begin()) return nullptr;
     const KeptRun* const run = &*(after - 1);
-    return most - run->from < run->count ? run : nullptr;
+    return holds(*run, id) ? run : nullptr;
   }
 
   /// Writes ids of the earlier mesh, each below `from_count`; false where one is not kept.
@@ -71,7 +77,7 @@ class NewIds {
     for (const Index id : from) {
       std::uint64_t shift = shifts_[id / kSlot];
       if (shift == kMixed) {
-        const KeptRun* const run = run_of(id, id);
+        const KeptRun* const run = run_of(id);
         if (run == nullptr) return false;
         shift = run->to - run->from;
       }
@@ -108,17 +114,56 @@ IdRange<Index> range_of(std::span<const Index> ids) {
   return range;
 }
 
-/// Writes ids under their new numbers; false where one is not kept.
+/// Writes the ids of block after block under their new numbers. Most blocks have ids of one run
+/// or of two, and the next block those of the same: only for others each id is looked up.
 template <class Index>
-bool move_ids(std::span<const Index> from, const NewIds& ids, Index* to) {
-  const auto [least, most] = range_of(from);
-  if (most >= ids.from_count()) return false;
-  const KeptRun* const run = ids.run_of(least, most);
-  if (run == nullptr) return ids.move(from, to);
-  const auto shift = static_cast<Index>(run->to - run->from);
-  for (std::size_t i = 0; i < from.size(); ++i) to[i] = static_cast<Index>(from[i] + shift);
-  return true;
-}
+class IdMover {
+ public:
+  explicit IdMover(const NewIds& ids) : ids_(ids) {}
+
+  /// False where one is not kept.
+  bool move(std::span<const Index> from, Index* to) {
+    const auto [least, most] = range_of(from);
+    if (most >= ids_.from_count()) return false;
+    if (!enter(least, low_) || !enter(most, high_)) return false;
+    if (low_ == high_) {
+      add(from, shift_of(*low_), to);
+      return true;
+    }
+    return add_either(from, to) || ids_.move(from, to);
+  }
+
+ private:
+  static Index shift_of(const KeptRun& run) { return static_cast<Index>(run.to - run.from); }
+
+  /// Makes `run` the one that holds an id.
+  bool enter(Index id, const KeptRun*& run) const {
+    if (run == nullptr || !holds(*run, id)) run = ids_.run_of(id);
+    return run != nullptr;
+  }
+
+  static void add(std::span<const Index> from, Index shift, Index* to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[i] = static_cast<Index>(from[i] + shift);
+  }
+
+  /// False where some id is in neither run.
+  bool add_either(std::span<const Index> from, Index* to) const {
+    const auto low_end = static_cast<Index>(low_->from + low_->count);
+    const auto high_begin = static_cast<Index>(high_->from);
+    const Index low_shift = shift_of(*low_), high_shift = shift_of(*high_);
+    Index between = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const Index id = from[i];
+      const bool is_high = id >= high_begin;
+      between |= static_cast<Index>(id >= low_end) & static_cast<Index>(!is_high);
+      to[i] = static_cast<Index>(id + (is_high ? high_shift : low_shift));
+    }
+    return between == 0;
+  }
+
+  const NewIds& ids_;
+  const KeptRun *low_ = nullptr, *high_ = nullptr;  // of the block before
+};
 
 template <class Index>
 bool move_tets(const TetMesh& from, const NewIds& ids, const KeptRun& run, TetMesh& to) {
@@ -126,12 +171,13 @@ bool move_tets(const TetMesh& from, const NewIds& ids, const KeptRun& run, TetMe
   auto* const target = reinterpret_cast<Index*>(to.tets.bytes().data());
   const std::size_t blocks = (run.count + kBlockTets - 1) / kBlockTets;
   std::atomic<bool> all_kept{true};
-  for_each_range(blocks, 16, [&](std::size_t begin, std::size_t end) {
+  for_each_range(blocks, kBlocksPerRange, [&](std::size_t begin, std::size_t end) {
+    IdMover<Index> mover(ids);
     for (std::size_t block = begin; block < end; ++block) {
       const std::uint64_t first = block * kBlockTets;
       const std::uint64_t count = std::min(kBlockTets, run.count - first);
       const std::span block_ids(source + 4 * (run.from + first), 4 * count);
-      if (!move_ids(block_ids, ids, target + 4 * (run.to + first))) all_kept = false;
+      if (!mover.move(block_ids, target + 4 * (run.to + first))) all_kept = false;
     }
   });
   return all_kept;

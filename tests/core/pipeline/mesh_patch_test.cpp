@@ -1,6 +1,7 @@
 #include "core/pipeline/mesh_patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -227,9 +228,11 @@ TEST(Splice, MovesIdsAsOneAfterTheOtherWould) {
       const std::span ids(reinterpret_cast<std::uint32_t*>(mesh.tets.bytes().data()),
                           4 * header.tet_count);
       if (runs.empty()) continue;
-      const std::size_t most = turn % 3 == 0 ? 1 : runs.size();  // all in one run, or in any
+      // All ids are in one run, or in two, or in any.
+      const std::array<std::size_t, 2> two{random() % runs.size(), random() % runs.size()};
       for (std::uint32_t& id : ids) {
-        const KeptRun& run = runs[random() % most];
+        const std::size_t any = random() % runs.size();
+        const KeptRun& run = runs[turn % 3 == 2 ? any : two[random() % (1 + turn % 3)]];
         id = static_cast<std::uint32_t>(run.from + random() % run.count);
       }
       MeshHeader now = header;
@@ -252,6 +255,34 @@ TEST(Splice, RefusesATetWithAVertexThatThereIsNot) {
       static_cast<std::uint32_t>(vertices);
   EXPECT_TRUE(absl::IsInvalidArgument(
       splice_mesh(mesh, mesh.header, {{{0, 0, vertices}}, {{0, 0, tets}}}).status()));
+}
+
+TEST(Splice, RefusesATetWithAVertexBetweenTwoRuns) {
+  MeshHeader header;
+  header.vertex_count = 1000;
+  header.tet_count = 100;
+  TetMesh mesh(header);
+  const std::span ids(reinterpret_cast<std::uint32_t*>(mesh.tets.bytes().data()), 400);
+  std::ranges::fill(ids, 10);
+  ids[77] = 990;
+  const std::vector<KeptRun> runs{
+      {  0,   0, 100},
+      {102, 200,   5},
+      {900, 300, 100}
+  };
+  const auto outcome = [&] {
+    return splice_mesh(mesh, header, {runs, {{0, 0, header.tet_count}}}).status().code();
+  };
+  EXPECT_EQ(outcome(), absl::StatusCode::kOk);
+  for (const std::uint32_t id : {100U, 101U, 107U, 899U}) {
+    ids[300] = id;
+    EXPECT_EQ(outcome(), absl::StatusCode::kInvalidArgument) << id;
+    ids[78] = id;  // in the block of both runs, too
+    EXPECT_EQ(outcome(), absl::StatusCode::kInvalidArgument) << id;
+    ids[300] = ids[78] = 104;
+    EXPECT_EQ(outcome(), absl::StatusCode::kOk);
+    ids[78] = 10;
+  }
 }
 
 TEST(Splice, RefusesRunsThatDoNotFit) {
