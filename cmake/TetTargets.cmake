@@ -85,9 +85,10 @@ endfunction()
 add_custom_target(sanitized_tests)
 
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
-# most of their tests take. Without it each test is a ctest of its own.
+# most of their tests take. Without it each test is a ctest of its own, and those that are listed as
+# THOROUGH have that label instead of `fast`.
 function(tet_test name)
-  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;THOROUGH" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -101,7 +102,7 @@ function(tet_test name)
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
   else()
-    tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}")
+    tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}" "${ARG_THOROUGH}")
   endif()
   if("fast" IN_LIST ARG_LABELS AND NOT "command" IN_LIST ARG_LABELS)
     add_dependencies(sanitized_tests ${name})
@@ -110,11 +111,17 @@ endfunction()
 
 # In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
 # include file that ctest reads after the discovery.
-function(tet_discover_tests name timeout labels)
+function(tet_discover_tests name timeout labels thorough)
   gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${timeout})
+  list(TRANSFORM labels REPLACE "^fast$" thorough OUTPUT_VARIABLE thorough_labels)
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
+  # ctest adds to the labels that a test has, so each test is met once.
   file(WRITE ${labels_file}
+    "foreach(test IN ITEMS ${thorough})\n"
+    "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${thorough_labels}\")\n"
+    "endforeach()\n"
+    "list(REMOVE_ITEM ${name}_tests \"\" ${thorough})\n"
     "foreach(test IN LISTS ${name}_tests)\n"
     "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${labels}\")\n"
     "endforeach()\n")
