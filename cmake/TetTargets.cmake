@@ -112,7 +112,7 @@ endfunction()
 # In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
 # include file that ctest reads after the discovery.
 function(tet_discover_tests name timeout labels thorough)
-  gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60
+  gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
     PROPERTIES TIMEOUT ${timeout})
   list(TRANSFORM labels REPLACE "^fast$" thorough OUTPUT_VARIABLE thorough_labels)
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
