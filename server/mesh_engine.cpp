@@ -22,7 +22,7 @@ constexpr std::size_t kBlockBytes = kChunkBytes + ChunkFrame::kMaxOverhead;
 constexpr std::chrono::seconds kKeptWaiting{1}, kPressedStall{5};
 
 /// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
-constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{12} << 20;
 
 MeshLimits mesh_limits(const Config& config) {
   MeshLimits limits;

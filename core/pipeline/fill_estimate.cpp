@@ -8,6 +8,7 @@
 
 #include "core/base/byte_buffer.h"
 #include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
 
 namespace tet {
 namespace {
@@ -29,11 +30,11 @@ ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
   return {plan.header(), extent.vertex_count, extent.tet_count};
 }
 
-void try_chunk(const MeshPlan& plan,
-               std::uint64_t chunk,
-               MeshWorkspace& workspace,
-               std::span<std::byte> bytes) {
+/// In memory of its own, as chunks that are sent are made: there is one a thread at a time.
+void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspace) {
   const ChunkSizes size = sizes_of(plan, chunk);
+  ByteBuffer memory(size.total());
+  const std::span<std::byte> bytes = memory.bytes();
   plan.fill_chunk(
       chunk, workspace,
       {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
@@ -46,19 +47,14 @@ FillEstimate estimate_fill(const MeshPlan& plan, const Cancellation& cancellatio
   const MeshHeader& header = plan.header();
   FillEstimate estimate{ChunkSizes(header, header.vertex_count, header.tet_count).total(), 0};
   const std::vector<std::uint64_t> chunks = chunks_to_try(header.chunk_count);
-  const std::vector<std::uint64_t> first_byte = offsets_from_counts(
-      chunks.size(), [&](std::size_t i) { return sizes_of(plan, chunks[i]).total(); });
-  const std::uint64_t tried = first_byte.back();
+  std::uint64_t tried = 0;
+  for (const std::uint64_t chunk : chunks) tried += sizes_of(plan, chunk).total();
   if (tried == 0) return estimate;
   const auto start = std::chrono::steady_clock::now();
-  // Nobody has touched it, as a mesh's memory.
-  ByteBuffer memory(tried);
-  for_each_range(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    MeshWorkspace workspace;
-    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      try_chunk(plan, chunks[i], workspace,
-                memory.bytes().subspan(first_byte[i], first_byte[i + 1] - first_byte[i]));
-    }
+  ScratchPool<MeshWorkspace> workspaces;
+  for_each_index(chunks.size(), [&](std::size_t i) {
+    if (cancellation.requested()) return;
+    try_chunk(plan, chunks[i], *ScratchPool<MeshWorkspace>::Turn(workspaces));
   });
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   estimate.seconds =
