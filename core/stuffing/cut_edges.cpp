@@ -11,8 +11,7 @@ namespace {
 /// Edges of a family with an end among the nodes that a brick needs to know.
 constexpr HaloSet edges_in_reach(int family) noexcept {
   const int offset = end_offset(family_kind(family), family_direction(family));
-  const HaloSet nodes = halo_cube(kNodeMin, kNodeMax);
-  return nodes | seen_from(nodes, offset);
+  return kKnownNodes | seen_from(kKnownNodes, offset);
 }
 constexpr EdgeSets kEdgesInReach = [] {
   EdgeSets edges;

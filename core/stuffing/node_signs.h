@@ -11,6 +11,7 @@ namespace tet {
 
 /// Nodes whose signs and warps a brick needs to know: its own, one more on each side.
 inline constexpr int kNodeMin = -1, kNodeMax = 8;
+inline constexpr HaloSet kKnownNodes = halo_cube(kNodeMin, kNodeMax);
 
 /// Signs of the samples of a brick and its halo, by node kind. A node in neither set is exactly
 /// zero (or outside the samples).

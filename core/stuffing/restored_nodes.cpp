@@ -7,8 +7,6 @@
 namespace tet {
 namespace {
 
-constexpr HaloSet kNodes = halo_cube(kNodeMin, kNodeMax);
-
 /// Moves the cut points at `edges` of a family into [alpha, 1 - alpha].
 void clear_ends(const HaloSet& edges,
                 int family,
@@ -57,11 +55,11 @@ void restore_nodes(const std::array<HaloSet, kNodeKinds>& restored,
   WarpedLattice& warped = lattice.warped;
   std::array<HaloSet, kNodeKinds> back, nonzero;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    back[kind] = restored[kind] & kNodes;
+    back[kind] = restored[kind] & kKnownNodes;
     warped.warped[kind] -= back[kind];
     warped.zero[kind] -= back[kind];
     warped.plus[kind] |= back[kind] & lattice.cuts.signs.inside[kind];
-    nonzero[kind] = kNodes - warped.zero[kind];
+    nonzero[kind] = kKnownNodes - warped.zero[kind];
   }
   if (!back[kCorner].any() && !back[kCentre].any()) return;
   for (int family = 0; family < kEdgeFamilies; ++family) {

@@ -101,11 +101,10 @@ FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) 
 }
 
 FinestNodes seen_from_outside(const FinestNodes& inside) noexcept {
-  constexpr HaloSet kAllNodes = halo_cube(kNodeMin, kNodeMax);
   FinestNodes outside = inside;
   outside.region = MeshRegion::kOutside;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    outside.plus[kind] = kAllNodes - inside.plus[kind] - inside.zero[kind];
+    outside.plus[kind] = kKnownNodes - inside.plus[kind] - inside.zero[kind];
   }
   return outside;
 }

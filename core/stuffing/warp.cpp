@@ -11,8 +11,7 @@
 namespace tet {
 namespace {
 
-constexpr HaloSet kNodes = halo_cube(kNodeMin, kNodeMax);
-/// Words of a set that hold those nodes.
+/// Words of a set that hold the known nodes.
 constexpr std::size_t kFirstWord = halo_index(kNodeMin, -2, -2) / 64;
 constexpr std::size_t kEndWord = halo_index(kNodeMax + 1, -2, -2) / 64;
 
@@ -120,7 +119,7 @@ void find_warped(const std::uint8_t* direction, HaloSet& warped) noexcept {
       const auto bits = static_cast<unsigned>(_mm_movemask_epi8(bytes));
       none |= std::uint64_t{bits} << (row * 16);
     }
-    warped.word[w] = kNodes.word[w] & ~none;
+    warped.word[w] = kKnownNodes.word[w] & ~none;
   }
 }
 
@@ -134,9 +133,9 @@ void settle_signs(const CutPoints& cuts, WarpedLattice& lattice) noexcept {
     const auto& outside = cuts.signs.outside[kind].word;
     for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
       const std::uint64_t still =
-          (inside[w] | outside[w]) & kNodes.word[w] & ~lattice.warped[kind].word[w];
+          (inside[w] | outside[w]) & kKnownNodes.word[w] & ~lattice.warped[kind].word[w];
       unmoved[kind].word[w] = still;
-      lattice.zero[kind].word[w] = kNodes.word[w] & ~still;
+      lattice.zero[kind].word[w] = kKnownNodes.word[w] & ~still;
       lattice.plus[kind].word[w] = inside[w] & still;
     }
   }
@@ -170,7 +169,8 @@ void warp_lattice(const CutPoints& cuts,
 bool has_both_sides(const WarpedLattice& lattice) noexcept {
   const HaloSet& corner = lattice.plus[kCorner];
   const HaloSet& centre = lattice.plus[kCentre];
-  return (corner.any() || centre.any()) && ((kNodes - corner).any() || (kNodes - centre).any());
+  return (corner.any() || centre.any()) &&
+         ((kKnownNodes - corner).any() || (kKnownNodes - centre).any());
 }
 
 }  // namespace tet
