@@ -4,6 +4,15 @@
 
 namespace tet {
 
+PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept {
+  PlacesAround around;
+  for (int o = 0; o < 27; ++o) {
+    around[static_cast<std::size_t>(o)] =
+        index.find({brick.x + o / 9 - 1, brick.y + o / 3 % 3 - 1, brick.z + o % 3 - 1});
+  }
+  return around;
+}
+
 const PlacesAround& BrickNeighbours::around(BrickCoord brick) noexcept {
   for (std::size_t row = 0; row < row_.size(); ++row) {
     const auto r = static_cast<std::int32_t>(row);

@@ -74,7 +74,7 @@ class BrickIds {
 BackgroundCells gather_background(const OctreeLevel& level,
                                   BrickCoord brick,
                                   MeshRegion region) noexcept {
-  return gather_background(level, BrickNeighbours(level.bricks).around(brick), region);
+  return gather_background(level, places_around(level.index, brick), region);
 }
 
 BackgroundCells gather_background(const OctreeLevel& level,

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -12,7 +11,9 @@
 #include "core/base/brick_neighbours.h"
 #include "core/base/heap_bytes.h"
 #include "core/base/mask_column.h"
+#include "core/field/find_bricks.h"
 #include "core/lattice/bcc.h"
+#include "core/lattice/reach.h"
 #include "core/octree/octree.h"
 
 namespace tet {
@@ -122,33 +123,24 @@ void NodeNumbers::for_each_owned(int level,
                                  BrickCoord low,
                                  int edge,
                                  const Visit& visit) noexcept {
-  constexpr std::uint64_t kFirstRow = 0xff, kFirstOfRows = 0x0101010101010101;
   const auto l = static_cast<std::size_t>(level);
   const LevelNodes& nodes = (*nodes_)[l];
-  for_each_brick(
-      {
-          {    },
-          { edge, edge, edge}
-  },
-      [&](BrickCoord o) {
-        const std::uint32_t at = bricks_[l].find({low.x + o.x, low.y + o.y, low.z + o.z});
-        if (at == kNoBrick) return;
-        // Of bricks beyond an upper face, the corners on it.
-        const std::uint64_t within = (o.y == edge ? kFirstRow : ~std::uint64_t{0}) &
-                                     (o.z == edge ? kFirstOfRows : ~std::uint64_t{0});
-        const int slices = o.x == edge ? 1 : kBrickEdge;
-        std::uint64_t first = nodes.first_vertex[at];
-        for (int x = 0; x < slices; ++x) {
-          const std::uint64_t slice = nodes.corner[at].slice[static_cast<std::size_t>(x)];
-          for (std::uint64_t bits = slice & within; bits != 0; bits &= bits - 1) {
-            const int bit = std::countr_zero(bits);
-            const int before = std::popcount(slice & ((std::uint64_t{1} << bit) - 1));
-            visit(8 * o.x + x, 8 * o.y + (bit >> 3), 8 * o.z + (bit & 7),
-                  first + static_cast<std::uint64_t>(before));
-          }
-          first += static_cast<std::uint64_t>(std::popcount(slice));
-        }
-      });
+  const BrickBox bricks{
+      {   0,    0,    0},
+      {edge, edge, edge}
+  };
+  for_each_brick(bricks, [&](BrickCoord o) {
+    const std::uint32_t at = bricks_[l].find({low.x + o.x, low.y + o.y, low.z + o.z});
+    if (at == kNoBrick) return;
+    // Of bricks beyond an upper face, the corners on it.
+    const int x = o.x / edge, y = o.y / edge, z = o.z / edge;
+    const auto beyond = static_cast<std::size_t>(4 * x + 2 * y + z);
+    for_each_in_reach(nodes.corner[at], beyond,
+                      [&](int cx, int cy, int cz, std::uint32_t rank) {
+                        visit(8 * (o.x - x) + cx, 8 * (o.y - y) + cy, 8 * (o.z - z) + cz,
+                              nodes.first_vertex[at] + rank);
+                      });
+  });
 }
 
 }  // namespace tet

@@ -186,12 +186,7 @@ void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
 HaloSet gather_halo(const OctreeLevel& level,
                     const MaskColumn& masks,
                     BrickCoord brick) noexcept {
-  PlacesAround around;
-  for (int o = 0; o < 27; ++o) {
-    around[static_cast<std::size_t>(o)] =
-        level.index.find({brick.x + o / 9 - 1, brick.y + o / 3 % 3 - 1, brick.z + o % 3 - 1});
-  }
-  return gather_halo(masks, around);
+  return gather_halo(masks, places_around(level.index, brick));
 }
 
 BrickMask with_siblings(BrickMask cells) noexcept {

@@ -14,8 +14,8 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kCountedPerRange = 16;
-constexpr std::size_t kFoundAtATime = 8192;  ///< bricks whose vertices are held as whole masks
+constexpr std::size_t kCountedPerRange = 32;  // the first of a range is searched for
+constexpr std::size_t kFoundAtATime = 8192;   ///< bricks whose vertices are held as whole masks
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
 /// Calls `known(place)` for each brick of a level that `is_known`, and `body(place, around)`
@@ -36,11 +36,13 @@ void for_each_surrounded(const OctreeLevel& level,
                  });
 }
 
+/// The places beyond a brick's faces.
+constexpr std::array<std::size_t, kFaceDirections> kBeyond{
+    kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
+
 /// Leaves of the bricks beyond a finest brick's faces.
 LeavesAround leaves_beside(const OctreeLevel& finest, const PlacesAround& around) noexcept {
   static constexpr BrickMask kNone;
-  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
-      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
   LeavesAround leaves{&finest.leaf[around[kItself]], {}};
   for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
     const std::uint32_t at = around[kBeyond[direction]];
@@ -238,12 +240,11 @@ BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept 
 }
 
 BrickSurroundings CountedMesh::surroundings(std::size_t brick) const noexcept {
-  const BrickCoord b = tree_.levels[0].bricks[brick];
+  const OctreeLevel& finest = tree_.levels[0];
+  const PlacesAround places = places_around(finest.index, finest.bricks[brick]);
   BrickSurroundings around;
-  for (int o = 0; o < 27; ++o) {
-    around[static_cast<std::size_t>(o)] = stuffed_at(
-        tree_.levels[0].index.find({b.x + o / 9 - 1, b.y + o / 3 % 3 - 1, b.z + o % 3 - 1}));
-  }
+  std::ranges::transform(places, around.begin(),
+                         [&](std::uint32_t place) { return stuffed_at(place); });
   return around;
 }
 
@@ -280,7 +281,14 @@ VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
 
 LeavesAround CountedMesh::leaves_around(std::size_t brick) const noexcept {
   const OctreeLevel& finest = tree_.levels[0];
-  return leaves_beside(finest, BrickNeighbours(finest.bricks).around(finest.bricks[brick]));
+  const BrickCoord b = finest.bricks[brick];
+  PlacesAround around;  // of which no others are looked at
+  around[kItself] = static_cast<std::uint32_t>(brick);
+  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
+    const LatticeCoord step = face_step(static_cast<int>(direction));
+    around[kBeyond[direction]] = finest.index.find({b.x + step.x, b.y + step.y, b.z + step.z});
+  }
+  return leaves_beside(finest, around);
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
