@@ -36,13 +36,11 @@ void for_each_surrounded(const OctreeLevel& level,
                  });
 }
 
-/// The places beyond a brick's faces.
-constexpr std::array<std::size_t, kFaceDirections> kBeyond{
-    kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
-
 /// Leaves of the bricks beyond a finest brick's faces.
 LeavesAround leaves_beside(const OctreeLevel& finest, const PlacesAround& around) noexcept {
   static constexpr BrickMask kNone;
+  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
+      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
   LeavesAround leaves{&finest.leaf[around[kItself]], {}};
   for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
     const std::uint32_t at = around[kBeyond[direction]];
@@ -281,14 +279,7 @@ VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
 
 LeavesAround CountedMesh::leaves_around(std::size_t brick) const noexcept {
   const OctreeLevel& finest = tree_.levels[0];
-  const BrickCoord b = finest.bricks[brick];
-  PlacesAround around;  // of which no others are looked at
-  around[kItself] = static_cast<std::uint32_t>(brick);
-  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
-    const LatticeCoord step = face_step(static_cast<int>(direction));
-    around[kBeyond[direction]] = finest.index.find({b.x + step.x, b.y + step.y, b.z + step.z});
-  }
-  return leaves_beside(finest, around);
+  return leaves_beside(finest, places_around(finest.index, finest.bricks[brick]));
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {

@@ -97,8 +97,7 @@ constexpr NodePlane kWithin = [] {
 
 /// Where a plane of the box lies in a halo set.
 std::size_t first_word(std::size_t plane) noexcept {
-  return std::tuple_size_v<decltype(NodePlane::word)> *
-         (plane / 2 + static_cast<std::size_t>(NodePlanes::kMin + 2));
+  return NodePlane::kWords * (plane / 2 + static_cast<std::size_t>(NodePlanes::kMin + 2));
 }
 
 /// Fills a set of nodes from some of them.
@@ -193,21 +192,21 @@ NodeSets NodePlanes::sets() const noexcept {
 
 NodePlanes& NodePlanes::operator|=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 4; ++w) plane[i].word[w] |= o.plane[i].word[w];
+    for (std::size_t w = 0; w < NodePlane::kWords; ++w) plane[i].word[w] |= o.plane[i].word[w];
   }
   return *this;
 }
 
 NodePlanes& NodePlanes::operator&=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 4; ++w) plane[i].word[w] &= o.plane[i].word[w];
+    for (std::size_t w = 0; w < NodePlane::kWords; ++w) plane[i].word[w] &= o.plane[i].word[w];
   }
   return *this;
 }
 
 NodePlanes& NodePlanes::operator-=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 4; ++w) plane[i].word[w] &= ~o.plane[i].word[w];
+    for (std::size_t w = 0; w < NodePlane::kWords; ++w) plane[i].word[w] &= ~o.plane[i].word[w];
   }
   return *this;
 }
@@ -215,7 +214,7 @@ NodePlanes& NodePlanes::operator-=(const NodePlanes& o) noexcept {
 bool meet(const NodePlanes& a, const NodePlanes& b) noexcept {
   NodePlane common;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 4; ++w)
+    for (std::size_t w = 0; w < NodePlane::kWords; ++w)
       common.word[w] |= a.plane[i].word[w] & b.plane[i].word[w];
   }
   return !(common == NodePlane());
@@ -230,7 +229,7 @@ NodePlanes nodes_beside(const NodePlanes& nodes) noexcept {
 NodePlanes first_region(const NodePlanes& nodes, const NodePlanes& zero) noexcept {
   NodePlanes region;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (std::size_t w = 0; w < 4; ++w) {
+    for (std::size_t w = 0; w < NodePlane::kWords; ++w) {
       const std::uint64_t word = nodes.plane[i].word[w];
       if (word == 0) continue;
       region.plane[i].word[w] = word & (~word + 1);

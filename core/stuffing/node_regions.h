@@ -29,7 +29,8 @@ inline constexpr NodeSets kBrickStar = [] {
 /// The nodes of one kind with the same x: 16 rows of 16 bits, y and z from -2 on, as in a
 /// HaloSet. The box has none in the first row nor in the last ones.
 struct NodePlane {
-  std::array<std::uint64_t, 4> word{};
+  static constexpr std::size_t kWords = 4;
+  std::array<std::uint64_t, kWords> word{};
 
   friend bool operator==(const NodePlane&, const NodePlane&) = default;
 };
