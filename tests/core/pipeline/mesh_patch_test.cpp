@@ -215,37 +215,53 @@ std::optional<std::uint64_t> moved(const std::vector<KeptRun>& runs, std::uint64
   return std::nullopt;
 }
 
-TEST(Splice, MovesIdsAsOneAfterTheOtherWould) {
+/// A mesh of unspecified positions whose tets have ids of one run, of two, or of any.
+template <class Index>
+TetMesh with_ids_of(std::span<const KeptRun> runs,
+                    std::uint64_t vertices,
+                    std::uint64_t of_runs,
+                    std::mt19937& random) {
+  MeshHeader header;
+  header.vertex_count = vertices;
+  header.tet_count = 1500;  // more than are moved at a time
+  header.index_type = sizeof(Index) == 8 ? IndexType::kUint64 : IndexType::kUint32;
+  TetMesh mesh(header);
+  const std::span ids(reinterpret_cast<Index*>(mesh.tets.bytes().data()), 4 * header.tet_count);
+  const std::array<std::size_t, 2> two{random() % runs.size(), random() % runs.size()};
+  for (Index& id : ids) {
+    const std::size_t any = random() % runs.size();
+    const KeptRun& run = runs[of_runs > two.size() ? any : two[random() % of_runs]];
+    id = static_cast<Index>(run.from + random() % run.count);
+  }
+  return mesh;
+}
+
+template <class Index>
+void expect_moved_ids() {
   std::mt19937 random(20071);
   for (const std::uint64_t vertices : {1U, 255U, 256U, 257U, 3000U}) {
     for (int turn = 0; turn < 50; ++turn) {
       SCOPED_TRACE(vertices);
-      MeshHeader header;
-      header.vertex_count = vertices;
-      header.tet_count = 1500;  // more than are moved at a time
-      TetMesh mesh(header);
       const std::vector<KeptRun> runs = random_runs(vertices, turn % 2 == 0 ? 0 : 5, random);
-      const std::span ids(reinterpret_cast<std::uint32_t*>(mesh.tets.bytes().data()),
-                          4 * header.tet_count);
       if (runs.empty()) continue;
-      // All ids are in one run, or in two, or in any.
-      const std::array<std::size_t, 2> two{random() % runs.size(), random() % runs.size()};
-      for (std::uint32_t& id : ids) {
-        const std::size_t any = random() % runs.size();
-        const KeptRun& run = runs[turn % 3 == 2 ? any : two[random() % (1 + turn % 3)]];
-        id = static_cast<std::uint32_t>(run.from + random() % run.count);
-      }
-      MeshHeader now = header;
+      const std::uint64_t of_runs = 1 + static_cast<std::uint64_t>(turn) % 3;
+      const TetMesh mesh = with_ids_of<Index>(runs, vertices, of_runs, random);
+      MeshHeader now = mesh.header;
       now.vertex_count = runs.back().to + runs.back().count;
-      const auto result = splice_mesh(mesh, now, {runs, {{0, 0, header.tet_count}}});
+      const auto result = splice_mesh(mesh, now, {runs, {{0, 0, now.tet_count}}});
       ASSERT_TRUE(result.ok()) << result.status();
-      for (std::uint64_t i = 0; i < header.tet_count; ++i) {
+      for (std::uint64_t i = 0; i < now.tet_count; ++i) {
         for (std::size_t c = 0; c < 4; ++c) {
           ASSERT_EQ(result->tet(i)[c], moved(runs, mesh.tet(i)[c])) << i;
         }
       }
     }
   }
+}
+
+TEST(Splice, MovesIdsAsOneAfterTheOtherWould) {
+  expect_moved_ids<std::uint32_t>();
+  expect_moved_ids<std::uint64_t>();
 }
 
 TEST(Splice, RefusesATetWithAVertexThatThereIsNot) {
