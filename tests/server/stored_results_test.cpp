@@ -1,0 +1,136 @@
+// What finished jobs leave behind: meshes that jobs and streams are served from, damaged ones
+// and those that are being read.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/server/job_server.h"
+#include "tests/server/reason_of.h"
+
+namespace tet::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class StoredResults : public testing::Test {
+ protected:
+  /// Files of stored chunks.
+  std::vector<fs::path> stored_chunks() const {
+    std::vector<fs::path> chunks;
+    for (const auto& file :
+         fs::recursive_directory_iterator(server_.folder.file("store/results"))) {
+      if (file.is_regular_file() && file.file_size() > 10'000) chunks.push_back(file.path());
+    }
+    return chunks;
+  }
+
+  JobServer server_{TETSTREAMD_PATH};
+  const grpc::Status& status_ = server_.status;
+};
+
+TEST_F(StoredResults, NoticesADamagedChunkAndMakesItAgain) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(16));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  const auto before = server_.result(job);
+  const fs::path chunk = stored_chunks().at(0);
+  std::fstream(chunk, std::ios::in | std::ios::out | std::ios::binary).seekp(5000) << "?!";
+  server_.result(job);
+  EXPECT_EQ(status_.error_code(), grpc::StatusCode::DATA_LOSS);
+  EXPECT_EQ(reason_of(status_), "tetstream/CHUNK_DAMAGED");
+  EXPECT_NE(server_.retry(job).state(), v1::JOB_STATE_SUCCEEDED);
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_EQ(server_.result(job), before);
+}
+
+TEST_F(StoredResults, TakesAStoredMeshUnlessItIsToMakeItAnew) {
+  server_.start();
+  v1::Job wanted = server_.ball(8);
+  const v1::Job first = server_.create(wanted);
+  EXPECT_FALSE(server_.wait(first).cached());
+  const v1::Job second = server_.create(wanted);
+  EXPECT_TRUE(server_.wait(second).cached());
+  EXPECT_EQ(server_.result(second), server_.result(first));
+  wanted.set_skip_cache(true);
+  const v1::Job third = server_.wait(server_.create(wanted));
+  EXPECT_FALSE(third.cached());
+  EXPECT_EQ(third.determinism_alarms(), 0);
+  EXPECT_EQ(server_.result(third), server_.result(first));
+}
+
+/// Messages of a stream whose header says `cached`, and would be those of any other if it did
+/// not.
+std::vector<std::string> as_if_made(std::vector<std::string> messages) {
+  v1::MeshEvent header;
+  if (messages.empty() || !header.ParseFromString(messages[0])) return {};
+  EXPECT_TRUE(header.header().cached());
+  header.mutable_header()->clear_cached();
+  messages[0] = header.SerializeAsString();
+  return messages;
+}
+
+TEST_F(StoredResults, ServesStreamsFromAStoredMeshByteForByte) {
+  server_.start();
+  v1::Job job = server_.create(server_.ball(16));
+  const v1::Job done = server_.wait(job);
+  ASSERT_EQ(done.state(), v1::JOB_STATE_SUCCEEDED);
+  const auto made = server_.stream(job);
+  EXPECT_EQ(as_if_made(server_.any_stream(job)), made);
+  EXPECT_EQ(as_if_made(server_.any_stream(job, 5, 7)), server_.stream(job, 5, 7));
+  // In other words, and without the grid.
+  const v1::MeshRequest canonical = done.header().canonical_request();
+  job.mutable_mesh()->set_spacing(canonical.spacing());
+  EXPECT_EQ(as_if_made(server_.any_stream(job)), made);
+  fs::remove_all(server_.folder.file("store/grids"));
+  server_.start();
+  job.mutable_mesh()->clear_spacing();
+  EXPECT_EQ(as_if_made(server_.any_stream(job)), made);
+  server_.stream(job);
+  EXPECT_EQ(reason_of(status_), "tetstream/GRID_NOT_FOUND");
+}
+
+TEST_F(StoredResults, MakesTheDamagedChunksOfAStreamThatIsResumed) {
+  server_.start();
+  const v1::Job job = server_.create(server_.ball(16));
+  ASSERT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+  const auto made = server_.stream(job);
+  for (const fs::path& chunk : stored_chunks()) {
+    std::fstream(chunk, std::ios::in | std::ios::out | std::ios::binary).seekp(5000) << "?!";
+  }
+  server_.any_stream(job);
+  EXPECT_EQ(status_.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(reason_of(status_), "tetstream/CHUNK_DAMAGED");
+  EXPECT_EQ(server_.any_stream(job), made);
+}
+
+TEST_F(StoredResults, EvictsNoMeshThatIsBeingRead) {
+  server_.start({"--result-bytes", std::to_string(30 << 20)});
+  const v1::Job large = server_.create(server_.ball(32));  // 29 MB
+  ASSERT_EQ(server_.wait(large).state(), v1::JOB_STATE_SUCCEEDED);
+  grpc::ClientContext context;
+  v1::StreamMeshRequest request;
+  *request.mutable_mesh() = large.mesh();
+  const auto reader = server_.meshes->StreamMesh(&context, request);
+  v1::MeshEvent event;
+  ASSERT_TRUE(reader->Read(&event));
+  EXPECT_TRUE(event.header().cached());
+  const std::int64_t chunks = event.header().chunk_count();
+  v1::Job wanted = server_.ball(16);
+  wanted.set_max_attempts(1);
+  const v1::Job small = server_.wait(server_.create(wanted));
+  EXPECT_EQ(small.state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(small.error().message(), testing::HasSubstr("no room for"));
+  for (std::int64_t i = 0; i < chunks; ++i)
+    ASSERT_TRUE(reader->Read(&event) && event.has_chunk());
+  ASSERT_TRUE(reader->Read(&event) && event.has_trailer());
+  EXPECT_TRUE(reader->Finish().ok());
+  server_.retry(small);
+  EXPECT_EQ(server_.wait(small).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
+}  // namespace
+}  // namespace tet::test
