@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <unistd.h>
+#include <utility>
 
 #include "bench/checked.h"
 #include "tests/support/vdb_fixtures.h"
@@ -39,12 +40,12 @@ std::unique_ptr<MeshClient> Loopback::connect() const {
   return MeshClient::connect(server_->address());
 }
 
-v1::MeshRequest Loopback::request_ball(double voxel_size) {
-  write_ball(voxel_size, file("ball.vdb"));
+v1::MeshRequest Loopback::request_mesh(const BenchMesh& mesh) {
+  test::write_fixture(mesh.solid, mesh.voxel_size, file("solid.vdb"));
   v1::MeshRequest request;
-  request.set_name(checked(client_->upload_file(file("ball.vdb"), {}, {})));
-  request.set_levels(0);
-  request.set_spacing(voxel_size);
+  request.set_name(checked(client_->upload_file(file("solid.vdb"), {}, {})));
+  if (!mesh.graded) request.set_levels(0);
+  request.set_spacing(mesh.voxel_size);
   receive(*client_, request);
   return request;
 }
@@ -54,12 +55,9 @@ void rename_mesh(v1::MeshRequest& request) {
   request.set_spacing(request.spacing() * (1 + 1e-12));
 }
 
-StreamedMesh receive(MeshClient& client, const v1::MeshRequest& request) {
-  return checked(client.stream_mesh(request, {}, {}));
-}
-
-void write_ball(double voxel_size, const std::string& path) {
-  test::write_fixture("sphere", voxel_size, path);
+TetMesh receive(MeshClient& client, const v1::MeshRequest& request, TetMesh used) {
+  return std::move(
+      checked(client.stream_mesh(request, {}, {}, {.used = std::move(used)})).mesh);
 }
 
 }  // namespace tet::bench

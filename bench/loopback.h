@@ -11,6 +11,13 @@
 
 namespace tet::bench {
 
+/// What is meshed: a solid of tests/support/vdb_fixtures.h on a lattice of its voxels.
+struct BenchMesh {
+  std::string solid;
+  double voxel_size = 1;
+  bool graded = false;
+};
+
 /// A server with an empty store, and a client; gone with all their files when this is.
 class Loopback {
  public:
@@ -23,9 +30,9 @@ class Loopback {
   /// Another, with a connection of its own.
   std::unique_ptr<MeshClient> connect() const;
 
-  /// Uploads the ball and asks for its uniform mesh. The grid is in memory when this returns,
-  /// the plan remembered.
-  v1::MeshRequest request_ball(double voxel_size);
+  /// Uploads a solid, which is at `file("solid.vdb")` then, and asks for its mesh. The grid is
+  /// in memory when this returns, the plan remembered.
+  v1::MeshRequest request_mesh(const BenchMesh& mesh);
 
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
 
@@ -38,10 +45,7 @@ class Loopback {
 /// A request for the same mesh under another name, so that nobody remembers its plan.
 void rename_mesh(v1::MeshRequest& request);
 
-/// A whole mesh, received.
-StreamedMesh receive(MeshClient& client, const v1::MeshRequest& request);
-
-/// Writes the ball whose voxels are so large, with a radius of 1, as a file.
-void write_ball(double voxel_size, const std::string& path);
+/// A whole mesh, received into the memory of `used`.
+TetMesh receive(MeshClient& client, const v1::MeshRequest& request, TetMesh used = {});
 
 }  // namespace tet::bench

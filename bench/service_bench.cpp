@@ -2,6 +2,7 @@
 // time is that of both ends. Meshes arrive in the client's own arrays, every checksum checked.
 // Beside them, in the same run, what bounds them: the same mesh made in this process, and gRPC
 // alone.
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -22,6 +24,7 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/logging.h"
+#include "tests/support/vdb_fixtures.h"
 
 namespace tet::bench {
 namespace {
@@ -53,65 +56,76 @@ void report_bytes(benchmark::State& state, double bytes, double cpu_before) {
 
 enum class Planning { kEachTime, kOnce };
 
-/// Meshes a ball `radius` voxels large: about 50 radius^3 tets.
-void stream(benchmark::State& state, double radius, Planning planning) {
+/// Into the arrays of the mesh before, which a client gives back.
+void stream(benchmark::State& state, const BenchMesh& mesh, Planning planning) {
   Loopback loopback;
-  v1::MeshRequest request = loopback.request_ball(1 / radius);
+  v1::MeshRequest request = loopback.request_mesh(mesh);
+  TetMesh received = receive(loopback.client(), request);
   Delivered delivered;
   for (auto _ : state) {
     if (planning == Planning::kEachTime) rename_mesh(request);
-    delivered.add(receive(loopback.client(), request).mesh);
+    received = receive(loopback.client(), request, std::move(received));
+    delivered.add(received);
   }
   delivered.report(state);
 }
 
-/// The same without a wire: into fresh memory too, the grid being there.
-void make_here(benchmark::State& state, double radius, Planning planning) {
-  const std::string path = std::filesystem::temp_directory_path() / "tet-bench-ball.vdb";
-  write_ball(1 / radius, path);
+/// The same without a wire: into the memory of the mesh before too, the grid being there.
+void make_here(benchmark::State& state, const BenchMesh& mesh, Planning planning) {
+  const std::string path = std::filesystem::temp_directory_path() / "tet-bench-solid.vdb";
+  test::write_fixture(mesh.solid, mesh.voxel_size, path);
   const auto volume = std::make_shared<const Volume>(checked(load_volume(path, "")));
   std::filesystem::remove(path);
   TaskPool pool;
   MeshRequest request;
-  request.levels = 0;
-  std::shared_ptr<const MeshPlan> plan;
+  if (!mesh.graded) request.levels = 0;
+  const auto plan = [&] { return checked(plan_mesh(volume, request, {}, {}, nullptr)); };
+  const auto fill = [](const MeshPlan& planned, TetMesh used) {
+    return std::move(checked(fill_mesh(planned, {}, nullptr, std::move(used))).mesh);
+  };
+  std::shared_ptr<const MeshPlan> planned;
+  TetMesh made;
+  pool.run([&] {
+    planned = plan();
+    made = fill(*planned, {});
+  });
   Delivered delivered;
   for (auto _ : state) {
     pool.run([&] {
-      if (plan == nullptr || planning == Planning::kEachTime) {
-        plan = checked(plan_mesh(volume, request, {}, {}, nullptr));
-      }
-      delivered.add(checked(fill_mesh(*plan, {}, nullptr)).mesh);
+      if (planning == Planning::kEachTime) planned = plan();
+      made = fill(*planned, std::move(made));
     });
+    delivered.add(made);
   }
   delivered.report(state);
 }
 
-/// Several clients, each with a connection and an array of its own, at once.
-void stream_side_by_side(benchmark::State& state, double radius, int streams) {
+/// Several clients, each with a connection and arrays of its own, at once.
+void stream_side_by_side(benchmark::State& state, const BenchMesh& mesh, int streams) {
   Loopback loopback;
-  const v1::MeshRequest request = loopback.request_ball(1 / radius);
+  const v1::MeshRequest request = loopback.request_mesh(mesh);
   std::vector<std::unique_ptr<MeshClient>> clients;
   for (int i = 0; i < streams; ++i) clients.push_back(loopback.connect());
+  std::vector<TetMesh> meshes(clients.size());
   Delivered delivered;
   for (auto _ : state) {
-    std::vector<StreamedMesh> meshes(clients.size());
     {
       std::vector<std::jthread> threads;
       for (std::size_t i = 0; i < clients.size(); ++i) {
-        threads.emplace_back([&, i] { meshes[i] = receive(*clients[i], request); });
+        threads.emplace_back(
+            [&, i] { meshes[i] = receive(*clients[i], request, std::move(meshes[i])); });
       }
     }
-    for (const StreamedMesh& mesh : meshes) delivered.add(mesh.mesh);
+    for (const TetMesh& received : meshes) delivered.add(received);
   }
   delivered.report(state);
 }
 
 /// From the request to the first chunk in the client's array: real time.
-void first_chunk(benchmark::State& state, double radius, Planning planning) {
+void first_chunk(benchmark::State& state, const BenchMesh& mesh, Planning planning) {
   using Clock = std::chrono::steady_clock;
   Loopback loopback;
-  v1::MeshRequest request = loopback.request_ball(1 / radius);
+  v1::MeshRequest request = loopback.request_mesh(mesh);
   for (auto _ : state) {
     if (planning == Planning::kEachTime) rename_mesh(request);
     Cancellation enough;
@@ -186,34 +200,53 @@ benchmark::internal::Benchmark* add(const std::string& name, const Body& body) {
       ->UseRealTime();
 }
 
-void add_meshes(const std::string& size, double radius) {
-  using enum Planning;
-  const std::string ball = "/ball/" + size;
-  add("here" + ball + "/planned_each_time",
-      [=](benchmark::State& state) { make_here(state, radius, kEachTime); });
-  add("stream" + ball + "/planned_each_time",
-      [=](benchmark::State& state) { stream(state, radius, kEachTime); });
-  add("here" + ball + "/planned_once",
-      [=](benchmark::State& state) { make_here(state, radius, kOnce); });
-  add("stream" + ball + "/planned_once",
-      [=](benchmark::State& state) { stream(state, radius, kOnce); });
+/// A mesh, and its name in those of benchmarks. Sizes are of uniform meshes.
+struct NamedMesh {
+  std::string name;
+  BenchMesh mesh;
+};
+
+NamedMesh ball(const std::string& size, double radius, bool graded = false) {
+  return {
+      "ball/" + size + (graded ? "/graded" : "/uniform"), {"sphere", 1 / radius, graded}
+  };
 }
 
-void add_first_chunk(const std::string& size, double radius) {
-  const auto add_one = [&](const std::string& name, Planning planning) {
+NamedMesh gyroid(const std::string& size, double voxels, bool graded) {
+  return {
+      "gyroid/" + size + (graded ? "/graded" : "/uniform"), {"gyroid", 1 / voxels, graded}
+  };
+}
+
+void add_mesh(const NamedMesh& named) {
+  using enum Planning;
+  const auto add_both = [&](const std::string& when, Planning planning) {
+    add("here/" + named.name + when,
+        [=](benchmark::State& state) { make_here(state, named.mesh, planning); });
+    add("stream/" + named.name + when,
+        [=](benchmark::State& state) { stream(state, named.mesh, planning); });
+  };
+  add_both("/planned_each_time", kEachTime);
+  add_both("/planned_once", kOnce);
+}
+
+void add_first_chunk(const NamedMesh& named) {
+  const auto add_one = [&](const std::string& when, Planning planning) {
+    const std::string name = "first_chunk/" + named.name + when;
     benchmark::RegisterBenchmark(
-        name.c_str(), [=](benchmark::State& state) { first_chunk(state, radius, planning); })
+        name.c_str(),
+        [=](benchmark::State& state) { first_chunk(state, named.mesh, planning); })
         ->Unit(benchmark::kMillisecond)
         ->UseManualTime();
   };
-  add_one("first_chunk/ball/" + size + "/planned_each_time", Planning::kEachTime);
-  add_one("first_chunk/ball/" + size + "/planned_once", Planning::kOnce);
+  add_one("/planned_each_time", Planning::kEachTime);
+  add_one("/planned_once", Planning::kOnce);
 }
 
-void add_side_by_side(const std::string& size, double radius) {
+void add_side_by_side(const NamedMesh& named) {
   for (const int streams : {1, 2, 4, 16}) {
-    add("stream/ball/" + size + "/streams:" + std::to_string(streams),
-        [=](benchmark::State& state) { stream_side_by_side(state, radius, streams); });
+    add("stream/" + named.name + "/streams:" + std::to_string(streams),
+        [=](benchmark::State& state) { stream_side_by_side(state, named.mesh, streams); });
   }
 }
 
@@ -235,12 +268,15 @@ int main(int argc, char** argv) {
   using namespace tet::bench;
   tet::keep_read_blocks();
   tet::start_logging("error");
-  add_meshes("1e5", 12.6);
-  add_meshes("1e6", 27.1);
-  add_meshes("1e7", 58.4);
-  add_first_chunk("1e5", 12.6);
-  add_first_chunk("1e7", 58.4);
-  add_side_by_side("1e6", 27.1);
+  constexpr std::array<std::pair<const char*, double>, 3> kBalls{
+      {{"1e5", 12.6}, {"1e6", 27.1}, {"1e7", 58.4}}
+  };
+  for (const auto& [size, radius] : kBalls) add_mesh(ball(size, radius));
+  for (const auto& [size, radius] : kBalls) add_mesh(ball(size, radius, true));
+  for (const bool graded : {false, true}) add_mesh(gyroid("1e7", 66.7, graded));
+  add_first_chunk(ball("1e5", 12.6));
+  add_first_chunk(ball("1e7", 58.4));
+  add_side_by_side(ball("1e6", 27.1));
   add_upload("1MiB", std::size_t{1} << 20);
   add_upload("64MiB", std::size_t{1} << 26);
   add("digest/64MiB", [](benchmark::State& state) { digest(state, std::size_t{1} << 26); });

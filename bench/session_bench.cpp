@@ -100,11 +100,8 @@ std::vector<v1::LeafUpdate> breathing(const Volume& volume, double frame) {
 
 void follow_grid(benchmark::State& state, double radius) {
   Loopback loopback;
-  v1::MeshRequest request = loopback.request_ball(1 / radius);
-  request.clear_levels();
-  const std::string path = loopback.file("ball.vdb");
-  write_ball(1 / radius, path);
-  const Volume volume = checked(load_volume(path, ""));
+  const v1::MeshRequest request = loopback.request_mesh({"sphere", 1 / radius, true});
+  const Volume volume = checked(load_volume(loopback.file("solid.vdb"), ""));
   const Cancellation never;
   const auto session = checked(loopback.client().begin_session(request, never));
   follow(state, *session,

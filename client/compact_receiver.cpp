@@ -55,10 +55,13 @@ absl::StatusOr<CompactReceiver> CompactReceiver::begin(const v1::MeshHeader& hea
 }
 
 absl::StatusOr<FilledMesh> CompactReceiver::finish(const MeshHeader& header,
-                                                   const Cancellation& cancellation) && {
+                                                   const Cancellation& cancellation,
+                                                   TetMesh used) && {
   TaskPool pool;
   absl::StatusOr<FilledMesh> filled = absl::InternalError("not made");
-  pool.run([&] { filled = decode_mesh(std::move(bricks_), header, frame_, cancellation); });
+  pool.run([&] {
+    filled = decode_mesh(std::move(bricks_), header, frame_, cancellation, std::move(used));
+  });
   return filled;
 }
 

@@ -23,9 +23,10 @@ class CompactReceiver {
   /// The next chunk. Errors: kDataLoss.
   absl::Status add(std::span<const std::byte> chunk) { return bricks_.add(chunk); }
 
-  /// Makes the mesh on every core. Errors: those of decode_mesh.
+  /// Makes the mesh on every core, in the memory of `used`. Errors: those of decode_mesh.
   absl::StatusOr<FilledMesh> finish(const MeshHeader& header,
-                                    const Cancellation& cancellation) &&;
+                                    const Cancellation& cancellation,
+                                    TetMesh used) &&;
 
  private:
   explicit CompactReceiver(const CompactFrame& frame)

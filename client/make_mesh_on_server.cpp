@@ -59,7 +59,9 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
   StreamWatch stream(bar);
   absl::StatusOr<StreamedMesh> streamed = client.stream_mesh(
       *request, stream.callbacks(), interruption,
-      options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN, options.skip_cache);
+      {.encoding = options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN,
+       .skip_cache = options.skip_cache,
+       .used = {}});
   if (!streamed.ok()) return streamed.status();
   return made_of(*std::move(streamed), stream.stages(uploading_seconds));
 }

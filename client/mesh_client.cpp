@@ -133,14 +133,13 @@ MeshCall stream_call(v1::StreamMeshRequest message) {
 absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& request,
                                                      const ClientProgress& progress,
                                                      const Cancellation& cancellation,
-                                                     v1::Encoding encoding,
-                                                     bool skip_cache) {
+                                                     StreamOptions options) {
   v1::StreamMeshRequest message;
   *message.mutable_mesh() = request;
-  message.set_encoding(encoding);
-  message.set_skip_cache(skip_cache);
-  return receive_mesh(*connection_, stream_call(std::move(message)), MeshReceiver(), progress,
-                      cancellation);
+  message.set_encoding(options.encoding);
+  message.set_skip_cache(options.skip_cache);
+  return receive_mesh(*connection_, stream_call(std::move(message)),
+                      MeshReceiver(nullptr, std::move(options.used)), progress, cancellation);
 }
 
 absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,

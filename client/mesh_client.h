@@ -48,6 +48,15 @@ struct StreamedMesh {
   bool cached = false;  ///< the (last) stream of it was served from a job's stored result
 };
 
+/// How a mesh is made and received, beside what its request says of it.
+struct StreamOptions {
+  v1::Encoding encoding = v1::ENCODING_PLAIN;
+  bool skip_cache = false;  ///< make it even where the result of a job is stored
+  /// A mesh that is no longer needed. The new one is made in its memory, as far as that is
+  /// enough: for arrays touched for the first time a system may take longer than for meshing.
+  TetMesh used;
+};
+
 /// Told how far long work is, on the thread that called.
 struct ClientProgress {
   /// Bytes of the file the server holds, of all.
@@ -102,14 +111,12 @@ class MeshClient {
   absl::Status check_health(const std::string& service, const Cancellation& cancellation);
 
   /// Makes a mesh on the server and receives all of it: the same mesh whatever the encoding. A
-  /// stream that breaks is resumed at the first chunk that is missing. With `skip_cache` it is
-  /// made even where the result of a job is stored. Errors also: kDataLoss (a checksum or a
-  /// chunk's place is wrong).
+  /// stream that breaks is resumed at the first chunk that is missing. Errors also: kDataLoss
+  /// (a checksum or a chunk's place is wrong).
   absl::StatusOr<StreamedMesh> stream_mesh(const v1::MeshRequest& request,
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation,
-                                           v1::Encoding encoding = v1::ENCODING_PLAIN,
-                                           bool skip_cache = false);
+                                           StreamOptions options = {});
 
   /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of
   /// another grid: what did not change is taken from it, and only the rest is sent, if the

@@ -281,7 +281,7 @@ void MeshReceiver::take_quality(const v1::MeshTrailer& trailer) {
 absl::StatusOr<StreamedMesh> MeshReceiver::finish(const Cancellation& cancellation) && {
   if (compact_) {
     absl::StatusOr<FilledMesh> filled =
-        std::move(*compact_).finish(received_.mesh.header, cancellation);
+        std::move(*compact_).finish(received_.mesh.header, cancellation, std::move(used_));
     if (!filled.ok()) return filled.status();
     received_.mesh = std::move(filled->mesh);
     received_.quality = filled->quality;

@@ -81,14 +81,15 @@ absl::Status check_totals(const CountedMesh& mesh, const MeshHeader& header) {
 absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
                                        const MeshHeader& header,
                                        const CompactFrame& frame,
-                                       const Cancellation& cancellation) {
+                                       const Cancellation& cancellation,
+                                       TetMesh used) {
   const std::vector<std::size_t> first_brick = bricks.first_brick();
   const absl::StatusOr<CountedMesh> counted = std::move(bricks).count(frame.rules);
   if (!counted.ok()) return counted.status();
   if (auto status = check_totals(*counted, header); !status.ok()) return status;
   FilledMesh filled;
   try {
-    filled.mesh = TetMesh(header);
+    filled.mesh = TetMesh(header, std::move(used));
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrFormat("no memory for %d vertices and %d tets",
                                                         header.vertex_count, header.tet_count));

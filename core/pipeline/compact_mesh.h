@@ -11,13 +11,15 @@
 namespace tet {
 
 /// Makes the mesh that all chunks of `bricks` together tell, with its statistics. Parallel; run
-/// it on a TaskPool.
+/// it on a TaskPool. Made in the memory of `used`, a mesh that is no longer needed, as far as
+/// that is enough.
 ///
 /// Errors: kDataLoss (the chunks make another mesh than `header` says, or none),
 /// kResourceExhausted (no memory for it), kCancelled, kDeadlineExceeded.
 absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
                                        const MeshHeader& header,
                                        const CompactFrame& frame,
-                                       const Cancellation& cancellation);
+                                       const Cancellation& cancellation,
+                                       TetMesh used = {});
 
 }  // namespace tet

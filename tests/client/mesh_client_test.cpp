@@ -1,6 +1,7 @@
 #include "client/mesh_client.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -150,13 +151,29 @@ TEST_F(MeshClientTest, MakesTheSameMeshFromCompactChunks) {
   for (const v1::MeshRequest& request :
        {uniform_ball(16), both_sides_of_ball(16, 2), mesh_of(solid_file("gyroid", 0.08))}) {
     const auto plain = client_->stream_mesh(request, {}, never_);
-    const auto compact = client_->stream_mesh(request, {}, never_, v1::ENCODING_COMPACT);
+    const auto compact = client_->stream_mesh(request, {}, never_,
+                                              {.encoding = v1::ENCODING_COMPACT, .used = {}});
     ASSERT_TRUE(plain.ok() && compact.ok()) << plain.status() << compact.status();
     EXPECT_TRUE(same_mesh(compact->mesh, plain->mesh));
     EXPECT_EQ(compact->mesh_id, plain->mesh_id);
     EXPECT_EQ(compact->quality.volume, plain->quality.volume);
     EXPECT_EQ(compact->quality.histogram, plain->quality.histogram);
     EXPECT_TRUE(compact->boundary == plain->boundary);
+  }
+}
+
+TEST_F(MeshClientTest, ReceivesAMeshInTheMemoryOfAnother) {
+  const v1::MeshRequest small = uniform_ball(16);
+  const auto whole = client_->stream_mesh(small, {}, never_);
+  for (const v1::Encoding encoding : {v1::ENCODING_PLAIN, v1::ENCODING_COMPACT}) {
+    auto larger = client_->stream_mesh(uniform_ball(18), {}, never_);
+    ASSERT_TRUE(whole.ok() && larger.ok()) << whole.status() << larger.status();
+    const std::byte* const memory = larger->mesh.tets.bytes().data();
+    const auto streamed = client_->stream_mesh(
+        small, {}, never_, {.encoding = encoding, .used = std::move(larger->mesh)});
+    ASSERT_TRUE(streamed.ok()) << streamed.status();
+    EXPECT_EQ(streamed->mesh.tets.bytes().data(), memory);
+    EXPECT_TRUE(same_mesh(streamed->mesh, whole->mesh));
   }
 }
 
@@ -194,7 +211,8 @@ TEST_F(MeshClientTest, MendsACompactStreamThatBreaksAgainAndAgain) {
   CuttingProxy proxy(server_->port(), kNoLimit, 200'000);
   const auto client =
       MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
-  const auto streamed = client->stream_mesh(ball, {}, never_, v1::ENCODING_COMPACT);
+  const auto streamed =
+      client->stream_mesh(ball, {}, never_, {.encoding = v1::ENCODING_COMPACT, .used = {}});
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   EXPECT_GT(proxy.cuts(), 0);
   EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(40).mesh));

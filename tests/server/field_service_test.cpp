@@ -60,7 +60,7 @@ class FieldServiceTest : public ServiceTest {
   }
 
   absl::StatusOr<StreamedMesh> received(v1::Encoding encoding = v1::ENCODING_PLAIN) {
-    return client_->stream_mesh(mesh_, {}, never_, encoding);
+    return client_->stream_mesh(mesh_, {}, never_, {.encoding = encoding, .used = {}});
   }
 
   std::vector<std::string> chunks(std::int64_t start = 0) {

@@ -34,7 +34,7 @@ class SeveralGridsTest : public ServiceTest {
   }
 
   absl::StatusOr<StreamedMesh> received(v1::Encoding encoding = v1::ENCODING_PLAIN) {
-    return client_->stream_mesh(mesh_, {}, never_, encoding);
+    return client_->stream_mesh(mesh_, {}, never_, {.encoding = encoding, .used = {}});
   }
 
   /// What this process makes of the same grids.
