@@ -137,14 +137,15 @@ int serve(const tet::Config& config) {
   if (!config.port_file.empty()) std::remove(config.port_file.c_str());
   auto server = tet::Server::start(config);
   if (!server.ok()) return cannot_start(server.status());
+  // Before the event: whoever reads that finds the port.
+  const absl::Status told = write_port(config.port_file, (*server)->port());
+  if (!told.ok()) return cannot_start(told);
   tet::log_event(spdlog::level::info, "serving",
                  {
                      {"address",         (*server)->address()},
                      {"metrics", (*server)->metrics_address()},
                      {"version",            TETSTREAM_VERSION}
   });
-  const absl::Status told = write_port(config.port_file, (*server)->port());
-  if (!told.ok()) return cannot_start(told);
   int signal = 0;
   sigwait(&signals, &signal);
   tet::log_event(spdlog::level::info, "draining",
