@@ -1,5 +1,5 @@
-// The compact encoding of graded meshes, on one thread: making its chunks from a plan, and the
-// mesh from its chunks.
+// The encodings of graded meshes, on one thread: making compact chunks from a plan, and the
+// mesh from them; packing chunks that are made, and unpacking them.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,7 +11,9 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
+#include "core/mesh/packed_chunk.h"
 #include "core/pipeline/compact_mesh.h"
+#include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/mesh_plan.h"
 
 namespace tet::bench {
@@ -63,9 +65,57 @@ void run_decode(benchmark::State& state, const MeshPlan& plan) {
   count(state, plan, chunks);
 }
 
+/// A mesh as chunks.
+struct ChunkedMesh {
+  TetMesh mesh;
+  std::vector<ChunkExtent> extents;
+
+  explicit ChunkedMesh(const MeshPlan& plan)
+      : mesh(std::move(fill_mesh(plan, {}, nullptr).value().mesh)) {
+    for (std::uint64_t i = 0; i < plan.header().chunk_count; ++i) {
+      extents.push_back(plan.chunk(i));
+    }
+  }
+
+  void pack(ChunkPacker& packer, Chunks& chunks) {
+    chunks.resize(extents.size());
+    for (std::size_t i = 0; i < extents.size(); ++i) {
+      chunks[i].clear();
+      packer.pack(mesh.header, extents[i], mesh.columns_of(extents[i]), chunks[i]);
+    }
+  }
+};
+
+void run_pack(benchmark::State& state, const MeshPlan& plan) {
+  ChunkedMesh made(plan);
+  ChunkPacker packer;
+  Chunks chunks;
+  for (auto _ : state) made.pack(packer, chunks);
+  count(state, plan, chunks);
+}
+
+/// Into the memory of the mesh before.
+void run_unpack(benchmark::State& state, const MeshPlan& plan) {
+  ChunkedMesh made(plan);
+  ChunkPacker packer;
+  Chunks chunks;
+  made.pack(packer, chunks);
+  ChunkUnpacker unpacker;
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      const ChunkExtent& extent = made.extents[i];
+      const ChunkColumns columns = made.mesh.columns_of(extent);
+      if (!unpacker.unpack(chunks[i], made.mesh.header, extent, columns).ok()) {
+        return state.SkipWithError("a chunk that was packed is refused");
+      }
+    }
+  }
+  count(state, plan, chunks);
+}
+
 using Run = void (*)(benchmark::State& state, const MeshPlan& plan);
 
-/// Registers `encode` or `decode/solid/size`; rates are of CPU time.
+/// Registers `encode/solid/size` and the like; rates are of CPU time.
 void add(const std::string& what, Run run, Solid solid, const BenchSize& size) {
   const std::string name = what + "/" + name_of(solid) + "/" + size.label;
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
@@ -83,6 +133,8 @@ int main(int argc, char** argv) {
     for (const Solid solid : kSolids) {
       add("encode", run_encode, solid, size);
       add("decode", run_decode, solid, size);
+      add("pack", run_pack, solid, size);
+      add("unpack", run_unpack, solid, size);
     }
   }
   benchmark::Initialize(&argc, argv);

@@ -1,22 +1,19 @@
 #include "core/pipeline/compact_chunk.h"
 
 #include <algorithm>
-#include <bit>
-#include <concepts>
 #include <cstring>
 #include <string>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/byte_coding.h"
 #include "core/base/parallel.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie");
 
 /// Where a brick lies, in a brick's first byte.
 enum Step : std::uint8_t { kNextAlongZ = 0, kJump = 1, kAnywhere = 2 };
@@ -34,22 +31,10 @@ constexpr std::uint8_t kTagBits = kStepBits | kSideBits | kHasLeaves;
 /// Coordinates stay within 2^27 bricks.
 constexpr std::int32_t kMaxBrick = std::int32_t{1} << 27;
 
-class Writer {
+class Writer : public ByteWriter {
  public:
-  explicit Writer(std::vector<std::byte>& bytes) : bytes_(bytes) {}
+  using ByteWriter::ByteWriter;
 
-  std::byte* extend(std::size_t size) {
-    bytes_.resize(bytes_.size() + size);
-    return bytes_.data() + bytes_.size() - size;
-  }
-  template <std::integral Number>
-  void number(Number value) {
-    std::memcpy(extend(sizeof(value)), &value, sizeof(value));
-  }
-  void varint(std::uint64_t value) {
-    for (; value >= 0x80; value >>= 7) number(static_cast<std::uint8_t>(value | 0x80));
-    number(static_cast<std::uint8_t>(value));
-  }
   void zigzag(std::int64_t value) {
     varint(static_cast<std::uint64_t>(value << 1 ^ value >> 63));
   }
@@ -65,9 +50,6 @@ class Writer {
       if (slice != 0 && ~slice != 0) number(slice);
     }
   }
-
- private:
-  std::vector<std::byte>& bytes_;
 };
 
 /// Writes bricks one after another.
@@ -155,41 +137,10 @@ absl::Status broken(const char* what) {
 
 }  // namespace
 
-/// Reads numbers as long as there are bytes; afterwards zeros, and `failed`.
-class CompactBricks::Reader {
+class CompactBricks::Reader : public ByteReader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+  using ByteReader::ByteReader;
 
-  bool failed() const { return failed_; }
-  bool at_end() const { return rest_.empty(); }
-
-  std::span<const std::byte> take(std::size_t size) {
-    if (size > rest_.size()) {
-      failed_ = true;
-      return {};
-    }
-    const auto taken = rest_.first(size);
-    rest_ = rest_.subspan(size);
-    return taken;
-  }
-  template <std::integral Number>
-  Number number() {
-    Number value = 0;
-    if (const auto bytes = take(sizeof(value)); !bytes.empty()) {
-      std::memcpy(&value, bytes.data(), sizeof(value));
-    }
-    return value;
-  }
-  std::uint64_t varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 63; shift += 7) {
-      const auto byte = number<std::uint8_t>();
-      value |= std::uint64_t{byte & 0x7fU} << shift;
-      if ((byte & 0x80) == 0) return value;
-    }
-    failed_ = true;
-    return 0;
-  }
   std::int64_t zigzag() {
     const std::uint64_t value = varint();
     return static_cast<std::int64_t>(value >> 1) ^ -static_cast<std::int64_t>(value & 1);
@@ -197,7 +148,7 @@ class CompactBricks::Reader {
   BrickMask mask() {
     BrickMask mask;
     const auto empty = number<std::uint8_t>(), full = number<std::uint8_t>();
-    if ((empty & full) != 0) failed_ = true;
+    if ((empty & full) != 0) fail();
     for (unsigned x = 0; x < 8; ++x) {
       if ((empty >> x & 1) != 0) continue;
       mask.slice[x] = (full >> x & 1) != 0 ? ~std::uint64_t{0} : number<std::uint64_t>();
@@ -208,10 +159,6 @@ class CompactBricks::Reader {
   // Where the brick before lies.
   int level = -1;
   BrickCoord previous;
-
- private:
-  std::span<const std::byte> rest_;
-  bool failed_ = false;
 };
 
 absl::Status CompactBricks::add(std::span<const std::byte> chunk) {
