@@ -55,9 +55,12 @@ void rename_mesh(v1::MeshRequest& request) {
   request.set_spacing(request.spacing() * (1 + 1e-12));
 }
 
-TetMesh receive(MeshClient& client, const v1::MeshRequest& request, TetMesh used) {
-  return std::move(
-      checked(client.stream_mesh(request, {}, {}, {.used = std::move(used)})).mesh);
+TetMesh receive(MeshClient& client,
+                const v1::MeshRequest& request,
+                TetMesh used,
+                v1::Encoding encoding) {
+  StreamOptions options{.encoding = encoding, .used = std::move(used)};
+  return std::move(checked(client.stream_mesh(request, {}, {}, std::move(options))).mesh);
 }
 
 }  // namespace tet::bench

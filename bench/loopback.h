@@ -46,6 +46,9 @@ class Loopback {
 void rename_mesh(v1::MeshRequest& request);
 
 /// A whole mesh, received into the memory of `used`.
-TetMesh receive(MeshClient& client, const v1::MeshRequest& request, TetMesh used = {});
+TetMesh receive(MeshClient& client,
+                const v1::MeshRequest& request,
+                TetMesh used = {},
+                v1::Encoding encoding = v1::ENCODING_PLAIN);
 
 }  // namespace tet::bench

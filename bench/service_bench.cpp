@@ -57,14 +57,17 @@ void report_bytes(benchmark::State& state, double bytes, double cpu_before) {
 enum class Planning { kEachTime, kOnce };
 
 /// Into the arrays of the mesh before, which a client gives back.
-void stream(benchmark::State& state, const BenchMesh& mesh, Planning planning) {
+void stream(benchmark::State& state,
+            const BenchMesh& mesh,
+            Planning planning,
+            v1::Encoding encoding = v1::ENCODING_PLAIN) {
   Loopback loopback;
   v1::MeshRequest request = loopback.request_mesh(mesh);
   TetMesh received = receive(loopback.client(), request);
   Delivered delivered;
   for (auto _ : state) {
     if (planning == Planning::kEachTime) rename_mesh(request);
-    received = receive(loopback.client(), request, std::move(received));
+    received = receive(loopback.client(), request, std::move(received), encoding);
     delivered.add(received);
   }
   delivered.report(state);
@@ -230,6 +233,15 @@ void add_mesh(const NamedMesh& named) {
   add_both("/planned_once", kOnce);
 }
 
+void add_encoded(const NamedMesh& named) {
+  const auto add_one = [&](const std::string& way, v1::Encoding encoding) {
+    add(way + "/" + named.name + "/planned_once",
+        [=](benchmark::State& state) { stream(state, named.mesh, Planning::kOnce, encoding); });
+  };
+  add_one("stream_packed", v1::ENCODING_PACKED);
+  add_one("stream_compact", v1::ENCODING_COMPACT);
+}
+
 void add_first_chunk(const NamedMesh& named) {
   const auto add_one = [&](const std::string& when, Planning planning) {
     const std::string name = "first_chunk/" + named.name + when;
@@ -274,6 +286,8 @@ int main(int argc, char** argv) {
   for (const auto& [size, radius] : kBalls) add_mesh(ball(size, radius));
   for (const auto& [size, radius] : kBalls) add_mesh(ball(size, radius, true));
   for (const bool graded : {false, true}) add_mesh(gyroid("1e7", 66.7, graded));
+  add_encoded(ball("1e6", 27.1, true));
+  add_encoded(ball("1e7", 58.4, true));
   add_first_chunk(ball("1e5", 12.6));
   add_first_chunk(ball("1e7", 58.4));
   add_side_by_side(ball("1e6", 27.1));

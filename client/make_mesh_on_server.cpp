@@ -46,6 +46,11 @@ class StreamWatch {
   std::optional<double> planning_seconds_;
 };
 
+v1::Encoding encoding_of(const MeshOptions& options) {
+  if (options.compact) return v1::ENCODING_COMPACT;
+  return options.packed ? v1::ENCODING_PACKED : v1::ENCODING_PLAIN;
+}
+
 absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
                                            const MeshOptions& options,
                                            ProgressBar& bar,
@@ -59,9 +64,7 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
   StreamWatch stream(bar);
   absl::StatusOr<StreamedMesh> streamed = client.stream_mesh(
       *request, stream.callbacks(), interruption,
-      {.encoding = options.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN,
-       .skip_cache = options.skip_cache,
-       .used = {}});
+      {.encoding = encoding_of(options), .skip_cache = options.skip_cache, .used = {}});
   if (!streamed.ok()) return streamed.status();
   return made_of(*std::move(streamed), stream.stages(uploading_seconds));
 }

@@ -119,6 +119,15 @@ absl::Status MeshClient::check_health(const std::string& service,
 
 namespace {
 
+v1::StreamMeshRequest stream_request(const v1::MeshRequest& request,
+                                     const StreamOptions& options) {
+  v1::StreamMeshRequest message;
+  *message.mutable_mesh() = request;
+  message.set_encoding(options.encoding);
+  message.set_skip_cache(options.skip_cache);
+  return message;
+}
+
 MeshCall stream_call(v1::StreamMeshRequest message) {
   auto request = [message = std::move(message)](const MeshReceiver& receiver) mutable {
     message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
@@ -134,24 +143,21 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
                                                      const ClientProgress& progress,
                                                      const Cancellation& cancellation,
                                                      StreamOptions options) {
-  v1::StreamMeshRequest message;
-  *message.mutable_mesh() = request;
-  message.set_encoding(options.encoding);
-  message.set_skip_cache(options.skip_cache);
-  return receive_mesh(*connection_, stream_call(std::move(message)),
+  return receive_mesh(*connection_, stream_call(stream_request(request, options)),
                       MeshReceiver(nullptr, std::move(options.used)), progress, cancellation);
 }
 
 absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,
                                                      const StreamedMesh& earlier,
                                                      const ClientProgress& progress,
-                                                     const Cancellation& cancellation) {
-  v1::StreamMeshRequest message;
-  *message.mutable_mesh() = request;
+                                                     const Cancellation& cancellation,
+                                                     StreamOptions options) {
+  v1::StreamMeshRequest message = stream_request(request, options);
   message.set_base_mesh_id(earlier.mesh_id);
   message.set_base_name(earlier.canonical_request.name());
   return receive_mesh(*connection_, stream_call(std::move(message)),
-                      MeshReceiver(&earlier.mesh), progress, cancellation);
+                      MeshReceiver(&earlier.mesh, std::move(options.used)), progress,
+                      cancellation);
 }
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> MeshClient::begin_session(

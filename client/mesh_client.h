@@ -121,11 +121,12 @@ class MeshClient {
   /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of
   /// another grid: what did not change is taken from it, and only the rest is sent, if the
   /// server still has the earlier grid. Where parts were kept, `quality` is that of the rest
-  /// alone.
+  /// alone. Errors also: kInvalidArgument (ENCODING_COMPACT, which carries whole meshes).
   absl::StatusOr<StreamedMesh> update_mesh(const v1::MeshRequest& request,
                                            const StreamedMesh& earlier,
                                            const ClientProgress& progress,
-                                           const Cancellation& cancellation);
+                                           const Cancellation& cancellation,
+                                           StreamOptions options = {});
 
   /// A mesh that follows its shape, change by change: see remesh_session.h. This client and
   /// `cancellation` outlive it.

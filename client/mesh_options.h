@@ -21,6 +21,7 @@ struct MeshOptions {
   std::string server;       ///< HOST:PORT; empty meshes in this process
   ChannelOptions channel;   ///< how that is spoken to
   bool compact = false;     ///< half a byte a tet from the server, and the mesh is made here
+  bool packed = false;      ///< four bytes a tet, and it is unpacked here
   bool skip_cache = false;  ///< also where the server has the mesh as a job's result
   std::string report;       ///< path; empty writes none
 

@@ -70,6 +70,15 @@ std::vector<KeptRun> to_core(const google::protobuf::RepeatedPtrField<v1::KeptRu
   return runs;
 }
 
+ChunkExtent extent_of(const ChunkNumbers& chunk) {
+  return {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count};
+}
+
+absl::Status check_sum(const ChunkNumbers& chunk, std::uint32_t checksum) {
+  if (checksum == chunk.checksum) return absl::OkStatus();
+  return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
+}
+
 /// True when all from `begin` to `end` is kept.
 bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_t end) {
   while (begin < end) {
@@ -171,6 +180,7 @@ absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header, const MeshHea
 
 absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
   if (compact_) return take_compact(chunk);
+  if (!chunk.packed().empty()) return take_packed(chunk);
   const ChunkNumbers numbers = numbers_of(chunk);
   const auto columns = place_of(numbers, {chunk.positions().size(), chunk.tets().size(),
                                           chunk.regions().size(), chunk.fields().size()});
@@ -187,10 +197,26 @@ absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
   const ChunkNumbers numbers = numbers_of(chunk);
   if (absl::Status status = check_place(numbers); !status.ok()) return status;
   const auto bytes = std::as_bytes(std::span(chunk.compact()));
-  if (absl::Status status = advance(numbers, add_to_checksum(0, bytes)); !status.ok()) {
+  if (absl::Status status = check_sum(numbers, add_to_checksum(0, bytes)); !status.ok()) {
     return status;
   }
+  count(numbers);
   return compact_->add(bytes);
+}
+
+absl::Status MeshReceiver::take_packed(const v1::MeshChunk& chunk) {
+  const ChunkNumbers numbers = numbers_of(chunk);
+  if (absl::Status status = check_place(numbers); !status.ok()) return status;
+  const auto bytes = std::as_bytes(std::span(chunk.packed()));
+  if (absl::Status status = check_sum(numbers, add_to_checksum(0, bytes)); !status.ok()) {
+    return status;
+  }
+  const ChunkExtent extent = extent_of(numbers);
+  absl::Status status =
+      unpacker_.unpack(bytes, received_.mesh.header, extent, received_.mesh.columns_of(extent));
+  if (!status.ok()) return bad_stream(std::string(status.message()));
+  count(numbers);
+  return absl::OkStatus();
 }
 
 /// Where the next chunk's columns belong, if this is the next chunk and has columns of that
@@ -198,8 +224,7 @@ absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
 absl::StatusOr<ChunkColumns> MeshReceiver::place_of(const ChunkNumbers& chunk,
                                                     const ColumnBytes& column_bytes) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
-  const ChunkColumns columns = received_.mesh.columns_of(
-      {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count});
+  const ChunkColumns columns = received_.mesh.columns_of(extent_of(chunk));
   if (column_bytes[0] != columns.positions.size() || column_bytes[1] != columns.tets.size() ||
       column_bytes[2] != columns.regions.size() || column_bytes[3] != columns.fields.size()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
@@ -227,25 +252,23 @@ absl::Status MeshReceiver::check_place(const ChunkNumbers& chunk) const {
   return absl::OkStatus();
 }
 
-/// The chunk counts as received if what was copied is what the server sent; else the next
+/// A chunk whose columns were copied counts if they are what the server sent; else the next
 /// attempt overwrites it.
 absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t checksum) {
-  if (checksum != chunk.checksum) {
-    return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
+  if (absl::Status status = check_sum(chunk, checksum); !status.ok()) return status;
+  const ChunkColumns columns = received_.mesh.columns_of(extent_of(chunk));
+  if (!ids_are_within(columns.tets, received_.mesh.header)) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
   }
-  if (!compact_) {
-    const ChunkColumns columns = received_.mesh.columns_of(
-        {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count});
-    if (!ids_are_within(columns.tets, received_.mesh.header)) {
-      return bad_stream(
-          absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
-    }
-  }
+  count(chunk);
+  return absl::OkStatus();
+}
+
+void MeshReceiver::count(const ChunkNumbers& chunk) {
   next_vertex_ = chunk.first_vertex + chunk.vertex_count;
   next_tet_ = chunk.first_tet + chunk.tet_count;
   tets_sent_ += chunk.tet_count;
   ++next_chunk_;
-  return absl::OkStatus();
 }
 
 absl::Status MeshReceiver::take_trailer(const v1::MeshTrailer& trailer) {

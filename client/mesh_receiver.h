@@ -13,6 +13,7 @@
 
 #include "client/compact_receiver.h"
 #include "client/mesh_client.h"
+#include "core/mesh/packed_chunk.h"
 #include "core/mesh/splice.h"
 #include "proto/wire/chunk_frame.h"
 
@@ -55,11 +56,13 @@ class MeshReceiver {
   absl::Status take_header(const v1::MeshHeader& header);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
   absl::Status take_compact(const v1::MeshChunk& chunk);
+  absl::Status take_packed(const v1::MeshChunk& chunk);
   absl::Status check_place(const ChunkNumbers& chunk) const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk, const ColumnBytes& columns);
   absl::Status take_kept(const v1::MeshHeader& header, const MeshHeader& checked);
   absl::Status allocate(const MeshHeader& header);
   absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
+  void count(const ChunkNumbers& chunk);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   void take_quality(const v1::MeshTrailer& trailer);
 
@@ -69,6 +72,7 @@ class MeshReceiver {
   KeptParts kept_;                          ///< of the base
   std::uint64_t chunks_ = 0;                ///< that come, once there is a header
   std::optional<CompactReceiver> compact_;  ///< where chunks are compact
+  ChunkUnpacker unpacker_;
   std::optional<v1::MeshProgress> planning_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0, tets_sent_ = 0;
   bool has_header_ = false, keeps_parts_ = false, has_quality_ = false, complete_ = false;

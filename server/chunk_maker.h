@@ -7,18 +7,22 @@
 #include <grpcpp/support/byte_buffer.h>
 
 #include "core/base/scratch_pool.h"
+#include "core/mesh/packed_chunk.h"
 #include "core/pipeline/mesh_patch.h"
 #include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/send_budget.h"
+#include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
+
+namespace v1 = ::tetstream::v1;
 
 /// What chunks are made from, and how they are written.
 struct ChunkSource {
   std::shared_ptr<const MeshPlan> plan;
   std::shared_ptr<const MeshPatch> patch;  ///< null: of the whole mesh
-  bool compact = false;
+  v1::Encoding encoding = v1::ENCODING_PLAIN;
 
   std::uint64_t chunk_count() const;
 };
@@ -27,18 +31,19 @@ struct ChunkMessage {
   grpc::ByteBuffer event;  ///< a MeshEvent
   QualityStats quality;    ///< nothing of a compact chunk
   std::uint64_t tets = 0;
-  std::uint64_t bytes = 0;  ///< of its columns, or of its compact form
+  std::uint64_t bytes = 0;  ///< of its columns, or of what they are encoded as
 };
 
 /// Memory to make chunks with, and in.
 struct ChunkMemory {
   ScratchPool<MeshWorkspace>& workspaces;
+  ScratchPool<ChunkPacker>& packers;
   BlockPool& blocks;
 };
 
 /// Makes chunk `index` < chunk_count(). A plain chunk's columns are made in the memory they are
-/// sent from, within the protobuf bytes around them. `held` lives as long as the message's
-/// bytes.
+/// sent from, within the protobuf bytes around them; packed ones are made there, too. `held`
+/// lives as long as the message's bytes.
 ChunkMessage make_chunk(const ChunkSource& source,
                         std::uint64_t index,
                         ChunkMemory memory,

@@ -46,7 +46,7 @@ absl::Status check_stream_of_grids(const v1::StreamMeshRequest& request) {
   if (request.mesh().grid_names().empty()) return absl::OkStatus();
   if (request.encoding() == v1::ENCODING_COMPACT) {
     return invalid_field(
-        "encoding ENCODING_COMPACT is for one grid: ask for ENCODING_PLAIN, or leave "
+        "encoding ENCODING_COMPACT is for one grid: ask for ENCODING_PACKED, or leave "
         "mesh.grid_names unset");
   }
   if (request.base_name().empty()) return absl::OkStatus();

@@ -13,6 +13,7 @@
 #include "core/pipeline/mesh_plan.h"
 #include "proto/wire/block_pool.h"
 #include "server/calls.h"
+#include "server/chunk_maker.h"
 #include "server/config.h"
 #include "server/large_plans.h"
 #include "server/planner.h"
@@ -40,6 +41,9 @@ struct MeshEngine {
                          Cancellation::Clock::time_point deadline,
                          Admission::Answer answer);
 
+  /// What chunks are made with.
+  ChunkMemory chunk_memory() noexcept { return {workspaces, packers, blocks}; }
+
   /// Ends streams whose clients stopped reading: sooner where others wait for their blocks. To
   /// be called every now and then.
   void check_stalls();
@@ -48,6 +52,7 @@ struct MeshEngine {
   CallRegistry& calls;
   Activity activity;
   ScratchPool<MeshWorkspace> workspaces;
+  ScratchPool<ChunkPacker> packers;
   BlockPool blocks;
   SendBudget send_budget;
   StallWatch stalls;

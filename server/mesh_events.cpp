@@ -23,7 +23,7 @@ v1::MeshEvent header_event(const PlannedMesh& planned, const ChunkSource& source
     header.mutable_kept()->set_patch_count(
         static_cast<std::int64_t>(source.patch->patch_count()));
   }
-  if (source.compact) {
+  if (source.encoding == v1::ENCODING_COMPACT) {
     to_proto(source.plan->compact_frame().to_world, *header.mutable_lattice());
   }
   return event;
@@ -37,7 +37,9 @@ v1::MeshEvent trailer_event(const ChunkSource& source,
   v1::MeshTrailer& trailer = *event.mutable_trailer();
   trailer.set_first_chunk(static_cast<std::int64_t>(first));
   trailer.set_end_chunk(static_cast<std::int64_t>(end));
-  if (!source.compact) to_proto(quality, *trailer.mutable_quality());
+  if (source.encoding != v1::ENCODING_COMPACT) {
+    to_proto(quality, *trailer.mutable_quality());
+  }
   const MeshPlan& plan = *source.plan;
   if (plan.boundary()) to_proto(*plan.boundary(), *trailer.mutable_boundary());
   if (plan.improvement()) to_proto(*plan.improvement(), *trailer.mutable_improvement());

@@ -111,6 +111,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
   capabilities.add_encodings(v1::ENCODING_PLAIN);
   capabilities.add_encodings(v1::ENCODING_COMPACT);
+  capabilities.add_encodings(v1::ENCODING_PACKED);
   capabilities.set_max_chunk_bytes(std::int64_t{kChunkBytes});
   v1::Limits& limits = *capabilities.mutable_limits();
   limits.set_max_concurrent_meshes(static_cast<std::int32_t>(config.max_streams));

@@ -76,7 +76,7 @@ void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
 }
 
 void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
-  source_ = {planned_.plan, nullptr, order_.compact};
+  source_ = {planned_.plan, nullptr, order_.encoding};
   if (base != nullptr) source_.patch = MeshPatch::between(*base, planned_.plan);
   // Asked for in other words than a job that has made it.
   if (engine_.results != nullptr && !order_.stored_name.empty()) {
@@ -128,8 +128,7 @@ v1::MeshEvent MeshStream::header() const {
 
 absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
   if (stored_ != nullptr) return read(index, std::move(block));
-  ChunkMessage made =
-      make_chunk(source_, index, {engine_.workspaces, engine_.blocks}, std::move(block));
+  ChunkMessage made = make_chunk(source_, index, engine_.chunk_memory(), std::move(block));
   engine_.activity.chunks_made.fetch_add(1);
   return made;
 }

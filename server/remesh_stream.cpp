@@ -242,7 +242,7 @@ void RemeshStream::planned(absl::StatusOr<PlannedMesh> planned) {
   if (!planned.ok()) return begin_chunks(planned.status(), 0, 0);
   const std::shared_ptr<const MeshPlan> earlier = std::move(source_.plan);
   planned_ = *std::move(planned);
-  source_ = {planned_.plan, nullptr, false};
+  source_ = {planned_.plan, nullptr};
   if (earlier != nullptr) source_.patch = MeshPatch::between(*earlier, planned_.plan);
   begin_chunks(absl::OkStatus(), 0, 0);
 }
@@ -255,8 +255,7 @@ void RemeshStream::note_opening() {
 v1::MeshEvent RemeshStream::header() const { return header_event(planned_, source_); }
 
 absl::StatusOr<ChunkMessage> RemeshStream::make(std::uint64_t index, Block block) {
-  ChunkMessage made =
-      make_chunk(source_, index, {engine_.workspaces, engine_.blocks}, std::move(block));
+  ChunkMessage made = make_chunk(source_, index, engine_.chunk_memory(), std::move(block));
   engine_.activity.chunks_made.fetch_add(1);
   return made;
 }

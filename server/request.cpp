@@ -136,35 +136,35 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   if (compact && mesh->request.improve) {
     return invalid_field(
         "encoding ENCODING_COMPACT cannot carry an improved mesh: leave improve unset, or ask "
-        "for ENCODING_PLAIN");
+        "for ENCODING_PACKED");
   }
   if (compact && mesh->request.sizing.grade_surface) {
     return invalid_field(
         "encoding ENCODING_COMPACT cannot carry a mesh with a graded surface: leave "
-        "sizing.grade_surface unset, or ask for ENCODING_PLAIN");
+        "sizing.grade_surface unset, or ask for ENCODING_PACKED");
   }
   if (compact && has_cut(mesh->request)) {
     return invalid_field(
         "encoding ENCODING_COMPACT cannot carry a mesh that a box cuts: leave box unset, or "
-        "ask "
-        "for ENCODING_PLAIN");
+        "ask for ENCODING_PACKED");
   }
   if (compact && !mesh->request.fields.empty()) {
     return invalid_field(
         "encoding ENCODING_COMPACT cannot carry fields, whose grids only the server has: ask "
-        "for ENCODING_PLAIN");
+        "for ENCODING_PACKED");
   }
   StreamOrder order{*std::move(mesh),
                     static_cast<std::uint64_t>(request.start_chunk()),
                     static_cast<std::uint64_t>(request.end_chunk()),
                     request.expected_mesh_id(),
-                    compact,
+                    request.encoding(),
                     {},
                     {}};
   if (request.base_mesh_id().empty() != request.base_name().empty()) {
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }
-  const bool stored = !compact && !request.skip_cache();
+  const bool plain = !compact && request.encoding() != v1::ENCODING_PACKED;
+  const bool stored = plain && !request.skip_cache();
   if (request.base_name().empty()) {
     if (stored) order.stored_name = name_of_request(request.mesh());
     return order;
@@ -173,7 +173,10 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field("base_name is for grids: a scene's mesh is sent whole");
   }
   if (compact) {
-    return invalid_field("base_name is for ENCODING_PLAIN: compact chunks carry whole meshes");
+    return invalid_field(
+        "base_name does not go with ENCODING_COMPACT, which carries whole meshes: leave it "
+        "unset, "
+        "or ask for ENCODING_PACKED");
   }
   absl::StatusOr<std::string> base = parse_grid_name(request.base_name());
   if (!base.ok()) return base.status();

@@ -48,7 +48,7 @@ struct StreamOrder {
   std::uint64_t start_chunk = 0;
   std::uint64_t end_chunk = 0;  ///< 0: all
   std::string expected_mesh_id;
-  bool compact = false;
+  v1::Encoding encoding = v1::ENCODING_PLAIN;
   std::string base_mesh_id;  ///< empty: no earlier mesh
   std::string base_digest;   ///< of its grid file
   /// The request's name, where the result of a job will do as well; else empty.

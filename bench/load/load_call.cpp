@@ -75,7 +75,7 @@ class LoadCall final : public BookedCall,
   void prepare_stream(const CallSettings& settings, const LoadRequest& request) {
     v1::StreamMeshRequest message;
     *message.mutable_mesh() = request.message;
-    message.set_encoding(settings.compact ? v1::ENCODING_COMPACT : v1::ENCODING_PLAIN);
+    message.set_encoding(settings.encoding);
     message.set_skip_cache(request.skip_cache);
     message_ = serialized(message);
   }

@@ -9,8 +9,11 @@
 #include "bench/load/request_sender.h"
 #include "client/channel.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
+#include "tetstream/v1/meshes.pb.h"
 
 namespace tet::load {
+
+namespace v1 = ::tetstream::v1;
 
 /// A connection, and what is asked over it.
 struct LoadServer {
@@ -22,8 +25,8 @@ struct LoadServer {
 };
 
 struct CallSettings {
-  bool compact = false;        ///< ask for the compact encoding; jobs have none
-  bool check_columns = false;  ///< verify the checksum of every chunk
+  v1::Encoding encoding = v1::ENCODING_PLAIN;  ///< jobs have none other
+  bool check_columns = false;                  ///< verify the checksum of every chunk
 };
 
 /// Begins and returns; `done` is called once, on another thread. All outlive the call.

@@ -195,7 +195,14 @@ void describe_load(CLI::App& app, LoadArguments& arguments) {
   app.add_option("--connections", arguments.stream.connections, "Connections that take turns")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_flag("--compact", arguments.stream.compact, "Ask for the compact encoding");
+  const auto ask_for = [&](v1::Encoding encoding) {
+    return [&arguments, encoding] { arguments.stream.encoding = encoding; };
+  };
+  auto* const packed = app.add_flag_callback("--packed", ask_for(v1::ENCODING_PACKED),
+                                             "Ask for packed chunks, four bytes a tet");
+  app.add_flag_callback("--compact", ask_for(v1::ENCODING_COMPACT),
+                        "Ask for the compact encoding, half a byte a tet")
+      ->excludes(packed);
   app.add_flag("--check", arguments.stream.check_columns, "Verify the checksum of every chunk");
   app.add_option("--json", arguments.json, "File for all figures; docs/load.md has the keys");
   app.add_flag("--quiet", arguments.quiet, "Only the report, no view of what goes on");

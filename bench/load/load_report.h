@@ -8,8 +8,11 @@
 #include "bench/load/request_mix.h"
 #include "bench/load/run_load.h"
 #include "bench/load/search_load.h"
+#include "tetstream/v1/meshes.pb.h"
 
 namespace tet::load {
+
+namespace v1 = ::tetstream::v1;
 
 /// What every report of a session begins with.
 struct LoadSetting {
@@ -17,8 +20,11 @@ struct LoadSetting {
   std::string started;  ///< UTC, ISO 8601
   std::vector<MixEntry> mix;
   std::vector<LatencyGoal> goals;
-  bool compact = false;  ///< the encoding of the streams
+  v1::Encoding encoding = v1::ENCODING_PLAIN;  ///< of the streams
 };
+
+/// "plain", "packed" or "compact".
+std::string encoding_name(v1::Encoding encoding);
 
 /// "Poisson arrivals at 20/s", "3 workers back to back", ...
 std::string describe_plan(const LoadPlan& plan);

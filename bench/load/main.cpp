@@ -31,7 +31,7 @@ constexpr const char* kAbout =
 LoadSetting setting_of(const LoadOptions& options, const RequestMix& mix) {
   return {options.stream.address,
           absl::FormatTime(absl::RFC3339_sec, absl::Now(), absl::UTCTimeZone()), mix.entries(),
-          options.goals, options.stream.compact};
+          options.goals, options.stream.encoding};
 }
 
 absl::Status write_report(const std::string& text,

@@ -175,11 +175,11 @@ Json run_json(const LoadSetting& setting, const LoadResult& result) {
 
 Json setting_json(const LoadSetting& setting) {
   return {
-      {  "schema",                               kSchema},
-      {  "server",                        setting.server},
-      { "started",                       setting.started},
-      {"encoding", setting.compact ? "compact" : "plain"},
-      {     "mix",                 mix_json(setting.mix)}
+      {  "schema",                         kSchema},
+      {  "server",                  setting.server},
+      { "started",                 setting.started},
+      {"encoding", encoding_name(setting.encoding)},
+      {     "mix",           mix_json(setting.mix)}
   };
 }
 

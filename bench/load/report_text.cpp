@@ -17,7 +17,9 @@ std::string show_rate(double per_second) { return show_number(per_second) + "/s"
 
 std::string heading(const LoadSetting& setting, const LoadPlan& plan) {
   std::string text = absl::StrFormat("%s: %s%s\n", setting.server, describe_plan(plan),
-                                     setting.compact ? ", compact encoding" : "");
+                                     setting.encoding == v1::ENCODING_PLAIN
+                                         ? ""
+                                         : absl::StrCat(", ", encoding_name(setting.encoding)));
   for (const MixEntry& entry : setting.mix) {
     const std::string often =
         setting.mix.size() > 1 ? absl::StrFormat(" (weight %g)", entry.weight) : "";
@@ -163,6 +165,11 @@ std::string answer_text(const LoadSetting& setting, const SearchResult& search) 
 }
 
 }  // namespace
+
+std::string encoding_name(v1::Encoding encoding) {
+  if (encoding == v1::ENCODING_COMPACT) return "compact";
+  return encoding == v1::ENCODING_PACKED ? "packed" : "plain";
+}
 
 std::string describe_plan(const LoadPlan& plan) {
   const double seconds = RateProfile(plan.steps).seconds();

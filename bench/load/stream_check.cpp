@@ -30,11 +30,12 @@ std::uint64_t column_bytes_of(const ReceivedChunk& chunk) {
 
 std::uint64_t column_bytes_of(const v1::MeshChunk& chunk) {
   return chunk.positions().size() + chunk.tets().size() + chunk.regions().size() +
-         chunk.compact().size() + chunk.fields().size();
+         chunk.fields().size() + chunk.compact().size() + chunk.packed().size();
 }
 
 std::uint32_t checksum_of(const v1::MeshChunk& chunk) {
   if (!chunk.compact().empty()) return chunk_checksum({chunk.compact()});
+  if (!chunk.packed().empty()) return chunk_checksum({chunk.packed()});
   return chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(), chunk.fields()});
 }
 

@@ -35,7 +35,7 @@ class StreamSender final : public RequestSender {
 
   void send(const LoadRequest& request, Done done) override {
     LoadServer& server = *servers_[turn_.fetch_add(1) % servers_.size()];
-    begin_call(server, book_, {settings_.compact, settings_.check_columns}, request,
+    begin_call(server, book_, {settings_.encoding, settings_.check_columns}, request,
                std::move(done));
   }
 

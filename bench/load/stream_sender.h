@@ -8,14 +8,17 @@
 
 #include "bench/load/request_sender.h"
 #include "client/channel.h"
+#include "tetstream/v1/meshes.pb.h"
 
 namespace tet::load {
+
+namespace v1 = ::tetstream::v1;
 
 struct StreamSettings {
   std::string address;
   ChannelOptions channel;                         ///< how that is spoken to
   int connections = 8;                            ///< requests go to them in turn
-  bool compact = false;                           ///< ask for the compact encoding
+  v1::Encoding encoding = v1::ENCODING_PLAIN;     ///< that streams are asked for in
   bool check_columns = false;                     ///< verify the checksum of every chunk
   Nanoseconds patience{std::chrono::seconds(5)};  ///< until all connections are open
 };

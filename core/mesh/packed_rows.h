@@ -13,7 +13,7 @@ namespace tet {
 inline constexpr std::size_t kMaxListed = 256;
 
 /// A decoder may read this many bytes at once wherever it is.
-inline constexpr std::size_t kPackedPadding = 8;
+inline constexpr std::size_t kPackedPadding = 16;
 
 /// Corners are numbered within a chunk: its own vertices first, then those of others.
 inline constexpr std::size_t kMaxLocalVertices = std::size_t{1} << 16;

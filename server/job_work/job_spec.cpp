@@ -46,7 +46,7 @@ absl::StatusOr<MeshOrder> order_of(const Job& job, const stored::JobSpec& spec) 
 
 stored::JobPlan plan_of(const PlannedMesh& planned) {
   stored::JobPlan plan;
-  const ChunkSource source{planned.plan, nullptr, false};
+  const ChunkSource source{planned.plan, nullptr};
   *plan.mutable_header() = header_event(planned, source).header();
   *plan.mutable_trailer() = trailer_event(source, 0, 0, {}).trailer();
   plan.mutable_trailer()->clear_quality();

@@ -225,13 +225,13 @@ absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {
 absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& shard,
                                                                  const PlannedMesh& planned,
                                                                  MeshFolder& folder) {
-  const ChunkSource source{planned.plan, nullptr, false};
+  const ChunkSource source{planned.plan, nullptr};
   std::vector<ChunkDigest> digests;
   for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
     const absl::Status wanted = check_cancelled(shard.order.watch->cancellation);
     if (!wanted.ok()) return wanted;
-    const ChunkMessage chunk = make_chunk(source, static_cast<std::uint64_t>(i),
-                                          {engine_.workspaces, engine_.blocks}, nullptr);
+    const ChunkMessage chunk =
+        make_chunk(source, static_cast<std::uint64_t>(i), engine_.chunk_memory(), nullptr);
     engine_.activity.chunks_made.fetch_add(1);
     if (auto room = results_.reserve(chunk.event.Length()); !room.ok()) return room;
     auto digest = folder.put_chunk(chunk);

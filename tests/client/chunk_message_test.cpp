@@ -201,6 +201,19 @@ TEST(ReceivedChunk, RefusesVerticesThatThereAreNot) {
   EXPECT_EQ(taken_by_protobuf(beyond.SerializeAsString()), refused);
 }
 
+TEST(ReceivedChunk, RefusesAPackedChunkThatCannotBeUnpacked) {
+  v1::MeshEvent event = chunk();
+  v1::MeshChunk& message = *event.mutable_chunk();
+  message.clear_positions();
+  message.clear_tets();
+  message.set_packed(std::string(100, '\x7f'));
+  const Outcome refused{absl::StatusCode::kDataLoss, 0};
+  EXPECT_EQ(taken_by_hand(event.SerializeAsString(), 16), refused) << "of a wrong checksum";
+  message.set_checksum(chunk_checksum({message.packed()}));
+  EXPECT_EQ(taken_by_hand(event.SerializeAsString(), 16), refused);
+  EXPECT_EQ(taken_by_protobuf(event.SerializeAsString()), refused);
+}
+
 TEST(ReceivedChunk, RefusesAColumnLongerThanTheMessage) {
   // positions of 2^31 - 1 bytes, of which none came
   grpc::ByteBuffer message = in_slices("\x1a\x06\x3a\xff\xff\xff\xff\x07", 3);

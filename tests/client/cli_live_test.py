@@ -13,7 +13,7 @@ import time
 import unittest
 
 from command_case import (
-    CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, CommandTest, ServerTest, binaries,
+    CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries,
     unused_port, wait_until)
 
 
@@ -130,12 +130,28 @@ class OnAServer(ServerTest):
                     "mesh", self.inputs / "random-signs.vdb", "-o", path, *options, *server))
             self.assertTrue(filecmp.cmp(here, there, shallow=False), ending)
 
-    def test_makes_the_same_bytes_of_compact_chunks(self):
+    def test_makes_the_same_bytes_of_packed_and_of_compact_chunks(self):
         here, there = self.out / "here.vtu", self.out / "there.vtu"
-        for path, options in ((here, ()), (there, ("--server", self.address, "--compact"))):
-            self.assert_done(self.tetstream(
-                "mesh", self.inputs / "torus.vdb", "-o", path, *options))
-        self.assertTrue(filecmp.cmp(here, there, shallow=False))
+        self.assert_done(self.tetstream("mesh", self.inputs / "torus.vdb", "-o", here))
+        for encoding in ("--packed", "--compact"):
+            self.assert_done(self.tetstream("mesh", self.inputs / "torus.vdb", "-o", there,
+                                            "--server", self.address, encoding))
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), encoding)
+
+    def test_makes_the_same_bytes_of_packed_chunks_of_any_mesh(self):
+        here, there = self.out / "here.vtu", self.out / "there.vtu"
+        both = ("--preset", "both-sides", "--box", *"-1 -1 -1 1 1 .5".split())
+        graded = ("--sizing", '{"coarsest": 0.2, "grade_surface": true}')
+        for options in (("--improve",), both, graded):
+            for path, server in ((here, ()), (there, ("--server", self.address, "--packed"))):
+                self.assert_done(self.tetstream(
+                    "mesh", self.inputs / "torus.vdb", "-o", path, *options, *server))
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), options)
+
+    def test_refuses_packed_chunks_without_a_server(self):
+        self.assert_fails(self.mesh("torus.vdb", ".vtu", "--packed"), REFUSED, "--server")
+        self.assert_fails(self.mesh("torus.vdb", ".vtu", "--packed", "--compact",
+                                    "--server", self.address), USAGE, "--packed")
 
     def test_refuses_compact_chunks_where_there_are_none(self):
         self.assert_fails(self.mesh("torus.vdb", ".vtu", "--compact"), REFUSED, "--server")

@@ -147,25 +147,28 @@ TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
   EXPECT_GE(streamed->quality.min_dihedral_deg, 11.3);
 }
 
-TEST_F(MeshClientTest, MakesTheSameMeshFromCompactChunks) {
+TEST_F(MeshClientTest, MakesTheSameMeshFromPackedAndFromCompactChunks) {
   for (const v1::MeshRequest& request :
        {uniform_ball(16), both_sides_of_ball(16, 2), mesh_of(solid_file("gyroid", 0.08))}) {
     const auto plain = client_->stream_mesh(request, {}, never_);
-    const auto compact = client_->stream_mesh(request, {}, never_,
-                                              {.encoding = v1::ENCODING_COMPACT, .used = {}});
-    ASSERT_TRUE(plain.ok() && compact.ok()) << plain.status() << compact.status();
-    EXPECT_TRUE(same_mesh(compact->mesh, plain->mesh));
-    EXPECT_EQ(compact->mesh_id, plain->mesh_id);
-    EXPECT_EQ(compact->quality.volume, plain->quality.volume);
-    EXPECT_EQ(compact->quality.histogram, plain->quality.histogram);
-    EXPECT_TRUE(compact->boundary == plain->boundary);
+    for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+      const auto encoded =
+          client_->stream_mesh(request, {}, never_, {.encoding = encoding, .used = {}});
+      ASSERT_TRUE(plain.ok() && encoded.ok()) << plain.status() << encoded.status();
+      EXPECT_TRUE(same_mesh(encoded->mesh, plain->mesh));
+      EXPECT_EQ(encoded->mesh_id, plain->mesh_id);
+      EXPECT_EQ(encoded->quality.volume, plain->quality.volume);
+      EXPECT_EQ(encoded->quality.histogram, plain->quality.histogram);
+      EXPECT_TRUE(encoded->boundary == plain->boundary);
+    }
   }
 }
 
 TEST_F(MeshClientTest, ReceivesAMeshInTheMemoryOfAnother) {
   const v1::MeshRequest small = uniform_ball(16);
   const auto whole = client_->stream_mesh(small, {}, never_);
-  for (const v1::Encoding encoding : {v1::ENCODING_PLAIN, v1::ENCODING_COMPACT}) {
+  for (const v1::Encoding encoding :
+       {v1::ENCODING_PLAIN, v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
     auto larger = client_->stream_mesh(uniform_ball(18), {}, never_);
     ASSERT_TRUE(whole.ok() && larger.ok()) << whole.status() << larger.status();
     const std::byte* const memory = larger->mesh.tets.bytes().data();
@@ -191,6 +194,11 @@ TEST_F(MeshClientTest, UpdatesAMeshToTheBytesOfAWholeOne) {
   for (const std::uint64_t angles : updated->quality.histogram) measured += angles;
   EXPECT_GT(measured, 0U);
   EXPECT_LT(measured, 6 * whole->mesh.header.tet_count) << "everything was sent";
+  const auto packed = client_->update_mesh(cavity, *earlier, {}, never_,
+                                           {.encoding = v1::ENCODING_PACKED, .used = {}});
+  ASSERT_TRUE(packed.ok()) << packed.status();
+  EXPECT_TRUE(same_mesh(packed->mesh, whole->mesh));
+  EXPECT_EQ(packed->quality.histogram, updated->quality.histogram);
 }
 
 TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
@@ -206,16 +214,18 @@ TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
   EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
 }
 
-TEST_F(MeshClientTest, MendsACompactStreamThatBreaksAgainAndAgain) {
+TEST_F(MeshClientTest, MendsAnEncodedStreamThatBreaksAgainAndAgain) {
   const v1::MeshRequest ball = uniform_ball(40);
-  CuttingProxy proxy(server_->port(), kNoLimit, 200'000);
-  const auto client =
-      MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
-  const auto streamed =
-      client->stream_mesh(ball, {}, never_, {.encoding = v1::ENCODING_COMPACT, .used = {}});
-  ASSERT_TRUE(streamed.ok()) << streamed.status();
-  EXPECT_GT(proxy.cuts(), 0);
-  EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(40).mesh));
+  for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+    CuttingProxy proxy(server_->port(), kNoLimit, 200'000);
+    const auto client =
+        MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+    const auto streamed =
+        client->stream_mesh(ball, {}, never_, {.encoding = encoding, .used = {}});
+    ASSERT_TRUE(streamed.ok()) << streamed.status();
+    EXPECT_GT(proxy.cuts(), 0);
+    EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(40).mesh));
+  }
 }
 
 TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {

@@ -110,15 +110,18 @@ class Live(OnAServer):
         self.assertGreater(report["requests"]["done"], 2)
         self.assertIn("spacing", report["mix"][0]["request"])
 
-    def test_asks_for_the_compact_encoding(self):
+    def test_asks_for_another_encoding(self):
         bytes_of_a_tet = []
-        for encoding in ((), ("--compact",)):
+        for encoding in ((), ("--packed",), ("--compact",)):
             self.assert_done(self.load_ball("--rate", "20", "--duration", "300ms", "--warm-up",
                                             "0", "--check", *encoding))
             report = self.report()
             self.assertEqual(report["requests"]["failed"], 0)
             bytes_of_a_tet.append(report["rates"]["bytes_s"] / report["rates"]["tets_s"])
-        self.assertLess(bytes_of_a_tet[1], bytes_of_a_tet[0] / 4)
+            self.assertEqual(report["encoding"], (encoding or ("--plain",))[0].strip("-"))
+        plain, packed, compact = bytes_of_a_tet
+        self.assertLess(packed, plain / 3)
+        self.assertLess(compact, packed / 3)
 
     def test_takes_a_mix_of_files_and_digests(self):
         self.assert_done(self.load_ball("--rate", "10", "--duration", "200ms", "--warm-up", "0"))
