@@ -80,8 +80,8 @@ struct ChunkedMesh {
   void pack(ChunkPacker& packer, Chunks& chunks) {
     chunks.resize(extents.size());
     for (std::size_t i = 0; i < extents.size(); ++i) {
-      chunks[i].clear();
-      packer.pack(mesh.header, extents[i], mesh.columns_of(extents[i]), chunks[i]);
+      const auto bytes = packer.pack(mesh.header, extents[i], mesh.columns_of(extents[i]));
+      chunks[i].assign(bytes.begin(), bytes.end());
     }
   }
 };

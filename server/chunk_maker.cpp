@@ -83,19 +83,20 @@ ChunkMessage make_columns(const ChunkSource& source,
     message.quality = source.patch ? source.patch->fill(index, *workspace, columns)
                                    : plan.fill_chunk(index, *workspace, columns);
   }
-  std::vector<std::byte> packed;
-  if (source.encoding == v1::ENCODING_PACKED &&
-      ScratchPool<ChunkPacker>::Turn(memory.packers)
-          ->pack(plan.header(), extent, columns, packed)) {
-    v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, packed)));
-    chunk.set_packed(packed.data(), packed.size());
-    message.event = encoded_event(std::move(chunk), packed.size(), held);
-    message.bytes = packed.size();
-  } else {
-    message.event =
-        plain_event(frame, slice, block, numbers_of(index, extent, checksum_of(columns)));
-    message.bytes = size.total();
+  if (source.encoding == v1::ENCODING_PACKED) {
+    const ScratchPool<ChunkPacker>::Turn packer(memory.packers);
+    const auto packed = packer->pack(plan.header(), extent, columns);
+    if (!packed.empty()) {
+      v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, packed)));
+      chunk.set_packed(packed.data(), packed.size());
+      message.event = encoded_event(std::move(chunk), packed.size(), held);
+      message.bytes = packed.size();
+      return message;
+    }
   }
+  message.event =
+      plain_event(frame, slice, block, numbers_of(index, extent, checksum_of(columns)));
+  message.bytes = size.total();
   return message;
 }
 

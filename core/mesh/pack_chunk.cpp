@@ -2,7 +2,8 @@
 #include <array>
 #include <cstring>
 #include <functional>
-#include <numeric>
+#include <smmintrin.h>
+#include <utility>
 
 #include "core/base/byte_coding.h"
 #include "core/mesh/corner_lanes.h"
@@ -192,28 +193,28 @@ void pack_regions(std::span<const std::byte> regions, ByteWriter& out) {
 
 }  // namespace
 
-bool ChunkPacker::pack(const MeshHeader& header,
-                       const ChunkExtent& extent,
-                       const ChunkColumns& columns,
-                       std::vector<std::byte>& bytes) {
+std::span<const std::byte> ChunkPacker::pack(const MeshHeader& header,
+                                             const ChunkExtent& extent,
+                                             const ChunkColumns& columns) {
   const bool numbered = header.index_type == IndexType::kUint64
                             ? number_corners<std::uint64_t>(extent, columns.tets)
                             : number_corners<std::uint32_t>(extent, columns.tets);
-  if (!numbered) return false;
-  ByteWriter out(bytes);
+  if (!numbered) return {};
+  bytes_.clear();
+  ByteWriter out(bytes_);
   out.varint(others_.size());
   std::uint64_t last = 0;
   for (const std::uint64_t id : others_) out.varint(id - std::exchange(last, id));
   if (header.coordinate_type == CoordinateType::kFloat64) {
-    pack_positions<std::uint64_t>(columns.positions, bytes);
+    pack_positions<std::uint64_t>(columns.positions);
   } else {
-    pack_positions<std::uint32_t>(columns.positions, bytes);
+    pack_positions<std::uint32_t>(columns.positions);
   }
-  pack_tets(bytes);
+  pack_tets();
   pack_regions(columns.regions, out);
   out.append(columns.fields);
   out.extend(kPackedPadding);
-  return true;
+  return bytes_;
 }
 
 /// Numbers all corners; false where 16 bits do not hold that.
@@ -226,8 +227,8 @@ bool ChunkPacker::number_corners(const ChunkExtent& extent, std::span<const std:
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t own = read_id<Id>(tets, i) - extent.first_vertex;
     corners_[i] = static_cast<std::uint16_t>(own);
-    elsewhere_[elsewhere] =
-        static_cast<std::uint32_t>(i);  // no branch: it could not be foreseen
+    // Without a branch: it could not be foreseen.
+    elsewhere_[elsewhere] = static_cast<std::uint32_t>(i);
     elsewhere += own >= extent.vertex_count;
   }
   elsewhere_.resize(elsewhere);
@@ -263,8 +264,7 @@ void ChunkPacker::find_others(std::span<const std::byte> tets) {
 }
 
 template <class Word>
-void ChunkPacker::pack_positions(std::span<const std::byte> positions,
-                                 std::vector<std::byte>& bytes) {
+void ChunkPacker::pack_positions(std::span<const std::byte> positions) {
   const std::size_t count = positions.size() / (3 * sizeof(Word));
   patterns_.resize(count);
   std::array<std::array<Word, 4>, 3> before{};  // by coordinate, the last vertex first
@@ -280,11 +280,11 @@ void ChunkPacker::pack_positions(std::span<const std::byte> positions,
   }
   const ListedPatterns listed(patterns_, kVertexPatterns, 1,
                               [](std::uint16_t) { return kWholeVertex; });
-  ByteWriter out(bytes);
+  ByteWriter out(bytes_);
   listed.write(patterns_, out);
 
   constexpr auto kRules = coordinate_rules<Word>();
-  LowBytes<Word> said(bytes, positions.size());
+  LowBytes<Word> said(bytes_, positions.size());
   std::array<Word, 3> last{};
   for (std::size_t v = 0; v < count; ++v) {
     const std::array<Word, 3> words = read_vertex<Word>(positions, v);
@@ -299,7 +299,7 @@ void ChunkPacker::pack_positions(std::span<const std::byte> positions,
   said.finish();
 }
 
-void ChunkPacker::pack_tets(std::vector<std::byte>& bytes) {
+void ChunkPacker::pack_tets() {
   const std::size_t count = corners_.size() / 4;
   patterns_.resize(count);
   steps_.resize(corners_.size());
@@ -308,21 +308,21 @@ void ChunkPacker::pack_tets(std::vector<std::byte>& bytes) {
     patterns_[t] = tracks.advance(&corners_[4 * t], &steps_[4 * t]);
   }
   const ListedPatterns listed(patterns_, kTetPatterns, kWideTetPatterns, widened_tet);
-  ByteWriter out(bytes);
+  ByteWriter out(bytes_);
   listed.write(patterns_, out);
 
   std::array<TetSaying, kMaxListed> sayings;
   std::ranges::transform(listed.listed(), sayings.begin(), [](auto p) { return TetSaying(p); });
-  std::size_t end = bytes.size();
-  bytes.resize(end + corners_.size() * 2);
+  std::size_t end = bytes_.size();
+  bytes_.resize(end + corners_.size() * 2);
   for (std::size_t t = 0; t < count; ++t) {
     const TetSaying& saying = sayings[listed.token(patterns_[t])];
     const __m128i biased =
         _mm_add_epi16(load_lanes(&steps_[4 * t]), load_lanes(&saying.biases));
-    store_lanes(&bytes[end], _mm_shuffle_epi8(biased, load_lanes(&saying.picks)));
+    store_lanes(&bytes_[end], _mm_shuffle_epi8(biased, load_lanes(&saying.picks)));
     end += saying.bytes;
   }
-  bytes.resize(end);
+  bytes_.resize(end);
 }
 
 }  // namespace tet

@@ -17,19 +17,18 @@ namespace tet {
 /// Packs chunks, one after another in the same memory. Not thread-safe.
 class ChunkPacker {
  public:
-  /// Appends a chunk's columns to `bytes`; the same bytes for the same columns. False, and
-  /// nothing appended, where its tets have more than 65,536 vertices.
-  bool pack(const MeshHeader& header,
-            const ChunkExtent& extent,
-            const ChunkColumns& columns,
-            std::vector<std::byte>& bytes);
+  /// A chunk's columns as the bytes that carry them, the same for the same columns; they last
+  /// until the next are packed. None where the tets have more than 65,536 vertices.
+  std::span<const std::byte> pack(const MeshHeader& header,
+                                  const ChunkExtent& extent,
+                                  const ChunkColumns& columns);
 
  private:
   template <class Id>
   bool number_corners(const ChunkExtent& extent, std::span<const std::byte> tets);
   template <class Word>
-  void pack_positions(std::span<const std::byte> positions, std::vector<std::byte>& bytes);
-  void pack_tets(std::vector<std::byte>& bytes);
+  void pack_positions(std::span<const std::byte> positions);
+  void pack_tets();
 
   struct RecentVertex {
     std::uint64_t id = ~std::uint64_t{0};
@@ -47,6 +46,7 @@ class ChunkPacker {
   std::vector<RecentVertex> recent_;      ///< some of them by their last bits: no search
   std::vector<std::uint16_t> steps_;      ///< from corner to corner
   std::vector<std::uint16_t> patterns_;   ///< of vertices or tets
+  std::vector<std::byte> bytes_;          ///< what came of it
 };
 
 /// Unpacks chunks, one after another in the same memory. Not thread-safe.

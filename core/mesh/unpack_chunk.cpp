@@ -3,6 +3,7 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
+#include <smmintrin.h>
 
 #include <absl/strings/str_cat.h>
 

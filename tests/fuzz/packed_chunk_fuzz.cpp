@@ -84,8 +84,9 @@ void expect_same_back(const Input& input, std::span<const std::byte> bytes) {
     const std::uint64_t id = id_at(columns.tets, i, size) % input.header.vertex_count;
     std::memcpy(&columns.tets[i * size], &id, size);
   }
-  Bytes packed;
-  if (!ChunkPacker().pack(input.header, input.extent, columns.places(), packed)) return;
+  ChunkPacker packer;
+  const auto packed = packer.pack(input.header, input.extent, columns.places());
+  if (packed.empty()) return;
   Columns back(input);
   ChunkUnpacker unpacker;
   if (!unpacker.unpack(packed, input.header, input.extent, back.places()).ok()) std::abort();

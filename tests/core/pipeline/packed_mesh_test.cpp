@@ -38,8 +38,8 @@ Packed pack(const Volume& volume, const MeshRequest& request) {
   ChunkPacker packer;
   for (std::uint64_t i = 0; i < packed.mesh.header.chunk_count; ++i) {
     const ChunkExtent& extent = packed.extents.emplace_back((*plan)->chunk(i));
-    EXPECT_TRUE(packer.pack(packed.mesh.header, extent, packed.mesh.columns_of(extent),
-                            packed.chunks.emplace_back()));
+    const auto bytes = packer.pack(packed.mesh.header, extent, packed.mesh.columns_of(extent));
+    packed.chunks.emplace_back(bytes.begin(), bytes.end());
   }
   return packed;
 }
