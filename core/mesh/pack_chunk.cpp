@@ -172,7 +172,7 @@ struct TetSaying {
   std::uint8_t bytes = 0;
 
   TetSaying() = default;
-  explicit TetSaying(std::uint16_t pattern) noexcept {
+  explicit TetSaying(unsigned pattern) noexcept {
     for (std::uint8_t k = 0; k < 4; ++k, pattern /= kCornerKinds) {
       const auto kind = static_cast<CornerKind>(pattern % kCornerKinds);
       biases[2U * k] = kind == kFar ? 0 : kNearBias;
@@ -288,7 +288,7 @@ void ChunkPacker::pack_positions(std::span<const std::byte> positions) {
   std::array<Word, 3> last{};
   for (std::size_t v = 0; v < count; ++v) {
     const std::array<Word, 3> words = read_vertex<Word>(positions, v);
-    std::uint16_t pattern = listed.listed()[listed.token(patterns_[v])];
+    unsigned pattern = listed.listed()[listed.token(patterns_[v])];
     for (std::size_t c = 0; c < 3; ++c) {
       const auto kind = static_cast<CoordinateKind>(pattern % kCoordinateKinds);
       said.write(said_of(words[c], kind, last[c]), kRules[kind].bytes);

@@ -54,7 +54,7 @@ std::optional<Rows> read_rows(ByteReader& reader,
 }
 
 template <class Word>
-std::size_t vertex_bytes(std::uint16_t pattern) noexcept {
+std::size_t vertex_bytes(unsigned pattern) noexcept {
   constexpr auto kRules = coordinate_rules<Word>();
   std::size_t bytes = 0;
   for (int c = 0; c < 3; ++c, pattern /= kCoordinateKinds) {
@@ -74,7 +74,7 @@ struct VertexMoves {
   std::uint32_t bytes = 0;
 
   VertexMoves() = default;
-  explicit VertexMoves(std::uint16_t pattern) noexcept {
+  explicit VertexMoves(unsigned pattern) noexcept {
     constexpr auto kRules = coordinate_rules<Word>();
     for (Coordinate& coordinate : coordinates) {
       coordinate = {kRules[pattern % kCoordinateKinds], bytes};
@@ -112,7 +112,7 @@ void unpack_positions(const Rows& rows,
   std::copy_n(memory.begin() + kBefore * sizeof(Word), positions.size(), positions.begin());
 }
 
-std::size_t tet_bytes(std::uint16_t pattern) noexcept {
+std::size_t tet_bytes(unsigned pattern) noexcept {
   std::size_t bytes = 0;
   for (int k = 0; k < 4; ++k, pattern /= kCornerKinds) {
     bytes += kCornerBytes[pattern % kCornerKinds];
@@ -128,7 +128,7 @@ struct TetMoves {
   std::uint64_t bytes = 0;
 
   TetMoves() = default;
-  explicit TetMoves(std::uint16_t pattern) noexcept {
+  explicit TetMoves(unsigned pattern) noexcept {
     constexpr std::uint8_t kNothing = 0x80, kAll = 0xff;
     for (std::size_t at = 0; at < 8; at += 2, pattern /= kCornerKinds) {
       const auto kind = static_cast<CornerKind>(pattern % kCornerKinds);
