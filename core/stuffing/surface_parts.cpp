@@ -32,70 +32,18 @@ bool find_regions(NodePlanes nodes, const NodePlanes& zero, std::vector<NodeRegi
   return true;
 }
 
-/// Whether some tet of the star at an edge between two zeros is not all inside: then what is
-/// not hangs together along the edge.
-bool has_outside_tet(const WarpedLattice& lattice, NodeKind kind, int node, int direction) {
-  const internal::Ring& ring = kRing[static_cast<std::size_t>(direction)];
-  bool seen_before = false, plus_before = false, minus_before = false;
-  for (std::size_t i = 0; i <= ring.size; ++i) {  // the first again in the end
-    const int d = ring.direction[i % ring.size];
-    const NodeKind end = end_kind(kind, d);
-    const int at = node + end_offset(kind, d);
-    const bool seen = kBrickStar[end].test(at);
-    const bool plus = lattice.plus[end].test(at);
-    const bool minus = !plus && !lattice.zero[end].test(at);
-    const bool inside = (plus || plus_before) && !minus && !minus_before;
-    if (i > 0 && seen && seen_before && !inside) return true;
-    seen_before = seen;
-    plus_before = plus;
-    minus_before = minus;
-  }
-  return false;
-}
-
-/// Whether an edge between zeros of two regions joins them.
-bool are_joined(const NodeRegion& a,
-                const NodeRegion& b,
-                const NodePlanes& zero,
-                const WarpedLattice& lattice) {
-  if (!meet(a.beside, b.nodes)) return false;
-  const NodeSets from = (a.nodes & zero & b.beside).sets(), to = (b.nodes & zero).sets();
-  bool joined = false;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(from[kind], [&](int node) {
-      for (int d = 0; d < kDirections && !joined; ++d) {
-        joined = to[end_kind(kind, d)].test(node + end_offset(kind, d)) &&
-                 has_outside_tet(lattice, kind, node, d);
-      }
-    });
-  }
-  return joined;
-}
-
-/// Regions that are not inside were found without edges between zeros, some of which lie within
-/// the inside. The others join them.
-void join_regions(const NodePlanes& zero,
-                  const WarpedLattice& lattice,
-                  std::vector<NodeRegion>& others) {
-  for (std::size_t j = 0; j < others.size(); ++j) {
-    for (std::size_t k = j + 1; k < others.size();) {
-      if (!are_joined(others[j], others[k], zero, lattice)) {
-        ++k;
-        continue;
-      }
-      others[j].nodes |= others[k].nodes;
-      others[j].beside |= others[k].beside;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-      k = j + 1;  // the region has grown
-    }
-  }
-}
-
 /// Whether what lies between two regions is one part of the surface.
-bool tell_parts_apart(const std::vector<NodeRegion>& inside, const NodePlanes& zero) noexcept {
+bool tell_parts_apart(const std::vector<NodeRegion>& inside,
+                      const std::vector<NodeRegion>& others,
+                      const NodePlanes& zero) noexcept {
   for (std::size_t i = 0; i < inside.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (meet(inside[i].beside & inside[k].beside, zero)) return false;
+    }
+  }
+  for (std::size_t j = 0; j < others.size(); ++j) {
+    for (std::size_t k = 0; k < j; ++k) {
+      if (meet(others[j].beside, others[k].nodes)) return false;
     }
   }
   return true;
@@ -251,10 +199,10 @@ std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice) 
   const NodePlanes zero = signs.zero - signs.stray;
   std::vector<NodeRegion> inside, others;
   if (!find_regions(signs.plus | signs.stray, signs.stray, inside) ||
-      !find_regions(signs.minus | zero, zero, others) || !tell_parts_apart(inside, zero)) {
+      !find_regions(signs.minus | zero, zero, others) ||
+      !tell_parts_apart(inside, others, zero)) {
     return std::nullopt;
   }
-  join_regions(zero, lattice, others);
   SurfaceParts parts;
   for (const NodeRegion& i : inside) {
     for (const NodeRegion& o : others) {

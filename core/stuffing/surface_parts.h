@@ -61,8 +61,8 @@ inline constexpr std::size_t kVertexSlots = kNodeKinds + kEdgeFamilies;
 ///
 /// A part lies between one region of `+` nodes and one of others, and all that lies between the
 /// same two is one part: in a ball, what two connected sets that cover it have in common is
-/// connected. With zeros that holds where an edge between two of them joins what is not inside
-/// only beside a tet that is not, and each zero is beside one region of `+` only.
+/// connected. With zeros that holds where edges between two of them are not needed for a region
+/// to hang together, and each zero is beside one region of `+` only.
 std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice);
 
 }  // namespace tet

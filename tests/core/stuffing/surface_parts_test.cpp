@@ -169,7 +169,7 @@ TEST(SurfaceSheet, IsOneOnlyWhereTheSurfaceHangsTogether) {
 
 TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
   int told = 0;
-  for (std::uint32_t seed = 0; seed < 300; ++seed) {
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE(seed);
     const auto lattice = lattice_of(Waves(seed));
     const auto parts = parts_between_regions(*lattice);
@@ -193,7 +193,7 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
       EXPECT_EQ(pairs.size(), surface.count_own_parts());
     }
   }
-  EXPECT_GT(told, 140);
+  EXPECT_GT(told, 50);
 }
 
 TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
