@@ -233,5 +233,20 @@ TEST(PartsBetweenRegions, AreNoneAroundALoneZeroOfTheInside) {
   EXPECT_EQ(parts->count, 0);
 }
 
+TEST(PartsBetweenRegions, AreNotToldWhereZerosAreBesideEachOtherAtTheRim) {
+  // Tets beyond the star join the two zeros, and no other brick need see that.
+  WarpedLattice lattice{};
+  for (const NodeKind kind : {kCorner, kCentre}) lattice.plus[kind] = halo_cube(-1, 8);
+  HaloSet zeros, minus;
+  zeros.set(halo_index(8, 8, 8));
+  zeros.set(halo_index(7, 8, 8));
+  minus.set(halo_index(7, 8, 8));
+  lattice.zero[kCorner] = zeros;
+  lattice.plus[kCorner] -= zeros;
+  lattice.plus[kCentre] -= minus;
+  ASSERT_FALSE(kBrickStar[kCentre].test(halo_index(7, 8, 8)));
+  EXPECT_FALSE(parts_between_regions(lattice).has_value());
+}
+
 }  // namespace
 }  // namespace tet
