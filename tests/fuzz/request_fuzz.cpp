@@ -43,7 +43,7 @@ void check_stream_request(const std::string& bytes) {
   require(!request.iso || std::isfinite(*request.iso));
   require(request.levels >= 0);
   require(request.fields.size() <= VertexField::kMaxFields);
-  require(request.fields.empty() || !order->compact);
+  require(request.fields.empty() || order->encoding != v1::ENCODING_COMPACT);
 }
 
 /// Our own reader of pieces agrees with protobuf wherever it reads one.
