@@ -60,11 +60,11 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
       ->required();
   describe_input(app, arguments);
-  auto* const packed =
-      app.add_flag("--packed", options.packed,
-                   "Receive four bytes a tet, not eighteen: for networks below 10 Gbit/s");
+  auto* const packed = app.add_flag(
+      "--packed", options.packed,
+      "Receive four bytes a tet, not eighteen, of any mesh, which the server packs");
   app.add_flag("--compact", options.compact,
-               "Receive half a byte a tet and make the mesh here: for networks below 1 Gbit/s")
+               "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s")
       ->excludes(packed);
   app.add_flag("--skip-cache", options.skip_cache,
                "Have a server make the mesh though it has it as a job's result");

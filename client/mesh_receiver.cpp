@@ -74,7 +74,7 @@ ChunkExtent extent_of(const ChunkNumbers& chunk) {
   return {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count};
 }
 
-absl::Status check_sum(const ChunkNumbers& chunk, std::uint32_t checksum) {
+absl::Status verify_checksum(const ChunkNumbers& chunk, std::uint32_t checksum) {
   if (checksum == chunk.checksum) return absl::OkStatus();
   return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
 }
@@ -179,8 +179,7 @@ absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header, const MeshHea
 }
 
 absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
-  if (compact_) return take_compact(chunk);
-  if (!chunk.packed().empty()) return take_packed(chunk);
+  if (compact_ || !chunk.packed().empty()) return take_encoded(chunk);
   const ChunkNumbers numbers = numbers_of(chunk);
   const auto columns = place_of(numbers, {chunk.positions().size(), chunk.tets().size(),
                                           chunk.regions().size(), chunk.fields().size()});
@@ -193,30 +192,21 @@ absl::Status MeshReceiver::take_chunk(const v1::MeshChunk& chunk) {
                                           chunk.fields()}));
 }
 
-absl::Status MeshReceiver::take_compact(const v1::MeshChunk& chunk) {
+/// A chunk with other bytes instead of its columns.
+absl::Status MeshReceiver::take_encoded(const v1::MeshChunk& chunk) {
   const ChunkNumbers numbers = numbers_of(chunk);
-  if (absl::Status status = check_place(numbers); !status.ok()) return status;
-  const auto bytes = std::as_bytes(std::span(chunk.compact()));
-  if (absl::Status status = check_sum(numbers, add_to_checksum(0, bytes)); !status.ok()) {
-    return status;
-  }
-  count(numbers);
-  return compact_->add(bytes);
+  const auto bytes = std::as_bytes(std::span(compact_ ? chunk.compact() : chunk.packed()));
+  absl::Status status = check_place(numbers);
+  if (status.ok()) status = verify_checksum(numbers, add_to_checksum(0, bytes));
+  if (status.ok()) status = compact_ ? compact_->add(bytes) : unpack(extent_of(numbers), bytes);
+  if (status.ok()) count(numbers);
+  return status;
 }
 
-absl::Status MeshReceiver::take_packed(const v1::MeshChunk& chunk) {
-  const ChunkNumbers numbers = numbers_of(chunk);
-  if (absl::Status status = check_place(numbers); !status.ok()) return status;
-  const auto bytes = std::as_bytes(std::span(chunk.packed()));
-  if (absl::Status status = check_sum(numbers, add_to_checksum(0, bytes)); !status.ok()) {
-    return status;
-  }
-  const ChunkExtent extent = extent_of(numbers);
-  absl::Status status =
+absl::Status MeshReceiver::unpack(const ChunkExtent& extent, std::span<const std::byte> bytes) {
+  const absl::Status status =
       unpacker_.unpack(bytes, received_.mesh.header, extent, received_.mesh.columns_of(extent));
-  if (!status.ok()) return bad_stream(std::string(status.message()));
-  count(numbers);
-  return absl::OkStatus();
+  return status.ok() ? status : bad_stream(std::string(status.message()));
 }
 
 /// Where the next chunk's columns belong, if this is the next chunk and has columns of that
@@ -255,7 +245,7 @@ absl::Status MeshReceiver::check_place(const ChunkNumbers& chunk) const {
 /// A chunk whose columns were copied counts if they are what the server sent; else the next
 /// attempt overwrites it.
 absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t checksum) {
-  if (absl::Status status = check_sum(chunk, checksum); !status.ok()) return status;
+  if (absl::Status status = verify_checksum(chunk, checksum); !status.ok()) return status;
   const ChunkColumns columns = received_.mesh.columns_of(extent_of(chunk));
   if (!ids_are_within(columns.tets, received_.mesh.header)) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));

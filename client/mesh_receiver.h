@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -55,8 +56,8 @@ class MeshReceiver {
 
   absl::Status take_header(const v1::MeshHeader& header);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
-  absl::Status take_compact(const v1::MeshChunk& chunk);
-  absl::Status take_packed(const v1::MeshChunk& chunk);
+  absl::Status take_encoded(const v1::MeshChunk& chunk);
+  absl::Status unpack(const ChunkExtent& extent, std::span<const std::byte> bytes);
   absl::Status check_place(const ChunkNumbers& chunk) const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk, const ColumnBytes& columns);
   absl::Status take_kept(const v1::MeshHeader& header, const MeshHeader& checked);

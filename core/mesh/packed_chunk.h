@@ -1,6 +1,5 @@
 // A chunk's columns in a fifth of the bytes, whatever mesh they are of: what lies beside each
-// other is alike. Read back about as fast as it is written. docs/wire_format.md has it byte by
-// byte.
+// other is alike. docs/wire_format.md has it byte by byte.
 #pragma once
 
 #include <cstddef>

@@ -147,39 +147,6 @@ TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
   EXPECT_GE(streamed->quality.min_dihedral_deg, 11.3);
 }
 
-TEST_F(MeshClientTest, MakesTheSameMeshFromPackedAndFromCompactChunks) {
-  for (const v1::MeshRequest& request :
-       {uniform_ball(16), both_sides_of_ball(16, 2), mesh_of(solid_file("gyroid", 0.08))}) {
-    const auto plain = client_->stream_mesh(request, {}, never_);
-    for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
-      const auto encoded =
-          client_->stream_mesh(request, {}, never_, {.encoding = encoding, .used = {}});
-      ASSERT_TRUE(plain.ok() && encoded.ok()) << plain.status() << encoded.status();
-      EXPECT_TRUE(same_mesh(encoded->mesh, plain->mesh));
-      EXPECT_EQ(encoded->mesh_id, plain->mesh_id);
-      EXPECT_EQ(encoded->quality.volume, plain->quality.volume);
-      EXPECT_EQ(encoded->quality.histogram, plain->quality.histogram);
-      EXPECT_TRUE(encoded->boundary == plain->boundary);
-    }
-  }
-}
-
-TEST_F(MeshClientTest, ReceivesAMeshInTheMemoryOfAnother) {
-  const v1::MeshRequest small = uniform_ball(16);
-  const auto whole = client_->stream_mesh(small, {}, never_);
-  for (const v1::Encoding encoding :
-       {v1::ENCODING_PLAIN, v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
-    auto larger = client_->stream_mesh(uniform_ball(18), {}, never_);
-    ASSERT_TRUE(whole.ok() && larger.ok()) << whole.status() << larger.status();
-    const std::byte* const memory = larger->mesh.tets.bytes().data();
-    const auto streamed = client_->stream_mesh(
-        small, {}, never_, {.encoding = encoding, .used = std::move(larger->mesh)});
-    ASSERT_TRUE(streamed.ok()) << streamed.status();
-    EXPECT_EQ(streamed->mesh.tets.bytes().data(), memory);
-    EXPECT_TRUE(same_mesh(streamed->mesh, whole->mesh));
-  }
-}
-
 TEST_F(MeshClientTest, UpdatesAMeshToTheBytesOfAWholeOne) {
   const v1::MeshRequest sphere = mesh_of(solid_file("sphere", 0.04));
   const v1::MeshRequest cavity = mesh_of(solid_file("cavity", 0.04));
@@ -212,20 +179,6 @@ TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
   const auto updated = client_->update_mesh(sphere, lost, {}, never_);
   ASSERT_TRUE(updated.ok()) << updated.status();
   EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
-}
-
-TEST_F(MeshClientTest, MendsAnEncodedStreamThatBreaksAgainAndAgain) {
-  const v1::MeshRequest ball = uniform_ball(40);
-  for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
-    CuttingProxy proxy(server_->port(), kNoLimit, 200'000);
-    const auto client =
-        MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
-    const auto streamed =
-        client->stream_mesh(ball, {}, never_, {.encoding = encoding, .used = {}});
-    ASSERT_TRUE(streamed.ok()) << streamed.status();
-    EXPECT_GT(proxy.cuts(), 0);
-    EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(40).mesh));
-  }
 }
 
 TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {

@@ -1,0 +1,77 @@
+// The encodings that a client may ask for: the same mesh of each.
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "client/mesh_client.h"
+#include "tests/client/cutting_proxy.h"
+#include "tests/core/pipeline/meshing.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+class EncodingsTest : public ServiceTest {
+ protected:
+  EncodingsTest() { start(); }
+};
+
+void expect_same_stream(const StreamedMesh& a, const StreamedMesh& b) {
+  EXPECT_TRUE(test::same_bytes(a.mesh, b.mesh));
+  EXPECT_TRUE(a.mesh.header.origin == b.mesh.header.origin);
+  EXPECT_EQ(a.mesh_id, b.mesh_id);
+}
+
+TEST_F(EncodingsTest, MakeTheSameMesh) {
+  for (const v1::MeshRequest& request :
+       {uniform_ball(16), both_sides_of_ball(16, 2), mesh_of(solid_file("gyroid", 0.08))}) {
+    const auto plain = client_->stream_mesh(request, {}, never_);
+    for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+      const auto encoded =
+          client_->stream_mesh(request, {}, never_, {.encoding = encoding, .used = {}});
+      ASSERT_TRUE(plain.ok() && encoded.ok()) << plain.status() << encoded.status();
+      expect_same_stream(*encoded, *plain);
+      EXPECT_EQ(encoded->quality.volume, plain->quality.volume);
+      EXPECT_EQ(encoded->quality.histogram, plain->quality.histogram);
+      EXPECT_TRUE(encoded->boundary == plain->boundary);
+    }
+  }
+}
+
+TEST_F(EncodingsTest, ReceiveAMeshInTheMemoryOfAnother) {
+  const v1::MeshRequest small = uniform_ball(16);
+  const auto whole = client_->stream_mesh(small, {}, never_);
+  for (const v1::Encoding encoding :
+       {v1::ENCODING_PLAIN, v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+    auto larger = client_->stream_mesh(uniform_ball(18), {}, never_);
+    ASSERT_TRUE(whole.ok() && larger.ok()) << whole.status() << larger.status();
+    const std::byte* const memory = larger->mesh.tets.bytes().data();
+    const auto streamed = client_->stream_mesh(
+        small, {}, never_, {.encoding = encoding, .used = std::move(larger->mesh)});
+    ASSERT_TRUE(streamed.ok()) << streamed.status();
+    EXPECT_EQ(streamed->mesh.tets.bytes().data(), memory);
+    expect_same_stream(*streamed, *whole);
+  }
+}
+
+TEST_F(EncodingsTest, MendAStreamThatBreaksAgainAndAgain) {
+  constexpr std::uint64_t kUnlimited = ~std::uint64_t{0};
+  const v1::MeshRequest ball = uniform_ball(40);
+  const auto whole = client_->stream_mesh(ball, {}, never_);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+    CuttingProxy proxy(server_->port(), kUnlimited, 200'000);
+    const auto client =
+        MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+    const auto streamed =
+        client->stream_mesh(ball, {}, never_, {.encoding = encoding, .used = {}});
+    ASSERT_TRUE(streamed.ok()) << streamed.status();
+    EXPECT_GT(proxy.cuts(), 0);
+    expect_same_stream(*streamed, *whole);
+  }
+}
+
+}  // namespace
+}  // namespace tet::test
