@@ -15,6 +15,51 @@ namespace {
 constexpr int kMaxCorner = 10;
 constexpr std::size_t kUsedRows = kMaxCorner - kHaloMin + 1;  // of a slice; as many slices
 
+/// What a halo has of the brick before, of the brick itself, and of the one behind, along an
+/// axis: its voxels from `first`, and where they are in the halo.
+struct Part {
+  std::size_t first, count, at;
+};
+constexpr std::array<Part, 3> kHaloParts{
+    {{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}
+};
+
+/// Of the 27 bricks at and around a brick, the one at 9*(x+1) + 3*(y+1) + z+1.
+BrickCoord brick_around(BrickCoord brick, int i) noexcept {
+  return {brick.x + i / 9 - 1, brick.y + i / 3 % 3 - 1, brick.z + i % 3 - 1};
+}
+
+/// The sides of the surface that values lie on.
+struct Sides {
+  bool inside = false, outside = false;
+
+  bool both() const noexcept { return inside && outside; }
+  void add(const Sides& more) noexcept {
+    inside = inside || more.inside;
+    outside = outside || more.outside;
+  }
+};
+
+/// Of a part of a brick.
+Sides sides_of(const InsideTestOfValue& inside,
+               const VolumeReader::Brick& brick,
+               const Part& x,
+               const Part& y,
+               const Part& z) noexcept {
+  const bool min = inside(brick.range.min), max = inside(brick.range.max);
+  if (min == max) return {min, !min};
+  const std::size_t values = x.count * y.count * z.count;
+  if (values == std::size_t{kBrickCells}) return {true, true};
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < x.count; ++i) {
+    for (std::size_t j = 0; j < y.count; ++j) {
+      const float* const row = brick.values + ((x.first + i) * 8 + y.first + j) * 8 + z.first;
+      for (std::size_t k = 0; k < z.count; ++k) found += inside(row[k]) ? 1U : 0U;
+    }
+  }
+  return {found > 0, found < values};
+}
+
 /// A brick of values as rows along z; all rows of a constant brick are one.
 struct BrickRows {
   const float* first = nullptr;
@@ -25,14 +70,13 @@ struct BrickRows {
   }
 };
 
-/// The 27 bricks at and around a brick, at 9*(x+1) + 3*(y+1) + z+1.
+/// The 27 bricks at and around a brick.
 class Surroundings {
  public:
   Surroundings(VolumeReader& reader, BrickCoord brick) noexcept {
     for (int i = 0; i < 27; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const VolumeReader::Brick found =
-          reader.brick({brick.x + i / 9 - 1, brick.y + i / 3 % 3 - 1, brick.z + i % 3 - 1});
+      const VolumeReader::Brick found = reader.brick(brick_around(brick, i));
       if (found.values != nullptr) {
         rows_[at] = {found.values, 8};
       } else {
@@ -47,8 +91,8 @@ class Surroundings {
   /// Copies all rows of the halo that are used, brick by brick.
   void copy_rows(std::array<float, kHaloNodes>& values) const noexcept {
     const BrickRows* along_z = rows_.data();
-    for (const Part& x : kParts) {
-      for (const Part& y : kParts) {
+    for (const Part& x : kHaloParts) {
+      for (const Part& y : kHaloParts) {
         copy_rows_along_z(along_z, x, y, &values[x.at * kHaloSlice + y.at * kHaloRow]);
         along_z += 3;
       }
@@ -56,15 +100,6 @@ class Surroundings {
   }
 
  private:
-  /// What a halo has of the brick before, of the brick itself, and of the one behind, along an
-  /// axis: its voxels from `first`, and where they are in the halo.
-  struct Part {
-    std::size_t first, count, at;
-  };
-  static constexpr std::array<Part, 3> kParts{
-      {{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}
-  };
-
   static void copy_rows_along_z(const BrickRows* along_z,
                                 const Part& x,
                                 const Part& y,
@@ -154,6 +189,21 @@ void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
   } else {
     interpolate(brick, samples);
   }
+}
+
+// Centres are means of corners, so on one side with them.
+bool PhiSampler::one_sided(BrickCoord brick) noexcept {
+  if (!field_.at_voxels()) return false;
+  const InsideTestOfValue inside(field_);
+  Sides sides;
+  const auto add = [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    sides.add(sides_of(inside, reader_->brick(brick_around(brick, i)), kHaloParts[at / 9],
+                       kHaloParts[at / 3 % 3], kHaloParts[at % 3]));
+  };
+  add(13);  // the brick itself: nearly all that are at the surface have both sides there
+  for (int i = 0; i < 27 && !sides.both(); ++i) add(i);
+  return !sides.both();
 }
 
 void PhiSampler::gather_values(BrickCoord brick, BrickSamples& samples) noexcept {

@@ -5,15 +5,6 @@
 namespace tet {
 namespace {
 
-/// The sign of a value, without phi's clamp.
-struct InsideTestOfValue {
-  float iso;
-  bool above;
-  explicit InsideTestOfValue(const PhiField& field) noexcept
-      : iso(field.iso), above(field.negated()) {}
-  bool operator()(float value) const noexcept { return above ? value > iso : value < iso; }
-};
-
 RegionSigns signs_of(const PhiField& field, const Region& region) noexcept {
   const InsideTestOfValue inside(field);
   const std::vector<ValueRange>& ranges = field.volume->ranges;

@@ -258,6 +258,7 @@ bool stuff_brick(PhiSampler& sampler,
                  const RestoredNodes* restored,
                  StuffingWorkspace& workspace) noexcept {
   StuffedLattice& lattice = workspace.lattice;
+  if (sampler.one_sided(brick)) return false;
   sampler.sample(brick, workspace.samples);
   find_signs(workspace.samples, lattice.cuts.signs);
   if (lattice.cuts.signs.one_sided()) return false;

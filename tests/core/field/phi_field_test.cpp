@@ -4,12 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/grid/interpolate_lattice.h"
 #include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
@@ -104,6 +108,65 @@ TEST(PhiSampler, TurnsDensitiesRound) {
     EXPECT_LT(samples->corner[static_cast<std::size_t>(halo_index(0, 0, 0))], 0);
     EXPECT_GT(samples->corner[static_cast<std::size_t>(halo_index(10, 10, 10))], 0);
   }
+}
+
+/// Whether all valid samples are inside, or none is.
+bool lie_on_one_side(const BrickSamples& samples) {
+  int inside = 0, outside = 0;
+  const auto add = [&](const auto& column, int max) {
+    for_each_in_cube(-2, max, [&](int x, int y, int z) {
+      ++(column[static_cast<std::size_t>(halo_index(x, y, z))] < 0 ? inside : outside);
+    });
+  };
+  add(samples.corner, 10);
+  add(samples.centre, 9);
+  return inside == 0 || outside == 0;
+}
+
+/// One value beyond the smallest float, now inside, now outside, and zeros.
+Volume tiny_values() {
+  return test::dense_volume(
+      {
+          {-20, -20, -20},
+          { 20,  20,  20}
+  },
+      3, [](VoxelCoord v) {
+        constexpr float kTiny = std::numeric_limits<float>::denorm_min();
+        return v.x + v.y * v.z < 17 ? -kTiny : (v.z > 3 ? 0 : kTiny);
+      });
+}
+
+TEST(PhiSampler, TellsOfABrickWithoutSamplingItThatItsSamplesLieOnOneSide) {
+  std::vector<std::pair<Volume, float>> fields;
+  fields.emplace_back(test::fog_ball(19), 0.5F);
+  for (const float iso : {0.0F, 0.7F, -1.2F}) {
+    fields.emplace_back(test::ball(20), iso);
+    fields.emplace_back(test::gyroid_ball(32), iso);
+    fields.emplace_back(test::random_signs(20, 34, 3), iso);
+  }
+  fields.emplace_back(tiny_values(), 0.0F);
+  std::array<int, 2> bricks{};
+  for (const auto& [volume, iso] : fields) {
+    PhiField field;
+    field.volume = &volume;
+    field.iso = iso;
+    PhiSampler sampler(field);
+    for_each_in_cube(-4, 4, [&](int x, int y, int z) {
+      const bool one_sided = lie_on_one_side(*samples_of(volume, 1, {x, y, z}, iso));
+      EXPECT_EQ(sampler.one_sided({x, y, z}), one_sided) << x << " " << y << " " << z;
+      ++bricks[one_sided];
+    });
+  }
+  EXPECT_GT(bricks[0], 500);
+  EXPECT_GT(bricks[1], 500);
+}
+
+TEST(PhiSampler, SaysNothingOfSidesBetweenVoxels) {
+  const Volume volume = test::ball(20);
+  PhiField field;
+  field.volume = &volume;
+  field.spacing_voxels = 1.5;
+  EXPECT_FALSE(PhiSampler(field).one_sided({40, 0, 0}));
 }
 
 TEST(AxisPoints, NameEveryVoxelOnce) {
