@@ -40,7 +40,7 @@ struct Sides {
   }
 };
 
-/// Of a part of a brick.
+/// Of the values in a part of a brick.
 Sides sides_of(const InsideTestOfValue& inside,
                const VolumeReader::Brick& brick,
                const Part& x,
@@ -49,7 +49,7 @@ Sides sides_of(const InsideTestOfValue& inside,
   const bool min = inside(brick.range.min), max = inside(brick.range.max);
   if (min == max) return {min, !min};
   const std::size_t values = x.count * y.count * z.count;
-  if (values == std::size_t{kBrickCells}) return {true, true};
+  if (values == std::size_t{kBrickCells}) return {true, true};  // the range is of all of them
   std::size_t found = 0;
   for (std::size_t i = 0; i < x.count; ++i) {
     for (std::size_t j = 0; j < y.count; ++j) {

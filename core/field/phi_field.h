@@ -92,8 +92,9 @@ class PhiSampler {
   /// Fills `samples` for the lattice brick at `brick`.
   void sample(BrickCoord brick, BrickSamples& samples) noexcept;
 
-  /// True only where all samples are inside, or none is: told at voxels, where that takes a
-  /// tenth of sampling.
+  /// Whether all samples of a brick are inside, or none is; told at voxels, and false
+  /// elsewhere. Takes less than sampling: only values of neighbours with both signs are looked
+  /// at.
   bool one_sided(BrickCoord brick) noexcept;
 
   /// True when phi < 0 at a lattice corner.

@@ -123,7 +123,7 @@ bool lie_on_one_side(const BrickSamples& samples) {
   return inside == 0 || outside == 0;
 }
 
-/// One value beyond the smallest float, now inside, now outside, and zeros.
+/// The smallest floats, inside and outside, and zeros.
 Volume tiny_values() {
   return test::dense_volume(
       {
