@@ -188,7 +188,8 @@ void fill(benchmark::State& state, const Prepared& prepared, int levels, ChooseB
   MeshWorkspace workspace;
   const LatticeToWorld to_world{prepared.volume->transform.linear, {}, false};
   const MeshHeader header;
-  BrickFiller filler(mesh, prepared.field, header, to_world, workspace.impl());
+  BrickFiller filler(mesh, prepared.field, header, to_world, Statistics::kMeasured,
+                     workspace.impl());
   std::vector<std::byte> positions, tets;
   const std::vector<std::size_t> bricks = chosen_bricks(mesh, choose);
   if (bricks.empty()) return state.SkipWithError("the mesh has no such brick");

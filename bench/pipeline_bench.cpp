@@ -120,11 +120,17 @@ void add_volume(const std::string& name, const MakeVolume& make_volume) {
   MeshRequest uniform, improved;
   uniform.levels = 0;
   improved.improve = true;
+  const auto mesh_only = [](MeshRequest request) {
+    request.skip_statistics = true;
+    return request;
+  };
   for (const int threads : {1, 2}) add_case({name, make_volume, uniform, threads}, "uniform");
   for (const int threads : {1, 2}) add_case({name, make_volume, graded, threads}, "graded");
   for (const int threads : {1, 2}) {
     add_case({name, make_volume, uniform, threads, true}, "uniform_again");
     add_case({name, make_volume, graded, threads, true}, "graded_again");
+    add_case({name, make_volume, mesh_only(uniform), threads, true}, "uniform_only");
+    add_case({name, make_volume, mesh_only(graded), threads, true}, "graded_only");
   }
   for (const int threads : {1, 2}) add_case({name, make_volume, improved, threads}, "improved");
 }

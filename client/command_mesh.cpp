@@ -50,6 +50,8 @@ Examples:
       larger ones at the surface, too
   tetstream mesh fire.vdb -o fire.vtu --grid density --field temperature --field v=flow.vdb:vel
       the values of other grids at the vertices, as named arrays; docs/fields.md
+  tetstream mesh bunny.vdb -o bunny.vtu --levels 0 --skip-statistics
+      the mesh and no more, when there are many to make
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
       the same bytes from a server, and a report on angles, times and the boundary
 )";
@@ -68,8 +70,11 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
       ->excludes(packed);
   app.add_flag("--skip-cache", options.skip_cache,
                "Have a server make the mesh though it has it as a job's result");
-  app.add_option("--report", options.report,
-                 "JSON file for counts, times, angles, boundary and regions");
+  auto* const report = app.add_option(
+      "--report", options.report, "JSON file for counts, times, angles, boundary and regions");
+  app.add_flag("--skip-statistics", arguments.request.request.skip_statistics,
+               "Neither measure angles nor count the boundary: the same mesh, a third sooner")
+      ->excludes(report);
 }
 
 absl::Status check_encoding(const MeshOptions& options) {

@@ -56,11 +56,13 @@ absl::StatusOr<CompactReceiver> CompactReceiver::begin(const v1::MeshHeader& hea
 
 absl::StatusOr<FilledMesh> CompactReceiver::finish(const MeshHeader& header,
                                                    const Cancellation& cancellation,
-                                                   TetMesh used) && {
+                                                   TetMesh used,
+                                                   Statistics statistics) && {
   TaskPool pool;
   absl::StatusOr<FilledMesh> filled = absl::InternalError("not made");
   pool.run([&] {
-    filled = decode_mesh(std::move(bricks_), header, frame_, cancellation, std::move(used));
+    filled = decode_mesh(std::move(bricks_), header, frame_, cancellation, std::move(used),
+                         statistics);
   });
   return filled;
 }

@@ -26,7 +26,8 @@ class CompactReceiver {
   /// Makes the mesh on every core, in the memory of `used`. Errors: those of decode_mesh.
   absl::StatusOr<FilledMesh> finish(const MeshHeader& header,
                                     const Cancellation& cancellation,
-                                    TetMesh used) &&;
+                                    TetMesh used,
+                                    Statistics statistics) &&;
 
  private:
   explicit CompactReceiver(const CompactFrame& frame)

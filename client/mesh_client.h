@@ -39,7 +39,7 @@ struct RetryPolicy {
 /// A mesh as it came over the wire.
 struct StreamedMesh {
   TetMesh mesh;
-  QualityStats quality;
+  QualityStats quality;                      ///< empty where the request skips statistics
   std::optional<BoundaryTopology> boundary;  ///< of the inside, if the server told it
   std::optional<Improvement> improvement;    ///< where the request asked for it
   ThinWalls thin_walls;

@@ -291,16 +291,24 @@ void MeshReceiver::take_quality(const v1::MeshTrailer& trailer) {
                  received_.quality.histogram.begin(), unsigned_count);
 }
 
+/// Whether the request wants them.
+Statistics MeshReceiver::statistics() const {
+  return received_.canonical_request.skip_statistics() ? Statistics::kSkipped
+                                                       : Statistics::kMeasured;
+}
+
 absl::StatusOr<StreamedMesh> MeshReceiver::finish(const Cancellation& cancellation) && {
   if (compact_) {
-    absl::StatusOr<FilledMesh> filled =
-        std::move(*compact_).finish(received_.mesh.header, cancellation, std::move(used_));
+    absl::StatusOr<FilledMesh> filled = std::move(*compact_).finish(
+        received_.mesh.header, cancellation, std::move(used_), statistics());
     if (!filled.ok()) return filled.status();
     received_.mesh = std::move(filled->mesh);
     received_.quality = filled->quality;
     return std::move(received_);
   }
-  if (!has_quality_) received_.quality = measure_quality(received_.mesh);
+  if (!has_quality_ && statistics() == Statistics::kMeasured) {
+    received_.quality = measure_quality(received_.mesh);
+  }
   return std::move(received_);
 }
 

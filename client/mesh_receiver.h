@@ -66,6 +66,7 @@ class MeshReceiver {
   void count(const ChunkNumbers& chunk);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   void take_quality(const v1::MeshTrailer& trailer);
+  Statistics statistics() const;
 
   const TetMesh* base_;
   TetMesh used_;

@@ -122,6 +122,13 @@ std::string tets_of_each_part(const TetMesh& mesh) {
   return absl::StrCat(" (", absl::StrJoin(parts, ", "), ")");
 }
 
+/// Nothing where nothing was measured.
+std::string angles_of(const QualityStats& quality) {
+  if (quality.empty()) return "";
+  return absl::StrFormat(", dihedral angles %.2f to %.2f degrees", quality.min_dihedral_deg,
+                         quality.max_dihedral_deg);
+}
+
 std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
   const std::uint64_t nodes = boundary ? boundary->restored_nodes : 0;
   if (nodes == 0) return "";
@@ -131,11 +138,10 @@ std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
-  return absl::StrFormat(
-      "%s: %d vertices, %d tets%s%s, dihedral angles %.2f to %.2f degrees%s, %.2f s", output,
-      made.mesh.header.vertex_count, made.mesh.header.tet_count, tets_of_each_side(made.mesh),
-      tets_of_each_part(made.mesh), made.quality.min_dihedral_deg,
-      made.quality.max_dihedral_deg, restored_nodes(made.boundary), seconds);
+  return absl::StrFormat("%s: %d vertices, %d tets%s%s%s%s, %.2f s", output,
+                         made.mesh.header.vertex_count, made.mesh.header.tet_count,
+                         tets_of_each_side(made.mesh), tets_of_each_part(made.mesh),
+                         angles_of(made.quality), restored_nodes(made.boundary), seconds);
 }
 
 std::string thin_walls_warning(const ThinWalls& walls) {

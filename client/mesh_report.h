@@ -10,7 +10,7 @@ namespace tet {
 
 /// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s"; with the
 /// tets of each side where both are meshed, or of each grid of several, and the nodes restored
-/// for a manifold if there are any.
+/// for a manifold if there are any. No angles where none were measured.
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// What to tell of walls that the lattice cannot resolve, in one line; empty without any.

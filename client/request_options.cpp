@@ -137,6 +137,7 @@ v1::MeshRequest wire_request(const MeshRequest& request,
     set_point(request.box->max, *message.mutable_box()->mutable_max());
   }
   message.set_manifold(request.manifold);
+  message.set_skip_statistics(request.skip_statistics);
   if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
   add_wire_fields(request.fields, message);
   return message;

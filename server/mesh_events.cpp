@@ -37,7 +37,8 @@ v1::MeshEvent trailer_event(const ChunkSource& source,
   v1::MeshTrailer& trailer = *event.mutable_trailer();
   trailer.set_first_chunk(static_cast<std::int64_t>(first));
   trailer.set_end_chunk(static_cast<std::int64_t>(end));
-  if (source.encoding != v1::ENCODING_COMPACT) {
+  const bool is_measured = source.plan->statistics() == Statistics::kMeasured;
+  if (is_measured && source.encoding != v1::ENCODING_COMPACT) {
     to_proto(quality, *trailer.mutable_quality());
   }
   const MeshPlan& plan = *source.plan;

@@ -16,7 +16,7 @@ v1::MeshEvent progress_event(const MeshProgress& progress);
 v1::MeshEvent header_event(const PlannedMesh& planned, const ChunkSource& source);
 
 /// What comes after the last chunk of `source`: chunks [first, end) were sent, with `quality`
-/// if they were not compact.
+/// if they were measured.
 v1::MeshEvent trailer_event(const ChunkSource& source,
                             std::uint64_t first,
                             std::uint64_t end,

@@ -219,8 +219,13 @@ void Planner::load_fields(Job job) {
 /// On the pool.
 void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done) {
   const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
-  const std::string name = absl::StrCat(job.order.space, " ", mesh_id);
+  std::string name = absl::StrCat(job.order.space, " ", mesh_id);
   auto plan = plans_.recall(name);
+  if (plan == nullptr && job.order.request.skip_statistics) {
+    // A plan without them is for such requests only.
+    absl::StrAppend(&name, " without statistics");
+    plan = plans_.recall(name);
+  }
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return done(job.planned(std::move(plan)));
   auto work = [this, job, name, before, done] {

@@ -105,6 +105,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
+  order.request.skip_statistics = request.skip_statistics();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   if (const auto status = check_cut(order.request); !status.ok()) {
     return invalid_field(std::string(status.message()));
@@ -224,13 +225,15 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   set_canonical_fields(order.request.fields, canonical);
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
+  canonical.set_skip_statistics(order.request.skip_statistics);
   const auto coordinates =
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
   if (coordinates) canonical.set_coordinate_type(to_proto(*coordinates));
   return canonical;
 }
 
-std::string name_of_request(const v1::MeshRequest& request) {
+std::string name_of_request(v1::MeshRequest request) {
+  request.clear_skip_statistics();
   Sha256 digest;
   digest.add(kAlgorithmVersion);
   digest.add("\n");

@@ -71,8 +71,8 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const MeshHeader* header);
 
 /// A request's name: SHA-256 of what was asked for and the algorithm's version. Two requests of
-/// one name ask for one mesh.
-std::string name_of_request(const v1::MeshRequest& request);
+/// one name ask for one mesh, whether or not they skip its statistics.
+std::string name_of_request(v1::MeshRequest request);
 
 /// A mesh's name: the same for the same bytes. SHA-256 over digest or scene, canonical
 /// request and algorithm version, as 64 hexadecimal digits.

@@ -44,6 +44,7 @@ std::string label_of(const MixArguments& arguments, const std::string& grid) {
   }
   if (request.manifold) label += " --manifold";
   if (request.improve) label += " --improve";
+  if (request.skip_statistics) label += " --skip-statistics";
   if (arguments.vary_iso) {
     absl::StrAppendFormat(&label, " --vary-iso %g %g", (*arguments.vary_iso)[0],
                           (*arguments.vary_iso)[1]);
@@ -111,6 +112,8 @@ void describe_mix(CLI::App& app, MixArguments& arguments) {
                  "What to mesh: .vdb files, uploaded when the server lacks them, or digests of "
                  "stored ones");
   describe_request(app, arguments.request);
+  app.add_flag("--skip-statistics", arguments.request.request.skip_statistics,
+               "Ask for meshes without their quality and topology");
   app.add_option("--vary-iso", arguments.vary_iso, "Each request takes an iso value in between")
       ->type_name("LOW HIGH");
   app.add_flag("--fresh", arguments.fresh,

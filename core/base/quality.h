@@ -26,11 +26,17 @@ struct QualityStats {
   /// Dihedral angles (six a tet) by whole degrees: bin d counts [d, d+1).
   std::array<std::uint64_t, kBins> histogram{};
 
+  /// Nothing was measured.
+  bool empty() const noexcept { return min_dihedral_deg > max_dihedral_deg; }
+
   void add(const QualityStats& other) noexcept;
   /// Adds `count` tets of one shape, whose own statistics are `shape`, each `scale` times its
   /// volume.
   void add_copies(const QualityStats& shape, std::uint64_t count, double scale) noexcept;
 };
+
+/// Whether tets are measured as they are made.
+enum class Statistics : std::uint8_t { kMeasured, kSkipped };
 
 /// Gathers the statistics of tets.
 class QualityMeter {

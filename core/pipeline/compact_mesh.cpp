@@ -82,7 +82,8 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
                                        const MeshHeader& header,
                                        const CompactFrame& frame,
                                        const Cancellation& cancellation,
-                                       TetMesh used) {
+                                       TetMesh used,
+                                       Statistics statistics) {
   const std::vector<std::size_t> first_brick = bricks.first_brick();
   const absl::StatusOr<CountedMesh> counted = std::move(bricks).count(frame.rules);
   if (!counted.ok()) return counted.status();
@@ -102,7 +103,7 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
   for_each_range(stats.size(), 1, [&](std::size_t begin, std::size_t end) {
     MeshWorkspace workspace;
     for (std::size_t chunk = begin; chunk < end && !cancellation.requested(); ++chunk) {
-      BrickFiller filler(*counted, field, header, frame.to_world, workspace.impl());
+      BrickFiller filler(*counted, field, header, frame.to_world, statistics, workspace.impl());
       for (std::size_t i = first_brick[chunk]; i < first_brick[chunk + 1]; ++i) {
         const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
         const ChunkColumns columns =

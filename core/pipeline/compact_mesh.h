@@ -10,9 +10,9 @@
 
 namespace tet {
 
-/// Makes the mesh that all chunks of `bricks` together tell, with its statistics. Parallel; run
-/// it on a TaskPool. Made in the memory of `used`, a mesh that is no longer needed, as far as
-/// that is enough.
+/// Makes the mesh that all chunks of `bricks` together tell, with its statistics unless they
+/// are skipped. Parallel; run it on a TaskPool. Made in the memory of `used`, a mesh that is no
+/// longer needed, as far as that is enough.
 ///
 /// Errors: kDataLoss (the chunks make another mesh than `header` says, or none),
 /// kResourceExhausted (no memory for it), kCancelled, kDeadlineExceeded.
@@ -20,6 +20,7 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
                                        const MeshHeader& header,
                                        const CompactFrame& frame,
                                        const Cancellation& cancellation,
-                                       TetMesh used = {});
+                                       TetMesh used = {},
+                                       Statistics statistics = Statistics::kMeasured);
 
 }  // namespace tet

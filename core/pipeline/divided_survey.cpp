@@ -92,6 +92,7 @@ absl::StatusOr<std::vector<std::byte>> survey_block(const Shape& shape,
         absl::StrFormat("block %d of a survey of %d blocks", block, blocks));
   }
   prepared->space.kept_geometry_bytes = 0;  // it would be most of the bytes
+  prepared->space.skip_topology = false;    // whoever puts the blocks together may want it
   const auto in_block = bricks_of_block(bricks, block_bricks, block);
   const absl::StatusOr<Survey> survey =
       survey_bricks(prepared->field, in_block, prepared->space, cancellation, nullptr);
@@ -108,7 +109,9 @@ absl::StatusOr<Survey> join_survey(const PreparedMesh& prepared,
     return survey_bricks(prepared.field, bricks, prepared.space, cancellation, progress);
   }
   MeshedSpace space = prepared.space;
+  space.skip_topology = false;  // blocks have it
   Survey survey;
+  survey.has_topology = true;
   const std::size_t blocks = blocks_of(bricks.size(), surveyed.block_bricks);
   for (std::size_t block = 0; block < blocks; ++block) {
     if (auto status = check_cancelled(cancellation); !status.ok()) return status;

@@ -153,8 +153,10 @@ Index* BrickFiller::fill_finest_tets(MeshRegion region,
   BackgroundCounts counts;
   out = fill_finest({nodes_, workspace_.vertices, mesh_.rules()}, ids<Index>(), out, limit,
                     stuffed, counts);
-  meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
-  count_background_quality(counts, 0);
+  if (statistics_ == Statistics::kMeasured) {
+    meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
+    count_background_quality(counts, 0);
+  }
   return out;
 }
 
@@ -167,7 +169,7 @@ Index* BrickFiller::fill_background_tets(BrickPlace place,
   const BackgroundCells cells = gather_background(level, brick, region);
   BackgroundCounts counts;
   out = fill_background(cells, numbers_, place.level, brick, out, counts);
-  count_background_quality(counts, place.level);
+  if (statistics_ == Statistics::kMeasured) count_background_quality(counts, place.level);
   return out;
 }
 

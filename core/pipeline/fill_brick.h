@@ -38,10 +38,12 @@ class BrickFiller {
               const PhiField& field,
               const MeshHeader& header,
               const LatticeToWorld& to_world,
+              Statistics statistics,
               MeshWorkspace::Impl& workspace)
       : mesh_(mesh),
         header_(header),
         to_world_(to_world),
+        statistics_(statistics),
         workspace_(workspace),
         sampler_(field),
         numbers_(mesh.numbers()) {}
@@ -49,7 +51,7 @@ class BrickFiller {
   /// Columns have exactly the brick's size.
   void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
 
-  /// Statistics of all bricks filled so far, in world units.
+  /// Statistics of all bricks filled so far, in world units; empty where they are skipped.
   QualityStats stats() const noexcept;
 
  private:
@@ -69,6 +71,7 @@ class BrickFiller {
   const CountedMesh& mesh_;
   const MeshHeader& header_;
   const LatticeToWorld& to_world_;
+  const Statistics statistics_;
   MeshWorkspace::Impl& workspace_;
   PhiSampler sampler_;
   NodeNumbers numbers_;

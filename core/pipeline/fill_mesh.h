@@ -17,7 +17,7 @@ using ProgressFunction = std::function<void(double fraction)>;
 
 struct FilledMesh {
   TetMesh mesh;
-  QualityStats quality;
+  QualityStats quality;  ///< empty where statistics are skipped
 };
 
 /// Whether a mesh gets the values of its fields as it is filled, or when its vertices have been

@@ -129,7 +129,7 @@ absl::StatusOr<GradedMesh> make_graded_mesh(const PreparedMesh& prepared,
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   graded.vertex_levels = stuffed.vertex_levels();
   if (background.box) graded.vertex_faces = stuffed.vertex_faces();
-  graded.boundary = measure_boundary(graded.mesh);
+  if (!request.skip_statistics) graded.boundary = measure_boundary(graded.mesh);
   return graded;
 }
 

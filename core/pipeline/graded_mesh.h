@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -25,7 +26,7 @@ struct GradedMesh {
   std::vector<std::uint8_t>
       vertex_levels;                   ///< octree level of the smallest leaves at each vertex
   std::vector<CutFaces> vertex_faces;  ///< faces of the request's box, where there is one
-  BoundaryTopology boundary;
+  std::optional<BoundaryTopology> boundary;  ///< unless the request skips statistics
 
   /// Chunk `index` of as many as the header says: equal parts of the vertices and of the tets.
   ChunkExtent chunk(std::uint64_t index) const noexcept;

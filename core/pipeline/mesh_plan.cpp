@@ -75,6 +75,7 @@ struct MeshPlan::Impl {
   std::optional<GradedMesh> graded = {};      // made already; then there are no bricks
   std::vector<VertexField> fields = {};
   std::optional<JoinedPlan> joined = {};  // of several grids; then all chunks are its
+  Statistics statistics = Statistics::kMeasured;
 
   /// Of what has no bricks.
   static MeshPlan::Impl without_bricks(Shape shape, const MeshHeader& header);
@@ -110,6 +111,8 @@ MeshPlan::~MeshPlan() = default;
 const MeshHeader& MeshPlan::header() const noexcept { return impl_->header; }
 
 const ThinWalls& MeshPlan::thin_walls() const noexcept { return impl_->thin_walls; }
+
+Statistics MeshPlan::statistics() const noexcept { return impl_->statistics; }
 
 const std::optional<BoundaryTopology>& MeshPlan::boundary() const noexcept {
   return impl_->boundary;
@@ -154,8 +157,10 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
         improvement_ ? positions_.bytes() : impl_->graded->mesh.positions.bytes();
     const std::size_t first = ChunkSizes(header(), chunk(index).first_vertex, 0).positions;
     std::memcpy(columns.positions.data(), positions.data() + first, columns.positions.size());
-    stats =
-        measure_tets({header().coordinate_type, header().index_type, positions, columns.tets});
+    if (impl_->statistics == Statistics::kMeasured) {
+      stats = measure_tets(
+          {header().coordinate_type, header().index_type, positions, columns.tets});
+    }
   }
   if (!columns.fields.empty()) impl_->fill_fields(chunk(index), columns);
   return stats;
@@ -187,7 +192,8 @@ QualityStats MeshPlan::fill_bricks(const BrickRange& range,
                                    MeshWorkspace& workspace,
                                    ChunkColumns columns) const noexcept {
   const CountedMesh& mesh = impl_->mesh;
-  BrickFiller filler(mesh, impl_->field, header(), impl_->to_world, workspace.impl());
+  BrickFiller filler(mesh, impl_->field, header(), impl_->to_world, impl_->statistics,
+                     workspace.impl());
   for (std::size_t brick = range.begin; brick < range.end; ++brick) {
     const ChunkSizes size(header(), mesh.first_vertex(brick + 1) - mesh.first_vertex(brick),
                           mesh.first_tet(brick + 1) - mesh.first_tet(brick));
@@ -278,6 +284,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_graded(const Shape& shape,
                      {},
                      *std::move(graded),
                      request.fields});
+  impl->statistics = statistics_of(request);
   const auto plan = std::make_shared<const MeshPlan>(std::move(impl));
   if (!request.improve) return plan;
   return improve_plan(*plan, limits, cancellation);
@@ -295,6 +302,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const GridList& grid
       std::make_unique<MeshPlan::Impl>(MeshPlan::Impl::without_bricks(grids, joined->header()));
   impl->boundary = joined->boundary();
   impl->thin_walls = joined->thin_walls();
+  impl->statistics = statistics_of(request);
   impl->joined = *std::move(joined);
   return std::make_shared<const MeshPlan>(std::move(impl));
 }
@@ -356,8 +364,10 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   absl::StatusOr<Survey> survey =
       survey_rest(*prepared, alike, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
-  const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
+  std::optional<BoundaryTopology> boundary;
+  if (survey->has_topology) boundary = count_boundary(*survey, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  const bool is_flat_box = space.domain && !survey->box_cuts_surface;
   Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
                              cover, *rules, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -373,11 +383,12 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
       MeshPlan::Impl{std::move(shape), field, std::move(mesh), header, boundary, {}, {}});
   impl->thin_walls = std::move(thin_walls);
   impl->fields = request.fields;
+  impl->statistics = statistics_of(request);
   // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
   // faces of a domain that no surface cuts are flat.
   const absl::StatusOr<LatticeToWorld> to_world =
       place_in_world(field, space.domain ? corner_box(*space.domain) : corner_box(impl->mesh),
-                     space.domain && boundary ? 0 : 0.5, request, impl->header);
+                     is_flat_box ? 0 : 0.5, request, impl->header);
   if (!to_world.ok()) return to_world.status();
   impl->to_world = *to_world;
   impl->cut_into_chunks(limits.chunk_bytes);

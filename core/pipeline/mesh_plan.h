@@ -90,8 +90,10 @@ class MeshPlan {
 
   /// Where the lattice is too coarse for the surface's walls.
   const ThinWalls& thin_walls() const noexcept;
+  /// Whether chunks are measured as they are made: not where the request skips that.
+  Statistics statistics() const noexcept;
   /// Topology of the boundary of the inside, counted with the mesh. Nothing where a box cuts
-  /// the surface.
+  /// the surface, and where statistics are skipped.
   const std::optional<BoundaryTopology>& boundary() const noexcept;
   ChunkExtent chunk(std::uint64_t index) const noexcept;
 
@@ -114,7 +116,7 @@ class MeshPlan {
   /// Makes one chunk. Its bytes depend on (shape, request, index) alone.
   ///
   /// The columns have exactly the chunk's ChunkSizes, but `fields` may be empty: then they are
-  /// left out. Returns the chunk's own statistics.
+  /// left out. Returns the chunk's own statistics; empty where they are skipped.
   QualityStats fill_chunk(std::uint64_t index,
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept;

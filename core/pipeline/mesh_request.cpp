@@ -57,6 +57,10 @@ absl::Status check_scene_request(const MeshRequest& request, const Scene& scene)
 
 }  // namespace
 
+Statistics statistics_of(const MeshRequest& request) {
+  return request.skip_statistics ? Statistics::kSkipped : Statistics::kMeasured;
+}
+
 bool has_cut(const MeshRequest& request) {
   return request.box && !stuffing_rules(request.preset).both_sides;
 }

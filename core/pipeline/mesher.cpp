@@ -55,7 +55,7 @@ absl::StatusOr<MeshResult> make_mesh(Shape shape,
   start = Clock::now();
   result.improvement = (*plan)->improve(result.mesh, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  result.quality = measure_chunks(**plan, result.mesh);
+  if (!request.skip_statistics) result.quality = measure_chunks(**plan, result.mesh);
   (*plan)->add_fields(result.mesh);
   result.improve_seconds = seconds_since(start);
   if (progress) progress(1);

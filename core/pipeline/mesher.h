@@ -13,7 +13,7 @@ namespace tet {
 
 struct MeshResult {
   TetMesh mesh;
-  QualityStats quality;
+  QualityStats quality;                    ///< empty where the request skips statistics
   std::optional<Improvement> improvement;  ///< where the request asks for it
   ThinWalls thin_walls;
   std::optional<BoundaryTopology> boundary;  ///< see MeshPlan::boundary

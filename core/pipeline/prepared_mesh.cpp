@@ -44,8 +44,11 @@ absl::Status check_spacing(const PhiField& field) {
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                                      const MeshRequest& request,
                                      const MeshLimits& limits) {
-  MeshedSpace space{
-      stuffing_rules(request.preset), {}, request.manifold, limits.kept_geometry_bytes};
+  MeshedSpace space{.rules = stuffing_rules(request.preset),
+                    .domain = {},
+                    .manifold = request.manifold,
+                    .kept_geometry_bytes = limits.kept_geometry_bytes,
+                    .skip_topology = request.skip_statistics};
   if (!space.rules.both_sides && !request.box) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
     return space;

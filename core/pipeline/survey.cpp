@@ -105,6 +105,16 @@ bool lost_its_inside(const StuffedLattice& lattice) noexcept {
          brick_part(lattice.cuts.signs.inside[kCorner]).any();
 }
 
+void survey_topology(const WarpedLattice& lattice,
+                     SurfaceWorkspace& workspace,
+                     SurveyedBrick& found) {
+  found.surface = survey_surface(lattice, found.stuffed);
+  if (!found.surface.sheet.any || found.surface.sheet.one) return;
+  std::optional<SurfaceParts> parts = parts_between_regions(lattice);
+  if (!parts) parts = walk_surface(lattice, workspace);
+  found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
+}
+
 /// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
@@ -124,12 +134,7 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   if (space.domain && !holds(*space.domain, brick)) return found;
   const BrickMask cells = stuffed_cells(lattice.warped, rules);
   found.finest = with_siblings(cells);
-  found.surface = survey_surface(lattice.warped, found.stuffed);
-  if (found.surface.sheet.any && !found.surface.sheet.one) {
-    std::optional<SurfaceParts> parts = parts_between_regions(lattice.warped);
-    if (!parts) parts = walk_surface(lattice.warped, workspace.surface);
-    found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
-  }
+  if (!space.skip_topology) survey_topology(lattice.warped, workspace.surface, found);
   if (!space.domain) return found;
   found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
   found.surface.counts.add_fans(count_fans(*found.fans));
@@ -286,7 +291,8 @@ std::uint64_t Survey::bytes() const noexcept {
 }
 
 bool can_reuse(const Survey& earlier, const MeshedSpace& space) noexcept {
-  return earlier.restored == nullptr && !space.manifold && !space.domain;
+  return earlier.restored == nullptr && !space.manifold && !space.domain &&
+         (earlier.has_topology || space.skip_topology);
 }
 
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
@@ -297,6 +303,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const EarlierSurvey* earlier) {
   if (progress != nullptr) progress->expect(candidates.size());
   Survey survey;
+  survey.has_topology = !space.skip_topology;
   if (space.manifold) {
     auto nodes = find_nodes_to_restore(field, candidates, space.rules, cancellation);
     if (!nodes.ok()) return nodes.status();

@@ -67,6 +67,7 @@ struct Survey {
   std::vector<SurfaceSheet> sheets;
   /// Where it is not known to be one sheet; sorted by brick.
   std::vector<PartsOfBrick> parts;
+  bool has_topology = false;      ///< else nothing was found for the last three
   bool box_cuts_surface = false;  ///< the surface is open, and not counted
 
   /// Whether a lattice corner is `+` after the warp; refers to the survey, which must outlive
@@ -83,6 +84,7 @@ struct MeshedSpace {
   std::optional<BrickBox> domain;  ///< finest bricks, where both sides are meshed
   bool manifold = false;           ///< nodes are restored until the boundary is one
   std::uint64_t kept_geometry_bytes = MeshLimits{}.kept_geometry_bytes;
+  bool skip_topology = false;  ///< of the surface
 };
 
 /// Memory that a brick takes until the mesh is made, bytes: it may be held twice while columns
@@ -100,7 +102,7 @@ struct EarlierSurvey {
 };
 
 /// Whether what was surveyed of `earlier` can hold in `space`: neither was made with regard to
-/// other bricks, or to a domain.
+/// other bricks, or to a domain, and what is wanted was looked for.
 bool can_reuse(const Survey& earlier, const MeshedSpace& space) noexcept;
 
 /// What `earlier`, which may be null, still says of a brick is taken from it. Errors:

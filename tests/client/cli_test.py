@@ -50,6 +50,18 @@ class Mesh(CommandTest):
         self.assertLessEqual(sum(report["stages"].values()), report["seconds"] * 1.01)
         self.assertGreater(report["vertices"], 1000)
 
+    def test_leaves_statistics_out_and_the_mesh_as_it_is(self):
+        self.assert_done(self.mesh("torus.vdb", ".vtu"))
+        measured = (self.out / "mesh.vtu").read_bytes()
+        result = self.mesh("torus.vdb", ".vtu", "--skip-statistics")
+        self.assert_done(result)
+        self.assertRegex(result.stdout, r"mesh\.vtu: \d+ vertices, \d+ tets, [\d.]+ s\n")
+        self.assertEqual((self.out / "mesh.vtu").read_bytes(), measured)
+        (self.out / "mesh.vtu").unlink()
+        result = self.mesh("torus.vdb", ".vtu", "--skip-statistics",
+                           "--report", self.out / "r.json")
+        self.assert_fails(result, USAGE, "--report")
+
     def test_meshes_both_sides_up_to_a_box(self):
         line, report = self.mesh_and_report(
             "sphere.vdb", "--preset", "both-sides", "--box", *"-1.6 -1.6 -1.6 1.6 1.6 2".split())

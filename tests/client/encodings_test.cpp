@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -38,6 +39,26 @@ TEST_F(EncodingsTest, MakeTheSameMesh) {
       EXPECT_TRUE(encoded->boundary == plain->boundary);
     }
   }
+}
+
+TEST_F(EncodingsTest, LeaveStatisticsOutWhereTheRequestDoes) {
+  v1::MeshRequest ball = uniform_ball(16);
+  ball.set_skip_statistics(true);
+  std::vector<StreamedMesh> meshes;
+  for (const v1::Encoding encoding :
+       {v1::ENCODING_PLAIN, v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+    auto only = client_->stream_mesh(ball, {}, never_, {.encoding = encoding, .used = {}});
+    ASSERT_TRUE(only.ok()) << only.status();
+    EXPECT_TRUE(only->quality.empty());
+    EXPECT_FALSE(only->boundary);
+    meshes.push_back(*std::move(only));
+  }
+  ball.clear_skip_statistics();
+  const auto measured = client_->stream_mesh(ball, {}, never_);
+  ASSERT_TRUE(measured.ok()) << measured.status();
+  EXPECT_FALSE(measured->quality.empty());
+  EXPECT_TRUE(measured->boundary);
+  for (const StreamedMesh& only : meshes) expect_same_stream(only, *measured);
 }
 
 TEST_F(EncodingsTest, ReceiveAMeshInTheMemoryOfAnother) {

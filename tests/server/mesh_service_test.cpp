@@ -134,6 +134,25 @@ TEST_F(MeshServiceTest, SendsTheBoundaryOfTheWholeMeshWhateverChunksItSent) {
             rest.trailer->boundary().SerializeAsString());
 }
 
+TEST_F(MeshServiceTest, SendsTheSameMeshWithoutStatisticsAndDoesNotMissThemAfterwards) {
+  v1::MeshRequest ball = uniform_ball(16);
+  ball.set_skip_statistics(true);
+  const Received only = receive(stream_of(ball));
+  ASSERT_TRUE(only.trailer) << only.status.error_message();
+  EXPECT_FALSE(only.trailer->has_quality());
+  EXPECT_FALSE(only.trailer->has_boundary());
+  ball.clear_skip_statistics();
+  const Received whole = receive(stream_of(ball));
+  ASSERT_TRUE(whole.trailer) << whole.status.error_message();
+  EXPECT_TRUE(whole.trailer->has_quality());
+  EXPECT_EQ(whole.trailer->boundary().components(), 1);
+  EXPECT_EQ(only.header.mesh_id(), whole.header.mesh_id());
+  ASSERT_EQ(only.chunks.size(), whole.chunks.size());
+  for (std::size_t i = 0; i < whole.chunks.size(); ++i) {
+    EXPECT_TRUE(same_chunk(only.chunks[i], whole.chunks[i])) << "chunk " << i;
+  }
+}
+
 TEST_F(MeshServiceTest, SendsNoBoundaryWhereTheBoxCutsTheSurface) {
   const Received within = receive(stream_of(both_sides_of_ball(8, 2)));
   ASSERT_TRUE(within.trailer);

@@ -161,6 +161,19 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   EXPECT_NE(id(valid_request()), id(improved));
 }
 
+TEST(MeshId, IsTheSameWithoutStatistics) {
+  const auto volume = std::make_shared<Volume>();
+  v1::MeshRequest only = valid_request();
+  only.set_skip_statistics(true);
+  const auto canonical = [&](const v1::MeshRequest& request) {
+    return canonical_request(*parse_mesh_request(request), volume, nullptr);
+  };
+  EXPECT_EQ(mesh_id_of(canonical(only)), mesh_id_of(canonical(valid_request())));
+  EXPECT_EQ(name_of_request(only), name_of_request(valid_request()));
+  EXPECT_TRUE(canonical(only).skip_statistics());
+  EXPECT_FALSE(canonical(valid_request()).skip_statistics());
+}
+
 TEST(MeshId, TellsEveryBoxAndManifoldsApart) {
   const auto volume = std::make_shared<Volume>();
   volume->name = "sphere";
