@@ -26,6 +26,7 @@ struct BenchSize {
 inline constexpr BenchSize kSmall{"1e5", 1e5};
 inline constexpr BenchSize kMedium{"1e6", 1e6};
 inline constexpr BenchSize kLarge{"1e7", 1e7};
+inline constexpr BenchSize kHuge{"1e8", 1e8};
 
 /// A level set with voxels of size 1 and a band of 3 on either side. Parallel.
 std::shared_ptr<const Volume> make_solid(Solid solid, const BenchSize& size);

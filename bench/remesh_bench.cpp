@@ -128,7 +128,7 @@ void remesh(benchmark::State& state, Solid solid, const BenchSize& size) {
 
 int main(int argc, char** argv) {
   using namespace tet::bench;
-  for (const BenchSize& size : {kSmall, kMedium, kLarge}) {
+  for (const BenchSize& size : {kSmall, kMedium, kLarge, kHuge}) {
     for (const Solid solid : kSolids) {
       const std::string name = std::string("remesh/") + name_of(solid) + "/" + size.label;
       benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
