@@ -105,6 +105,20 @@ bool lost_its_inside(const StuffedLattice& lattice) noexcept {
          brick_part(lattice.cuts.signs.inside[kCorner]).any();
 }
 
+/// Finds the parts of a surface that is not plainly one sheet.
+void survey_parts(const WarpedLattice& lattice,
+                  SurfaceWorkspace& workspace,
+                  SurveyedBrick& found) {
+  const SurfaceRegions regions(lattice);
+  if (regions.have_one_sheet()) {
+    found.surface.sheet = sheet_between(regions);
+    return;
+  }
+  std::optional<SurfaceParts> parts = parts_between_regions(regions);
+  if (!parts) parts = walk_surface(lattice, workspace);
+  found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
+}
+
 /// Nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
@@ -126,9 +140,7 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   found.finest = with_siblings(cells);
   found.surface = survey_surface(lattice.warped, found.stuffed);
   if (found.surface.sheet.any && !found.surface.sheet.one) {
-    std::optional<SurfaceParts> parts = parts_between_regions(lattice.warped);
-    if (!parts) parts = walk_surface(lattice.warped, workspace.surface);
-    found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
+    survey_parts(lattice.warped, workspace.surface, found);
   }
   if (!space.domain) return found;
   found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));

@@ -6,84 +6,10 @@
 
 #include "core/base/vector_clones.h"
 #include "core/lattice/background.h"
-#include "core/stuffing/node_link.h"
 #include "core/stuffing/node_regions.h"
 
 namespace tet {
 namespace {
-
-/// More regions than a surface that is resolved has near a brick.
-constexpr std::size_t kMaxRegions = 8;
-
-/// A region of nodes on one side of the surface.
-struct NodeRegion {
-  NodePlanes nodes, beside;
-};
-
-/// False where there are too many.
-bool find_regions(NodePlanes nodes, const NodePlanes& zero, std::vector<NodeRegion>& regions) {
-  while (nodes.any()) {
-    if (regions.size() == kMaxRegions) return false;
-    NodeRegion& region = regions.emplace_back();
-    region.nodes = first_region(nodes, zero);
-    region.beside = nodes_beside(region.nodes);
-    nodes -= region.nodes;
-  }
-  return true;
-}
-
-/// Whether what lies between two regions is one part of the surface.
-bool tell_parts_apart(const std::vector<NodeRegion>& inside,
-                      const std::vector<NodeRegion>& others,
-                      const NodePlanes& zero) noexcept {
-  for (std::size_t i = 0; i < inside.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (meet(inside[i].beside & inside[k].beside, zero)) return false;
-    }
-  }
-  for (std::size_t j = 0; j < others.size(); ++j) {
-    for (std::size_t k = 0; k < j; ++k) {
-      if (meet(others[j].beside, others[k].nodes)) return false;
-    }
-  }
-  return true;
-}
-
-/// The nodes of the box with a `-` beside them in the box.
-NodePlanes beside_minus(const WarpedLattice& lattice) noexcept {
-  constexpr HaloSet kBox = halo_cube(NodePlanes::kMin, NodePlanes::kMax);
-  NodeSets minus;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    minus[kind] = kBox - lattice.plus[kind] - lattice.zero[kind];
-  }
-  return nodes_beside(NodePlanes(minus));
-}
-
-/// Signs of the nodes in a brick's star.
-struct Signs {
-  NodePlanes plus, zero, minus;
-  /// Zeros without a `-` beside them, as far as can be seen: beyond the star too, as there a
-  /// tet may end on a face of three.
-  NodePlanes stray;
-
-  explicit Signs(const WarpedLattice& lattice) noexcept
-      : plus(NodePlanes::in_star(lattice.plus)),
-        zero(NodePlanes::in_star(lattice.zero)),
-        minus(NodePlanes(kBrickStar) - plus - zero),
-        stray(zero - beside_minus(lattice)) {}
-};
-
-/// Whether all tets at stray zeros that can be seen have a `+`: such zeros are as good as `+`.
-bool lie_inside(const NodePlanes& stray, const WarpedLattice& lattice) noexcept {
-  const NodeSets nodes = stray.sets();
-  bool inside = true;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(nodes[kind], [&](int node) {
-      inside = inside && !has_tet_of_zeros(link_of(lattice.plus, lattice.zero, kind, node));
-    });
-  }
-  return inside;
-}
 
 /// The vertices of a part: its zero nodes, and the nodes that own its cut points.
 struct PartVertices {
@@ -135,7 +61,7 @@ BricksAround bricks_of(const NodePlanes& nodes) noexcept {
 
 PartVertices vertices_between(const NodeRegion& inside,
                               const NodeRegion& other,
-                              const Signs& signs) noexcept {
+                              const SurfaceRegions& signs) noexcept {
   PartVertices part;
   // Of each region, the nodes at the surface.
   const NodePlanes plus = inside.nodes & signs.plus & other.beside;
@@ -193,21 +119,13 @@ std::optional<std::uint16_t> SurfaceParts::part(std::uint16_t element) const noe
   return (*at)[1];
 }
 
-std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice) {
-  const Signs signs(lattice);
-  if (!lie_inside(signs.stray, lattice)) return std::nullopt;
-  const NodePlanes zero = signs.zero - signs.stray;
-  std::vector<NodeRegion> inside, others;
-  if (!find_regions(signs.plus | signs.stray, signs.stray, inside) ||
-      !find_regions(signs.minus | zero, zero, others) ||
-      !tell_parts_apart(inside, others, zero)) {
-    return std::nullopt;
-  }
+std::optional<SurfaceParts> parts_between_regions(const SurfaceRegions& regions) {
+  if (regions.too_many) return std::nullopt;
   SurfaceParts parts;
-  for (const NodeRegion& i : inside) {
-    for (const NodeRegion& o : others) {
+  for (const NodeRegion& i : regions.inside) {
+    for (const NodeRegion& o : regions.others) {
       if (!meet(i.beside, o.nodes)) continue;
-      const PartVertices vertices = vertices_between(i, o, signs);
+      const PartVertices vertices = vertices_between(i, o, regions);
       if ((vertices.bricks & kOwnBrick) != 0) add_part(vertices, parts);
     }
   }
