@@ -246,7 +246,8 @@ void LinksOfSlice::find_ends(const std::array<HaloSet, kNodeKinds>& nodes,
   ends[14].of = ends[15].of = _mm_setzero_si128();
   [&]<std::size_t... d>(std::index_sequence<d...>) {
     ((ends[d].of = row_bytes(nodes[end_kind(kind, d)], x, end_step(kind, d))), ...);
-  }(std::make_index_sequence<kDirections>());
+  }
+  (std::make_index_sequence<kDirections>());
   std::array<Bytes, 8> fours;  // of rows 0 to 3, then 4 to 7
   for (std::size_t i = 0; i < 4; ++i) {
     const __m128i low = _mm_unpacklo_epi8(ends[4 * i].of, ends[4 * i + 1].of);

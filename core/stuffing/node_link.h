@@ -38,7 +38,8 @@ NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
                  NodeKind kind,
                  int node) noexcept;
 
-/// The links of all of a brick's own nodes of one kind with the same x: cheaper than one by one.
+/// The links of all of a brick's own nodes of one kind with the same x: cheaper than one by
+/// one.
 class LinksOfSlice {
  public:
   LinksOfSlice(const std::array<HaloSet, kNodeKinds>& plus,
