@@ -1,6 +1,5 @@
 #include "core/stuffing/surface_sheet.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "core/lattice/background.h"
@@ -26,49 +25,21 @@ bool lies_between(int index, const std::array<int, 3>& step) noexcept {
          within(Common(step[2]), at.z);
 }
 
-/// Nodes between two bricks that are in the stars of both: all ends of edges from one to the
-/// other, and they hang together. They lie in the planes [begin, end).
-struct NodesInCommon {
-  NodePlanes nodes;
-  std::size_t begin = NodePlanes::kPlanes, end = 0;
-
-  NodesInCommon() noexcept = default;
-  explicit NodesInCommon(const std::array<int, 3>& step) noexcept;
-
-  bool any_of(const NodePlanes& some) const noexcept {
-    std::uint64_t common = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t w = 0; w < NodePlane::kWords; ++w) {
-        common |= nodes.plane[i].word[w] & some.plane[i].word[w];
-      }
-    }
-    return common != 0;
-  }
-};
-
-NodesInCommon::NodesInCommon(const std::array<int, 3>& step) noexcept {
-  const int to_other = 8 * offset_index(step[0], step[1], step[2]);
-  NodeSets common;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(kBrickStar[kind], [&](int index) {
-      if (!lies_between(index, step)) return;
-      if (kBrickStar[kind].test(index - to_other)) common[kind].set(index);
-    });
-  }
-  nodes = NodePlanes(common);
-  for (std::size_t i = 0; i < NodePlanes::kPlanes; ++i) {
-    if (nodes.plane[i] == NodePlane()) continue;
-    begin = std::min(begin, i);
-    end = i + 1;
-  }
-}
-
-/// For each later brick, at the places 14 .. 26.
-std::array<NodesInCommon, 13> nodes_in_common() noexcept {
-  std::array<NodesInCommon, 13> common;
+/// For each later brick, at the places 14 .. 26, the nodes between the two that are in the
+/// stars of both: all ends of edges from one to the other, and they hang together.
+std::array<NodePlanes, 13> nodes_in_common() noexcept {
+  std::array<NodePlanes, 13> common;
   for (int place = 14; place < 27; ++place) {
-    common[static_cast<std::size_t>(place - 14)] =
-        NodesInCommon({place / 9 - 1, place / 3 % 3 - 1, place % 3 - 1});
+    const std::array<int, 3> step{place / 9 - 1, place / 3 % 3 - 1, place % 3 - 1};
+    const int to_other = 8 * offset_index(step[0], step[1], step[2]);
+    NodeSets nodes;
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      for_each_bit(kBrickStar[kind], [&](int index) {
+        if (!lies_between(index, step)) return;
+        if (kBrickStar[kind].test(index - to_other)) nodes[kind].set(index);
+      });
+    }
+    common[static_cast<std::size_t>(place - 14)] = NodePlanes(nodes);
   }
   return common;
 }
@@ -76,10 +47,10 @@ std::array<NodesInCommon, 13> nodes_in_common() noexcept {
 /// Later bricks with which this one shares both `+` and other nodes: as what they share hangs
 /// together, the surface crosses an edge of it.
 std::uint16_t later_bricks(const NodePlanes& plus, const NodePlanes& other) noexcept {
-  static const std::array<NodesInCommon, 13> kCommon = nodes_in_common();
+  static const std::array<NodePlanes, 13> kCommon = nodes_in_common();
   unsigned later = 0;
   for (unsigned place = 0; place < kCommon.size(); ++place) {
-    const bool both = kCommon[place].any_of(plus) && kCommon[place].any_of(other);
+    const bool both = meet(plus, kCommon[place]) && meet(other, kCommon[place]);
     later |= static_cast<unsigned>(both) << place;
   }
   return static_cast<std::uint16_t>(later);

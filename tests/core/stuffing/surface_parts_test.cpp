@@ -199,6 +199,7 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
     const auto parts = parts_between_regions(SurfaceRegions(*lattice));
     if (!parts) continue;
     ++told;
+    EXPECT_TRUE(std::ranges::is_sorted(parts->part_of));
     const Surface surface(*around, kNodesAround);
     std::map<Vertex, std::uint16_t> part_of = part_of_vertices(*parts);
     // What is one part hangs together.
