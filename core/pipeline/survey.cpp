@@ -105,14 +105,27 @@ bool lost_its_inside(const StuffedLattice& lattice) noexcept {
          brick_part(lattice.cuts.signs.inside[kCorner]).any();
 }
 
+/// Finds the parts of a surface that is not plainly one sheet.
+void survey_parts(const WarpedLattice& lattice,
+                  SurfaceWorkspace& workspace,
+                  SurveyedBrick& found) {
+  const SurfaceRegions regions(lattice);
+  if (regions.have_one_sheet()) {
+    found.surface.sheet = sheet_between(regions);
+    return;
+  }
+  std::optional<SurfaceParts> parts = parts_between_regions(regions);
+  if (!parts) parts = walk_surface(lattice, workspace);
+  found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
+}
+
 void survey_topology(const WarpedLattice& lattice,
                      SurfaceWorkspace& workspace,
                      SurveyedBrick& found) {
   found.surface = survey_surface(lattice, found.stuffed);
-  if (!found.surface.sheet.any || found.surface.sheet.one) return;
-  std::optional<SurfaceParts> parts = parts_between_regions(lattice);
-  if (!parts) parts = walk_surface(lattice, workspace);
-  found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
+  if (found.surface.sheet.any && !found.surface.sheet.one) {
+    survey_parts(lattice, workspace, found);
+  }
 }
 
 /// Nothing where the surface does not reach the brick.

@@ -15,16 +15,15 @@ GeometrySizes::GeometrySizes(const StuffedBrick& brick) noexcept
   for (const BrickMask& cut : brick.cut) cuts += cut.count();
 }
 
-std::byte* pack_geometry(const StuffedLattice& lattice,
-                         const StuffedBrick& brick,
-                         std::byte* out) noexcept {
-  return pack_geometry_in_reach(lattice, brick, 0, out);
-}
+namespace {
 
-std::byte* pack_geometry_in_reach(const StuffedLattice& lattice,
-                                  const StuffedBrick& brick,
-                                  std::size_t o,
-                                  std::byte* out) noexcept {
+/// `for_each(mask, visit)` calls `visit(x, y, z, rank)` for those bits of a mask that are
+/// wanted, and returns how many there are in all.
+template <class ForEach>
+std::byte* pack(const StuffedLattice& lattice,
+                const StuffedBrick& brick,
+                const ForEach& for_each,
+                std::byte* out) noexcept {
   const GeometrySizes sizes(brick);
   std::byte* const directions = out + (sizes.bytes() - sizes.zeros);
   const auto write = [&](std::size_t i, int family, int low) {
@@ -35,7 +34,7 @@ std::byte* pack_geometry_in_reach(const StuffedLattice& lattice,
   std::size_t first = 0;
   for (const NodeKind kind : {kCorner, kCentre}) {
     const WarpedLattice& warped = lattice.warped;
-    first += for_each_in_reach(brick.zero[kind], o, [&](int x, int y, int z, std::size_t rank) {
+    first += for_each(brick.zero[kind], [&](int x, int y, int z, std::size_t rank) {
       const int node = halo_index(x, y, z);
       const bool moved = warped.warped[kind].test(node);
       const std::uint8_t direction =
@@ -47,12 +46,35 @@ std::byte* pack_geometry_in_reach(const StuffedLattice& lattice,
     });
   }
   for (int family = 0; family < kEdgeFamilies; ++family) {
-    first += for_each_in_reach(brick.cut[static_cast<std::size_t>(family)], o,
-                               [&](int x, int y, int z, std::size_t rank) {
-                                 write(first + rank, family, halo_index(x, y, z));
-                               });
+    first += for_each(brick.cut[static_cast<std::size_t>(family)],
+                      [&](int x, int y, int z, std::size_t rank) {
+                        write(first + rank, family, halo_index(x, y, z));
+                      });
   }
   return out + sizes.bytes();
+}
+
+}  // namespace
+
+std::byte* pack_geometry(const StuffedLattice& lattice,
+                         const StuffedBrick& brick,
+                         std::byte* out) noexcept {
+  const auto for_each = [](const BrickMask& mask, const auto& visit) {
+    std::size_t rank = 0;
+    for_each_bit(mask, [&](int x, int y, int z) { visit(x, y, z, rank++); });
+    return rank;
+  };
+  return pack(lattice, brick, for_each, out);
+}
+
+std::byte* pack_geometry_in_reach(const StuffedLattice& lattice,
+                                  const StuffedBrick& brick,
+                                  std::size_t o,
+                                  std::byte* out) noexcept {
+  const auto for_each = [o](const BrickMask& mask, const auto& visit) {
+    return for_each_in_reach(mask, o, visit);
+  };
+  return pack(lattice, brick, for_each, out);
 }
 
 }  // namespace tet

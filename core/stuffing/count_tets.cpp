@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "core/base/vector_clones.h"
+
 namespace tet {
 namespace {
 
@@ -10,17 +12,19 @@ struct ShapeBits {
   std::uint64_t any_plus = 0, no_minus = ~std::uint64_t{0}, any_zero = 0;
   std::uint64_t odd = 0, pairs = 0;  ///< the two low digits of the number of `+` nodes
 
+  ShapeBits() noexcept = default;
   ShapeBits(const CellNodes& nodes, const TetShape& shape, std::size_t x) noexcept {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t at = node_around_cell(shape, i);
-      const std::uint64_t plus = nodes.plus[shape.kind[i]][at].slice[x];
-      const std::uint64_t zero = nodes.zero[shape.kind[i]][at].slice[x];
-      any_plus |= plus;
-      no_minus &= plus | zero;
-      any_zero |= zero;
-      pairs ^= odd & plus;
-      odd ^= plus;
+      add(nodes.plus[shape.kind[i]][at].slice[x], nodes.zero[shape.kind[i]][at].slice[x]);
     }
+  }
+  void add(std::uint64_t plus, std::uint64_t zero) noexcept {
+    any_plus |= plus;
+    no_minus &= plus | zero;
+    any_zero |= zero;
+    pairs ^= odd & plus;
+    odd ^= plus;
   }
   std::uint64_t cut() const noexcept { return any_plus & ~no_minus; }
   std::uint64_t one() const noexcept { return odd & ~pairs; }
@@ -70,16 +74,46 @@ std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcep
   return count;
 }
 
+namespace {
+
+/// Tets of one shape that are cut, those among them with a quad of the surface, and those with
+/// one `+` and three zeros.
+struct SurfaceInShape {
+  BrickMask cut, quad, three_zeros;
+};
+
+TET_VECTOR_CLONES
+SurfaceInShape find_surface(const CellNodes& nodes, const TetShape& shape) noexcept {
+  std::array<const BrickMask*, 4> plus, zero;
+  for (std::size_t i = 0; i < 4; ++i) {
+    plus[i] = &nodes.plus[shape.kind[i]][node_around_cell(shape, i)];
+    zero[i] = &nodes.zero[shape.kind[i]][node_around_cell(shape, i)];
+  }
+  // Looked up before the loop, which vectorises then.
+  const auto& [p0, p1, p2, p3] = plus;
+  const auto& [z0, z1, z2, z3] = zero;
+  SurfaceInShape found;
+  for (std::size_t x = 0; x < 8; ++x) {
+    ShapeBits bits;
+    bits.add(p0->slice[x], z0->slice[x]);
+    bits.add(p1->slice[x], z1->slice[x]);
+    bits.add(p2->slice[x], z2->slice[x]);
+    bits.add(p3->slice[x], z3->slice[x]);
+    found.cut.slice[x] = bits.cut();
+    found.quad.slice[x] = bits.cut() & bits.two() & ~bits.any_zero;  // ++--
+    found.three_zeros.slice[x] = bits.no_minus & bits.one();
+  }
+  return found;
+}
+
+}  // namespace
+
 std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
   std::uint64_t count = 0;
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    for (std::size_t x = 0; x < 8; ++x) {
-      const ShapeBits bits(nodes, kTetShape[shape], x);
-      three_zeros[shape].slice[x] = bits.no_minus & bits.one();
-      const std::uint64_t cut = bits.cut();
-      if (cut == 0) continue;
-      count += bits_of(cut) + bits_of(cut & bits.two() & ~bits.any_zero);  // ++--: a quad
-    }
+    const SurfaceInShape found = find_surface(nodes, kTetShape[shape]);
+    count += std::uint64_t{found.cut.count()} + found.quad.count();
+    three_zeros[shape] = found.three_zeros;
   }
   return count;
 }

@@ -31,6 +31,26 @@ BrickMask beside_plus(const WarpedLattice& lattice, NodeKind kind) noexcept {
   return beside;
 }
 
+/// The six nodes around the upper face across `axis` of the cell a step on: where some of them,
+/// and where all, are among these.
+struct AroundFace {
+  BrickMask any, all;
+
+  AroundFace(const std::array<HaloSet, kNodeKinds>& nodes, int axis, LatticeCoord step) noexcept
+      : any(brick_part(nodes[kCentre], step)), all(any) {
+    add(brick_part(nodes[kCentre], step + face_step(axis)));
+    for (int turn = 0; turn < 4; ++turn) {
+      add(brick_part(nodes[kCorner], step + face_turn(axis, turn)));
+    }
+  }
+
+ private:
+  void add(const BrickMask& node) noexcept {
+    any |= node;
+    all &= node;
+  }
+};
+
 /// Where the tets around the upper face across `axis` of the cell a step on are mixed.
 BrickMask mixed_faces(const WarpedLattice& lattice,
                       const StuffingRules& rules,
@@ -38,20 +58,10 @@ BrickMask mixed_faces(const WarpedLattice& lattice,
                       LatticeCoord step) noexcept {
   // The four tets around a face share both centres, so one of them is mixed if the six nodes
   // are.
-  const auto around_face = [&](const std::array<HaloSet, kNodeKinds>& nodes, auto unite) {
-    BrickMask set = brick_part(nodes[kCentre], step);
-    unite(set, brick_part(nodes[kCentre], step + face_step(axis)));
-    for (int turn = 0; turn < 4; ++turn) {
-      unite(set, brick_part(nodes[kCorner], step + face_turn(axis, turn)));
-    }
-    return set;
-  };
-  const auto any = [](BrickMask& set, const BrickMask& more) { set |= more; };
-  const auto all = [](BrickMask& set, const BrickMask& more) { set &= more; };
-  BrickMask mixed = around_face(lattice.plus, any) & ~around_face(lattice.plus, all);
+  const AroundFace plus(lattice.plus, axis, step);
+  const BrickMask mixed = plus.any & ~plus.all;
   // Unmoved zeros too: half pyramids take all their nodes to be on one side.
-  if (rules.both_sides) mixed |= around_face(lattice.zero, any);
-  return mixed;
+  return rules.both_sides ? mixed | AroundFace(lattice.zero, axis, step).any : mixed;
 }
 
 }  // namespace

@@ -6,90 +6,20 @@
 
 #include "core/base/vector_clones.h"
 #include "core/lattice/background.h"
-#include "core/stuffing/node_link.h"
 #include "core/stuffing/node_regions.h"
 
 namespace tet {
 namespace {
-
-/// More regions than a surface that is resolved has near a brick.
-constexpr std::size_t kMaxRegions = 8;
-
-/// A region of nodes on one side of the surface.
-struct NodeRegion {
-  NodePlanes nodes, beside;
-};
-
-/// False where there are too many.
-bool find_regions(NodePlanes nodes, const NodePlanes& zero, std::vector<NodeRegion>& regions) {
-  while (nodes.any()) {
-    if (regions.size() == kMaxRegions) return false;
-    NodeRegion& region = regions.emplace_back();
-    region.nodes = first_region(nodes, zero);
-    region.beside = nodes_beside(region.nodes);
-    nodes -= region.nodes;
-  }
-  return true;
-}
-
-/// Whether what lies between two regions is one part of the surface.
-bool tell_parts_apart(const std::vector<NodeRegion>& inside,
-                      const std::vector<NodeRegion>& others,
-                      const NodePlanes& zero) noexcept {
-  for (std::size_t i = 0; i < inside.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (meet(inside[i].beside & inside[k].beside, zero)) return false;
-    }
-  }
-  for (std::size_t j = 0; j < others.size(); ++j) {
-    for (std::size_t k = 0; k < j; ++k) {
-      if (meet(others[j].beside, others[k].nodes)) return false;
-    }
-  }
-  return true;
-}
-
-/// The nodes of the box with a `-` beside them in the box.
-NodePlanes beside_minus(const WarpedLattice& lattice) noexcept {
-  constexpr HaloSet kBox = halo_cube(NodePlanes::kMin, NodePlanes::kMax);
-  NodeSets minus;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    minus[kind] = kBox - lattice.plus[kind] - lattice.zero[kind];
-  }
-  return nodes_beside(NodePlanes(minus));
-}
-
-/// Signs of the nodes in a brick's star.
-struct Signs {
-  NodePlanes plus, zero, minus;
-  /// Zeros without a `-` beside them, as far as can be seen: beyond the star too, as there a
-  /// tet may end on a face of three.
-  NodePlanes stray;
-
-  explicit Signs(const WarpedLattice& lattice) noexcept
-      : plus(NodePlanes::in_star(lattice.plus)),
-        zero(NodePlanes::in_star(lattice.zero)),
-        minus(NodePlanes(kBrickStar) - plus - zero),
-        stray(zero - beside_minus(lattice)) {}
-};
-
-/// Whether all tets at stray zeros that can be seen have a `+`: such zeros are as good as `+`.
-bool lie_inside(const NodePlanes& stray, const WarpedLattice& lattice) noexcept {
-  const NodeSets nodes = stray.sets();
-  bool inside = true;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(nodes[kind], [&](int node) {
-      inside = inside && !has_tet_of_zeros(link_of(lattice.plus, lattice.zero, kind, node));
-    });
-  }
-  return inside;
-}
 
 /// The vertices of a part: its zero nodes, and the nodes that own its cut points.
 struct PartVertices {
   std::array<HaloSet, kVertexSlots> slot;
   BricksAround bricks = 0;  ///< of both ends of the edges that are crossed
 };
+
+/// Words of a set that hold the nodes of the box.
+constexpr std::size_t kFirstWord = halo_index(NodePlanes::kMin, -2, -2) / 64;
+constexpr std::size_t kEndWord = halo_index(NodePlanes::kMax + 1, -2, -2) / 64;
 
 /// Cut points on the edges from `plus` nodes to `minus` nodes, at the nodes that own them.
 TET_VECTOR_CLONES
@@ -100,13 +30,11 @@ void find_cuts_between(const NodeSets& plus,
     const NodeKind kind = family_kind(family);
     const NodeKind end = end_kind(kind, family_direction(family));
     const int offset = end_offset(kind, family_direction(family));
-    const HaloSet plus_end = seen_from(plus[end], offset);
-    const HaloSet minus_end = seen_from(minus[end], offset);
-    slot[static_cast<std::size_t>(kNodeKinds + family)] = HaloSet::from_words(
-        [&, &low_plus = plus[kind], &low_minus = minus[kind]](std::size_t w) {
-          return (low_plus.word[w] & minus_end.word[w]) |
-                 (low_minus.word[w] & plus_end.word[w]);
-        });
+    auto& cuts = slot[static_cast<std::size_t>(kNodeKinds + family)].word;
+    for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+      cuts[w] = (plus[kind].word[w] & word_seen_from(minus[end], w, offset)) |
+                (minus[kind].word[w] & word_seen_from(plus[end], w, offset));
+    }
   }
 }
 
@@ -135,7 +63,7 @@ BricksAround bricks_of(const NodePlanes& nodes) noexcept {
 
 PartVertices vertices_between(const NodeRegion& inside,
                               const NodeRegion& other,
-                              const Signs& signs) noexcept {
+                              const SurfaceRegions& signs) noexcept {
   PartVertices part;
   // Of each region, the nodes at the surface.
   const NodePlanes plus = inside.nodes & signs.plus & other.beside;
@@ -149,26 +77,60 @@ PartVertices vertices_between(const NodeRegion& inside,
 
 bool has_own_vertex(const PartVertices& part) noexcept {
   return std::any_of(part.slot.begin(), part.slot.end(),
-                     [](const HaloSet& nodes) { return (nodes & kOwnNodes).any(); });
+                     [](const HaloSet& nodes) { return brick_part(nodes).any(); });
 }
 
-/// Lists what a part has here and in later bricks; in earlier ones too, where only they have
-/// something of it to hold on to.
-void add_part(const PartVertices& vertices, SurfaceParts& parts) {
-  const bool own = has_own_vertex(vertices);
-  const std::uint16_t part = parts.count++;
-  parts.beside.push_back(vertices.bricks & ~kOwnBrick);
+constexpr HaloSet kOtherNodes = halo_cube(NodePlanes::kMin, NodePlanes::kMax) - kOwnNodes;
+/// Those of later bricks.
+constexpr HaloSet kLaterNodes = [] {
+  HaloSet later;
+  for (int index = 0; index < kHaloNodes; ++index) {
+    const Cell at(index);
+    const int beyond = brick_along(at.x) != 1 ? at.x : (brick_along(at.y) != 1 ? at.y : at.z);
+    if (kOtherNodes.test(index) && beyond > 0) later.set(index);
+  }
+  return later;
+}();
+
+/// Lists what a part has in later bricks; in earlier ones too, where only they have something
+/// of it to hold on to.
+void add_links(const PartVertices& vertices, SurfaceParts& parts) {
+  const HaloSet& linked = has_own_vertex(vertices) ? kLaterNodes : kOtherNodes;
   for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
-    for_each_bit(vertices.slot[slot], [&](int index) {
+    for_each_bit(vertices.slot[slot] & linked, [&](int index) {
       const VertexOwner owner(index);
-      if (own && owner.brick < VertexOwner::kHere) return;
-      if (owner.brick == VertexOwner::kHere) {
-        parts.part_of.push_back({owner.element(slot), part});
-      } else {
-        parts.links.push_back({owner.brick, owner.element(slot), part});
-      }
+      parts.links.push_back({owner.brick, owner.element(slot), parts.count});
     });
   }
+}
+
+/// Lists what a part has here.
+void add_own_vertices(const PartVertices& vertices, SurfaceParts& parts) {
+  auto& part_of = parts.part_of;
+  const auto before = static_cast<std::ptrdiff_t>(part_of.size());
+  for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
+    for_each_bit(brick_part(vertices.slot[slot]), [&](int x, int y, int z) {
+      const auto element = slot * kBrickCells + static_cast<std::size_t>((x * 8 + y) * 8 + z);
+      part_of.push_back({static_cast<std::uint16_t>(element), parts.count});
+    });
+  }
+  std::inplace_merge(part_of.begin(), part_of.begin() + before, part_of.end());
+}
+
+/// Regions of either side that have a part of the surface between them.
+struct RegionPair {
+  const NodeRegion* inside;
+  const NodeRegion* other;
+};
+
+std::vector<RegionPair> pairs_that_meet(const SurfaceRegions& regions) {
+  std::vector<RegionPair> pairs;
+  for (const NodeRegion& i : regions.inside) {
+    for (const NodeRegion& o : regions.others) {
+      if (meet(i.beside, o.nodes)) pairs.push_back({&i, &o});
+    }
+  }
+  return pairs;
 }
 
 }  // namespace
@@ -193,26 +155,19 @@ std::optional<std::uint16_t> SurfaceParts::part(std::uint16_t element) const noe
   return (*at)[1];
 }
 
-std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice) {
-  const Signs signs(lattice);
-  if (!lie_inside(signs.stray, lattice)) return std::nullopt;
-  const NodePlanes zero = signs.zero - signs.stray;
-  std::vector<NodeRegion> inside, others;
-  if (!find_regions(signs.plus | signs.stray, signs.stray, inside) ||
-      !find_regions(signs.minus | zero, zero, others) ||
-      !tell_parts_apart(inside, others, zero)) {
-    return std::nullopt;
-  }
+std::optional<SurfaceParts> parts_between_regions(const SurfaceRegions& regions) {
+  if (regions.too_many) return std::nullopt;
   SurfaceParts parts;
-  for (const NodeRegion& i : inside) {
-    for (const NodeRegion& o : others) {
-      if (!meet(i.beside, o.nodes)) continue;
-      const PartVertices vertices = vertices_between(i, o, signs);
-      if ((vertices.bricks & kOwnBrick) != 0) add_part(vertices, parts);
-    }
+  const std::vector<RegionPair> pairs = pairs_that_meet(regions);
+  for (const auto& [inside, other] : pairs) {
+    const PartVertices vertices = vertices_between(*inside, *other, regions);
+    if ((vertices.bricks & kOwnBrick) == 0) continue;
+    parts.beside.push_back(vertices.bricks & ~kOwnBrick);
+    add_links(vertices, parts);
+    if (pairs.size() > 1) add_own_vertices(vertices, parts);
+    ++parts.count;
   }
   if (parts.count < 2) parts.part_of.clear();
-  std::sort(parts.part_of.begin(), parts.part_of.end());
   parts.part_of.shrink_to_fit();  // it is kept
   parts.links.shrink_to_fit();
   return parts;

@@ -9,7 +9,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/lattice/bcc.h"
-#include "core/stuffing/warp.h"
+#include "core/stuffing/surface_regions.h"
 
 namespace tet {
 
@@ -56,13 +56,7 @@ struct VertexOwner {
 };
 inline constexpr std::size_t kVertexSlots = kNodeKinds + kEdgeFamilies;
 
-/// Nothing where signs do not tell the parts apart, or there are very many: then the surface
-/// has to be walked.
-///
-/// A part lies between one region of `+` nodes and one of others, and all that lies between the
-/// same two is one part: in a ball, what two connected sets that cover it have in common is
-/// connected. With zeros that holds where edges between two of them are not needed for a region
-/// to hang together, and each zero is beside one region of `+` only.
-std::optional<SurfaceParts> parts_between_regions(const WarpedLattice& lattice);
+/// Nothing where there are very many regions: then the surface has to be walked.
+std::optional<SurfaceParts> parts_between_regions(const SurfaceRegions& regions);
 
 }  // namespace tet

@@ -71,4 +71,10 @@ SurfaceSheet surface_sheet(const NodeSets& plus, const NodeSets& zero) noexcept 
   return sheet;
 }
 
+SurfaceSheet sheet_between(const SurfaceRegions& regions) noexcept {
+  return {.any = true,
+          .one = true,
+          .later = later_bricks(regions.inside.front().nodes, regions.others.front().nodes)};
+}
+
 }  // namespace tet

@@ -6,6 +6,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/lattice/bcc.h"
+#include "core/stuffing/surface_regions.h"
 
 namespace tet {
 
@@ -26,5 +27,8 @@ struct SurfaceSheet {
 /// be seen that there is one, but never the reverse.
 SurfaceSheet surface_sheet(const std::array<HaloSet, kNodeKinds>& plus,
                            const std::array<HaloSet, kNodeKinds>& zero) noexcept;
+
+/// The sheet between regions that have one.
+SurfaceSheet sheet_between(const SurfaceRegions& regions) noexcept;
 
 }  // namespace tet

@@ -1,5 +1,6 @@
 #include "core/stuffing/surface_topology.h"
 
+#include <bit>
 #include <cstddef>
 
 #include "core/stuffing/cell_nodes.h"
@@ -32,25 +33,35 @@ std::uint64_t count_cut_points(const StuffedBrick& kept) noexcept {
   return count;
 }
 
-/// Counts what the surface has at the brick's zero nodes.
+/// Counts what the surface has at a zero node.
+void count_zero(const NodeLink& link, SurfaceCounts& counts) noexcept {
+  if (link.plus == 0) return;
+  const bool beside_minus = (link.plus | link.zero) != kAllDirections;
+  if (beside_minus && is_plainly_manifold(link)) {
+    ++counts.vertices;
+    return;
+  }
+  const SurfaceAtNode surface = surface_at(link);
+  counts.vertices += surface.on_surface ? 1 : 0;
+  counts.non_manifold_edges += static_cast<std::uint64_t>(surface.non_manifold_edges);
+  counts.extra_pairs += static_cast<std::uint64_t>(surface.extra_pairs);
+  counts.non_manifold_vertices += surface.manifold ? 0 : 1;
+}
+
+/// The same of all of the brick's own.
 void count_zeros(const WarpedLattice& lattice,
                  const StuffedBrick& kept,
                  SurfaceCounts& counts) noexcept {
   for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(kept.zero[kind], [&](int x, int y, int z) {
-      const NodeLink link = link_of(lattice.plus, lattice.zero, kind, halo_index(x, y, z));
-      if (link.plus == 0) return;
-      const bool beside_minus = (link.plus | link.zero) != kAllDirections;
-      if (beside_minus && is_plainly_manifold(link)) {
-        ++counts.vertices;
-        return;
+    for (int x = 0; x < 8; ++x) {
+      std::uint64_t bits = kept.zero[kind].slice[static_cast<std::size_t>(x)];
+      if (bits == 0) continue;
+      const LinksOfSlice links(lattice.plus, lattice.zero, kind, x);
+      for (; bits != 0; bits &= bits - 1) {
+        const int bit = std::countr_zero(bits);
+        count_zero(links.at(bit >> 3, bit & 7), counts);
       }
-      const SurfaceAtNode surface = surface_at(link);
-      counts.vertices += surface.on_surface ? 1 : 0;
-      counts.non_manifold_edges += static_cast<std::uint64_t>(surface.non_manifold_edges);
-      counts.extra_pairs += static_cast<std::uint64_t>(surface.extra_pairs);
-      counts.non_manifold_vertices += surface.manifold ? 0 : 1;
-    });
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-// The parts of the surface near a brick, walked tet by tet: where signs do not tell them apart.
+// The parts of the surface near a brick, walked tet by tet: where there are too many regions.
 #pragma once
 
 #include <array>

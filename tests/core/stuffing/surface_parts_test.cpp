@@ -17,6 +17,7 @@
 #include "core/lattice/bcc.h"
 #include "core/stuffing/count_tets.h"
 #include "core/stuffing/node_regions.h"
+#include "core/stuffing/surface_regions.h"
 #include "core/stuffing/surface_sheet.h"
 
 namespace tet {
@@ -53,10 +54,12 @@ class Waves {
   double offset_ = 0, steps_ = 1;
 };
 
-std::unique_ptr<WarpedLattice> lattice_of(const Waves& waves) {
+/// The nodes of a cube, those of [-1, 8]^3 if a brick is asked what it sees.
+std::unique_ptr<WarpedLattice> lattice_of(const Waves& waves,
+                                          const HaloSet& cube = halo_cube(-1, 8)) {
   auto lattice = std::make_unique<WarpedLattice>();
   for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(halo_cube(-1, 8), [&](int index) {
+    for_each_bit(cube, [&](int index) {
       const long value = waves(node_coord(kind, index));
       if (value > 0) lattice->plus[kind].set(index);
       if (value == 0) lattice->zero[kind].set(index);
@@ -68,12 +71,13 @@ std::unique_ptr<WarpedLattice> lattice_of(const Waves& waves) {
 /// A vertex of the surface: its slot (see VertexOwner), and its node's halo index.
 using Vertex = std::pair<std::size_t, int>;
 
-/// The parts of the surface that a brick's star makes, walked tet by tet.
-class SurfaceOfStar {
+/// The surface between some nodes, walked tet by tet.
+class Surface {
  public:
-  explicit SurfaceOfStar(const WarpedLattice& lattice) : lattice_(lattice) {
+  Surface(const WarpedLattice& lattice, const NodeSets& within)
+      : lattice_(lattice), within_(within) {
     for (std::size_t s = 0; s < kTetShapes; ++s) {
-      for_each_bit(halo_cube(-2, 8), [&](int cell) { add_tet(s, cell); });
+      for_each_bit(halo_cube(-2, 9), [&](int cell) { add_tet(s, cell); });
     }
   }
 
@@ -87,12 +91,8 @@ class SurfaceOfStar {
     for (const auto& [vertex, parent] : parent_) roots.insert(root(vertex));
     return roots.size();
   }
-  /// Those that cross an edge of one of the brick's own nodes.
-  std::size_t count_own_parts() const {
-    std::set<Vertex> roots;
-    for (const Vertex& vertex : at_own_nodes_) roots.insert(root(vertex));
-    return roots.size();
-  }
+  /// Of each tet with one of the brick's own nodes, its vertices.
+  const std::vector<std::vector<Vertex>>& at_own_nodes() const { return at_own_nodes_; }
 
  private:
   void add_tet(std::size_t number, int cell) {
@@ -103,7 +103,7 @@ class SurfaceOfStar {
     for (std::size_t i = 0; i < 4; ++i) {
       const int node = cell + shape.offset[i];
       own = own || kOwnNodes.test(node);
-      if (!kBrickStar[shape.kind[i]].test(node)) continue;
+      if (!within_[shape.kind[i]].test(node)) continue;
       if (lattice_.zero[shape.kind[i]].test(node)) {
         vertices.emplace_back(shape.kind[i], node);
       } else {
@@ -113,7 +113,7 @@ class SurfaceOfStar {
     if (plus.size() == 1 && vertices.size() == 3) {
       const int behind = cell + kMirrored[number][plus[0]];
       const NodeKind kind = shape.kind[plus[0]];
-      if (!kBrickStar[kind].test(behind) || lattice_.plus[kind].test(behind)) return;
+      if (!within_[kind].test(behind) || lattice_.plus[kind].test(behind)) return;
     } else if (plus.empty() || minus.empty()) {
       return;
     }
@@ -127,13 +127,18 @@ class SurfaceOfStar {
     }
     for (const Vertex& vertex : vertices) parent_.try_emplace(vertex, vertex);
     for (const Vertex& vertex : vertices) parent_[root(vertex)] = root(vertices[0]);
-    if (own) at_own_nodes_.push_back(vertices[0]);
+    if (own) at_own_nodes_.push_back(vertices);
   }
 
   const WarpedLattice& lattice_;
+  const NodeSets& within_;
   std::map<Vertex, Vertex> parent_;
-  std::vector<Vertex> at_own_nodes_;  ///< one of each tet that has such a node
+  std::vector<std::vector<Vertex>> at_own_nodes_;
 };
+
+/// All nodes around those that a brick sees: what hangs together here does so in the mesh.
+constexpr HaloSet kAround = halo_cube(-2, 9);
+const NodeSets kNodesAround{kAround, kAround};
 
 /// The part of each vertex that is listed.
 std::map<Vertex, std::uint16_t> part_of_vertices(const SurfaceParts& parts) {
@@ -162,38 +167,64 @@ TEST(SurfaceSheet, IsOneOnlyWhereTheSurfaceHangsTogether) {
     const auto lattice = lattice_of(Waves(seed));
     if (!surface_sheet(lattice->plus, lattice->zero).one) continue;
     ++sheets;
-    EXPECT_LE(SurfaceOfStar(*lattice).count_parts(), 1U);
+    EXPECT_LE(Surface(*lattice, kBrickStar).count_parts(), 1U);
   }
   EXPECT_GT(sheets, 20);
+}
+
+TEST(SurfaceRegions, HaveOneSheetOnlyWhereTheSurfaceHangsTogether) {
+  int sheets = 0;
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    const Waves waves(seed);
+    const auto lattice = lattice_of(waves);
+    if (surface_sheet(lattice->plus, lattice->zero).one) continue;
+    if (!SurfaceRegions(*lattice).have_one_sheet()) continue;
+    ++sheets;
+    const auto around = lattice_of(waves, kAround);
+    const Surface surface(*around, kNodesAround);
+    std::set<Vertex> roots;
+    for (const auto& vertices : surface.at_own_nodes()) roots.insert(surface.root(vertices[0]));
+    EXPECT_LE(roots.size(), 1U);
+  }
+  EXPECT_GT(sheets, 5);
 }
 
 TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
   int told = 0;
   for (std::uint32_t seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE(seed);
-    const auto lattice = lattice_of(Waves(seed));
-    const auto parts = parts_between_regions(*lattice);
+    const Waves waves(seed);
+    const auto lattice = lattice_of(waves), around = lattice_of(waves, kAround);
+    const auto parts = parts_between_regions(SurfaceRegions(*lattice));
     if (!parts) continue;
     ++told;
-    const SurfaceOfStar surface(*lattice);
-    // There may be more: lone zeros at the star's rim, with their `-` and the surface beyond.
-    EXPECT_GE(parts->count, surface.count_own_parts());
+    EXPECT_TRUE(std::ranges::is_sorted(parts->part_of));
+    const Surface surface(*around, kNodesAround);
+    std::map<Vertex, std::uint16_t> part_of = part_of_vertices(*parts);
+    // What is one part hangs together.
     std::set<std::pair<std::uint16_t, Vertex>> pairs;
-    std::set<Vertex> roots;
-    for (const auto& [vertex, part] : part_of_vertices(*parts)) {
-      if (!surface.has(vertex)) {
-        EXPECT_FALSE(kOwnNodes.test(vertex.second));
-        continue;  // a zero with both signs beside it, in different tets
-      }
+    std::set<std::uint16_t> with_vertices;
+    for (const auto& [vertex, part] : part_of) {
+      ASSERT_TRUE(surface.has(vertex));
       pairs.emplace(part, surface.root(vertex));
-      roots.insert(surface.root(vertex));
+      with_vertices.insert(part);
     }
-    EXPECT_EQ(pairs.size(), roots.size());
-    if (parts->count > 1) {
-      EXPECT_EQ(pairs.size(), surface.count_own_parts());
+    EXPECT_EQ(pairs.size(), with_vertices.size());
+    // What hangs together in a tet is one part, and has every vertex of the brick's own.
+    for (const auto& vertices : surface.at_own_nodes()) {
+      ASSERT_GT(parts->count, 0);
+      std::set<std::uint16_t> of_tet;
+      for (const Vertex& vertex : vertices) {
+        const auto part = part_of.find(vertex);
+        if (part != part_of.end()) of_tet.insert(part->second);
+        EXPECT_TRUE(part != part_of.end() || parts->count == 1 ||
+                    !kOwnNodes.test(vertex.second));
+      }
+      EXPECT_LE(of_tet.size(), 1U);
     }
   }
-  EXPECT_GT(told, 50);
+  EXPECT_GT(told, 80);
 }
 
 TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
@@ -210,15 +241,18 @@ TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
   EXPECT_EQ(parts.part(8), 1);
 }
 
-TEST(PartsBetweenRegions, AreNotToldBesideATetOfZeros) {
-  // A block of zeros within the inside has a boundary, and no `-` beside it.
+TEST(PartsBetweenRegions, HangTogetherAroundABlockOfZeros) {
+  // Within the inside it has a boundary, and no `-` beside it: but tets of zeros.
   WarpedLattice lattice{};
   const HaloSet block = halo_cube(3, 4);
   for (const NodeKind kind : {kCorner, kCentre}) {
     lattice.plus[kind] = halo_cube(-1, 8) - block;
     lattice.zero[kind] = block;
   }
-  EXPECT_FALSE(parts_between_regions(lattice).has_value());
+  const SurfaceRegions regions(lattice);
+  EXPECT_TRUE(regions.have_one_sheet());
+  EXPECT_TRUE(sheet_between(regions).one);
+  EXPECT_EQ(parts_between_regions(regions)->count, 1);
 }
 
 TEST(PartsBetweenRegions, AreNoneAroundALoneZeroOfTheInside) {
@@ -228,12 +262,12 @@ TEST(PartsBetweenRegions, AreNoneAroundALoneZeroOfTheInside) {
   zero.set(halo_index(4, 4, 4));
   lattice.zero[kCorner] = zero;
   lattice.plus[kCorner] -= zero;
-  const auto parts = parts_between_regions(lattice);
+  const auto parts = parts_between_regions(SurfaceRegions(lattice));
   ASSERT_TRUE(parts.has_value());
   EXPECT_EQ(parts->count, 0);
 }
 
-TEST(PartsBetweenRegions, AreNotToldWhereZerosAreBesideEachOtherAtTheRim) {
+TEST(PartsBetweenRegions, HangTogetherWhereZerosAreBesideEachOtherAtTheRim) {
   // Tets beyond the star join the two zeros, and no other brick need see that.
   WarpedLattice lattice{};
   for (const NodeKind kind : {kCorner, kCentre}) lattice.plus[kind] = halo_cube(-1, 8);
@@ -245,7 +279,24 @@ TEST(PartsBetweenRegions, AreNotToldWhereZerosAreBesideEachOtherAtTheRim) {
   lattice.plus[kCorner] -= zeros;
   lattice.plus[kCentre] -= minus;
   ASSERT_FALSE(kBrickStar[kCentre].test(halo_index(7, 8, 8)));
-  EXPECT_FALSE(parts_between_regions(lattice).has_value());
+  const SurfaceRegions regions(lattice);
+  EXPECT_EQ(regions.others.size(), 1U);
+  EXPECT_TRUE(regions.have_one_sheet());
+}
+
+TEST(SurfaceRegions, HaveNoSheetWhereAZeroOfAnotherBrickMayBeInner) {
+  // What is beyond the lone zero cannot be seen here; a brick that does may have it in a sheet.
+  WarpedLattice lattice{};
+  HaloSet zero, minus;
+  zero.set(halo_index(8, 8, 8));
+  minus.set(halo_index(4, 4, 4));
+  for (const NodeKind kind : {kCorner, kCentre}) lattice.plus[kind] = halo_cube(-1, 8);
+  lattice.zero[kCorner] = zero;
+  lattice.plus[kCorner] -= zero;
+  lattice.plus[kCentre] -= minus;
+  const SurfaceRegions regions(lattice);
+  EXPECT_EQ(regions.others.size(), 1U);
+  EXPECT_FALSE(regions.have_one_sheet());
 }
 
 }  // namespace
