@@ -72,7 +72,12 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
   const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
   const PlacesAround& places = neighbours_of(place);
   if (place.level == 0) {
-    find_vertices(place.brick, places);
+    around_ = mesh_.vertices_around(places);
+    // A brick without tets uses no others' vertices.
+    if (mesh_.first_tet(brick + 1) == mesh_.first_tet(brick)) {
+      std::fill(around_.begin() + 1, around_.end(), OwnedVertices{});
+    }
+    find_vertices(place.brick);
   } else {
     const LevelNodes& nodes = mesh_.nodes(place.level);
     around_[0] = {
@@ -100,8 +105,7 @@ const PlacesAround& BrickFiller::neighbours_of(BrickPlace place) noexcept {
 }
 
 /// Numbers the vertices that a finest brick's tets use, and places them.
-void BrickFiller::find_vertices(std::size_t brick, const PlacesAround& places) noexcept {
-  around_ = mesh_.vertices_around(places);
+void BrickFiller::find_vertices(std::size_t brick) noexcept {
   if (std::any_of(around_.begin(), around_.end(), [](const OwnedVertices& vertices) {
         return vertices.at_surface && vertices.geometry == nullptr;
       })) {

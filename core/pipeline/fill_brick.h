@@ -67,7 +67,7 @@ class BrickFiller {
                               MeshRegion region,
                               Index* out) noexcept;
   const PlacesAround& neighbours_of(BrickPlace place) noexcept;
-  void find_vertices(std::size_t brick, const PlacesAround& places) noexcept;
+  void find_vertices(std::size_t brick) noexcept;
   void find_geometry(std::size_t brick) noexcept;
   CellNodes nodes_of(const PlacesAround& places) const noexcept;
   template <class Index>
