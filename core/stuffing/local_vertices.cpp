@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <numeric>
 #include <span>
 
@@ -13,16 +12,12 @@
 namespace tet {
 namespace {
 
-using RowOfBytes [[gnu::vector_size(8)]] = std::uint8_t;
-template <class Index>
-using RowOfIds [[gnu::vector_size(8 * sizeof(Index))]] = Index;
-
-/// How many bits of a byte come before each of its bits.
+/// How many bits of a byte come before each of its bits; of a width that fills a register.
 constexpr auto kRanks = [] {
-  std::array<std::array<std::uint8_t, 8>, 256> ranks{};
+  std::array<std::array<std::uint16_t, 8>, 256> ranks{};
   for (unsigned byte = 0; byte < 256; ++byte) {
     for (unsigned bit = 0; bit < 8; ++bit) {
-      ranks[byte][bit] = static_cast<std::uint8_t>(std::popcount(byte & ((1U << bit) - 1)));
+      ranks[byte][bit] = static_cast<std::uint16_t>(std::popcount(byte & ((1U << bit) - 1)));
     }
   }
   return ranks;
@@ -43,10 +38,8 @@ Index number_nodes(const BrickMask& mask, std::size_t o, Index next, Index* ids)
       if (bz == 1) {
         *out = next;
       } else {
-        RowOfBytes ranks;
-        std::memcpy(&ranks, kRanks[row].data(), sizeof(ranks));
-        const RowOfIds<Index> row_ids = __builtin_convertvector(ranks, RowOfIds<Index>) + next;
-        std::memcpy(out, &row_ids, sizeof(row_ids));
+        const std::array<std::uint16_t, 8>& ranks = kRanks[row];
+        for (std::size_t z = 0; z < 8; ++z) out[z] = next + ranks[z];
       }
       next += static_cast<Index>(std::popcount(row));
     }
