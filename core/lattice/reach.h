@@ -28,26 +28,29 @@ struct UpperOffset {
 
 /// Calls `visit(x, y, z, rank)` for each bit within reach in a mask of brick `o` of the eight:
 /// its place as the first brick sees it, and how many bits of the mask come before it. Returns
-/// the number of bits.
+/// the number of bits. Inlined, so that what `visit` holds stays in registers.
 template <class Visit>
-std::uint32_t for_each_in_reach(const BrickMask& mask,
-                                std::size_t o,
-                                const Visit& visit) noexcept {
+[[gnu::always_inline]] inline std::uint32_t for_each_in_reach(const BrickMask& mask,
+                                                              std::size_t o,
+                                                              const Visit& visit) noexcept {
   const auto [bx, by, bz] = UpperOffset(o);
   const std::uint64_t reachable = reachable_bits(by, bz);
+  const std::size_t slices = bx == 1 ? 1 : 8;
+  std::uint64_t any = 0;
+  for (std::size_t x = 0; x < slices; ++x) any |= mask.slice[x];
+  if ((any & reachable) == 0) return mask.count();  // as of most bricks beyond an edge
   std::uint32_t before = 0;
-  for (int x = 0; x < 8; ++x) {
-    const std::uint64_t slice = mask.slice[static_cast<std::size_t>(x)];
-    const std::uint64_t wanted = bx == 0 || x == 0 ? slice & reachable : 0;
-    for (std::uint64_t bits = wanted; bits != 0; bits &= bits - 1) {
+  for (std::size_t x = 0; x < slices; ++x) {
+    const std::uint64_t slice = mask.slice[x];
+    for (std::uint64_t bits = slice & reachable; bits != 0; bits &= bits - 1) {
       const int bit = std::countr_zero(bits);
       const std::uint64_t lower = slice & ((bits & -bits) - 1);
-      visit(x + 8 * bx, (bit >> 3) + 8 * by, (bit & 7) + 8 * bz,
+      visit(static_cast<int>(x) + 8 * bx, (bit >> 3) + 8 * by, (bit & 7) + 8 * bz,
             before + static_cast<std::uint32_t>(std::popcount(lower)));
     }
     before += static_cast<std::uint32_t>(std::popcount(slice));
   }
-  return before;
+  return bx == 1 ? mask.count() : before;
 }
 
 }  // namespace tet

@@ -36,17 +36,9 @@ void for_each_surrounded(const OctreeLevel& level,
                  });
 }
 
-/// Leaves of the bricks beyond a finest brick's faces.
-LeavesAround leaves_beside(const OctreeLevel& finest, const PlacesAround& around) noexcept {
-  static constexpr BrickMask kNone;
-  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
-      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
-  LeavesAround leaves{&finest.leaf[around[kItself]], {}};
-  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
-    const std::uint32_t at = around[kBeyond[direction]];
-    leaves.beyond[direction] = at != kNoBrick ? &finest.leaf[at] : &kNone;
-  }
-  return leaves;
+/// Which of the 27 around a brick is brick `o` of the eight beyond its upper faces.
+constexpr std::size_t upper_place(std::size_t o) noexcept {
+  return kItself + 9 * (o >> 2) + 3 * (o >> 1 & 1) + (o & 1);
 }
 
 }  // namespace
@@ -266,20 +258,30 @@ OwnedVertices CountedMesh::vertices_of_finest(std::size_t brick) const noexcept 
 }
 
 VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
-  const BrickCoord b = tree_.levels[0].bricks[brick];
+  const OctreeLevel& finest = tree_.levels[0];
+  return vertices_around(places_around(finest.index, finest.bricks[brick]));
+}
+
+VerticesAround CountedMesh::vertices_around(const PlacesAround& places) const noexcept {
   VerticesAround around;
   for (std::size_t o = 0; o < around.size(); ++o) {
-    const UpperOffset at(o);
-    const std::uint32_t found =
-        tree_.levels[0].index.find({b.x + at.x, b.y + at.y, b.z + at.z});
-    if (found != kNoBrick) around[o] = vertices_of_finest(found);
+    const std::uint32_t at = places[upper_place(o)];
+    if (at != kNoBrick) around[o] = vertices_of_finest(at);
   }
   return around;
 }
 
-LeavesAround CountedMesh::leaves_around(std::size_t brick) const noexcept {
-  const OctreeLevel& finest = tree_.levels[0];
-  return leaves_beside(finest, places_around(finest.index, finest.bricks[brick]));
+LeavesAround CountedMesh::leaves_around(const PlacesAround& places) const noexcept {
+  static constexpr BrickMask kNone;
+  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
+      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
+  const MaskColumn& leaf = tree_.levels[0].leaf;
+  LeavesAround leaves{&leaf[places[kItself]], {}};
+  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
+    const std::uint32_t at = places[kBeyond[direction]];
+    leaves.beyond[direction] = at != kNoBrick ? &leaf[at] : &kNone;
+  }
+  return leaves;
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
@@ -306,12 +308,12 @@ std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
                                           const PlacesAround& around) const noexcept {
   BrickNeighbourhood bricks;
   for (std::size_t o = 0; o < bricks.size(); ++o) {
-    bricks[o] = stuffed_at(around[kItself + 9 * (o >> 2) + 3 * (o >> 1 & 1) + (o & 1)]);
+    bricks[o] = stuffed_at(around[upper_place(o)]);
   }
   const bool all_minus =
       std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
   if (all_minus && !rules_.both_sides) return 0;
-  CellNodes nodes = nodes_around_cells(bricks, leaves_beside(tree_.levels[0], around));
+  CellNodes nodes = nodes_around_cells(bricks, leaves_around(around));
   if (!rules_.both_sides) return count_finest(nodes, nullptr);
   const FanMasks* fans = vertices_of_finest(brick).fans;
   const std::uint64_t inside = count_finest(nodes, fans);

@@ -78,8 +78,10 @@ class CountedMesh {
   BrickSurroundings surroundings(std::size_t brick) const noexcept;
   /// Their vertices; `geometry` is null where it was not kept.
   VerticesAround vertices_around(std::size_t brick) const noexcept;
-  /// The leaves of a finest brick and of those beyond its faces.
-  LeavesAround leaves_around(std::size_t brick) const noexcept;
+  /// The same of a finest brick whose neighbours are known.
+  VerticesAround vertices_around(const PlacesAround& places) const noexcept;
+  /// The leaves of that brick and of those beyond its faces.
+  LeavesAround leaves_around(const PlacesAround& places) const noexcept;
   /// What the survey kept of a finest brick: see MeshStructure::stuffed.
   std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
   const Survey& survey() const noexcept { return survey_; }

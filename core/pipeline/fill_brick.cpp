@@ -70,7 +70,13 @@ SlotIds<std::uint64_t>& BrickFiller::ids() noexcept {
 void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
   const BrickPlace place = mesh_.place(brick);
   const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
+  const PlacesAround& places = neighbours_of(place);
   if (place.level == 0) {
+    around_ = mesh_.vertices_around(places);
+    // A brick without tets uses no others' vertices.
+    if (mesh_.first_tet(brick + 1) == mesh_.first_tet(brick)) {
+      std::fill(around_.begin() + 1, around_.end(), OwnedVertices{});
+    }
     find_vertices(place.brick);
   } else {
     const LevelNodes& nodes = mesh_.nodes(place.level);
@@ -82,15 +88,24 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
                   workspace_.vertices.own_places(), header_.coordinate_type, columns.positions);
   if (columns.tets.empty()) return;
   if (header_.index_type == IndexType::kUint32) {
-    fill_tets<std::uint32_t>(place, columns);
+    fill_tets<std::uint32_t>(place, places, columns);
   } else {
-    fill_tets<std::uint64_t>(place, columns);
+    fill_tets<std::uint64_t>(place, places, columns);
   }
+}
+
+/// Bricks come in the order of ids, but for a caller who has more than one run of them.
+const PlacesAround& BrickFiller::neighbours_of(BrickPlace place) noexcept {
+  const auto& bricks = mesh_.tree().levels[static_cast<std::size_t>(place.level)].bricks;
+  if (place.level != last_.level || place.brick < last_.brick) {
+    neighbours_ = BrickNeighbours(bricks);
+  }
+  last_ = place;
+  return neighbours_.around(bricks[place.brick]);
 }
 
 /// Numbers the vertices that a finest brick's tets use, and places them.
 void BrickFiller::find_vertices(std::size_t brick) noexcept {
-  around_ = mesh_.vertices_around(brick);
   if (std::any_of(around_.begin(), around_.end(), [](const OwnedVertices& vertices) {
         return vertices.at_surface && vertices.geometry == nullptr;
       })) {
@@ -117,16 +132,18 @@ void BrickFiller::find_geometry(std::size_t brick) noexcept {
 }
 
 template <class Index>
-void BrickFiller::fill_tets(BrickPlace place, const ChunkColumns& columns) noexcept {
+void BrickFiller::fill_tets(BrickPlace place,
+                            const PlacesAround& places,
+                            const ChunkColumns& columns) noexcept {
   auto* const begin = reinterpret_cast<Index*>(columns.tets.data());
   Index* end = begin;
   const Index* const limit = begin + columns.tets.size() / sizeof(Index);
   std::span<std::byte> labels = columns.regions;
-  if (place.level == 0) nodes_ = nodes_of(place.brick);
+  if (place.level == 0) nodes_ = nodes_of(places);
   for (const MeshRegion region : mesh_.regions()) {
     Index* const first = end;
     end = place.level == 0 ? fill_finest_tets(region, first, limit)
-                           : fill_background_tets(place, region, first);
+                           : fill_background_tets(place, places, region, first);
     if (labels.empty()) continue;
     const auto tets = static_cast<std::size_t>(end - first) / 4;
     std::fill_n(labels.begin(), tets, static_cast<std::byte>(region));
@@ -137,10 +154,10 @@ void BrickFiller::fill_tets(BrickPlace place, const ChunkColumns& columns) noexc
   for (Index* tet = begin; tet != end; tet += 4) std::swap(tet[2], tet[3]);
 }
 
-CellNodes BrickFiller::nodes_of(std::size_t brick) const noexcept {
+CellNodes BrickFiller::nodes_of(const PlacesAround& places) const noexcept {
   BrickNeighbourhood signs;
   for (std::size_t o = 0; o < signs.size(); ++o) signs[o] = around_[o].stuffed;
-  return nodes_around_cells(signs, mesh_.leaves_around(brick));
+  return nodes_around_cells(signs, mesh_.leaves_around(places));
 }
 
 template <class Index>
@@ -162,11 +179,12 @@ Index* BrickFiller::fill_finest_tets(MeshRegion region,
 
 template <class Index>
 Index* BrickFiller::fill_background_tets(BrickPlace place,
+                                         const PlacesAround& places,
                                          MeshRegion region,
                                          Index* out) noexcept {
   const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
   const BrickCoord brick = level.bricks[place.brick];
-  const BackgroundCells cells = gather_background(level, brick, region);
+  const BackgroundCells cells = gather_background(level, places, region);
   BackgroundCounts counts;
   out = fill_background(cells, numbers_, place.level, brick, out, counts);
   if (statistics_ == Statistics::kMeasured) count_background_quality(counts, place.level);

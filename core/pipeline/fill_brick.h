@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/brick_neighbours.h"
 #include "core/base/quality.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
@@ -46,7 +47,8 @@ class BrickFiller {
         statistics_(statistics),
         workspace_(workspace),
         sampler_(field),
-        numbers_(mesh.numbers()) {}
+        numbers_(mesh.numbers()),
+        neighbours_(mesh.tree().levels[0].bricks) {}
 
   /// Columns have exactly the brick's size.
   void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
@@ -56,14 +58,20 @@ class BrickFiller {
 
  private:
   template <class Index>
-  void fill_tets(BrickPlace place, const ChunkColumns& columns) noexcept;
+  void fill_tets(BrickPlace place,
+                 const PlacesAround& places,
+                 const ChunkColumns& columns) noexcept;
   template <class Index>
   Index* fill_finest_tets(MeshRegion region, Index* out, const Index* limit) noexcept;
   template <class Index>
-  Index* fill_background_tets(BrickPlace place, MeshRegion region, Index* out) noexcept;
+  Index* fill_background_tets(BrickPlace place,
+                              const PlacesAround& places,
+                              MeshRegion region,
+                              Index* out) noexcept;
+  const PlacesAround& neighbours_of(BrickPlace place) noexcept;
   void find_vertices(std::size_t brick) noexcept;
   void find_geometry(std::size_t brick) noexcept;
-  CellNodes nodes_of(std::size_t brick) const noexcept;
+  CellNodes nodes_of(const PlacesAround& places) const noexcept;
   template <class Index>
   SlotIds<Index>& ids() noexcept;
   void count_background_quality(const BackgroundCounts& counts, int level) noexcept;
@@ -75,7 +83,9 @@ class BrickFiller {
   MeshWorkspace::Impl& workspace_;
   PhiSampler sampler_;
   NodeNumbers numbers_;
-  VerticesAround around_;  // of the brick being filled, where it is finest
+  BrickNeighbours neighbours_;  // on their way along a level
+  BrickPlace last_;             // the brick that they have come to
+  VerticesAround around_;       // of the brick being filled, where it is finest
   CellNodes nodes_;
   QualityMeter meter_;
   QualityStats background_;

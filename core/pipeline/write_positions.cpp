@@ -8,6 +8,9 @@
 #include "core/base/check.h"
 #include "core/base/vector_clones.h"
 
+// Parts of a clone, and compiled for its processor within it only.
+#define TET_INLINE [[gnu::always_inline]] inline
+
 namespace tet {
 namespace {
 
@@ -15,12 +18,12 @@ constexpr std::size_t kRow = 8;
 
 /// Stored coordinates of points in spacings from the brick's corner, as columns.
 template <class Real>
-inline Real* transform(const BrickFrame& frame,
-                       const double* x,
-                       const double* y,
-                       const double* z,
-                       std::size_t count,
-                       Real* out) noexcept {
+TET_INLINE Real* transform(const BrickFrame& frame,
+                           const double* x,
+                           const double* y,
+                           const double* z,
+                           std::size_t count,
+                           Real* out) noexcept {
   const auto [corner_x, corner_y, corner_z] = frame.corner();
   const std::array<std::array<double, 3>, 3> row{frame.row(0), frame.row(1), frame.row(2)};
   for (std::size_t i = 0; i < count; ++i) {
@@ -32,78 +35,78 @@ inline Real* transform(const BrickFrame& frame,
   return out + 3 * count;
 }
 
-/// Rows of eight lattice nodes along z.
+/// Slices of 8 x 8 lattice nodes.
 template <class Real>
-class NodeRows {
+class NodeSlices {
  public:
-  NodeRows(const BrickFrame& frame, NodeKind kind) noexcept : frame_(frame), kind_(kind) {
-    for (std::size_t r = 0; r < 3; ++r) {
-      for (std::size_t z = 0; z < kRow; ++z) {
-        along_z_[r][z] = frame.row(r)[2] * at(2, static_cast<int>(z));
+  NodeSlices(const BrickFrame& frame, NodeKind kind) noexcept : frame_(frame), kind_(kind) {
+    for (std::size_t z = 0; z < kRow; ++z) {
+      for (std::size_t r = 0; r < 3; ++r) {
+        along_z_[z][r] = frame.row(r)[2] * at(2, static_cast<int>(z));
       }
     }
   }
 
-  void go_to(int x, int y) noexcept {
-    const double px = at(0, x), py = at(1, y);
-    for (std::size_t r = 0; r < 3; ++r) {
-      start_[r] = frame_.row(r)[0] * px + frame_.row(r)[1] * py;
+  void go_to(int x) noexcept {
+    const double px = at(0, x);
+    for (std::size_t y = 0; y < kRow; ++y) {
+      const double py = at(1, static_cast<int>(y));
+      for (std::size_t r = 0; r < 3; ++r) {
+        start_[y][r] = frame_.row(r)[0] * px + frame_.row(r)[1] * py;
+      }
     }
   }
-  inline Real* write_all(Real* out) const noexcept {
-    const auto [x, y, z] = start_;
-    const auto& [along_x, along_y, along_z] = along_z_;
-    for (std::size_t i = 0; i < kRow; ++i) {
-      out[3 * i] = static_cast<Real>(x + along_x[i]);
-      out[3 * i + 1] = static_cast<Real>(y + along_y[i]);
-      out[3 * i + 2] = static_cast<Real>(z + along_z[i]);
+
+  TET_INLINE Real* write(std::uint64_t nodes, Real* out) const noexcept {
+    if (~nodes == 0) return write_all(out);
+    for (; nodes != 0; nodes &= nodes - 1) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(nodes));
+      out = write_one(start_[bit / kRow], along_z_[bit % kRow], out);
     }
-    return out + 3 * kRow;
-  }
-  Real* write_one(std::size_t z, Real* out) const noexcept {
-    for (std::size_t r = 0; r < 3; ++r) *out++ = static_cast<Real>(start_[r] + along_z_[r][z]);
     return out;
   }
 
  private:
+  using Part = std::array<double, 3>;
+
   double at(std::size_t axis, int cell) const noexcept {
     return frame_.corner()[axis] + frame_.edge() * (0.5 * (2 * cell + kind_));
+  }
+  TET_INLINE Real* write_all(Real* out) const noexcept {
+    for (const Part& start : start_) {
+      for (std::size_t z = 0; z < kRow; ++z) out = write_one(start, along_z_[z], out);
+    }
+    return out;
+  }
+  TET_INLINE static Real* write_one(const Part& start, const Part& along, Real* out) noexcept {
+    for (std::size_t r = 0; r < 3; ++r) out[r] = static_cast<Real>(start[r] + along[r]);
+    return out + 3;
   }
 
   const BrickFrame& frame_;
   NodeKind kind_;
-  std::array<std::array<double, kRow>, 3> along_z_;
-  std::array<double, 3> start_;
+  std::array<Part, kRow> along_z_, start_;
 };
 
 /// Nodes of one kind; `moved` has the stored coordinates of its zero ones.
 template <class Real>
-inline Real* write_nodes(const BrickFrame& frame,
-                         NodeKind kind,
-                         const BrickMask& nodes,
-                         const BrickMask& zero,
-                         const Real* moved,
-                         Real* out) noexcept {
-  NodeRows<Real> rows(frame, kind);
-  for (int x = 0; x < 8; ++x) {
-    std::uint64_t slice = nodes.slice[static_cast<std::size_t>(x)];
-    std::uint64_t zero_slice = zero.slice[static_cast<std::size_t>(x)];
-    for (int y = 0; (slice | zero_slice) != 0; ++y, slice >>= 8, zero_slice >>= 8) {
-      const std::uint64_t row = slice & 0xff, zeros = zero_slice & 0xff;
-      rows.go_to(x, y);
-      if (row == 0xff && zeros == 0) {
-        out = rows.write_all(out);
-        continue;
-      }
-      for (std::uint64_t bits = row | zeros; bits != 0; bits &= bits - 1) {
-        const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-        if ((zeros >> z & 1) == 0) {
-          out = rows.write_one(z, out);
-        } else {
-          // Of both sides' zeros, those beyond the domain are no vertices.
-          if ((row >> z & 1) != 0) out = std::copy_n(moved, 3, out);
-          moved += 3;
-        }
+TET_INLINE Real* write_nodes(const BrickFrame& frame,
+                             NodeKind kind,
+                             const BrickMask& nodes,
+                             const BrickMask& zero,
+                             const Real* moved,
+                             Real* out) noexcept {
+  NodeSlices<Real> slices(frame, kind);
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t slice = nodes.slice[x];
+    if (slice != 0) slices.go_to(static_cast<int>(x));
+    Real* const first = out;
+    out = slices.write(slice, first);
+    for (std::uint64_t bits = zero.slice[x]; bits != 0; bits &= bits - 1, moved += 3) {
+      const std::uint64_t bit = bits & -bits;
+      // Of both sides' zeros, those beyond the domain are no vertices.
+      if ((slice & bit) != 0) {
+        std::copy_n(moved, 3, first + std::ptrdiff_t{3} * std::popcount(slice & (bit - 1)));
       }
     }
   }
@@ -111,10 +114,10 @@ inline Real* write_nodes(const BrickFrame& frame,
 }
 
 template <class Real>
-inline Real* write_all(const BrickFrame& frame,
-                       const OwnedVertices& own,
-                       const OwnPlaces& places,
-                       Real* out) noexcept {
+TET_INLINE Real* write_all(const BrickFrame& frame,
+                           const OwnedVertices& own,
+                           const OwnPlaces& places,
+                           Real* out) noexcept {
   static constexpr BrickMask kNone;
   std::array<Real, std::size_t{3} * kNodeKinds * kBrickCells> moved;
   std::size_t zeros = 0;

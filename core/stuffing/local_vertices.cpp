@@ -12,12 +12,12 @@
 namespace tet {
 namespace {
 
-/// How many bits of a byte come before each of its bits.
+/// How many bits of a byte come before each of its bits; of a width that fills a register.
 constexpr auto kRanks = [] {
-  std::array<std::array<std::uint8_t, 8>, 256> ranks{};
+  std::array<std::array<std::uint16_t, 8>, 256> ranks{};
   for (unsigned byte = 0; byte < 256; ++byte) {
     for (unsigned bit = 0; bit < 8; ++bit) {
-      ranks[byte][bit] = static_cast<std::uint8_t>(std::popcount(byte & ((1U << bit) - 1)));
+      ranks[byte][bit] = static_cast<std::uint16_t>(std::popcount(byte & ((1U << bit) - 1)));
     }
   }
   return ranks;
@@ -38,7 +38,7 @@ Index number_nodes(const BrickMask& mask, std::size_t o, Index next, Index* ids)
       if (bz == 1) {
         *out = next;
       } else {
-        const std::array<std::uint8_t, 8> ranks = kRanks[row];
+        const std::array<std::uint16_t, 8>& ranks = kRanks[row];
         for (std::size_t z = 0; z < 8; ++z) out[z] = next + ranks[z];
       }
       next += static_cast<Index>(std::popcount(row));
@@ -120,34 +120,39 @@ void LocalVertices::forget() noexcept {
   next_slot_ = kFirstCutSlot;
 }
 
-/// Enters where a vertex lies: at a fraction of the edge from `node` in a direction.
-inline void LocalVertices::place(
-    Slot slot, int node, int direction, float fraction, bool own) noexcept {
+/// Where a vertex lies: at a fraction of the edge from `node` in a direction. Also put into
+/// `own`, where that is not null.
+inline LocalPoint LocalVertices::place(int node,
+                                       int direction,
+                                       float fraction,
+                                       OwnPlaces* own) noexcept {
   const LocalPoint& at = kLatticePoints[static_cast<std::size_t>(node)];
   const auto& [start, along] = kSlides[static_cast<std::size_t>(direction)];
   // Lattice places and steps are exact in float, their sums in double.
   const LocalPoint from{at.x + start.x, at.y + start.y, at.z + start.z};
   const LocalPoint step{fraction * along.x, fraction * along.y, fraction * along.z};
-  point_[slot] = {from.x + step.x, from.y + step.y, from.z + step.z};
-  if (own) own_.add(from, step);
+  if (own != nullptr) own->add(from, step);
+  return {from.x + step.x, from.y + step.y, from.z + step.z};
 }
 
 void LocalVertices::enter_zeros(const OwnedVertices& from,
                                 const PackedGeometry& packed,
                                 std::size_t o) noexcept {
-  std::size_t first = 0;
+  OwnPlaces* const own = o == 0 ? &own_ : nullptr;
+  std::size_t first = 0, moved_count = moved_count_;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    first += for_each_in_reach(from.stuffed->zero[kind], o,
-                               [&](int x, int y, int z, std::size_t rank) {
-                                 const int node = kind * kSlotsOfKind + node_slot(x, y, z);
-                                 const std::uint8_t direction = packed.direction(first + rank);
-                                 const bool moved = direction != kUnmoved;
-                                 const auto slot = static_cast<Slot>(node);
-                                 place(slot, node, moved ? direction : 0,
-                                       moved ? packed.fraction(first + rank) : 0, o == 0);
-                                 moved_[moved_count_++] = slot;
-                               });
+    first += for_each_in_reach(
+        from.stuffed->zero[kind], o, [&](int x, int y, int z, std::size_t rank) {
+          const int node = kind * kSlotsOfKind + node_slot(x, y, z);
+          const std::uint8_t direction = packed.direction(first + rank);
+          const bool moved = direction != kUnmoved;
+          const float fraction = moved ? packed.fraction(first + rank) : 0;
+          point_[static_cast<std::size_t>(node)] =
+              place(node, moved ? direction : 0, fraction, own);
+          moved_[moved_count++] = static_cast<Slot>(node);
+        });
   }
+  moved_count_ = moved_count;
 }
 
 template <class Index>
@@ -156,7 +161,8 @@ void LocalVertices::enter_cuts(const OwnedVertices& from,
                                std::size_t o,
                                Index next,
                                SlotIds<Index>& ids) noexcept {
-  std::size_t first = packed.zeros();
+  OwnPlaces* const own = o == 0 ? &own_ : nullptr;
+  std::size_t first = packed.zeros(), slot = next_slot_;
   for (int family = 0; family < kEdgeFamilies; ++family) {
     const int nodes = family_kind(family) * kSlotsOfKind;
     const std::size_t cuts = for_each_in_reach(
@@ -164,14 +170,15 @@ void LocalVertices::enter_cuts(const OwnedVertices& from,
         [&](int x, int y, int z, std::size_t rank) {
           const int low = node_slot(x, y, z);
           const float fraction = packed.fraction(first + rank);
-          slot_[static_cast<std::size_t>(edge_key(family, low))] = next_slot_;
-          fraction_[static_cast<std::size_t>(next_slot_ - kFirstCutSlot)] = fraction;
-          ids[next_slot_] = next + static_cast<Index>(rank);
-          place(next_slot_++, nodes + low, family_direction(family), fraction, o == 0);
+          slot_[static_cast<std::size_t>(edge_key(family, low))] = static_cast<Slot>(slot);
+          fraction_[slot - kFirstCutSlot] = fraction;
+          ids[slot] = next + static_cast<Index>(rank);
+          point_[slot++] = place(nodes + low, family_direction(family), fraction, own);
         });
     first += cuts;
     next += static_cast<Index>(cuts);
   }
+  next_slot_ = static_cast<Slot>(slot);
 }
 
 /// The mean of the cut points of a tet that has a quad.

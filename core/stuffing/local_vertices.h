@@ -101,7 +101,7 @@ class LocalVertices {
 
  private:
   void forget() noexcept;
-  void place(Slot slot, int node, int direction, float fraction, bool own) noexcept;
+  static LocalPoint place(int node, int direction, float fraction, OwnPlaces* own) noexcept;
   void enter_zeros(const OwnedVertices& from,
                    const PackedGeometry& packed,
                    std::size_t o) noexcept;

@@ -46,6 +46,9 @@ inline void write_transposed(const std::uint64_t* a,
 
 }  // namespace internal
 
+/// Of a slice's 64 cells: fewer are written one by one, as their rows are short.
+inline constexpr int kFewCells = 48;
+
 /// Writes the tets of `cells` and returns their end: `corner` are the slots of the tet in the
 /// first cell, and `ids` the ids by slot. Four tets are written at a time, so a few places
 /// behind the end may be overwritten, but none from `limit` on.
@@ -59,6 +62,13 @@ Index* write_rows(const BrickMask& cells,
                      *const c = ids + corner[2], *const d = ids + corner[3];
   for (int x = 0; x < 8; ++x) {
     std::uint64_t slice = cells.slice[static_cast<std::size_t>(x)];
+    if (std::popcount(slice) < kFewCells) {
+      for (; slice != 0; slice &= slice - 1) {
+        const int i = cell_slot(x, std::countr_zero(slice));
+        out = write_tet(out, a[i], b[i], c[i], d[i]);
+      }
+      continue;
+    }
     for (int y = 0; slice != 0; ++y, slice >>= 8) {
       // Most rows are one run of cells.
       for (std::uint64_t row = slice & 0xff; row != 0; row &= row + (row & -row)) {
