@@ -168,8 +168,8 @@ Index* BrickFiller::fill_finest_tets(MeshRegion region,
   StuffedTets& stuffed = workspace_.stuffed_tets;
   stuffed.clear();
   BackgroundCounts counts;
-  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules()}, ids<Index>(), out, limit,
-                    stuffed, counts);
+  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules(), statistics_}, ids<Index>(),
+                    out, limit, stuffed, counts);
   if (statistics_ == Statistics::kMeasured) {
     meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
     count_background_quality(counts, 0);

@@ -168,7 +168,9 @@ Index* fill_finest(const FinestBrick& brick,
     const ShapeTets found = tets_of_shape(brick.nodes, shape);
     tets = write_rows(found.whole, kShapeKeys[shape].whole, ids.data(), tets, end);
     counts.bcc += found.regular.count();
-    add_moved(kShapeKeys[shape].whole, found.whole & ~found.regular, stuffed);
+    if (brick.statistics == Statistics::kMeasured) {
+      add_moved(kShapeKeys[shape].whole, found.whole & ~found.regular, stuffed);
+    }
     const std::size_t first_cut = stuffed.count();
     add_cut(brick, shape, found.cut, stuffed);
     tets = write_local(stuffed.from(first_cut), ids, tets);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/base/local_point.h"
+#include "core/base/quality.h"
 #include "core/lattice/background.h"
 #include "core/stuffing/cell_nodes.h"
 #include "core/stuffing/local_vertices.h"
@@ -18,6 +19,7 @@ struct FinestBrick {
   const CellNodes& nodes;
   const LocalVertices& vertices;
   const StuffingRules& rules;
+  Statistics statistics;
 };
 
 /// Tets of one region of a brick that are no BCC tets: nodes moved, or were cut away.
@@ -38,8 +40,8 @@ class StuffedTets {
 };
 
 /// Writes a brick's tets of one region, four ids each; returns the end of those. Up to `end`,
-/// where the last region's end, more may be overwritten. Tets that are no background tets are
-/// also put into `stuffed`, the others are counted in `counts`.
+/// where the last region's end, more may be overwritten. To be measured, tets that are no
+/// background tets are also put into `stuffed`, and the others are counted in `counts`.
 template <class Index>
 Index* fill_finest(const FinestBrick& brick,
                    const SlotIds<Index>& ids,
