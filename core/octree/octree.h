@@ -33,6 +33,12 @@ struct OctreeLevel {
   /// Adds empty bricks where `more` (sorted) has ones that are not there yet.
   void insert_bricks(const std::vector<BrickCoord>& more);
 
+  /// `place` where `brick` is there, as the one after another along z can be; or kNoBrick.
+  std::uint32_t if_at(std::size_t place, BrickCoord brick) const noexcept {
+    const bool is_there = place < bricks.size() && bricks[place] == brick;
+    return is_there ? static_cast<std::uint32_t>(place) : kNoBrick;
+  }
+
   std::uint64_t bytes() const noexcept {
     return heap_bytes(bricks) + leaf.bytes() + refined.bytes() + inside.bytes() + index.bytes();
   }

@@ -36,15 +36,18 @@ void for_each_surrounded(const OctreeLevel& level,
                  });
 }
 
-/// Leaves of the bricks beyond a finest brick's faces.
-LeavesAround leaves_beside(const OctreeLevel& finest, const PlacesAround& around) noexcept {
+/// The leaves of a finest brick and of those beyond its faces: `place_at(step)` is the place of
+/// the one a step on.
+template <class PlaceAt>
+LeavesAround leaves_beside(const OctreeLevel& finest,
+                           std::size_t brick,
+                           const PlaceAt& place_at) noexcept {
   static constexpr BrickMask kNone;
-  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
-      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
-  LeavesAround leaves{&finest.leaf[around[kItself]], {}};
-  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
-    const std::uint32_t at = around[kBeyond[direction]];
-    leaves.beyond[direction] = at != kNoBrick ? &finest.leaf[at] : &kNone;
+  LeavesAround leaves{&finest.leaf[brick], {}};
+  for (int direction = 0; direction < kFaceDirections; ++direction) {
+    const std::uint32_t at = place_at(face_step(direction));
+    leaves.beyond[static_cast<std::size_t>(direction)] =
+        at != kNoBrick ? &finest.leaf[at] : &kNone;
   }
   return leaves;
 }
@@ -84,12 +87,12 @@ CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
 }
 
 void CountedMesh::find_cut_points() {
-  for_each_index(
-      stuffed_.size(),
-      [&](std::size_t i) {
-        if (touches_surface(i)) survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(i));
-      },
-      kCountedPerRange);
+  const auto find = [&](std::size_t i, const PlacesAround& around) {
+    survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(around));
+  };
+  for_each_surrounded(
+      tree_.levels[0], {}, find, [&](std::size_t i) { return !touches_surface(i); },
+      [](std::size_t) {});
 }
 
 void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancellation) {
@@ -152,7 +155,7 @@ NodeMasks CountedMesh::find_vertices_of_both_sides(std::size_t brick,
                                                    const PlacesAround& around) {
   const MaskColumn& leaf = tree_.levels[0].leaf;
   if (!touches_surface(brick)) return {leaf_corners(lower_leaves(leaf, around)), leaf[brick]};
-  const UsedByTets used = used_by_tets(surroundings(brick), gather_halo(leaf, around));
+  const UsedByTets used = used_by_tets(surroundings(around), gather_halo(leaf, around));
   trim_cut_points(stuffed_[brick], used);
   return used.node;
 }
@@ -237,13 +240,11 @@ BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept 
   return bricks;
 }
 
-BrickSurroundings CountedMesh::surroundings(std::size_t brick) const noexcept {
-  const OctreeLevel& finest = tree_.levels[0];
-  const PlacesAround places = places_around(finest.index, finest.bricks[brick]);
-  BrickSurroundings around;
-  std::ranges::transform(places, around.begin(),
+BrickSurroundings CountedMesh::surroundings(const PlacesAround& around) const noexcept {
+  BrickSurroundings bricks;
+  std::ranges::transform(around, bricks.begin(),
                          [&](std::uint32_t place) { return stuffed_at(place); });
-  return around;
+  return bricks;
 }
 
 std::span<const MeshRegion> CountedMesh::regions() const noexcept {
@@ -266,20 +267,30 @@ OwnedVertices CountedMesh::vertices_of_finest(std::size_t brick) const noexcept 
 }
 
 VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
-  const BrickCoord b = tree_.levels[0].bricks[brick];
+  const OctreeLevel& finest = tree_.levels[0];
+  const BrickCoord b = finest.bricks[brick];
   VerticesAround around;
-  for (std::size_t o = 0; o < around.size(); ++o) {
+  for (std::size_t o = 0; o < around.size(); o += 2) {
     const UpperOffset at(o);
-    const std::uint32_t found =
-        tree_.levels[0].index.find({b.x + at.x, b.y + at.y, b.z + at.z});
-    if (found != kNoBrick) around[o] = vertices_of_finest(found);
+    const BrickCoord low{b.x + at.x, b.y + at.y, b.z}, high{low.x, low.y, low.z + 1};
+    const std::uint32_t place =
+        o == 0 ? static_cast<std::uint32_t>(brick) : finest.index.find(low);
+    if (place != kNoBrick) around[o] = vertices_of_finest(place);
+    const std::uint32_t next =
+        place != kNoBrick ? finest.if_at(place + 1, high) : finest.index.find(high);
+    if (next != kNoBrick) around[o + 1] = vertices_of_finest(next);
   }
   return around;
 }
 
 LeavesAround CountedMesh::leaves_around(std::size_t brick) const noexcept {
   const OctreeLevel& finest = tree_.levels[0];
-  return leaves_beside(finest, places_around(finest.index, finest.bricks[brick]));
+  const BrickCoord b = finest.bricks[brick];
+  return leaves_beside(finest, brick, [&](LatticeCoord step) {
+    const BrickCoord beside{b.x + step.x, b.y + step.y, b.z + step.z};
+    if (step.z == 0) return finest.index.find(beside);
+    return finest.if_at(brick + static_cast<std::size_t>(step.z), beside);
+  });
 }
 
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
@@ -311,7 +322,10 @@ std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
   const bool all_minus =
       std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
   if (all_minus && !rules_.both_sides) return 0;
-  CellNodes nodes = nodes_around_cells(bricks, leaves_beside(tree_.levels[0], around));
+  const auto place_at = [&](LatticeCoord step) {
+    return around[static_cast<std::size_t>(int{kItself} + 9 * step.x + 3 * step.y + step.z)];
+  };
+  CellNodes nodes = nodes_around_cells(bricks, leaves_beside(tree_.levels[0], brick, place_at));
   if (!rules_.both_sides) return count_finest(nodes, nullptr);
   const FanMasks* fans = vertices_of_finest(brick).fans;
   const std::uint64_t inside = count_finest(nodes, fans);
