@@ -234,12 +234,16 @@ void add_mesh(const NamedMesh& named) {
 }
 
 void add_encoded(const NamedMesh& named) {
-  const auto add_one = [&](const std::string& way, v1::Encoding encoding) {
-    add(way + "/" + named.name + "/planned_once",
-        [=](benchmark::State& state) { stream(state, named.mesh, Planning::kOnce, encoding); });
+  const auto add_both = [&](const std::string& way, v1::Encoding encoding) {
+    const auto add_one = [&](const std::string& when, Planning planning) {
+      add(way + "/" + named.name + when,
+          [=](benchmark::State& state) { stream(state, named.mesh, planning, encoding); });
+    };
+    add_one("/planned_each_time", Planning::kEachTime);
+    add_one("/planned_once", Planning::kOnce);
   };
-  add_one("stream_packed", v1::ENCODING_PACKED);
-  add_one("stream_compact", v1::ENCODING_COMPACT);
+  add_both("stream_packed", v1::ENCODING_PACKED);
+  add_both("stream_compact", v1::ENCODING_COMPACT);
 }
 
 void add_first_chunk(const NamedMesh& named) {
@@ -283,11 +287,13 @@ int main(int argc, char** argv) {
   constexpr std::array<std::pair<const char*, double>, 3> kBalls{
       {{"1e5", 12.6}, {"1e6", 27.1}, {"1e7", 58.4}}
   };
-  for (const auto& [size, radius] : kBalls) add_mesh(ball(size, radius));
-  for (const auto& [size, radius] : kBalls) add_mesh(ball(size, radius, true));
-  for (const bool graded : {false, true}) add_mesh(gyroid("1e7", 66.7, graded));
-  add_encoded(ball("1e6", 27.1, true));
-  add_encoded(ball("1e7", 58.4, true));
+  std::vector<NamedMesh> meshes;
+  for (const bool graded : {false, true}) {
+    for (const auto& [size, radius] : kBalls) meshes.push_back(ball(size, radius, graded));
+    meshes.push_back(gyroid("1e7", 66.7, graded));
+  }
+  for (const NamedMesh& mesh : meshes) add_mesh(mesh);
+  for (const NamedMesh& mesh : meshes) add_encoded(mesh);
   add_first_chunk(ball("1e5", 12.6));
   add_first_chunk(ball("1e7", 58.4));
   add_side_by_side(ball("1e6", 27.1));

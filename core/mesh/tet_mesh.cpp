@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/vector_clones.h"
+
 namespace tet {
 namespace {
 
@@ -26,6 +28,7 @@ std::uint64_t largest_id(std::span<const std::byte> ids) noexcept {
 
 }  // namespace
 
+TET_VECTOR_CLONES
 bool ids_are_within(std::span<const std::byte> ids, const MeshHeader& header) noexcept {
   const std::uint64_t largest = header.index_type == IndexType::kUint64
                                     ? largest_id<std::uint64_t>(ids)

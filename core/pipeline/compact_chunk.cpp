@@ -260,26 +260,24 @@ absl::Status check_geometry(std::span<const std::byte> geometry, std::size_t zer
 
 absl::Status CompactBricks::add_surface(Reader& reader) {
   Survey& survey = structure_.survey;
-  StuffedBrick stuffed;
+  Signs& signs = signs_.emplace_back();
   for (const NodeKind kind : {kCorner, kCentre}) {
-    stuffed.plus[kind] = reader.mask();
-    stuffed.zero[kind] = reader.mask();
-    if ((stuffed.plus[kind] & stuffed.zero[kind]).any()) return broken("a node of two signs");
+    signs.plus[kind] = reader.mask();
+    signs.zero[kind] = reader.mask();
+    if ((signs.plus[kind] & signs.zero[kind]).any()) return broken("a node of two signs");
   }
   if (both_sides_) {
     for (BrickMask& fan : survey.fans.emplace_back()) fan = reader.mask();
   }
-  const GeometrySizes zeros(stuffed);
   const std::uint64_t cuts = reader.varint();
   if (cuts > kEdgeFamilies * kBrickCells) return broken("more cut points than edges");
-  const std::size_t size = zeros.bytes() + cuts * sizeof(float);
-  const auto geometry = reader.take(size);
+  const GeometrySizes sizes(signs.zero[kCorner].count() + signs.zero[kCentre].count(), cuts);
+  const auto geometry = reader.take(sizes.bytes());
   if (reader.failed()) return broken("it ends within a brick");
-  if (auto status = check_geometry(geometry, zeros.zeros); !status.ok()) return status;
-  structure_.stuffed.push_back(static_cast<std::uint32_t>(survey.stuffed.size()));
-  survey.stuffed.push_back(stuffed);
+  if (auto status = check_geometry(geometry, sizes.zeros); !status.ok()) return status;
+  structure_.stuffed.push_back(static_cast<std::uint32_t>(geometry_sizes_.size()));
   survey.geometry.of_brick.push_back(geometry.data());
-  geometry_sizes_.push_back(size);
+  geometry_sizes_.push_back(sizes.bytes());
   return absl::OkStatus();
 }
 
@@ -287,6 +285,10 @@ absl::StatusOr<CountedMesh> CompactBricks::count(const StuffingRules& rules) && 
   if (levels_.empty()) return broken("there is no brick");
   for (OctreeLevel& level : levels_) level.index = BrickIndex(level.bricks);
   structure_.tree.levels = std::move(levels_);
+  structure_.survey.stuffed.reserve(signs_.size());
+  for (const Signs& signs : signs_) {
+    structure_.survey.stuffed.push_back({signs.plus, signs.zero, {}});
+  }
   CountedMesh mesh(std::move(structure_), rules);
   for (std::size_t i = 0; i < geometry_sizes_.size(); ++i) {
     if (GeometrySizes(mesh.survey().stuffed[i]).bytes() != geometry_sizes_[i]) {

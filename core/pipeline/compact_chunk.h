@@ -48,7 +48,12 @@ class CompactBricks {
   bool both_sides_;
   std::vector<std::size_t> first_brick_{0};
   std::vector<OctreeLevel> levels_;
-  std::vector<std::size_t> geometry_sizes_;  ///< of surface bricks, bytes
+  // Of surface bricks. Cut edges follow when all are there: they take most of a StuffedBrick.
+  struct Signs {
+    NodeMasks plus, zero;
+  };
+  std::vector<Signs> signs_;
+  std::vector<std::size_t> geometry_sizes_;  ///< bytes
   MeshStructure structure_;
 };
 

@@ -13,6 +13,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
 #include "core/lattice/reach.h"
 #include "core/pipeline/fill_brick.h"
 #include "core/stuffing/brick_geometry.h"
@@ -100,10 +101,12 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
   field.volume = &no_samples;
   std::vector<QualityStats> stats(first_brick.size() - 1);
   std::atomic<bool> whole{true};  // what another's octree lacks has ids of no vertex
+  ScratchPool<MeshWorkspace> workspaces;
   for_each_range(stats.size(), 1, [&](std::size_t begin, std::size_t end) {
-    MeshWorkspace workspace;
+    const ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
     for (std::size_t chunk = begin; chunk < end && !cancellation.requested(); ++chunk) {
-      BrickFiller filler(*counted, field, header, frame.to_world, statistics, workspace.impl());
+      BrickFiller filler(*counted, field, header, frame.to_world, statistics,
+                         workspace->impl());
       for (std::size_t i = first_brick[chunk]; i < first_brick[chunk + 1]; ++i) {
         const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
         const ChunkColumns columns =

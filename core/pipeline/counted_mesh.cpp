@@ -76,12 +76,12 @@ CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
 }
 
 void CountedMesh::find_cut_points() {
-  for_each_index(
-      stuffed_.size(),
-      [&](std::size_t i) {
-        if (touches_surface(i)) survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(i));
-      },
-      kCountedPerRange);
+  const auto find = [&](std::size_t i, const PlacesAround& around) {
+    survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(around));
+  };
+  for_each_surrounded(
+      tree_.levels[0], {}, find, [&](std::size_t i) { return !touches_surface(i); },
+      [](std::size_t) {});
 }
 
 void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancellation) {
@@ -144,7 +144,7 @@ NodeMasks CountedMesh::find_vertices_of_both_sides(std::size_t brick,
                                                    const PlacesAround& around) {
   const MaskColumn& leaf = tree_.levels[0].leaf;
   if (!touches_surface(brick)) return {leaf_corners(lower_leaves(leaf, around)), leaf[brick]};
-  const UsedByTets used = used_by_tets(surroundings(brick), gather_halo(leaf, around));
+  const UsedByTets used = used_by_tets(surroundings(around), gather_halo(leaf, around));
   trim_cut_points(stuffed_[brick], used);
   return used.node;
 }
@@ -229,13 +229,11 @@ BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept 
   return bricks;
 }
 
-BrickSurroundings CountedMesh::surroundings(std::size_t brick) const noexcept {
-  const OctreeLevel& finest = tree_.levels[0];
-  const PlacesAround places = places_around(finest.index, finest.bricks[brick]);
-  BrickSurroundings around;
-  std::ranges::transform(places, around.begin(),
+BrickSurroundings CountedMesh::surroundings(const PlacesAround& around) const noexcept {
+  BrickSurroundings bricks;
+  std::ranges::transform(around, bricks.begin(),
                          [&](std::uint32_t place) { return stuffed_at(place); });
-  return around;
+  return bricks;
 }
 
 std::span<const MeshRegion> CountedMesh::regions() const noexcept {

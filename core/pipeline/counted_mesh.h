@@ -75,7 +75,6 @@ class CountedMesh {
 
   /// A finest brick and those beyond its upper faces, with what the survey kept of each.
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
-  BrickSurroundings surroundings(std::size_t brick) const noexcept;
   /// Their vertices; `geometry` is null where it was not kept.
   VerticesAround vertices_around(std::size_t brick) const noexcept;
   /// The same of a finest brick whose neighbours are known.
@@ -94,6 +93,7 @@ class CountedMesh {
  private:
   const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
   OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
+  BrickSurroundings surroundings(const PlacesAround& around) const noexcept;
   void find_stuffed(const PhiField& field, const Cancellation& cancellation);
   void find_vertices(const Cancellation& cancellation);
   NodeMasks find_finest_vertices(std::size_t brick, const PlacesAround& around) const;

@@ -20,6 +20,8 @@ inline constexpr std::uint8_t kUnmoved = 255;
 struct GeometrySizes {
   std::size_t zeros, cuts;
   explicit GeometrySizes(const StuffedBrick& brick) noexcept;
+  GeometrySizes(std::size_t zero_nodes, std::size_t cut_points) noexcept
+      : zeros(zero_nodes), cuts(cut_points) {}
   std::size_t bytes() const noexcept { return (zeros + cuts) * sizeof(float) + zeros; }
 };
 inline constexpr std::size_t kMaxGeometryBytes =

@@ -1,7 +1,5 @@
 #include "core/stuffing/count_tets.h"
 
-#include <bit>
-
 #include "core/base/vector_clones.h"
 
 namespace tet {
@@ -12,14 +10,7 @@ struct ShapeBits {
   std::uint64_t any_plus = 0, no_minus = ~std::uint64_t{0}, any_zero = 0;
   std::uint64_t odd = 0, pairs = 0;  ///< the two low digits of the number of `+` nodes
 
-  ShapeBits() noexcept = default;
-  ShapeBits(const CellNodes& nodes, const TetShape& shape, std::size_t x) noexcept {
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::size_t at = node_around_cell(shape, i);
-      add(nodes.plus[shape.kind[i]][at].slice[x], nodes.zero[shape.kind[i]][at].slice[x]);
-    }
-  }
-  void add(std::uint64_t plus, std::uint64_t zero) noexcept {
+  void add_node(std::uint64_t plus, std::uint64_t zero) noexcept {
     any_plus |= plus;
     no_minus &= plus | zero;
     any_zero |= zero;
@@ -32,39 +23,75 @@ struct ShapeBits {
   std::uint64_t three() const noexcept { return pairs & odd; }
 };
 
-std::uint64_t bits_of(std::uint64_t word) noexcept {
-  return static_cast<std::uint64_t>(std::popcount(word));
-}
+/// The four nodes of one shape's tets.
+struct ShapeNodes {
+  std::array<const BrickMask*, 4> plus, zero;
 
-/// Tets that the stencils of one shape emit: 1, and more where nodes are cut away (see
+  ShapeNodes(const CellNodes& nodes, const TetShape& shape) noexcept {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t at = node_around_cell(shape, i);
+      plus[i] = &nodes.plus[shape.kind[i]][at];
+      zero[i] = &nodes.zero[shape.kind[i]][at];
+    }
+  }
+  ShapeBits slice(std::size_t x) const noexcept {
+    ShapeBits bits;
+    for (std::size_t i = 0; i < 4; ++i) bits.add_node(plus[i]->slice[x], zero[i]->slice[x]);
+    return bits;
+  }
+};
+
+/// A number for each cell, by its binary digits.
+struct CellCounts {
+  std::array<BrickMask, 6> digit;  ///< a cell has at most 3 tets of each of 12 shapes
+
+  /// Adds 1 to the cells of slice x that are in `ones`, and 2 to those in `twos`.
+  void add(std::size_t x, std::uint64_t ones, std::uint64_t twos) noexcept {
+    const auto add_digit = [&](std::size_t d, std::uint64_t more) {
+      const std::uint64_t carry = digit[d].slice[x] & more;
+      digit[d].slice[x] ^= more;
+      return carry;
+    };
+    std::uint64_t carry = add_digit(0, ones);
+    carry = add_digit(1, carry) | add_digit(1, twos);  // not both: the first leaves 0
+    for (std::size_t d = 2; d < digit.size(); ++d) carry = add_digit(d, carry);
+  }
+  std::uint64_t total() const noexcept {
+    std::uint64_t sum = 0;
+    for (std::size_t d = 0; d < digit.size(); ++d) {
+      sum += std::uint64_t{digit[d].count()} << d;
+    }
+    return sum;
+  }
+};
+
+/// Tets that the stencils emit: 1 for each tet, and more where nodes are cut away (see
 /// stencil.h).
-std::uint64_t count_stencil_tets(const CellNodes& nodes, std::size_t shape) noexcept {
+TET_VECTOR_CLONES
+std::uint64_t count_stencil_tets(const CellNodes& nodes) noexcept {
   // Outside, tets of four zeros are meshed too.
   const std::uint64_t keeps_zeros =
       nodes.region == MeshRegion::kOutside ? ~std::uint64_t{0} : 0;
-  std::uint64_t count = 0;
-  for (std::size_t x = 0; x < 8; ++x) {
-    const std::uint64_t tets = nodes.pairs[shape / 4].slice[x];
-    if (tets == 0) continue;
-    const ShapeBits bits(nodes, kTetShape[shape], x);
-    count += bits_of(tets & (bits.any_plus | (keeps_zeros & bits.no_minus)));
-    const std::uint64_t cut = tets & bits.cut();
-    if (cut == 0) continue;
-    const std::uint64_t two = cut & bits.two();
-    count += bits_of(two);                     // ++0-: 2
-    count += bits_of(two & ~bits.any_zero);    // ++--: 3
-    count += 2 * bits_of(cut & bits.three());  // +++-: 3
+  CellCounts counts;
+  for (std::size_t number = 0; number < kTetShapes; ++number) {
+    const ShapeNodes shape(nodes, kTetShape[number]);
+    const BrickMask& pairs = nodes.pairs[number / 4];
+    for (std::size_t x = 0; x < 8; ++x) {
+      const ShapeBits bits = shape.slice(x);
+      const std::uint64_t meshed = bits.any_plus | (keeps_zeros & bits.no_minus);
+      const std::uint64_t cut = bits.cut();
+      const std::uint64_t in_two = cut & bits.two() & bits.any_zero;    // ++0-
+      const std::uint64_t in_more = cut & (bits.two() | bits.three());  // the same, ++--, +++-
+      counts.add(x, pairs.slice[x] & meshed & ~in_two, pairs.slice[x] & in_more);
+    }
   }
-  return count;
+  return counts.total();
 }
 
 }  // namespace
 
 std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcept {
-  std::uint64_t count = 0;
-  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    count += count_stencil_tets(nodes, shape);
-  }
+  std::uint64_t count = count_stencil_tets(nodes);
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     count += 2 * std::uint64_t{half_pyramids_of_finest(nodes, direction).count()};
   }
@@ -83,22 +110,11 @@ struct SurfaceInShape {
 };
 
 TET_VECTOR_CLONES
-SurfaceInShape find_surface(const CellNodes& nodes, const TetShape& shape) noexcept {
-  std::array<const BrickMask*, 4> plus, zero;
-  for (std::size_t i = 0; i < 4; ++i) {
-    plus[i] = &nodes.plus[shape.kind[i]][node_around_cell(shape, i)];
-    zero[i] = &nodes.zero[shape.kind[i]][node_around_cell(shape, i)];
-  }
-  // Looked up before the loop, which vectorises then.
-  const auto& [p0, p1, p2, p3] = plus;
-  const auto& [z0, z1, z2, z3] = zero;
+SurfaceInShape find_surface(const CellNodes& nodes, const TetShape& of_shape) noexcept {
+  const ShapeNodes shape(nodes, of_shape);
   SurfaceInShape found;
   for (std::size_t x = 0; x < 8; ++x) {
-    ShapeBits bits;
-    bits.add(p0->slice[x], z0->slice[x]);
-    bits.add(p1->slice[x], z1->slice[x]);
-    bits.add(p2->slice[x], z2->slice[x]);
-    bits.add(p3->slice[x], z3->slice[x]);
+    const ShapeBits bits = shape.slice(x);
     found.cut.slice[x] = bits.cut();
     found.quad.slice[x] = bits.cut() & bits.two() & ~bits.any_zero;  // ++--
     found.three_zeros.slice[x] = bits.no_minus & bits.one();

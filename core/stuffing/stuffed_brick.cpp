@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "core/base/vector_clones.h"
 #include "core/lattice/node_numbers.h"
 
 namespace tet {
@@ -156,27 +157,60 @@ void mark_half_pyramids(const FinestNodes& nodes,
 
 }  // namespace
 
-std::array<BrickMask, kEdgeFamilies> edges_cut(const BrickSurroundings& bricks) noexcept {
-  FinestNodes nodes;
-  add_surroundings(nodes, bricks);
-  for (int o = 0; o < 27; ++o) {
-    if (bricks[static_cast<std::size_t>(o)] != nullptr) continue;
-    // No edge is cut that leads to a brick the surface does not reach, whichever side it is on.
-    for (HaloSet& zero : nodes.zero) {
-      add_brick(zero, BrickMask::all(), o / 9 - 1, o / 3 % 3 - 1, o % 3 - 1);
-    }
+namespace {
+
+/// Of a brick's signs those of its own nodes, or of what lies a step on from them.
+class SignsBeside {
+ public:
+  explicit SignsBeside(const BrickSurroundings& bricks) noexcept : bricks_(bricks) {}
+
+  /// `signs` are StuffedBrick's plus or zero; each of `step` is -1, 0 or 1.
+  BrickMask from(NodeMasks StuffedBrick::*signs,
+                 NodeKind kind,
+                 LatticeCoord step) const noexcept {
+    const auto shifted = [](int axis, int by, const auto& at) {
+      if (by == 0) return at(0);
+      return by > 0 ? next_along(axis, at(0), at(1)) : previous_along(axis, at(0), at(-1));
+    };
+    return shifted(0, step.x, [&](int x) {
+      return shifted(1, step.y, [&](int y) {
+        return shifted(2, step.z, [&](int z) { return (brick(x, y, z).*signs)[kind]; });
+      });
+    });
   }
+
+ private:
+  /// No edge is cut that leads to a brick the surface does not reach, whichever side it is on:
+  /// as if all its nodes were zeros.
+  const StuffedBrick& brick(int x, int y, int z) const noexcept {
+    static constexpr StuffedBrick kUnreached{
+        {               },
+        {BrickMask::all(),BrickMask::all()},
+        {                }
+    };
+    const StuffedBrick* brick =
+        bricks_[static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1)];
+    return brick != nullptr ? *brick : kUnreached;
+  }
+
+  const BrickSurroundings& bricks_;
+};
+
+}  // namespace
+
+TET_VECTOR_CLONES
+std::array<BrickMask, kEdgeFamilies> edges_cut(const BrickSurroundings& bricks) noexcept {
+  const SignsBeside signs(bricks);
+  const StuffedBrick& own = *bricks[13];
   std::array<BrickMask, kEdgeFamilies> cut;
   for (int family = 0; family < kEdgeFamilies; ++family) {
     const NodeKind kind = family_kind(family);
     const NodeKind end = end_kind(kind, family_direction(family));
-    const int offset = end_offset(kind, family_direction(family));
-    const BrickMask plus = brick_part(nodes.plus[kind]);
-    const BrickMask zero = brick_part(nodes.zero[kind]);
-    const BrickMask end_plus = brick_part(seen_from(nodes.plus[end], offset));
-    const BrickMask end_zero = brick_part(seen_from(nodes.zero[end], offset));
-    const BrickMask one_is_plus = (plus & ~end_plus) | (end_plus & ~plus);
-    cut[static_cast<std::size_t>(family)] = one_is_plus & ~(zero | end_zero);
+    const LatticeCoord step = end_step(kind, family_direction(family));
+    const BrickMask& plus = own.plus[kind];
+    const BrickMask end_plus = signs.from(&StuffedBrick::plus, end, step);
+    const BrickMask zero = own.zero[kind] | signs.from(&StuffedBrick::zero, end, step);
+    cut[static_cast<std::size_t>(family)] = ((plus & ~end_plus) | (end_plus & ~plus)) & ~zero;
   }
   return cut;
 }
