@@ -120,7 +120,11 @@ bool MeshPlan::has_bricks() const noexcept { return !impl_->graded && !impl_->jo
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   if (impl_->joined) return impl_->joined->chunk(index);
   if (impl_->graded) return impl_->graded->chunk(index);
-  return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
+  return bricks(bricks_of_chunk(index));
+}
+
+BrickRange MeshPlan::bricks_of_chunk(std::uint64_t index) const noexcept {
+  return {impl_->first_brick[index], impl_->first_brick[index + 1]};
 }
 
 std::uint64_t MeshPlan::bytes() const noexcept {
@@ -146,8 +150,7 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
   if (impl_->graded) {
     impl_->graded->fill_chunk(index, columns);
   } else {
-    stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace,
-                        columns);
+    stats = fill_bricks(bricks_of_chunk(index), workspace, columns);
   }
   if (impl_->graded || improvement_) {
     const std::span<const std::byte> positions =
