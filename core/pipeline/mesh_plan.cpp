@@ -359,12 +359,17 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   absl::StatusOr<Survey> survey =
       survey_rest(*prepared, alike, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
-  const std::optional<BoundaryTopology> boundary = count_boundary(*survey, cancellation);
+  std::optional<BoundaryTopology> boundary;
+  Octree tree;
+  ThinWalls thin_walls;
+  run_side_by_side(
+      [&] {
+        tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
+                            cover, *rules, cancellation);
+      },
+      [&] { boundary = count_boundary(*survey, cancellation); },
+      [&] { thin_walls = gather_thin_walls(survey->thin, field.lattice_transform()); });
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
-                             cover, *rules, cancellation);
-  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  ThinWalls thin_walls = gather_thin_walls(survey->thin, field.lattice_transform());
   CountedMesh mesh(field, *std::move(survey), std::move(tree), space.rules, asked.levels == 0,
                    cancellation, alike ? &alike->mesh : nullptr);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
