@@ -1,6 +1,7 @@
 // Parallel by index: the only place that knows oneTBB (std::thread under ThreadSanitizer).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -57,6 +58,13 @@ void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1) 
 template <class Body>
 void for_each_range(std::size_t count, std::size_t grain, const Body& body) {
   internal::parallel_ranges(count, grain, body);
+}
+
+/// Calls each of `works` once, side by side where there are threads for it.
+template <class... Work>
+void run_side_by_side(const Work&... works) {
+  const std::array<std::function<void()>, sizeof...(Work)> all{std::cref(works)...};
+  for_each_index(all.size(), [&](std::size_t i) { all[i](); });
 }
 
 /// Exclusive prefix sums: `count + 1` numbers, the last one the total.

@@ -293,7 +293,7 @@ ScannedRegions scan_regions(const PhiField& field,
   const std::vector<RegionSigns> of_regions = signs_of_regions(field);
   Gathering gathering;
   std::atomic<bool> too_many = false;
-  for_each_range(regions.size(), 16, [&](std::size_t begin, std::size_t end) {
+  for_each_range(regions.size(), 4, [&](std::size_t begin, std::size_t end) {
     SignsAround signs(field, of_regions);
     ScannedRegions mine = gathering.take_buffer();
     for (std::size_t i = begin; i < end && !too_many && !cancellation.requested(); ++i) {

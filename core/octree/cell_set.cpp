@@ -138,6 +138,23 @@ CellSet grown_by(const CellSet& cells, int steps, const Cancellation& cancellati
   return out;
 }
 
+/// What `add(builder, i)` adds of each of a set's bricks, side by side.
+template <class Add>
+CellSet build_from(const CellSet& cells, const Cancellation& cancellation, const Add& add) {
+  constexpr std::size_t kBricksPerBlock = 32;
+  const std::size_t bricks = cells.bricks.size();
+  std::vector<CellSetBuilder> blocks((bricks + kBricksPerBlock - 1) / kBricksPerBlock);
+  for_each_index(blocks.size(), [&](std::size_t block) {
+    const std::size_t end = std::min(bricks, (block + 1) * kBricksPerBlock);
+    for (std::size_t i = block * kBricksPerBlock; i < end && !cancellation.requested(); ++i) {
+      add(blocks[block], i);
+    }
+  });
+  CellSetBuilder all;
+  for (CellSetBuilder& block : blocks) all.add(std::move(block));
+  return all.take();
+}
+
 }  // namespace
 
 void CellSetBuilder::add(CellSetBuilder&& other) {
@@ -146,17 +163,13 @@ void CellSetBuilder::add(CellSetBuilder&& other) {
 }
 
 CellSet CellSetBuilder::take() {
-  std::sort(parts_.begin(), parts_.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
   CellSet set;
-  for (const auto& [brick, cells] : parts_) {
-    if (set.bricks.empty() || set.bricks.back() != brick) {
-      set.bricks.push_back(brick);
-      set.cells.push_back(cells);
-    } else {
-      set.cells.back() |= cells;
-    }
-  }
+  set.bricks.reserve(parts_.size());
+  for (const auto& [brick, cells] : parts_) set.bricks.push_back(brick);
+  sort_unique(set.bricks);
+  set.cells.resize(set.bricks.size());
+  const BrickIndex index(set.bricks);
+  for (const auto& [brick, cells] : parts_) set.cells[index.find(brick)] |= cells;
   parts_.clear();
   return set;
 }
@@ -170,36 +183,30 @@ HaloSet gather_halo(const MaskColumn& masks, const PlacesAround& around) noexcep
 }
 
 CellSet parents_of(const CellSet& cells, const Cancellation& cancellation) {
-  CellSetBuilder builder;
-  for (std::size_t i = 0; i < cells.bricks.size() && !cancellation.requested(); ++i) {
-    if (!cells.cells[i].any()) continue;
+  return build_from(cells, cancellation, [&](CellSetBuilder& builder, std::size_t i) {
+    if (!cells.cells[i].any()) return;
     builder.add(parent_of(cells.bricks[i]), parents(cells.cells[i], cells.bricks[i]));
-  }
-  return builder.take();
+  });
 }
 
 CellSet parents_with_neighbours(const CellSet& cells, const Cancellation& cancellation) {
-  CellSetBuilder builder;
-  for (std::size_t i = 0; i < cells.bricks.size() && !cancellation.requested(); ++i) {
+  return build_from(cells, cancellation, [&](CellSetBuilder& builder, std::size_t i) {
     HaloSet own;
     add_brick(own, cells.cells[i], 0, 0, 0);
     const BrickCoord brick = cells.bricks[i];
     add_parts(builder, brick, parents(with_face_and_edge_neighbours(own), brick));
-  }
-  return builder.take();
+  });
 }
 
 CellSet children_of(const CellSet& parents, const Cancellation& cancellation) {
-  CellSetBuilder builder;
-  for (std::size_t i = 0; i < parents.bricks.size() && !cancellation.requested(); ++i) {
+  return build_from(parents, cancellation, [&](CellSetBuilder& builder, std::size_t i) {
     const BrickCoord p = parents.bricks[i];
     for (int o = 0; o < 8; ++o) {
       const int ox = o >> 2, oy = o >> 1 & 1, oz = o & 1;
       const BrickMask mask = children_of(parents.cells[i], ox, oy, oz);
       if (mask.any()) builder.add({2 * p.x + ox, 2 * p.y + oy, 2 * p.z + oz}, mask);
     }
-  }
-  return builder.take();
+  });
 }
 
 void drop_empty(CellSet& cells) {

@@ -14,26 +14,25 @@
 namespace tet {
 namespace {
 
-constexpr std::size_t kCountedPerRange = 32;  // the first of a range is searched for
+constexpr std::size_t kCountedPerRange = 16;  // the first of a range is searched for
 constexpr std::size_t kFoundAtATime = 8192;   ///< bricks whose vertices are held as whole masks
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
-/// Calls `known(place)` for each brick of a level that `is_known`, and `body(place, around)`
-/// for the others, in any order; for some, once cancelled.
-template <class Body, class IsKnown, class Known>
-void for_each_surrounded(const OctreeLevel& level,
-                         const Cancellation& cancellation,
-                         const Body& body,
-                         const IsKnown& is_known,
-                         const Known& known) {
-  for_each_range(level.bricks.size(), kCountedPerRange,
-                 [&](std::size_t begin, std::size_t end) {
-                   if (cancellation.requested()) return;
-                   BrickNeighbours neighbours(level.bricks);
-                   for (std::size_t i = begin; i < end; ++i) {
-                     is_known(i) ? known(i) : body(i, neighbours.around(level.bricks[i]));
-                   }
-                 });
+/// Some bricks of one level.
+struct LevelRange {
+  std::size_t level, begin, end;
+};
+
+/// All bricks of all levels, so that no level has to wait for another.
+std::vector<LevelRange> ranges_of(const Octree& tree) {
+  std::vector<LevelRange> ranges;
+  for (std::size_t l = 0; l < tree.levels.size(); ++l) {
+    const std::size_t bricks = tree.levels[l].bricks.size();
+    for (std::size_t begin = 0; begin < bricks; begin += kCountedPerRange) {
+      ranges.push_back({l, begin, std::min(bricks, begin + kCountedPerRange)});
+    }
+  }
+  return ranges;
 }
 
 /// Which of the 27 around a brick is brick `o` of the eight beyond its upper faces.
@@ -170,23 +169,24 @@ void CountedMesh::count_bricks(const Cancellation& cancellation,
     bricks += level.bricks.size();
   }
   std::vector<std::uint64_t> vertices(bricks), tets(bricks);
-  for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
-    const auto is_kept = [&](std::size_t i) {
-      return earlier != nullptr && kept[l].tets[i] != kNewBrick;
-    };
-    const auto take = [&](std::size_t i) {
-      const std::size_t before = earlier->first_brick_[l] + kept[l].tets[i];
-      vertices[first_brick_[l] + i] =
-          earlier->first_vertex_[before + 1] - earlier->first_vertex_[before];
-      tets[first_brick_[l] + i] = earlier->first_tet_[before + 1] - earlier->first_tet_[before];
-    };
-    const auto count = [&](std::size_t i, const PlacesAround& around) {
-      const BrickPlace place{static_cast<int>(l), i};
-      vertices[first_brick_[l] + i] = vertices_of(place);
-      tets[first_brick_[l] + i] = tets_of(place, around);
-    };
-    for_each_surrounded(tree_.levels[l], cancellation, count, is_kept, take);
-  }
+  const std::vector<LevelRange> ranges = ranges_of(tree_);
+  for_each_index(ranges.size(), [&](std::size_t range) {
+    if (cancellation.requested()) return;
+    const auto [l, begin, end] = ranges[range];
+    BrickNeighbours neighbours(tree_.levels[l].bricks);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t brick = first_brick_[l] + i;
+      if (earlier != nullptr && kept[l].tets[i] != kNewBrick) {
+        const std::size_t before = earlier->first_brick_[l] + kept[l].tets[i];
+        vertices[brick] = earlier->first_vertex_[before + 1] - earlier->first_vertex_[before];
+        tets[brick] = earlier->first_tet_[before + 1] - earlier->first_tet_[before];
+      } else {
+        const BrickPlace place{static_cast<int>(l), i};
+        vertices[brick] = vertices_of(place);
+        tets[brick] = tets_of(place, neighbours.around(tree_.levels[l].bricks[i]));
+      }
+    }
+  });
   first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
   first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });
   for (std::size_t l = 0; l < tree_.levels.size(); ++l) {

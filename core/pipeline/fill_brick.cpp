@@ -68,6 +68,11 @@ SlotIds<std::uint64_t>& BrickFiller::ids() noexcept {
 }
 
 void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
+  if (filled_++ % kBricksPerRun == 0 && filled_ > 1) {
+    runs_.add(stats_of_run());
+    meter_ = {};
+    background_ = {};
+  }
   const BrickPlace place = mesh_.place(brick);
   const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
   const PlacesAround& places = neighbours_of(place);
@@ -203,6 +208,12 @@ void BrickFiller::count_background_quality(const BackgroundCounts& counts, int l
 }
 
 QualityStats BrickFiller::stats() const noexcept {
+  QualityStats stats = runs_;
+  stats.add(stats_of_run());
+  return stats;
+}
+
+QualityStats BrickFiller::stats_of_run() const noexcept {
   QualityStats stats = meter_.stats();
   stats.add(background_);
   stats.volume *= std::abs(determinant(to_world_.linear));

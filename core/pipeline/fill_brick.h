@@ -32,7 +32,11 @@ struct MeshWorkspace::Impl {
   std::vector<std::byte> places;  // of a chunk, before they are moved: see JoinedPlan
 };
 
-/// Fills the bricks of one chunk, one after another.
+/// Bricks whose statistics are summed by themselves, from the first of a chunk on: parts of a
+/// chunk that are filled by different threads have the same sum, to the last bit.
+inline constexpr std::size_t kBricksPerRun = 16;
+
+/// Fills the bricks of one chunk, or of a run of them, one after another.
 class BrickFiller {
  public:
   BrickFiller(const CountedMesh& mesh,
@@ -75,6 +79,7 @@ class BrickFiller {
   template <class Index>
   SlotIds<Index>& ids() noexcept;
   void count_background_quality(const BackgroundCounts& counts, int level) noexcept;
+  QualityStats stats_of_run() const noexcept;
 
   const CountedMesh& mesh_;
   const MeshHeader& header_;
@@ -87,6 +92,8 @@ class BrickFiller {
   BrickPlace last_;             // the brick that they have come to
   VerticesAround around_;       // of the brick being filled, where it is finest
   CellNodes nodes_;
+  std::size_t filled_ = 0;  // bricks
+  QualityStats runs_;       // filled before; then of the one being filled
   QualityMeter meter_;
   QualityStats background_;
 };

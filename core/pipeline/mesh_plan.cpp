@@ -123,7 +123,11 @@ bool MeshPlan::has_bricks() const noexcept { return !impl_->graded && !impl_->jo
 ChunkExtent MeshPlan::chunk(std::uint64_t index) const noexcept {
   if (impl_->joined) return impl_->joined->chunk(index);
   if (impl_->graded) return impl_->graded->chunk(index);
-  return bricks({impl_->first_brick[index], impl_->first_brick[index + 1]});
+  return bricks(bricks_of_chunk(index));
+}
+
+BrickRange MeshPlan::bricks_of_chunk(std::uint64_t index) const noexcept {
+  return {impl_->first_brick[index], impl_->first_brick[index + 1]};
 }
 
 std::uint64_t MeshPlan::bytes() const noexcept {
@@ -149,8 +153,7 @@ QualityStats MeshPlan::fill_chunk(std::uint64_t index,
   if (impl_->graded) {
     impl_->graded->fill_chunk(index, columns);
   } else {
-    stats = fill_bricks({impl_->first_brick[index], impl_->first_brick[index + 1]}, workspace,
-                        columns);
+    stats = fill_bricks(bricks_of_chunk(index), workspace, columns);
   }
   if (impl_->graded || improvement_) {
     const std::span<const std::byte> positions =
@@ -365,13 +368,19 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
       survey_rest(*prepared, alike, surveyed, cancellation, progress);
   if (!survey.ok()) return survey.status();
   std::optional<BoundaryTopology> boundary;
-  if (survey->has_topology) boundary = count_boundary(*survey, cancellation);
-  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   const bool is_flat_box = space.domain && !survey->box_cuts_surface;
-  Octree tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
-                             cover, *rules, cancellation);
+  Octree tree;
+  ThinWalls thin_walls;
+  run_side_by_side(
+      [&] {
+        tree = build_octree({survey->bricks, survey->finest}, field, survey->inside_test(),
+                            cover, *rules, cancellation);
+      },
+      [&] {
+        if (survey->has_topology) boundary = count_boundary(*survey, cancellation);
+      },
+      [&] { thin_walls = gather_thin_walls(survey->thin, field.lattice_transform()); });
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  ThinWalls thin_walls = gather_thin_walls(survey->thin, field.lattice_transform());
   CountedMesh mesh(field, *std::move(survey), std::move(tree), space.rules, asked.levels == 0,
                    cancellation, alike ? &alike->mesh : nullptr);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;

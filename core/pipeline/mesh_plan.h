@@ -128,6 +128,7 @@ class MeshPlan {
 
   /// The same by bricks, of which there are any number in a chunk; without fields.
   ComparedMesh counted() const noexcept;
+  BrickRange bricks_of_chunk(std::uint64_t index) const noexcept;
   ChunkExtent bricks(const BrickRange& range) const noexcept;
   QualityStats fill_bricks(const BrickRange& range,
                            MeshWorkspace& workspace,

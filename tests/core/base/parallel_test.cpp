@@ -36,6 +36,20 @@ TEST(Parallel, CoversTheRangeWithRanges) {
   EXPECT_EQ(covered, 1000U);
 }
 
+TEST(Parallel, RunsWorksSideBySide) {
+  TaskPool pool(2);
+  std::latch both(2);
+  int first = 0, second = 0;
+  // Would never open if one thread had both.
+  const auto work = [&](int& done) {
+    both.arrive_and_wait();
+    ++done;
+  };
+  pool.run([&] { run_side_by_side([&] { work(first); }, [&] { work(second); }); });
+  EXPECT_EQ(first, 1);
+  EXPECT_EQ(second, 1);
+}
+
 TEST(OwnThreads, TakeALoopTogetherAndLoopsWithinItAlone) {
   std::vector<int> visits(1000);
   std::mutex mutex;

@@ -11,6 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/pipeline/fill_brick.h"
+#include "core/pipeline/fill_mesh.h"
 #include "core/pipeline/mesher.h"
 #include "tests/core/pipeline/meshing.h"
 #include "tests/support/solids.h"
@@ -71,6 +73,27 @@ TEST(MeshPlan, MakesAChunkTheSameWhateverTheWorkspaceMadeBefore) {
     MeshWorkspace fresh;
     EXPECT_EQ(chunk_bytes(**made, i, used), chunk_bytes(**made, i, fresh)) << "chunk " << i;
   }
+}
+
+TEST(MeshPlan, ChunksAddUpToTheStatisticsOfTheMeshToTheLastBit) {
+  const auto made = plan(test::ball(40));
+  ASSERT_TRUE(made.ok()) << made.status();
+  TetMesh mesh((*made)->header());
+  MeshWorkspace workspace;
+  QualityStats sum;
+  std::size_t most_bricks = 0;
+  for (std::uint64_t i = 0; i < mesh.header.chunk_count; ++i) {
+    sum.add((*made)->fill_chunk(i, workspace, mesh.columns_of((*made)->chunk(i))));
+    const auto [begin, end] = (*made)->bricks_of_chunk(i);
+    most_bricks = std::max(most_bricks, end - begin);
+  }
+  ASSERT_GT(most_bricks, 2 * kBricksPerRun) << "no chunk is filled in parts";
+  const auto filled = fill_mesh(**made, Cancellation(), nullptr);
+  ASSERT_TRUE(filled.ok()) << filled.status();
+  EXPECT_EQ(filled->quality.volume, sum.volume);
+  EXPECT_EQ(filled->quality.min_dihedral_deg, sum.min_dihedral_deg);
+  EXPECT_EQ(filled->quality.max_dihedral_deg, sum.max_dihedral_deg);
+  EXPECT_EQ(filled->quality.histogram, sum.histogram);
 }
 
 TEST(MeshPlan, MakesTheSameBytesWhenItIsPlannedAgain) {
