@@ -75,12 +75,14 @@ CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
 }
 
 void CountedMesh::find_cut_points() {
-  const auto find = [&](std::size_t i, const PlacesAround& around) {
-    survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(around));
-  };
-  for_each_surrounded(
-      tree_.levels[0], {}, find, [&](std::size_t i) { return !touches_surface(i); },
-      [](std::size_t) {});
+  const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
+  for_each_range(bricks.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
+    BrickNeighbours neighbours(bricks);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!touches_surface(i)) continue;
+      survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(neighbours.around(bricks[i])));
+    }
+  });
 }
 
 void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancellation) {
