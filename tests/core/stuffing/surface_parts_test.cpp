@@ -113,7 +113,8 @@ class Surface {
     if (plus.size() == 1 && vertices.size() == 3) {
       const int behind = cell + kMirrored[number][plus[0]];
       const NodeKind kind = shape.kind[plus[0]];
-      if (!within_[kind].test(behind) || lattice_.plus[kind].test(behind)) return;
+      const bool in_halo = behind >= 0 && behind < kHaloNodes;
+      if (!in_halo || !within_[kind].test(behind) || lattice_.plus[kind].test(behind)) return;
     } else if (plus.empty() || minus.empty()) {
       return;
     }
