@@ -1,5 +1,7 @@
 #include "proto/wire/transport.h"
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <malloc.h>
 
@@ -8,8 +10,11 @@
 namespace tet {
 
 namespace {
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kFreeBytes = std::size_t{16} << 20;
-}
+constexpr std::chrono::seconds kBetween{1};
+}  // namespace
 
 // gRPC reads into blocks of 64 KiB at most, and a stream has a few megabytes of them. Whatever
 // is larger is a plan's or a grid's, and goes back to the system when that does.
@@ -22,9 +27,15 @@ void quieten_grpc() noexcept {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
 
-// Threads' arenas keep what fragments leave free, whatever the threshold.
+// Threads' arenas keep what fragments leave free, whatever the threshold. Plans that follow
+// each other take again what those before them left: having it back for each of them took as
+// long as half of making it.
 void give_back_free_memory() noexcept {
-  if (mallinfo2().fordblks > kFreeBytes) malloc_trim(0);
+  static std::atomic<Clock::duration> next{Clock::duration::min()};
+  const Clock::duration now = Clock::now().time_since_epoch();
+  Clock::duration due = next.load();
+  if (now < due || mallinfo2().fordblks <= kFreeBytes) return;
+  if (next.compare_exchange_strong(due, now + kBetween)) malloc_trim(0);
 }
 
 }  // namespace tet

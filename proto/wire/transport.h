@@ -40,7 +40,8 @@ void keep_read_blocks() noexcept;
 /// the environment lets it.
 void quieten_grpc() noexcept;
 
-/// Gives memory that work of another kind left free back to the system, if there is much of it.
+/// Gives memory that work of another kind left free back to the system, if there is much of it;
+/// at most once a second. Any thread may call it.
 void give_back_free_memory() noexcept;
 
 }  // namespace tet
