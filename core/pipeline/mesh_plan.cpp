@@ -355,7 +355,8 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(Shape shape,
   }
   absl::StatusOr<PreparedMesh> prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
-  const auto& [asked, field, space, bricks] = *prepared;
+  const auto& [asked, of_shape, space, bricks] = *prepared;
+  const PhiField& field = of_shape;  // clang 14 lets no lambda refer to parts of a binding
   const OctreeCover cover{bricks.inside, space.domain};
   const absl::StatusOr<LeafRules> rules = leaf_rules_within(
       limits, request.sizing, field, bricks, cover, asked.levels, cancellation);
