@@ -73,7 +73,7 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
   auto* const report = app.add_option(
       "--report", options.report, "JSON file for counts, times, angles, boundary and regions");
   app.add_flag("--skip-statistics", arguments.request.request.skip_statistics,
-               "Neither measure angles nor count the boundary: the same mesh, a third sooner")
+               "Neither measure angles nor count the boundary: the same mesh, sooner")
       ->excludes(report);
 }
 
