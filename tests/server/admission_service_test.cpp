@@ -100,7 +100,7 @@ TEST_F(AdmissionServiceTest, AClientOverItsOwnQuotaIsToldSo) {
   config_.max_client_upload_bytes = 1000;
   restart();
   OpenUpload first(*grids_, grid_name_of("first"), 600);
-  EXPECT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
+  EXPECT_TRUE(upload_begins(grid_name_of("first")));
   const grpc::Status one_too_many = OpenUpload(*grids_, grid_name_of("second"), 600).wait();
   EXPECT_EQ(one_too_many.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_TRUE(has_detail<google::rpc::QuotaFailure>(one_too_many));

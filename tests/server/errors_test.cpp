@@ -323,10 +323,7 @@ void ErrorsTest::wrong_uploads() {
 void ErrorsTest::busy_store() {
   OpenUpload large(*grids_, grid_name_of("large"), 3 << 20);
   large.send("l");
-  ASSERT_TRUE(eventually([&] {
-    return std::filesystem::exists(config_.store + "/uploads") &&
-           !std::filesystem::is_empty(config_.store + "/uploads");
-  }));
+  ASSERT_TRUE(upload_begins(grid_name_of("large")));
   tell("the same upload twice", upload(grid_name_of("large"), "l", 3 << 20));
   tell("an upload with no room beside another", upload(grid_name_of("other"), "o", 2 << 20));
   large.cancel();
@@ -373,7 +370,7 @@ void ErrorsTest::busy_server() {
 
 void ErrorsTest::stalled_upload() {
   OpenUpload first(*grids_, grid_name_of("first"), 10);
-  ASSERT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
+  ASSERT_TRUE(upload_begins(grid_name_of("first")));
   tell("a client's second upload of one", upload(grid_name_of("second"), "s", 10));
   tell("an upload that does not go on", first.wait());
 }

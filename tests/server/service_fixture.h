@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -107,6 +108,14 @@ class ServiceTest : public testing::Test {
   }
 
   const Activity& activity() const { return server_->engine().activity; }
+
+  /// Whether an upload to `name` comes to be under way: admitted, and its file begun.
+  bool upload_begins(const std::string& name) const {
+    const std::string digest = name.substr(name.find('/') + 1);
+    return eventually([&] {
+      return std::filesystem::exists(config_.store + "/uploads/" + digest + ".part");
+    });
+  }
 
   bool work_stops() const {
     return eventually(
