@@ -47,8 +47,8 @@ struct MeshRequest {
   /// what is meshed unless given.
   std::optional<WorldPoint> origin;
   bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
-  /// Neither the tets are measured nor the boundary's topology is counted: the same mesh in a
-  /// fifth to a third less time.
+  /// Neither the tets are measured nor the boundary's topology is counted: the same mesh,
+  /// sooner.
   bool skip_statistics = false;
   Sizing sizing;                         ///< of leaves away from the surface
   std::vector<VertexField> fields = {};  ///< whose values the vertices get, in this order
