@@ -9,6 +9,7 @@
 #include "client/error_details.h"
 #include "client/exit_code.h"
 #include "client/interruption.h"
+#include "core/base/parallel.h"
 #include "proto/wire/transport.h"
 
 namespace tet {
@@ -101,6 +102,7 @@ int run_command_line(int argc, char** argv) {
 }  // namespace tet
 
 int main(int argc, char** argv) {
+  const tet::WorkerThreads workers;
   tet::keep_read_blocks();
   tet::quieten_grpc();
   return tet::run_command_line(argc, argv);

@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 
+#include "core/base/parallel.h"
 #include "proto/wire/transport.h"
 #include "server/config.h"
 #include "server/file.h"
@@ -191,6 +192,7 @@ int work(const tet::Config& config) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const tet::WorkerThreads workers;
   CLI::App app(kAbout, "tetstreamd");
   CommandLine line;
   declare_options(app, line);

@@ -25,6 +25,11 @@ using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
 using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
 using PrivateKey = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
 
+// gRPC frees what it made of the old certificate though a handshake that has just asked for it
+// may be about to begin (its issue 36693). None asks while another's answer is awaited, so the
+// one before has this time to begin.
+constexpr absl::Duration kUntilHandshakeBegins = absl::Milliseconds(100);
+
 // Others than the owner's group: the group is how several services share one key.
 constexpr mode_t kOthers = 007;
 
@@ -169,6 +174,7 @@ ServerTls::Reload ServerTls::fetch(grpc_ssl_server_certificate_config** config) 
   if (watch_.changed()) {
     if (const absl::Status status = load(); status.ok()) {
       log_certificate("tls_reloaded", material_);
+      absl::SleepFor(kUntilHandshakeBegins);
     } else {
       log_event(spdlog::level::err, "tls_kept",
                 {

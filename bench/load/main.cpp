@@ -20,6 +20,7 @@
 #include "client/atomic_file.h"
 #include "client/exit_code.h"
 #include "client/interruption.h"
+#include "core/base/parallel.h"
 #include "proto/wire/transport.h"
 
 namespace tet::load {
@@ -169,6 +170,7 @@ int run_command_line(int argc, char** argv) {
 }  // namespace tet::load
 
 int main(int argc, char** argv) {
+  const tet::WorkerThreads workers;
   tet::quieten_grpc();
   return tet::load::run_command_line(argc, argv);
 }

@@ -6,6 +6,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -136,6 +137,13 @@ void TaskPool::post(std::function<void()> work) {
       });
 }
 
+struct WorkerThreads::Impl {
+  tbb::task_scheduler_handle scheduler{tbb::attach{}};
+};
+
+WorkerThreads::WorkerThreads() : impl_(std::make_unique<Impl>()) {}
+WorkerThreads::~WorkerThreads() { tbb::finalize(impl_->scheduler, std::nothrow); }
+
 void stay_in_one_thread() {
   static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
 }
@@ -207,6 +215,10 @@ void TaskPool::post(std::function<void()> work) {
   }
   impl_->wake.notify_one();
 }
+
+struct WorkerThreads::Impl {};  // pools and loops wait for theirs
+WorkerThreads::WorkerThreads() = default;
+WorkerThreads::~WorkerThreads() = default;
 
 void stay_in_one_thread() {}  // only pools make threads
 

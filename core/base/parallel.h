@@ -35,6 +35,22 @@ class TaskPool {
   std::unique_ptr<Impl> impl_;
 };
 
+/// For `main`, around all that makes a TaskPool or runs a loop: when it goes, it waits until
+/// the threads that did the work are gone. Else they end while the process exits, and what they
+/// hold of other libraries (OpenSSL's, for one) is freed twice: a crash in place of an exit
+/// code. A thread that is not the pool's and still lives after a loop keeps them alive.
+class WorkerThreads {
+ public:
+  WorkerThreads();
+  ~WorkerThreads();
+  WorkerThreads(const WorkerThreads&) = delete;
+  WorkerThreads& operator=(const WorkerThreads&) = delete;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// From now on this process makes no threads of its own: every loop runs in its caller's. For
 /// programs that are one thread by design, before they have a TaskPool; cannot be undone.
 void stay_in_one_thread();

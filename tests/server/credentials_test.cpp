@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/channel.h"
+#include "core/base/parallel.h"
 #include "tests/server/authority.h"
 #include "tests/server/every_call.h"
 #include "tests/server/reason_of.h"
@@ -298,3 +299,9 @@ TEST_F(CredentialsTest, OfTheServerAreCheckedBeforeItStarts) {
 
 }  // namespace
 }  // namespace tet::test
+
+int main(int argc, char** argv) {
+  const tet::WorkerThreads workers;
+  testing::InitGoogleMock(&argc, argv);
+  return RUN_ALL_TESTS();
+}

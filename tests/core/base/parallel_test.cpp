@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
+#include <iterator>
 #include <latch>
 #include <mutex>
 #include <numeric>
@@ -48,6 +50,23 @@ TEST(Parallel, RunsWorksSideBySide) {
   pool.run([&] { run_side_by_side([&] { work(first); }, [&] { work(second); }); });
   EXPECT_EQ(first, 1);
   EXPECT_EQ(second, 1);
+}
+
+std::ptrdiff_t threads_of_this_process() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return std::distance(begin(tasks), end(tasks));
+}
+
+TEST(Parallel, LeavesNoThreadBehind) {
+  const std::ptrdiff_t before = threads_of_this_process();
+  {
+    const WorkerThreads workers;
+    TaskPool pool(3);
+    std::latch all(3);
+    pool.run([&] { for_each_index(3, [&](std::size_t) { all.arrive_and_wait(); }); });
+    EXPECT_GE(threads_of_this_process(), 3);
+  }
+  EXPECT_LE(threads_of_this_process(), before);
 }
 
 TEST(OwnThreads, TakeALoopTogetherAndLoopsWithinItAlone) {
