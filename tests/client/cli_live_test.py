@@ -14,7 +14,7 @@ import unittest
 
 from command_case import (
     CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries,
-    unused_port, wait_until)
+    catches, unused_port, wait_until)
 
 
 class Interruption(CommandTest):
@@ -28,13 +28,14 @@ class Interruption(CommandTest):
              "-o", self.out / f"m{ending}",
              "--levels", "0", "--spacing", "0.003", "--threads", "1"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: catches(process, sent))
         time.sleep(after_seconds)
         process.send_signal(sent)
         _, errors = process.communicate(timeout=30)
         return process.returncode, errors
 
     def test_stops_cleanly_whenever_it_comes(self):
-        for after_seconds, ending in ((0.3, ".vtu"), (1.0, ".msh"), (2.0, ".vtkhdf")):
+        for after_seconds, ending in ((0.0, ".vtu"), (1.0, ".msh"), (2.0, ".vtkhdf")):
             with self.subTest(after_seconds=after_seconds):
                 code, errors = self.interrupt(signal.SIGINT, after_seconds, ending)
                 self.assertEqual(code, 130, errors)

@@ -37,6 +37,13 @@ def wait_until(condition, seconds=20.0):
         time.sleep(0.01)
 
 
+def catches(process, signal_number):
+    """Whether it has begun to handle the signal; before that one ends it as it ends any program."""
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt"))
+    return int(caught.split()[1], 16) >> (signal_number - 1) & 1 == 1
+
+
 class CommandTest(unittest.TestCase):
     """A scratch directory with a few volumes beside an empty `out` that tests write to."""
 

@@ -6,23 +6,16 @@
 import filecmp
 import json
 import os
-import pathlib
 import shutil
 import signal
 import subprocess
 import unittest
 
 from command_case import (
-    CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, binaries, unused_port, wait_until)
+    CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, binaries, catches, unused_port,
+    wait_until)
 from cutting_link import CuttingLink
 from job_case import JobTest
-
-
-def catches(process, signal_number):
-    """Whether it has begun to handle the signal."""
-    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt"))
-    return int(caught.split()[1], 16) >> (signal_number - 1) & 1 == 1
 
 
 class JobUsage(CommandTest):

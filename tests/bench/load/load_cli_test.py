@@ -15,7 +15,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "client"))
 from command_case import (  # noqa: E402  pylint: disable=wrong-import-position
-    DONE, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries, unused_port)
+    DONE, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries, catches, unused_port,
+    wait_until)
 
 
 class LoadTest(CommandTest):
@@ -179,6 +180,7 @@ class Live(OnAServer):
             [binaries() / "tetstream-load", self.inputs / "sphere.vdb", "--server", self.address,
              "--rate", "20", "--warm-up", "0", "--json", self.out / "load.json"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: catches(process, signal.SIGINT))
         time.sleep(1)
         process.send_signal(signal.SIGINT)
         out, errors = process.communicate(timeout=30)
