@@ -80,13 +80,14 @@ function(tet_reads_command_lines)
   endforeach()
 endfunction()
 
-# All that the tests take which have the label `fast` and not `command`: a sanitizer's build is short
-# of time, and the command line's sources take the most of it and handle no stranger's bytes.
+# All that the tests take which have the label `fast` or `thorough` and not `command`: a sanitizer's
+# build is short of time, and the command line's sources take the most of it and handle no stranger's
+# bytes.
 add_custom_target(sanitized_tests)
 
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own, and those that are listed as
-# THOROUGH have that label instead of `fast`.
+# THOROUGH have that label instead of `fast`: not among the first to run, and yet sanitized.
 function(tet_test name)
   cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;THOROUGH" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -104,7 +105,7 @@ function(tet_test name)
   else()
     tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}" "${ARG_THOROUGH}")
   endif()
-  if("fast" IN_LIST ARG_LABELS AND NOT "command" IN_LIST ARG_LABELS)
+  if(ARG_LABELS MATCHES "fast|thorough" AND NOT "command" IN_LIST ARG_LABELS)
     add_dependencies(sanitized_tests ${name})
   endif()
 endfunction()
