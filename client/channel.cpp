@@ -1,5 +1,6 @@
 #include "client/channel.h"
 
+#include <chrono>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -101,6 +102,12 @@ absl::Status explain_connection(const std::string& address,
 }
 
 }  // namespace
+
+void ServerChannel::seek(std::chrono::milliseconds time) const {
+  const auto end = std::chrono::system_clock::now() + time;
+  while (channel_->WaitForStateChange(channel_->GetState(/*try_to_connect=*/true), end)) {
+  }
+}
 
 void ServerChannel::authorize(grpc::ClientContext& context) const {
   if (!authorization_.empty()) context.AddMetadata("authorization", authorization_);

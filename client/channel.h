@@ -1,6 +1,7 @@
 // Connections to a server, as all of our clients open them.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -25,6 +26,10 @@ struct ChannelOptions {
 class ServerChannel {
  public:
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+
+  /// Lets `time` pass and the server be sought meanwhile: gRPC goes on with that only while
+  /// somebody waits for it, and else looks every five seconds.
+  void seek(std::chrono::milliseconds time) const;
 
   /// To be done for each call, before it starts.
   void authorize(grpc::ClientContext& context) const;

@@ -88,7 +88,12 @@ bool Retries::again(const absl::Status& status, std::uint64_t progress, RetryHin
   const auto wait = next_wait(asked.value_or(absl::ZeroDuration()));
   const auto end = std::chrono::steady_clock::now() + wait;
   while (std::chrono::steady_clock::now() < end && !cancellation_.requested()) {
-    std::this_thread::sleep_for(std::min(kPoll, wait));
+    const auto time = std::min(kPoll, wait);
+    if (hint.next != nullptr) {
+      hint.next->seek(time);
+    } else {
+      std::this_thread::sleep_for(time);
+    }
   }
   return !cancellation_.requested();
 }

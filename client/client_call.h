@@ -41,6 +41,7 @@ absl::Status check(const Cancellation& cancellation);
 struct RetryHint {
   bool elsewhere = false;  ///< it is made at another server, which did not ask for time
   bool known = false;      ///< some server has answered before
+  const ServerChannel* next = nullptr;  ///< where it is made, if that is to be sought meanwhile
 };
 
 /// Decides how often, and after how long, a failed call is taken up again: when the connection

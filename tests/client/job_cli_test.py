@@ -366,7 +366,9 @@ class JobWatch(JobTest):
         def told_until(name, change):
             told = []
             while not told or (told[-1]["name"], told[-1]["change"]) != (name, change):
-                told.append(json.loads(process.stdout.readline()))
+                line = process.stdout.readline()
+                self.assertTrue(line, "it ended" if line else process.stderr.read())
+                told.append(json.loads(line))
             return told
 
         one, = self.submit(self.inputs / "sphere.vdb")

@@ -1,5 +1,6 @@
 // The program as an operator meets it.
 #include <chrono>
+#include <future>
 #include <sstream>
 #include <thread>
 
@@ -35,12 +36,12 @@ class TetstreamdTest : public testing::Test {
     return {exit_code, program.out(), program.err()};
   }
 
-  /// A server on a free port and its address, once it serves.
-  std::unique_ptr<Program> serve() {
+  /// A server, on a free port unless told, and its address, once it serves.
+  std::unique_ptr<Program> serve(const std::string& listen = "127.0.0.1:0") {
     const std::string port_file = folder_.file("port");
     std::filesystem::remove(port_file);
     auto program = std::make_unique<Program>(
-        folder_, std::vector<std::string>{TETSTREAMD_PATH, "--listen", "127.0.0.1:0", "--store",
+        folder_, std::vector<std::string>{TETSTREAMD_PATH, "--listen", listen, "--store",
                                           folder_.file("store"), "--port-file", port_file,
                                           "--threads", "2"});
     const auto end = std::chrono::steady_clock::now() + 10s;
@@ -134,6 +135,24 @@ TEST_F(TetstreamdTest, KeepsItsGridsOverASigtermAndARestart) {
   v1::MeshRequest request;
   request.set_name(*name);
   EXPECT_TRUE(MeshClient::connect(address_)->stream_mesh(request, {}, never_).ok());
+}
+
+// Within four seconds: gRPC by itself looks every five. Servers in the client's own process
+// would look for it.
+TEST_F(TetstreamdTest, IsFoundAgainByAClientBeforeThatGivesUp) {
+  auto first = serve();
+  const auto client = MeshClient::connect(address_, {.attempts = 20,
+                                                     .attempts_once_known = 20,
+                                                     .first_backoff_ms = 200,
+                                                     .max_backoff_ms = 200});
+  ASSERT_TRUE(client->capabilities(never_).ok());
+  first->send(SIGKILL);
+  first->wait();
+  auto answer = std::async([&] { return client->capabilities(never_).status(); });
+  EXPECT_EQ(answer.wait_for(300ms), std::future_status::timeout);
+  const auto second = serve(address_);
+  const absl::Status status = answer.get();
+  EXPECT_TRUE(status.ok()) << status;
 }
 
 TEST_F(TetstreamdTest, NeverLoadsOpenVdb) {
