@@ -316,7 +316,7 @@ TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
   const auto cancelled = std::chrono::steady_clock::now();
   ASSERT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
   EXPECT_EQ(server_.wait(next).state(), v1::JOB_STATE_SUCCEEDED);
-  EXPECT_LT(std::chrono::steady_clock::now() - cancelled, std::chrono::seconds(2));
+  EXPECT_LT(std::chrono::steady_clock::now() - cancelled, std::chrono::seconds(5));
 }
 
 TEST_F(JobServiceTest, LetsWorkersDoItAlthoughOneIsKilled) {
