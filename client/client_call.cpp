@@ -76,7 +76,10 @@ absl::Status check(const Cancellation& cancellation) {
   return absl::CancelledError("cancelled");
 }
 
-bool Retries::again(const absl::Status& status, std::uint64_t progress, RetryHint hint) {
+bool Retries::again(const absl::Status& status,
+                    std::uint64_t progress,
+                    const ServerChannel& next,
+                    RetryHint hint) {
   if (!worth_retrying(status)) return false;
   if (progress > furthest_) failures_ = 0;
   furthest_ = std::max(furthest_, progress);
@@ -88,12 +91,7 @@ bool Retries::again(const absl::Status& status, std::uint64_t progress, RetryHin
   const auto wait = next_wait(asked.value_or(absl::ZeroDuration()));
   const auto end = std::chrono::steady_clock::now() + wait;
   while (std::chrono::steady_clock::now() < end && !cancellation_.requested()) {
-    const auto time = std::min(kPoll, wait);
-    if (hint.next != nullptr) {
-      hint.next->seek(time);
-    } else {
-      std::this_thread::sleep_for(time);
-    }
+    next.seek(std::min(kPoll, wait));
   }
   return !cancellation_.requested();
 }

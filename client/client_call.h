@@ -41,7 +41,6 @@ absl::Status check(const Cancellation& cancellation);
 struct RetryHint {
   bool elsewhere = false;  ///< it is made at another server, which did not ask for time
   bool known = false;      ///< some server has answered before
-  const ServerChannel* next = nullptr;  ///< where it is made, if that is to be sought meanwhile
 };
 
 /// Decides how often, and after how long, a failed call is taken up again: when the connection
@@ -51,11 +50,14 @@ class Retries {
   Retries(const RetryPolicy& policy, const Cancellation& cancellation)
       : policy_(policy), cancellation_(cancellation) {}
 
-  /// After a failed attempt that got as far as `progress`: waits and returns true when it is
-  /// worth another. Attempts count from the last one that got further than those before. The
-  /// wait is what the server asked for at least, a little longer by chance, so that clients
-  /// that failed together come back one by one.
-  bool again(const absl::Status& status, std::uint64_t progress, RetryHint hint);
+  /// After a failed attempt that got as far as `progress`: seeks `next` for a while and returns
+  /// true when it is worth another there. Attempts count from the last one that got further
+  /// than those before. The wait is what the server asked for at least, a little longer by
+  /// chance, so that clients that failed together come back one by one.
+  bool again(const absl::Status& status,
+             std::uint64_t progress,
+             const ServerChannel& next,
+             RetryHint hint);
 
  private:
   std::chrono::milliseconds next_wait(absl::Duration asked);

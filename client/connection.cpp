@@ -28,7 +28,7 @@ bool Connection::again(Retries& retries,
       elsewhere && &servers_[now % servers_.size()] == &failed) {
     turn_.compare_exchange_strong(now, now + 1);
   }
-  return retries.again(status, progress, {elsewhere, known_.load(), &server()});
+  return retries.again(status, progress, server(), {elsewhere, known_.load()});
 }
 
 }  // namespace tet

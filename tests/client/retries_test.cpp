@@ -26,7 +26,7 @@ class RetriesTest : public testing::Test {
   int attempts(const absl::Status& status, RetryHint hint) {
     Retries retries(kQuick, never_);
     int attempts = 1;
-    while (retries.again(status, 0, hint)) ++attempts;
+    while (retries.again(status, 0, nowhere_, hint)) ++attempts;
     return attempts;
   }
 
@@ -35,10 +35,11 @@ class RetriesTest : public testing::Test {
                                                  RetryHint hint) {
     Retries retries(kQuick, cancellation);
     const auto start = std::chrono::steady_clock::now();
-    retries.again(status, 0, hint);
+    retries.again(status, 0, nowhere_, hint);
     return std::chrono::steady_clock::now() - start;
   }
 
+  const ServerChannel nowhere_ = open_channel("127.0.0.1:1");
   Cancellation never_;
 };
 
