@@ -367,7 +367,8 @@ class JobWatch(JobTest):
             told = []
             while not told or (told[-1]["name"], told[-1]["change"]) != (name, change):
                 line = process.stdout.readline()
-                self.assertTrue(line, "it ended" if line else process.stderr.read())
+                if not line:
+                    self.fail(process.stderr.read())
                 told.append(json.loads(line))
             return told
 

@@ -300,6 +300,7 @@ TEST_F(CredentialsTest, OfTheServerAreCheckedBeforeItStarts) {
 }  // namespace
 }  // namespace tet::test
 
+// Its servers write TLS on worker threads, which are to be gone before the process is.
 int main(int argc, char** argv) {
   const tet::WorkerThreads workers;
   testing::InitGoogleMock(&argc, argv);
