@@ -76,9 +76,7 @@ void classify_region(const Distance& distance,
                      std::vector<ConstantBrick>& inside) {
   const std::size_t inside_before = inside.size();
   constexpr int kLast = Region::kEdgeBricks - 1;
-  const BrickBox box{
-      region, {region.x + kLast, region.y + kLast, region.z + kLast}
-  };
+  const BrickBox box{region, {region.x + kLast, region.y + kLast, region.z + kLast}};
   for_each_brick(box, [&](BrickCoord brick) {
     const auto middle = [](int along) { return 8 * static_cast<float>(along) + 3.5F; };
     const float phi = distance(middle(brick.x), middle(brick.y), middle(brick.z));
@@ -90,10 +88,7 @@ void classify_region(const Distance& distance,
   });
   if (inside.size() - inside_before == Region{}.constant.size()) {
     inside.resize(inside_before);
-    volume.cubes.push_back({
-        {region.x * 8, region.y * 8, region.z * 8},
-        128, -kBand
-    });
+    volume.cubes.push_back({{region.x * 8, region.y * 8, region.z * 8}, 128, -kBand});
   }
 }
 

@@ -26,11 +26,9 @@ struct FieldKind {
   double voxel;
 };
 constexpr std::array kKinds{
-    FieldKind{       "none", 0, 1, 1.37},
-    FieldKind{     "scalar", 1, 1, 1.37},
-    FieldKind{"fine_scalar", 1, 1, 0.61},
-    FieldKind{     "vector", 1, 3, 1.37},
-    FieldKind{    "scalars", 8, 1, 1.37},
+    FieldKind{"none", 0, 1, 1.37},        FieldKind{"scalar", 1, 1, 1.37},
+    FieldKind{"fine_scalar", 1, 1, 0.61}, FieldKind{"vector", 1, 3, 1.37},
+    FieldKind{"scalars", 8, 1, 1.37},
 };
 
 /// Values in every voxel of a box, off the solid's lattice.

@@ -48,9 +48,7 @@ NewJob wanted(std::int64_t i = 0) {
   NewJob job;
   job.space = absl::StrCat("space-", i % 10);
   job.spec = std::string(300, 's');
-  job.labels = {
-      {"farm", "night"}
-  };
+  job.labels = {{"farm", "night"}};
   return job;
 }
 
@@ -138,9 +136,7 @@ void heartbeat(benchmark::State& state) {
 void list(benchmark::State& state) {
   JobStore& store = filled(state.range(0), state.range(1));
   ListJobs query;
-  query.filter.labels = {
-      {"farm", "night"}
-  };
+  query.filter.labels = {{"farm", "night"}};
   std::int64_t listed = 0;
   for (auto _ : state) {
     const JobPage page = store.list(query).value();
@@ -153,23 +149,17 @@ void list(benchmark::State& state) {
 BENCHMARK(submit)->ArgName("engine")->Arg(kSqlite)->Arg(kPostgres)->UseRealTime();
 BENCHMARK(submit)->ArgName("engine")->Arg(kSqlite)->Arg(kPostgres)->Threads(8)->UseRealTime();
 BENCHMARK(submit_behind)
-    ->ArgNames({
-        "engine", "queued"
-})
+    ->ArgNames({"engine", "queued"})
     ->ArgsProduct({{kSqlite, kPostgres}, {100, 10'000}})
     ->UseRealTime();
 BENCHMARK(claim)
-    ->ArgNames({
-        "engine", "queued", "batch"
-})
+    ->ArgNames({"engine", "queued", "batch"})
     ->ArgsProduct({{kSqlite, kPostgres}, {100, 10'000}, {1, 16}})
     ->UseRealTime();
 BENCHMARK(complete)->ArgName("engine")->Arg(kSqlite)->Arg(kPostgres)->UseRealTime();
 BENCHMARK(heartbeat)->ArgName("engine")->Arg(kSqlite)->Arg(kPostgres)->UseRealTime();
 BENCHMARK(list)
-    ->ArgNames({
-        "engine", "queued"
-})
+    ->ArgNames({"engine", "queued"})
     ->ArgsProduct({{kSqlite, kPostgres}, {100, 10'000}})
     ->UseRealTime();
 

@@ -210,15 +210,11 @@ struct NamedMesh {
 };
 
 NamedMesh ball(const std::string& size, double radius, bool graded = false) {
-  return {
-      "ball/" + size + (graded ? "/graded" : "/uniform"), {"sphere", 1 / radius, graded}
-  };
+  return {"ball/" + size + (graded ? "/graded" : "/uniform"), {"sphere", 1 / radius, graded}};
 }
 
 NamedMesh gyroid(const std::string& size, double voxels, bool graded) {
-  return {
-      "gyroid/" + size + (graded ? "/graded" : "/uniform"), {"gyroid", 1 / voxels, graded}
-  };
+  return {"gyroid/" + size + (graded ? "/graded" : "/uniform"), {"gyroid", 1 / voxels, graded}};
 }
 
 void add_mesh(const NamedMesh& named) {
@@ -285,8 +281,7 @@ int main(int argc, char** argv) {
   tet::keep_read_blocks();
   tet::start_logging("error");
   constexpr std::array<std::pair<const char*, double>, 3> kBalls{
-      {{"1e5", 12.6}, {"1e6", 27.1}, {"1e7", 58.4}}
-  };
+      {{"1e5", 12.6}, {"1e6", 27.1}, {"1e7", 58.4}}};
   std::vector<NamedMesh> meshes;
   for (const bool graded : {false, true}) {
     for (const auto& [size, radius] : kBalls) meshes.push_back(ball(size, radius, graded));

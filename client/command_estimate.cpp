@@ -91,13 +91,11 @@ std::string line_of(const std::string& input, const MeshEstimate& estimate) {
 }
 
 std::string json_of(const MeshEstimate& estimate) {
-  const nlohmann::ordered_json json{
-      {     "vertices",      estimate.vertices},
-      {         "tets",          estimate.tets},
-      {        "bytes",         estimate.bytes},
-      {"count_seconds", estimate.count_seconds},
-      { "fill_seconds",  estimate.fill_seconds}
-  };
+  const nlohmann::ordered_json json{{"vertices", estimate.vertices},
+                                    {"tets", estimate.tets},
+                                    {"bytes", estimate.bytes},
+                                    {"count_seconds", estimate.count_seconds},
+                                    {"fill_seconds", estimate.fill_seconds}};
   return json.dump(2);
 }
 

@@ -54,22 +54,18 @@ void print_table(const std::vector<GridInfo>& grids) {
 nlohmann::ordered_json json_of(const VoxelCoord& voxel) { return {voxel.x, voxel.y, voxel.z}; }
 
 nlohmann::ordered_json json_of(const GridInfo& grid) {
-  nlohmann::ordered_json json{
-      {            "name",                 grid.name},
-      {      "value_type",           grid.value_type},
-      {           "class",           grid.grid_class},
-      {      "voxel_size",           grid.voxel_size},
-      {   "active_voxels",        grid.active_voxels},
-      {      "background",           grid.background},
-      {"field_components",     grid.field_components},
-      {        "meshable", grid.not_meshable.empty()}
-  };
+  nlohmann::ordered_json json{{"name", grid.name},
+                              {"value_type", grid.value_type},
+                              {"class", grid.grid_class},
+                              {"voxel_size", grid.voxel_size},
+                              {"active_voxels", grid.active_voxels},
+                              {"background", grid.background},
+                              {"field_components", grid.field_components},
+                              {"meshable", grid.not_meshable.empty()}};
   if (!grid.not_meshable.empty()) json["not_meshable"] = grid.not_meshable;
   if (!grid.active_box.empty()) {
-    json["active_box"] = {
-        {"min", json_of(grid.active_box.min)},
-        {"max", json_of(grid.active_box.max)}
-    };
+    json["active_box"] = {{"min", json_of(grid.active_box.min)},
+                          {"max", json_of(grid.active_box.max)}};
   }
   return json;
 }

@@ -36,11 +36,9 @@ LatticeToWorld to_core(const v1::Lattice& lattice) {
     const auto row = static_cast<std::size_t>(i / 3), column = static_cast<std::size_t>(i % 3);
     transform.linear[row][column] = lattice.linear(i);
   }
-  return {
-      transform.linear,
-      {lattice.origin_x(), lattice.origin_y(), lattice.origin_z()},
-      transform.mirrors()
-  };
+  return {transform.linear,
+          {lattice.origin_x(), lattice.origin_y(), lattice.origin_z()},
+          transform.mirrors()};
 }
 
 }  // namespace

@@ -31,16 +31,14 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   absl::StatusOr<MeshResult> result =
       mesh_volume(pool, *std::move(input), *request, MeshLimits{}, interruption, show);
   if (!result.ok()) return result.status();
-  MadeMesh made{
-      .mesh = std::move(result->mesh),
-      .quality = result->quality,
-      .boundary = result->boundary,
-      .improvement = result->improvement,
-      .thin_walls = std::move(result->thin_walls),
-      .stages = {{"reading", reading_seconds},
-                 {"planning", result->plan_seconds},
-                 {"meshing", result->fill_seconds}}
-  };
+  MadeMesh made{.mesh = std::move(result->mesh),
+                .quality = result->quality,
+                .boundary = result->boundary,
+                .improvement = result->improvement,
+                .thin_walls = std::move(result->thin_walls),
+                .stages = {{"reading", reading_seconds},
+                           {"planning", result->plan_seconds},
+                           {"meshing", result->fill_seconds}}};
   if (made.improvement) made.stages.push_back({"improving", result->improve_seconds});
   return made;
 }

@@ -33,11 +33,9 @@ class StreamWatch {
             .tets = [this](auto done, auto total) { tets(done, total); }};
   }
   std::vector<Stage> stages(double uploading_seconds) {
-    return {
-        {"uploading",             uploading_seconds},
-        { "planning", planning_seconds_.value_or(0)},
-        {  "meshing",                  watch_.lap()}
-    };
+    return {{"uploading", uploading_seconds},
+            {"planning", planning_seconds_.value_or(0)},
+            {"meshing", watch_.lap()}};
   }
 
  private:

@@ -34,11 +34,9 @@ ThinWalls to_core(const v1::ThinWalls& message) {
   walls.outside = unsigned_count(message.outside_spots());
   walls.region_count = unsigned_count(message.region_count());
   for (const v1::ThinRegion& region : message.regions()) {
-    walls.regions.push_back({
-        {world_point(region.box().min()), world_point(region.box().max())},
-        unsigned_count(region.inside_spots()),
-        unsigned_count(region.outside_spots())
-    });
+    walls.regions.push_back({{world_point(region.box().min()), world_point(region.box().max())},
+                             unsigned_count(region.inside_spots()),
+                             unsigned_count(region.outside_spots())});
   }
   walls.thickness = message.thickness();
   walls.suggested_spacing = message.suggested_spacing();

@@ -18,14 +18,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const BoundaryTopology& boundary) {
-  return {
-      {            "triangles",             boundary.triangles},
-      {             "vertices",              boundary.vertices},
-      {           "components",            boundary.components},
-      { "euler_characteristic",  boundary.euler_characteristic},
-      {   "non_manifold_edges",    boundary.non_manifold_edges},
-      {"non_manifold_vertices", boundary.non_manifold_vertices}
-  };
+  return {{"triangles", boundary.triangles},
+          {"vertices", boundary.vertices},
+          {"components", boundary.components},
+          {"euler_characteristic", boundary.euler_characteristic},
+          {"non_manifold_edges", boundary.non_manifold_edges},
+          {"non_manifold_vertices", boundary.non_manifold_vertices}};
 }
 
 Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
@@ -37,10 +35,7 @@ Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
 }
 
 Json region_json(const TetMesh& mesh, MeshRegion region) {
-  return {
-      {  "tets",     count_tets(mesh, region)},
-      {"volume", measure_volume(mesh, region)}
-  };
+  return {{"tets", count_tets(mesh, region)}, {"volume", measure_volume(mesh, region)}};
 }
 
 Json json_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
@@ -48,21 +43,14 @@ Json json_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
 Json json_of(const ThinWalls& walls) {
   Json regions = Json::array();
   for (const ThinWalls::Region& region : walls.regions) {
-    regions.push_back({
-        {          "min", json_of(region.box.min)},
-        {          "max", json_of(region.box.max)},
-        { "inside_spots",           region.inside},
-        {"outside_spots",          region.outside}
-    });
+    regions.push_back({{"min", json_of(region.box.min)},
+                       {"max", json_of(region.box.max)},
+                       {"inside_spots", region.inside},
+                       {"outside_spots", region.outside}});
   }
-  return {
-      {     "inside_spots",            walls.inside},
-      {    "outside_spots",           walls.outside},
-      {     "region_count",      walls.region_count},
-      {          "regions",      std::move(regions)},
-      {        "thickness",         walls.thickness},
-      {"suggested_spacing", walls.suggested_spacing}
-  };
+  return {{"inside_spots", walls.inside},       {"outside_spots", walls.outside},
+          {"region_count", walls.region_count}, {"regions", std::move(regions)},
+          {"thickness", walls.thickness},       {"suggested_spacing", walls.suggested_spacing}};
 }
 
 Json json_of(const std::vector<Stage>& stages) {
@@ -72,14 +60,12 @@ Json json_of(const std::vector<Stage>& stages) {
 }
 
 Json json_of(const Improvement& improvement, const QualityStats& after) {
-  return {
-      {"min_before_deg", improvement.min_dihedral_before_deg},
-      {"max_before_deg", improvement.max_dihedral_before_deg},
-      { "min_after_deg",              after.min_dihedral_deg},
-      { "max_after_deg",              after.max_dihedral_deg},
-      {"moved_vertices",          improvement.moved_vertices},
-      {       "seconds",                 improvement.seconds}
-  };
+  return {{"min_before_deg", improvement.min_dihedral_before_deg},
+          {"max_before_deg", improvement.max_dihedral_before_deg},
+          {"min_after_deg", after.min_dihedral_deg},
+          {"max_after_deg", after.max_dihedral_deg},
+          {"moved_vertices", improvement.moved_vertices},
+          {"seconds", improvement.seconds}};
 }
 
 std::string tets_of_each_side(const TetMesh& mesh) {
@@ -94,16 +80,14 @@ Json json_of(const MeshPart& part, const TetMesh& mesh) {
   view.tets = view.tets.subspan(ChunkSizes(mesh.header, 0, part.first_tet).tets,
                                 ChunkSizes(mesh.header, 0, part.tet_count).tets);
   const QualityStats quality = measure_tets(view);
-  return {
-      {            "name",                part.name},
-      {        "vertices",        part.vertex_count},
-      {            "tets",           part.tet_count},
-      {         "spacing",             part.spacing},
-      {          "levels",              part.levels},
-      {          "volume",           quality.volume},
-      {"min_dihedral_deg", quality.min_dihedral_deg},
-      {"max_dihedral_deg", quality.max_dihedral_deg}
-  };
+  return {{"name", part.name},
+          {"vertices", part.vertex_count},
+          {"tets", part.tet_count},
+          {"spacing", part.spacing},
+          {"levels", part.levels},
+          {"volume", quality.volume},
+          {"min_dihedral_deg", quality.min_dihedral_deg},
+          {"max_dihedral_deg", quality.max_dihedral_deg}};
 }
 
 /// The first few.
@@ -154,25 +138,21 @@ std::string thin_walls_warning(const ThinWalls& walls) {
 }
 
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds) {
-  Json report{
-      {          "vertices", made.mesh.header.vertex_count},
-      {              "tets",    made.mesh.header.tet_count},
-      {  "min_dihedral_deg", made.quality.min_dihedral_deg},
-      {  "max_dihedral_deg", made.quality.max_dihedral_deg},
-      {            "volume",           made.quality.volume},
-      {           "spacing",      made.mesh.header.spacing},
-      {            "levels",       made.mesh.header.levels},
-      {           "seconds",                       seconds},
-      {            "stages",          json_of(made.stages)},
-      {          "boundary",            boundary_json(made,request)},
-      {        "thin_walls",      json_of(made.thin_walls)                             },
-      {"dihedral_histogram",        made.quality.histogram}
-  };
+  Json report{{"vertices", made.mesh.header.vertex_count},
+              {"tets", made.mesh.header.tet_count},
+              {"min_dihedral_deg", made.quality.min_dihedral_deg},
+              {"max_dihedral_deg", made.quality.max_dihedral_deg},
+              {"volume", made.quality.volume},
+              {"spacing", made.mesh.header.spacing},
+              {"levels", made.mesh.header.levels},
+              {"seconds", seconds},
+              {"stages", json_of(made.stages)},
+              {"boundary", boundary_json(made, request)},
+              {"thin_walls", json_of(made.thin_walls)},
+              {"dihedral_histogram", made.quality.histogram}};
   if (made.mesh.header.has_regions) {
-    report["regions"] = {
-        { "inside", region_json(made.mesh,  MeshRegion::kInside)},
-        {"outside", region_json(made.mesh, MeshRegion::kOutside)}
-    };
+    report["regions"] = {{"inside", region_json(made.mesh, MeshRegion::kInside)},
+                         {"outside", region_json(made.mesh, MeshRegion::kOutside)}};
   }
   for (const MeshPart& part : made.mesh.header.parts) {
     report["parts"].push_back(json_of(part, made.mesh));

@@ -99,10 +99,7 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   request.preset = *parse_preset(arguments.preset);
   if (arguments.box) {
     const auto [x0, y0, z0, x1, y1, z1] = *arguments.box;
-    request.box = {
-        {x0, y0, z0},
-        {x1, y1, z1}
-    };
+    request.box = {{x0, y0, z0}, {x1, y1, z1}};
   }
   if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;

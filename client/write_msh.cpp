@@ -47,9 +47,7 @@ std::vector<FileVolume> volumes_of(const TetMesh& mesh, bool named) {
   }
   if (!volumes.empty()) return volumes;
   if (!header.has_regions) {
-    return {
-        FileVolume{.name = named ? "inside" : "", .tets = header.tet_count}
-    };
+    return {FileVolume{.name = named ? "inside" : "", .tets = header.tet_count}};
   }
   for (const auto& [region, name] :
        {std::pair(MeshRegion::kInside, "inside"), std::pair(MeshRegion::kOutside, "outside")}) {
@@ -84,9 +82,7 @@ absl::Status check_node_numbers(const MeshHeader& header) {
 }
 
 std::string physical_name(std::int32_t dimension, std::int32_t tag, const std::string& name) {
-  const std::string quoted = absl::StrReplaceAll(name, {
-                                                           {"\"", "'"}
-  });
+  const std::string quoted = absl::StrReplaceAll(name, {{"\"", "'"}});
   return absl::StrCat(dimension, " ", tag, " \"", quoted, "\"\n");
 }
 

@@ -133,9 +133,7 @@ void write_type_attribute(Skeleton& skeleton) {
 void add_part_names(Skeleton& skeleton, const MeshHeader& mesh) {
   skeleton.group("FieldData");
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
-    const std::string name = absl::StrReplaceAll(mesh.parts[i].name, {
-                                                                         {"/", "_"}
-    });
+    const std::string name = absl::StrReplaceAll(mesh.parts[i].name, {{"/", "_"}});
     skeleton.number(absl::StrCat("FieldData/", name).c_str(), i + 1);
   }
 }

@@ -32,11 +32,7 @@ std::string cell_data(const MeshHeader& mesh, std::uint64_t offset) {
 }
 
 std::string xml_text(const std::string& name) {
-  return absl::StrReplaceAll(name, {
-                                       {"&", "&amp;"},
-                                       {"<",  "&lt;"},
-                                       {">",  "&gt;"}
-  });
+  return absl::StrReplaceAll(name, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}});
 }
 
 /// Which number the part of each grid has, as arrays called like the grids.
@@ -45,10 +41,7 @@ std::string field_data(const MeshHeader& mesh) {
   std::string text = "    <FieldData>\n";
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
     absl::StrAppend(&text, "      <DataArray type=\"Int32\" Name=\"",
-                    absl::StrReplaceAll(xml_text(mesh.parts[i].name),
-                                        {
-                                            {"\"", "&quot;"}
-    }),
+                    absl::StrReplaceAll(xml_text(mesh.parts[i].name), {{"\"", "&quot;"}}),
                     "\" NumberOfTuples=\"1\" format=\"ascii\">", i + 1, "</DataArray>\n");
   }
   return absl::StrCat(text, "    </FieldData>\n");

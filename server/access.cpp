@@ -22,27 +22,25 @@ struct MethodScope {
   std::optional<Scope> scope;
 };
 
-const MethodScope kMethodScopes[] = {
-    {"FindMissingGrids",  Scope::kGridsRead},
-    { "GetUploadStatus",  Scope::kGridsRead},
-    {       "ListGrids",  Scope::kGridsRead},
-    {     "GetGridInfo",  Scope::kGridsRead},
-    {      "UploadGrid", Scope::kGridsWrite},
-    {    "EstimateMesh",       Scope::kMesh},
-    {      "StreamMesh",       Scope::kMesh},
-    {   "RemeshSession",       Scope::kMesh},
-    { "GetCapabilities",       std::nullopt},
-    {       "CreateJob",  Scope::kJobsWrite},
-    {          "GetJob",   Scope::kJobsRead},
-    {        "ListJobs",   Scope::kJobsRead},
-    {       "WatchJobs",   Scope::kJobsRead},
-    {         "WaitJob",   Scope::kJobsRead},
-    {       "CancelJob",  Scope::kJobsWrite},
-    {        "RetryJob",  Scope::kJobsWrite},
-    {       "DeleteJob",  Scope::kJobsWrite},
-    {  "ListDeadShards",   Scope::kJobsRead},
-    {   "ReadJobResult",   Scope::kJobsRead}
-};
+const MethodScope kMethodScopes[] = {{"FindMissingGrids", Scope::kGridsRead},
+                                     {"GetUploadStatus", Scope::kGridsRead},
+                                     {"ListGrids", Scope::kGridsRead},
+                                     {"GetGridInfo", Scope::kGridsRead},
+                                     {"UploadGrid", Scope::kGridsWrite},
+                                     {"EstimateMesh", Scope::kMesh},
+                                     {"StreamMesh", Scope::kMesh},
+                                     {"RemeshSession", Scope::kMesh},
+                                     {"GetCapabilities", std::nullopt},
+                                     {"CreateJob", Scope::kJobsWrite},
+                                     {"GetJob", Scope::kJobsRead},
+                                     {"ListJobs", Scope::kJobsRead},
+                                     {"WatchJobs", Scope::kJobsRead},
+                                     {"WaitJob", Scope::kJobsRead},
+                                     {"CancelJob", Scope::kJobsWrite},
+                                     {"RetryJob", Scope::kJobsWrite},
+                                     {"DeleteJob", Scope::kJobsWrite},
+                                     {"ListDeadShards", Scope::kJobsRead},
+                                     {"ReadJobResult", Scope::kJobsRead}};
 
 absl::Status unauthenticated(const char* message, const char* reason) {
   return with_reason(absl::UnauthenticatedError(message), reason);
@@ -137,15 +135,10 @@ void Access::reload() {
   auto tokens = read_token_file(path_);
   if (tokens.ok()) {
     tokens_ = *std::move(tokens);
-    log_event(spdlog::level::info, "tokens_reloaded",
-              {
-                  {"tokens", tokens_.size()}
-    });
+    log_event(spdlog::level::info, "tokens_reloaded", {{"tokens", tokens_.size()}});
   } else {
     log_event(spdlog::level::err, "tokens_kept",
-              {
-                  {"message", std::string(tokens.status().message())}
-    });
+              {{"message", std::string(tokens.status().message())}});
   }
 }
 

@@ -275,11 +275,7 @@ absl::Status prefixed(std::string_view prefix, const absl::Status& status) {
 
 }  // namespace
 
-std::string Setting::flag() const {
-  return "--" + absl::StrReplaceAll(key, {
-                                             {"_", "-"}
-  });
-}
+std::string Setting::flag() const { return "--" + absl::StrReplaceAll(key, {{"_", "-"}}); }
 
 std::string Setting::environment() const { return "TETSTREAM_" + absl::AsciiStrToUpper(key); }
 

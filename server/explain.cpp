@@ -60,10 +60,8 @@ absl::Status about_file(const absl::Status& status,
                         std::string_view path,
                         GridUse use) {
   if (status.ok()) return status;
-  const std::string message = absl::StrReplaceAll(
-      std::string(status.message()), {
-                                         {std::string(path), name_of_grid(digest)}
-  });
+  const std::string message = absl::StrReplaceAll(std::string(status.message()),
+                                                  {{std::string(path), name_of_grid(digest)}});
   return with_reason_of(retold(status, message), use == GridUse::kField ? kOfField : kOfFile);
 }
 

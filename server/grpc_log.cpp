@@ -45,10 +45,7 @@ std::atomic<bool> deaf{false};
 
 void end_process(const char* message) {
   if (deaf.exchange(true)) return;
-  log_event(spdlog::level::err, "stopped_listening",
-            {
-                {"message", std::string(message)}
-  });
+  log_event(spdlog::level::err, "stopped_listening", {{"message", std::string(message)}});
   ::kill(::getpid(), SIGTERM);
 }
 
@@ -59,11 +56,7 @@ void log_message(gpr_log_func_args* args) {
   if (left_out < 0) return;
   log_event(
       args->severity == GPR_LOG_SEVERITY_ERROR ? spdlog::level::warn : spdlog::level::info,
-      "grpc",
-      {
-          { "message", std::string(args->message)},
-          {"left_out",                   left_out}
-  });
+      "grpc", {{"message", std::string(args->message)}, {"left_out", left_out}});
 }
 
 }  // namespace

@@ -110,9 +110,7 @@ void raise_file_limit() {
 
 int cannot_start(const absl::Status& status) {
   tet::log_event(spdlog::level::err, "cannot_start",
-                 {
-                     {"message", std::string(status.message())}
-  });
+                 {{"message", std::string(status.message())}});
   return absl::IsInvalidArgument(status) ? kRefused : kFailed;
 }
 
@@ -142,17 +140,12 @@ int serve(const tet::Config& config) {
   const absl::Status told = write_port(config.port_file, (*server)->port());
   if (!told.ok()) return cannot_start(told);
   tet::log_event(spdlog::level::info, "serving",
-                 {
-                     {"address",         (*server)->address()},
-                     {"metrics", (*server)->metrics_address()},
-                     {"version",            TETSTREAM_VERSION}
-  });
+                 {{"address", (*server)->address()},
+                  {"metrics", (*server)->metrics_address()},
+                  {"version", TETSTREAM_VERSION}});
   int signal = 0;
   sigwait(&signals, &signal);
-  tet::log_event(spdlog::level::info, "draining",
-                 {
-                     {"signal", signal}
-  });
+  tet::log_event(spdlog::level::info, "draining", {{"signal", signal}});
   (*server)->stop(std::chrono::seconds(config.drain_seconds));
   tet::log_event(spdlog::level::info, "stopped");
   return tet::stopped_listening() ? kFailed : kDone;
@@ -174,16 +167,10 @@ int work(const tet::Config& config) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto worker = tet::WorkerProcess::start(config);
   if (!worker.ok()) return cannot_start(worker.status());
-  tet::log_event(
-      spdlog::level::info, "working",
-      {
-          {"metrics", (*worker)->metrics_address()},
-          {"version",            TETSTREAM_VERSION}
-  });
+  tet::log_event(spdlog::level::info, "working",
+                 {{"metrics", (*worker)->metrics_address()}, {"version", TETSTREAM_VERSION}});
   tet::log_event(spdlog::level::info, "draining",
-                 {
-                     {"signal", wait_for_end(signals, **worker)}
-  });
+                 {{"signal", wait_for_end(signals, **worker)}});
   worker->reset();
   tet::log_event(spdlog::level::info, "stopped");
   return kDone;

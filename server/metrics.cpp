@@ -95,27 +95,11 @@ void Metrics::call_ended(const std::string& method,
                          std::string_view reason,
                          double seconds) {
   const std::string code_name = absl::StatusCodeToString(code);
-  families_->calls
-      .Add({
-          {"method",    method},
-          {  "code", code_name}
-  })
-      .Increment();
-  families_->durations
-      .Add(
-          {
-              {"method", method}
-  },
-          kSeconds)
-      .Observe(seconds);
+  families_->calls.Add({{"method", method}, {"code", code_name}}).Increment();
+  families_->durations.Add({{"method", method}}, kSeconds).Observe(seconds);
   if (code == absl::StatusCode::kOk) return;
   const std::string name(is_reason(reason) ? reason : "OTHER");
-  families_->refusals
-      .Add({
-          {  "code", code_name},
-          {"reason",      name}
-  })
-      .Increment();
+  families_->refusals.Add({{"code", code_name}, {"reason", name}}).Increment();
 }
 
 void Metrics::planned(double seconds) { families_->plan_seconds.Observe(seconds); }

@@ -57,9 +57,7 @@ class FrameLeaves {
                                                        " bytes; a leaf has 2048, or 4")));
       }
       std::memcpy(to, leaf.values().data(), leaf.values().size());
-      leaves.leaves_.push_back({
-          *brick, {to, count}
-      });
+      leaves.leaves_.push_back({*brick, {to, count}});
       to += count;
     }
     return leaves;

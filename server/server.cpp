@@ -82,10 +82,8 @@ void warn_if_exposed(const Config& config) {
   const char* const who = anyone ? "anyone who reaches this port may use it" : "";
   const char* const how = plain ? "what is sent, tokens too, can be read on the way" : "";
   log_event(spdlog::level::warn, "exposed",
-            {
-                { "listen",    config.listen          },
-                { "message", absl::StrCat(who,anyone && plain ? ", and " : "", how)}
-  });
+            {{"listen", config.listen},
+             {"message", absl::StrCat(who, anyone && plain ? ", and " : "", how)}});
 }
 
 void set_readiness(grpc::Server& server, bool ready) {
@@ -277,10 +275,7 @@ void Server::stop(std::chrono::seconds drain) {
   if (parts_->jobs != nullptr) parts_->jobs->work->worker.stop();
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {
-    log_event(spdlog::level::warn, "cancelling",
-              {
-                  {"calls", parts_->calls.running()}
-    });
+    log_event(spdlog::level::warn, "cancelling", {{"calls", parts_->calls.running()}});
     parts_->calls.cut();
     parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kGoodbye);
   }

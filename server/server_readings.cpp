@@ -58,14 +58,8 @@ void add_plans(const PlannerStats& plans, std::vector<Reading>& readings) {
       gauge("tetstream_plan_budget_bytes", "The setting plan_bytes.", plans.plan_budget_bytes));
   constexpr char kLookups[] = "tetstream_plan_lookups_total";
   constexpr char kHelp[] = "Plans asked for, by whether one was kept.";
-  readings.push_back(counter(kLookups, kHelp, plans.hits,
-                             {
-                                 {"result", "hit"}
-  }));
-  readings.push_back(counter(kLookups, kHelp, plans.misses,
-                             {
-                                 {"result", "miss"}
-  }));
+  readings.push_back(counter(kLookups, kHelp, plans.hits, {{"result", "hit"}}));
+  readings.push_back(counter(kLookups, kHelp, plans.misses, {{"result", "miss"}}));
 }
 
 void add_evictions(const StoreStats& store,
@@ -73,18 +67,10 @@ void add_evictions(const StoreStats& store,
                    std::vector<Reading>& readings) {
   constexpr char kEvictions[] = "tetstream_evictions_total";
   constexpr char kHelp[] = "What had to go to make room, by what it was.";
-  readings.push_back(counter(kEvictions, kHelp, store.evicted_files,
-                             {
-                                 {"what", "grid_file"}
-  }));
-  readings.push_back(counter(kEvictions, kHelp, store.evicted_uploads,
-                             {
-                                 {"what", "upload"}
-  }));
-  readings.push_back(counter(kEvictions, kHelp, plans.volumes.evicted,
-                             {
-                                 {"what", "resident_grid"}
-  }));
+  readings.push_back(counter(kEvictions, kHelp, store.evicted_files, {{"what", "grid_file"}}));
+  readings.push_back(counter(kEvictions, kHelp, store.evicted_uploads, {{"what", "upload"}}));
+  readings.push_back(
+      counter(kEvictions, kHelp, plans.volumes.evicted, {{"what", "resident_grid"}}));
   readings.push_back(counter("tetstream_store_corrupt_total",
                              "Stored files that were found damaged and set aside.",
                              store.corrupt_files));

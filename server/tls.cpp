@@ -92,11 +92,9 @@ absl::Status check(const TlsFiles& files, TlsMaterial& material) {
 void log_certificate(const char* event, const TlsMaterial& material) {
   const bool expired = material.expires < absl::Now();
   log_event(expired ? spdlog::level::warn : spdlog::level::info, event,
-            {
-                {   "subject",                  material.subject},
-                {   "expires", absl::FormatTime(material.expires,absl::UTCTimeZone())},
-                {"is_expired",                           expired                                 }
-  });
+            {{"subject", material.subject},
+             {"expires", absl::FormatTime(material.expires, absl::UTCTimeZone())},
+             {"is_expired", expired}});
 }
 
 /// gRPC's C++ credentials cannot be replaced; those of its C library can.
@@ -176,10 +174,7 @@ ServerTls::Reload ServerTls::fetch(grpc_ssl_server_certificate_config** config) 
       log_certificate("tls_reloaded", material_);
       absl::SleepFor(kUntilHandshakeBegins);
     } else {
-      log_event(spdlog::level::err, "tls_kept",
-                {
-                    {"message", std::string(status.message())}
-      });
+      log_event(spdlog::level::err, "tls_kept", {{"message", std::string(status.message())}});
     }
   }
   if (std::exchange(handed_out_, true)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;

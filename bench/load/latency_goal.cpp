@@ -19,10 +19,8 @@ struct Prefix {
   absl::string_view text;
   LatencyKind kind;
 };
-constexpr Prefix kPrefixes[] = {
-    {     "header-",     LatencyKind::kHeader},
-    {"first-chunk-", LatencyKind::kFirstChunk}
-};
+constexpr Prefix kPrefixes[] = {{"header-", LatencyKind::kHeader},
+                                {"first-chunk-", LatencyKind::kFirstChunk}};
 
 absl::Status not_a_goal(absl::string_view text) {
   return absl::InvalidArgumentError(absl::StrCat(

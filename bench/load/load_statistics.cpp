@@ -82,8 +82,7 @@ Window LoadStatistics::window() const {
   return {
       to_seconds(end_->when - begin_->when),
       {end_->traffic.tets - begin_->traffic.tets, end_->traffic.bytes - begin_->traffic.bytes},
-      end_->cpu_seconds - begin_->cpu_seconds
-  };
+      end_->cpu_seconds - begin_->cpu_seconds};
 }
 
 Tally LoadStatistics::total() const {

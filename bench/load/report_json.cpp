@@ -17,9 +17,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kSchema = 1;
 
 Json latency_json(const LatencyHistogram& latencies) {
-  Json json{
-      {"count", latencies.count()}
-  };
+  Json json{{"count", latencies.count()}};
   for (const Quantile& quantile : kQuantiles) {
     json[quantile.key] = to_ms(latencies.quantile(quantile.fraction));
   }
@@ -31,30 +29,21 @@ Json latency_json(const LatencyHistogram& latencies) {
 Json errors_json(const Tally& tally) {
   Json json = Json::object();
   for (const auto& [code, count] : tally.errors) {
-    json[absl::StatusCodeToString(code)] = {
-        {  "count",                         count},
-        {"message", tally.error_messages.at(code)}
-    };
+    json[absl::StatusCodeToString(code)] = {{"count", count},
+                                            {"message", tally.error_messages.at(code)}};
   }
   return json;
 }
 
 Json tally_json(const Tally& tally) {
   Json json;
-  json["requests"] = {
-      {   "offered",    tally.offered},
-      {      "done",       tally.done},
-      {    "failed",     tally.failed},
-      {"unfinished", tally.unfinished},
-      {   "dropped",    tally.dropped},
-      {    "queued",     tally.queued}
-  };
+  json["requests"] = {{"offered", tally.offered}, {"done", tally.done},
+                      {"failed", tally.failed},   {"unfinished", tally.unfinished},
+                      {"dropped", tally.dropped}, {"queued", tally.queued}};
   json["errors"] = errors_json(tally);
-  json["latency_ms"] = {
-      {     "header",     latency_json(tally.latency(LatencyKind::kHeader))},
-      {"first_chunk", latency_json(tally.latency(LatencyKind::kFirstChunk))},
-      {      "whole",      latency_json(tally.latency(LatencyKind::kWhole))}
-  };
+  json["latency_ms"] = {{"header", latency_json(tally.latency(LatencyKind::kHeader))},
+                        {"first_chunk", latency_json(tally.latency(LatencyKind::kFirstChunk))},
+                        {"whole", latency_json(tally.latency(LatencyKind::kWhole))}};
   return json;
 }
 
@@ -69,14 +58,12 @@ Json message_json(const tetstream::v1::MeshRequest& message) {
 Json mix_json(const std::vector<MixEntry>& mix) {
   Json json = Json::array();
   for (const MixEntry& entry : mix) {
-    Json one{
-        {  "label",                                        entry.label},
-        { "weight",                                       entry.weight},
-        {"request",                        message_json(entry.message)},
-        {   "tets",                                    entry.tet_count},
-        {  "fresh",                                        entry.fresh},
-        {   "kind", entry.kind == RequestKind::kJob ? "job" : "stream"}
-    };
+    Json one{{"label", entry.label},
+             {"weight", entry.weight},
+             {"request", message_json(entry.message)},
+             {"tets", entry.tet_count},
+             {"fresh", entry.fresh},
+             {"kind", entry.kind == RequestKind::kJob ? "job" : "stream"}};
     one["skip_cache"] = entry.skip_cache;
     if (entry.iso) one["iso_range"] = {entry.iso->low, entry.iso->high};
     json.push_back(std::move(one));
@@ -114,32 +101,26 @@ Json rates_json(const LoadResult& result) {
   const auto per_second = [&](std::uint64_t count) {
     return static_cast<double>(count) / seconds;
   };
-  return {
-      {  "seconds",                    result.window.seconds},
-      {"offered_s",         per_second(result.total.offered)},
-      {   "done_s",            per_second(result.total.done)},
-      {   "tets_s",  per_second(result.window.received.tets)},
-      {  "bytes_s", per_second(result.window.received.bytes)}
-  };
+  return {{"seconds", result.window.seconds},
+          {"offered_s", per_second(result.total.offered)},
+          {"done_s", per_second(result.total.done)},
+          {"tets_s", per_second(result.window.received.tets)},
+          {"bytes_s", per_second(result.window.received.bytes)}};
 }
 
 Json generator_json(const LoadResult& result) {
   const GeneratorState state = generator_state(result);
-  return {
-      {   "late_ms", latency_json(result.total.lateness)},
-      {"cores_used",                    state.cores_used},
-      {     "cores",                         state.cores}
-  };
+  return {{"late_ms", latency_json(result.total.lateness)},
+          {"cores_used", state.cores_used},
+          {"cores", state.cores}};
 }
 
 Json goals_json(const LoadSetting& setting, const LoadResult& result) {
   Json json = Json::array();
   for (const LatencyGoal& goal : setting.goals) {
-    json.push_back({
-        {"target",           show_goal(goal)},
-        {  "held",  result.total.holds(goal)},
-        {"missed", result.total.missed(goal)}
-    });
+    json.push_back({{"target", show_goal(goal)},
+                    {"held", result.total.holds(goal)},
+                    {"missed", result.total.missed(goal)}});
   }
   return json;
 }
@@ -161,10 +142,7 @@ Json parts_json(const LoadSetting& setting, const LoadResult& result, Json json)
 }
 
 Json run_json(const LoadSetting& setting, const LoadResult& result) {
-  Json json{
-      { "plan", plan_json(result.plan)},
-      {"rates",     rates_json(result)}
-  };
+  Json json{{"plan", plan_json(result.plan)}, {"rates", rates_json(result)}};
   json.update(tally_json(result.total));
   json["generator"] = generator_json(result);
   json["targets"] = goals_json(setting, result);
@@ -174,13 +152,11 @@ Json run_json(const LoadSetting& setting, const LoadResult& result) {
 }
 
 Json setting_json(const LoadSetting& setting) {
-  return {
-      {  "schema",                         kSchema},
-      {  "server",                  setting.server},
-      { "started",                 setting.started},
-      {"encoding", encoding_name(setting.encoding)},
-      {     "mix",           mix_json(setting.mix)}
-  };
+  return {{"schema", kSchema},
+          {"server", setting.server},
+          {"started", setting.started},
+          {"encoding", encoding_name(setting.encoding)},
+          {"mix", mix_json(setting.mix)}};
 }
 
 Json optional_json(const std::optional<double>& number) {
@@ -190,18 +166,16 @@ Json optional_json(const std::optional<double>& number) {
 Json answer_json(const LoadSetting& setting, const SearchResult& search) {
   Json goals = Json::array();
   for (const LatencyGoal& goal : setting.goals) goals.push_back(show_goal(goal));
-  return {
-      {          "targets",                                    std::move(goals)},
-      {       "per_second",                    optional_json(search.per_second)},
-      {"failed_per_second",             optional_json(search.failed_per_second)},
-      {       "limited_by",                          name_of(search.limited_by)},
-      {           "trials",                                       search.trials},
-      {             "held",                                         search.held},
-      {         "requests",                                     search.requests},
-      {           "missed",                                       search.missed},
-      {  "missed_share_95", {search.missed_share.low, search.missed_share.high}},
-      {      "interrupted",                                  search.interrupted}
-  };
+  return {{"targets", std::move(goals)},
+          {"per_second", optional_json(search.per_second)},
+          {"failed_per_second", optional_json(search.failed_per_second)},
+          {"limited_by", name_of(search.limited_by)},
+          {"trials", search.trials},
+          {"held", search.held},
+          {"requests", search.requests},
+          {"missed", search.missed},
+          {"missed_share_95", {search.missed_share.low, search.missed_share.high}},
+          {"interrupted", search.interrupted}};
 }
 
 /// Text may come from files and servers and need not be UTF-8.
@@ -222,12 +196,10 @@ std::string search_json(const LoadSetting& setting, const LoadSearch& found) {
   json["search"] = answer_json(setting, found.search);
   json["trials"] = Json::array();
   for (const Trial& trial : found.search.all) {
-    json["trials"].push_back({
-        {"per_second",       trial.per_second},
-        {   "verdict", name_of(trial.verdict)},
-        {  "requests",         trial.requests},
-        {    "missed",           trial.missed}
-    });
+    json["trials"].push_back({{"per_second", trial.per_second},
+                              {"verdict", name_of(trial.verdict)},
+                              {"requests", trial.requests},
+                              {"missed", trial.missed}});
   }
   json["alone"] = found.alone ? run_json(setting, *found.alone) : Json(nullptr);
   json["best"] = found.best ? run_json(setting, *found.best) : Json(nullptr);

@@ -16,9 +16,7 @@ constexpr double kProbeSeconds = 2;
 LoadPlan plan_of_one_worker(LoadPlan plan) {
   plan.workers = 1;
   plan.warm_up_seconds = 0;
-  plan.steps = {
-      {1, std::min(kProbeSeconds, plan.steps.front().seconds)}
-  };
+  plan.steps = {{1, std::min(kProbeSeconds, plan.steps.front().seconds)}};
   return plan;
 }
 
@@ -71,9 +69,7 @@ absl::StatusOr<LoadSearch> search_load(SearchPlan search,
   std::map<double, LoadResult> held;
   const auto run_trial = [&](double per_second, int repetition) {
     LoadPlan trial_plan = plan;
-    trial_plan.steps = {
-        {per_second, seconds}
-    };
+    trial_plan.steps = {{per_second, seconds}};
     trial_plan.drain = std::ranges::max(goals, {}, &LatencyGoal::limit).limit;
     trial_plan.seed = plan.seed + static_cast<std::uint64_t>(repetition);
     LoadResult result =

@@ -22,14 +22,8 @@ struct Unit {
   double seconds;
 };
 /// A unit that another ends with comes after it.
-constexpr std::array kUnits{
-    Unit{"ns", 1e-9},
-    Unit{"us", 1e-6},
-    Unit{"ms", 1e-3},
-    Unit{ "s",    1},
-    Unit{ "m",   60},
-    Unit{ "h", 3600}
-};
+constexpr std::array kUnits{Unit{"ns", 1e-9}, Unit{"us", 1e-6}, Unit{"ms", 1e-3},
+                            Unit{"s", 1},     Unit{"m", 60},    Unit{"h", 3600}};
 
 absl::Status not_a_rate(absl::string_view text) {
   return absl::InvalidArgumentError(

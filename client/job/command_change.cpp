@@ -69,12 +69,7 @@ absl::Status delete_job(JobSession& session,
                         const Cancellation& cancellation) {
   const absl::Status status = session.jobs.remove(name, cancellation);
   if (!status.ok()) return status;
-  session.print(
-      {
-          {   "name", name},
-          {"deleted", true}
-  },
-      absl::StrCat(name, "  deleted"));
+  session.print({{"name", name}, {"deleted", true}}, absl::StrCat(name, "  deleted"));
   return absl::OkStatus();
 }
 

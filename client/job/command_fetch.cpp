@@ -164,13 +164,8 @@ class Fetcher {
   }
 
   void tell(const v1::Job& job, const std::string& path, const std::string& text, bool before) {
-    session_.print(
-        {
-            {          "name", job.name()},
-            {          "file",       path},
-            {"fetched_before",     before}
-    },
-        before ? absl::StrCat(path, ": ", text) : text);
+    session_.print({{"name", job.name()}, {"file", path}, {"fetched_before", before}},
+                   before ? absl::StrCat(path, ": ", text) : text);
   }
 
   JobSession& session_;

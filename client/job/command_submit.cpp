@@ -103,14 +103,11 @@ SubmitWatch watch_for(JobSession& session, std::size_t total) {
   return {
       .submitted =
           [&](const SubmittedJob& job) {
-            session.print(
-                {
-                    {            "name",             job.name},
-                    {           "input", job.order.input.path},
-                    {      "request_id",       job.request_id},
-                    {"submitted_before",           job.before}
-            },
-                absl::StrCat(job.name, "  ", job.order.input.path));
+            session.print({{"name", job.name},
+                           {"input", job.order.input.path},
+                           {"request_id", job.request_id},
+                           {"submitted_before", job.before}},
+                          absl::StrCat(job.name, "  ", job.order.input.path));
           },
       .refused = [&](const JobOrder& order,
                      const absl::Status& status) { session.failed(order.input.path, status); },

@@ -29,15 +29,13 @@ Json labels_json(const v1::Job& job) {
 }
 
 Json progress_json(const v1::JobProgress& progress) {
-  Json json{
-      {      "chunk_count",       progress.chunk_count()},
-      {      "done_chunks",       progress.done_chunks()},
-      {      "shard_count",       progress.shard_count()},
-      {      "done_shards",       progress.done_shards()},
-      {   "running_shards",    progress.running_shards()},
-      {      "dead_shards",       progress.dead_shards()},
-      {"chunks_per_second", progress.chunks_per_second()}
-  };
+  Json json{{"chunk_count", progress.chunk_count()},
+            {"done_chunks", progress.done_chunks()},
+            {"shard_count", progress.shard_count()},
+            {"done_shards", progress.done_shards()},
+            {"running_shards", progress.running_shards()},
+            {"dead_shards", progress.dead_shards()},
+            {"chunks_per_second", progress.chunks_per_second()}};
   if (progress.has_eta()) json["eta_seconds"] = seconds_of(progress.eta());
   return json;
 }
@@ -52,12 +50,10 @@ void add_times(const v1::Job& job, Json& json) {
 }
 
 Json header_json(const v1::MeshHeader& header) {
-  return {
-      { "mesh_id",      header.mesh_id()},
-      {"vertices", header.vertex_count()},
-      {    "tets",    header.tet_count()},
-      {  "chunks",  header.chunk_count()}
-  };
+  return {{"mesh_id", header.mesh_id()},
+          {"vertices", header.vertex_count()},
+          {"tets", header.tet_count()},
+          {"chunks", header.chunk_count()}};
 }
 
 /// An enumerator without what it shares with all others.
@@ -81,21 +77,17 @@ bool is_final(v1::JobState state) {
 }
 
 Json as_json(const absl::Status& error) {
-  return {
-      {   "code", absl::StatusCodeToString(error.code())},
-      { "reason",               reason_of_failure(error)},
-      {"message",           std::string(error.message())}
-  };
+  return {{"code", absl::StatusCodeToString(error.code())},
+          {"reason", reason_of_failure(error)},
+          {"message", std::string(error.message())}};
 }
 
 Json as_json(const v1::Job& job) {
-  Json json{
-      {        "name",           job.name()},
-      {       "state", name_of(job.state())},
-      {"display_name",   job.display_name()},
-      {      "labels",     labels_json(job)},
-      {    "priority",       job.priority()}
-  };
+  Json json{{"name", job.name()},
+            {"state", name_of(job.state())},
+            {"display_name", job.display_name()},
+            {"labels", labels_json(job)},
+            {"priority", job.priority()}};
   add_times(job, json);
   if (job.has_max_attempts()) json["max_attempts"] = job.max_attempts();
   json["skip_cache"] = job.skip_cache();
@@ -111,26 +103,22 @@ Json as_json(const v1::Job& job) {
 }
 
 Json as_json(const v1::JobEvent& event) {
-  return {
-      {"revision",                 event.revision()},
-      {    "time", TimeUtil::ToString(event.time())},
-      {    "name",                     event.name()},
-      { "version",                  event.version()},
-      {  "change",          name_of(event.change())},
-      {   "state",           name_of(event.state())},
-      {"progress",  progress_json(event.progress())}
-  };
+  return {{"revision", event.revision()},
+          {"time", TimeUtil::ToString(event.time())},
+          {"name", event.name()},
+          {"version", event.version()},
+          {"change", name_of(event.change())},
+          {"state", name_of(event.state())},
+          {"progress", progress_json(event.progress())}};
 }
 
 Json as_json(const v1::DeadShard& shard) {
-  return {
-      {"first_chunk",              shard.first_chunk()},
-      {  "end_chunk",                shard.end_chunk()},
-      {   "attempts",                 shard.attempts()},
-      {     "worker",                   shard.worker()},
-      {      "error",  as_json(to_absl(shard.error()))},
-      {       "time", TimeUtil::ToString(shard.time())}
-  };
+  return {{"first_chunk", shard.first_chunk()},
+          {"end_chunk", shard.end_chunk()},
+          {"attempts", shard.attempts()},
+          {"worker", shard.worker()},
+          {"error", as_json(to_absl(shard.error()))},
+          {"time", TimeUtil::ToString(shard.time())}};
 }
 
 std::string line_of(const Json& json) {

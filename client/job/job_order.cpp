@@ -113,10 +113,7 @@ void describe_job(CLI::App& app, JobArguments& arguments) {
 absl::StatusOr<JobOrder> understand_job(const JobArguments& arguments) {
   absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
   if (!request.ok()) return request.status();
-  JobOrder order{
-      {arguments.input, arguments.request.grids, arguments.voxel},
-      {                         }
-  };
+  JobOrder order{{arguments.input, arguments.request.grids, arguments.voxel}, {}};
   for (VertexField& field : request->fields) field.file = place_of(field.file);
   v1::Job& job = order.job;
   *job.mutable_mesh() = wire_request(*request, "", arguments.request.grids);

@@ -36,12 +36,7 @@ void JobSession::failed(const std::string& name, const absl::Status& status) {
         [&](auto url, const auto& bytes) { first_failure_.SetPayload(url, bytes); });
   }
   if (json) {
-    print(
-        {
-            { "name",            name},
-            {"error", as_json(status)}
-    },
-        "");
+    print({{"name", name}, {"error", as_json(status)}}, "");
   } else {
     bar.say(absl::StrCat(name, ": ", status.message()));
   }

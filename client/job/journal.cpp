@@ -117,10 +117,7 @@ absl::Status Journal::read(const std::string& server) {
 
 absl::Status Journal::begin(const std::string& server) {
   submission_ = random_id();
-  const Json first{
-      {"submission", submission_},
-      {    "server",      server}
-  };
+  const Json first{{"submission", submission_}, {"server", server}};
   if (absl::Status status = write_line(first.dump()); !status.ok()) return status;
   if (fsync(descriptor_) != 0) return io_error("write", path_);
   return sync_directory_of(fs::absolute(path_));
@@ -146,10 +143,7 @@ std::optional<std::string> Journal::job_of(const std::string& request_id) const 
 }
 
 absl::Status Journal::record(const std::string& request_id, const std::string& job) {
-  const Json line{
-      {"request_id", request_id},
-      {       "job",        job}
-  };
+  const Json line{{"request_id", request_id}, {"job", job}};
   const std::lock_guard lock(mutex_);
   jobs_.emplace(request_id, job);
   return write_line(line.dump());

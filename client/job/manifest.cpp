@@ -46,11 +46,7 @@ absl::StatusOr<Words> words_of_json(const std::string& line) {
     if (key == "input") {
       input = text_of(value);
     } else {
-      add_option("--" + absl::StrReplaceAll(key,
-                                            {
-                                                {"_", "-"}
-      }),
-                 value, words);
+      add_option("--" + absl::StrReplaceAll(key, {{"_", "-"}}), value, words);
     }
   }
   if (!input.empty()) words.insert(words.end(), {"--", input});

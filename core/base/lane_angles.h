@@ -41,12 +41,10 @@ inline float signed_square_of_cosine(const LaneFace& f, const LaneFace& g) noexc
                                                       const FloatVector& v,
                                                       const FloatVector& w) noexcept {
   const LaneFace a(cross(w - u, v - u)), b(cross(v, w)), c(cross(w, u)), d(cross(u, v));
-  return {
-      {signed_square_of_cosine(a, b), signed_square_of_cosine(a, c),
-       signed_square_of_cosine(a, d), signed_square_of_cosine(b, c),
-       signed_square_of_cosine(b, d), signed_square_of_cosine(c, d)},
-      dot(u, b.normal)
-  };
+  return {{signed_square_of_cosine(a, b), signed_square_of_cosine(a, c),
+           signed_square_of_cosine(a, d), signed_square_of_cosine(b, c),
+           signed_square_of_cosine(b, d), signed_square_of_cosine(c, d)},
+          dot(u, b.normal)};
 }
 
 /// Degrees of asin(sqrt(t)) for t in [0, 1/2]: sqrt(t) times a polynomial that is off by 1.4e-4

@@ -201,8 +201,7 @@ ReceivedWish receive_wish(int socket) {
   return ReceivedOrder{
       DecodeOrder{message.task, message.limits, message.file_bytes, message.file_name.get(),
                   message.grid_name.get(), message.component},
-      std::move(first), std::move(second)
-  };
+      std::move(first), std::move(second)};
 }
 
 bool send_answer(int socket, const absl::Status& answer) {

@@ -34,10 +34,7 @@ class StoredBox {
   const VoxelBox& box() const noexcept { return box_; }
 
  private:
-  VoxelBox box_{
-      {INT32_MAX, INT32_MAX, INT32_MAX},
-      {INT32_MIN, INT32_MIN, INT32_MIN}
-  };
+  VoxelBox box_{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
 };
 
 VoxelBox stored_box(const Volume& volume) {
@@ -67,10 +64,8 @@ absl::StatusOr<LatticeBox> all_that_is_stored(const PhiField& field) {
     return absl::FailedPreconditionError("the grid stores nothing, so it has no bounding box");
   }
   const double spacing = field.spacing_voxels;
-  return LatticeBox{
-      {box.min.x / spacing, box.min.y / spacing, box.min.z / spacing},
-      {box.max.x / spacing, box.max.y / spacing, box.max.z / spacing}
-  };
+  return LatticeBox{{box.min.x / spacing, box.min.y / spacing, box.min.z / spacing},
+                    {box.max.x / spacing, box.max.y / spacing, box.max.z / spacing}};
 }
 
 /// All that is inside of a scene, and a few cells around it: for rounding errors, and so that
@@ -85,8 +80,7 @@ absl::StatusOr<LatticeBox> all_that_is_reached(const PhiField& field) {
   constexpr double kAround = 2;
   return LatticeBox{
       {min.x / spacing - kAround, min.y / spacing - kAround, min.z / spacing - kAround},
-      {max.x / spacing + kAround, max.y / spacing + kAround, max.z / spacing + kAround}
-  };
+      {max.x / spacing + kAround, max.y / spacing + kAround, max.z / spacing + kAround}};
 }
 
 absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& box) {
@@ -97,10 +91,7 @@ absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& bo
         box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
   }
   const auto [min, max] = to_voxel_span(field.lattice_transform(), box);
-  return LatticeBox{
-      {min.x, min.y, min.z},
-      {max.x, max.y, max.z}
-  };
+  return LatticeBox{{min.x, min.y, min.z}, {max.x, max.y, max.z}};
 }
 
 /// Rotations leave rounding errors; a face this near a brick's face is meant to lie on it.
@@ -136,10 +127,7 @@ absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
     min[axis] = static_cast<std::int32_t>(low) * (unit / kBrickEdge);
     max[axis] = static_cast<std::int32_t>(high) * (unit / kBrickEdge) - 1;
   }
-  return BrickBox{
-      {min[0], min[1], min[2]},
-      {max[0], max[1], max[2]}
-  };
+  return BrickBox{{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
 }  // namespace tet

@@ -75,13 +75,9 @@ std::vector<BrickCoord> unlike_bricks(const Volume& a,
     for (std::size_t i = begin; i < end; ++i) {
       constexpr std::int32_t kLast = Region::kEdgeBricks - 1;
       const BrickCoord min = regions[i];
-      for_each_brick(
-          {
-              min, {min.x + kLast, min.y + kLast, min.z + kLast}
-      },
-          [&](BrickCoord at) {
-            if (!same_brick(reader_a.brick(at), reader_b.brick(at))) of_region[i].push_back(at);
-          });
+      for_each_brick({min, {min.x + kLast, min.y + kLast, min.z + kLast}}, [&](BrickCoord at) {
+        if (!same_brick(reader_a.brick(at), reader_b.brick(at))) of_region[i].push_back(at);
+      });
     }
   });
   std::vector<BrickCoord> unlike;
@@ -106,12 +102,8 @@ std::vector<BrickCoord> readers_of(const std::vector<BrickCoord>& voxel_bricks,
   };
   std::vector<BrickCoord> readers;
   for (const BrickCoord b : voxel_bricks) {
-    for_each_brick(
-        {
-            {first(b.x), first(b.y), first(b.z)},
-            { last(b.x),  last(b.y),  last(b.z)}
-    },
-        [&](BrickCoord reader) { readers.push_back(reader); });
+    for_each_brick({{first(b.x), first(b.y), first(b.z)}, {last(b.x), last(b.y), last(b.z)}},
+                   [&](BrickCoord reader) { readers.push_back(reader); });
   }
   sort_unique(readers);
   return readers;

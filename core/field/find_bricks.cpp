@@ -49,10 +49,7 @@ struct RegionCube {
   /// Those that touch nothing beyond the cube; where there are none its ends are crossed.
   BrickBox deep() const noexcept {
     const BrickCoord last = steps_from(min, {edge - 1, edge - 1, edge - 1});
-    return {
-        steps_from(min, {         1,          1,          1}
-         ), {last.x - 1, last.y - 1, last.z - 1}
-    };
+    return {steps_from(min, {1, 1, 1}), {last.x - 1, last.y - 1, last.z - 1}};
   }
 };
 
@@ -60,8 +57,7 @@ struct RegionCube {
 std::optional<BrickBox> common_part(const BrickBox& a, const BrickBox& b) {
   const BrickBox part{
       {std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
-      {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}
-  };
+      {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
   if (part.min.x > part.max.x || part.min.y > part.max.y || part.min.z > part.max.z) {
     return std::nullopt;
   }
@@ -79,10 +75,7 @@ absl::Status check_tile_regions(double regions) {
 /// A cube's outermost regions and all that touch one. What lies deeper sees the cube alone.
 void add_around(const RegionCube& cube, std::vector<BrickCoord>& regions) {
   const auto is_deep = [&](std::int32_t i) { return i > 0 && i < cube.edge - 1; };
-  const BrickBox around{
-      {       -1,        -1,        -1},
-      {cube.edge, cube.edge, cube.edge}
-  };
+  const BrickBox around{{-1, -1, -1}, {cube.edge, cube.edge, cube.edge}};
   for_each_brick(around, [&](BrickCoord at) {
     if (is_deep(at.x) && is_deep(at.y) && is_deep(at.z)) return;
     regions.push_back(steps_from(cube.min, at));
@@ -143,10 +136,7 @@ std::vector<BrickBox> deep_inside(const PhiField& field) {
 void add_runs(BrickCoord row, unsigned bits, std::vector<BrickBox>& boxes) {
   while (bits != 0) {
     const int first = std::countr_zero(bits), end = first + std::countr_one(bits >> first);
-    boxes.push_back({
-        {row.x, row.y,   row.z + first},
-        {row.x, row.y, row.z + end - 1}
-    });
+    boxes.push_back({{row.x, row.y, row.z + first}, {row.x, row.y, row.z + end - 1}});
     bits &= ~0U << end;
   }
 }
@@ -220,10 +210,8 @@ BrickBox lattice_box(const PhiField& field, const BrickBox& box, int reach) {
     const double cell = std::ceil((8.0 * (brick + 1) + 1) / field.spacing_voxels) + reach;
     return static_cast<std::int32_t>(std::floor(cell / kBrickEdge));
   };
-  return {
-      { low(box.min.x),  low(box.min.y),  low(box.min.z)},
-      {high(box.max.x), high(box.max.y), high(box.max.z)}
-  };
+  return {{low(box.min.x), low(box.min.y), low(box.min.z)},
+          {high(box.max.x), high(box.max.y), high(box.max.z)}};
 }
 
 /// How many lattice bricks a voxel brick meets at most, reaching out by its halo.

@@ -96,9 +96,7 @@ bool meet(BrickCoord min, std::int32_t edge, const BrickBox& box) {
 }
 
 BrickBox box_of(BrickCoord min, std::int32_t edge) {
-  return {
-      min, {min.x + edge - 1, min.y + edge - 1, min.z + edge - 1}
-  };
+  return {min, {min.x + edge - 1, min.y + edge - 1, min.z + edge - 1}};
 }
 
 /// At most 64 cubes that cover a box.
@@ -219,9 +217,7 @@ absl::Status sort_bricks(const PhiField& field,
 
 /// A domain's own bricks, and those just beyond its upper faces.
 BrickBox with_upper_faces(const BrickBox& domain) {
-  return {
-      domain.min, {domain.max.x + 1, domain.max.y + 1, domain.max.z + 1}
-  };
+  return {domain.min, {domain.max.x + 1, domain.max.y + 1, domain.max.z + 1}};
 }
 
 }  // namespace

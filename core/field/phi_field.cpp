@@ -20,9 +20,7 @@ constexpr std::size_t kUsedRows = kMaxCorner - kHaloMin + 1;  // of a slice; as 
 struct Part {
   std::size_t first, count, at;
 };
-constexpr std::array<Part, 3> kHaloParts{
-    {{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}
-};
+constexpr std::array<Part, 3> kHaloParts{{{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}};
 
 /// Of the 27 bricks at and around a brick, the one at 9*(x+1) + 3*(y+1) + z+1.
 BrickCoord brick_around(BrickCoord brick, int i) noexcept {

@@ -30,12 +30,7 @@ struct StuffedBackground::OrderedTet {
 
   explicit OrderedTet(const NodeId* nodes) noexcept {
     std::copy_n(nodes, 4, node.begin());
-    for (const auto& [i, j] : {
-             std::pair(0U, 1U), {2U, 3U},
-               {0U, 2U},
-               {1U, 3U},
-               {1U, 2U}
-    }) {
+    for (const auto& [i, j] : {std::pair(0U, 1U), {2U, 3U}, {0U, 2U}, {1U, 3U}, {1U, 2U}}) {
       if (node[i] < node[j]) continue;
       std::swap(node[i], node[j]);
       negative = !negative;
@@ -133,10 +128,7 @@ void StuffedBackground::for_each_vertex_of(NodeId node, const Visit& visit) cons
 }
 
 VoxelBox StuffedBackground::corner_box() const noexcept {
-  VoxelBox box{
-      {INT32_MAX, INT32_MAX, INT32_MAX},
-      {INT32_MIN, INT32_MIN, INT32_MIN}
-  };
+  VoxelBox box{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
   const auto add = [](double at, std::int32_t& min, std::int32_t& max) {
     min = std::min(min, static_cast<std::int32_t>(std::floor(at)));
     max = std::max(max, static_cast<std::int32_t>(std::ceil(at)));

@@ -88,10 +88,8 @@ float background(const openvdb::GridBase& grid) {
 VoxelBox active_box(const openvdb::GridBase& grid) {
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   if (box.empty()) return {};
-  return {
-      {box.min().x(), box.min().y(), box.min().z()},
-      {box.max().x(), box.max().y(), box.max().z()}
-  };
+  return {{box.min().x(), box.min().y(), box.min().z()},
+          {box.max().x(), box.max().y(), box.max().z()}};
 }
 
 GridInfo describe(VdbFile& file, std::size_t i) {

@@ -75,10 +75,7 @@ VoxelBox NodeMask<kLog2>::box() const noexcept {
   // A slice of equal x is whole words; those of all slices are laid upon each other.
   constexpr std::size_t kSliceWords = kWords >> kLog2;
   std::array<std::uint64_t, kSliceWords> slices{};
-  VoxelBox box{
-      {1 << kLog2, 1 << kLog2, 1 << kLog2},
-      {         0,          0,          0}
-  };
+  VoxelBox box{{1 << kLog2, 1 << kLog2, 1 << kLog2}, {0, 0, 0}};
   for (std::size_t i = 0; i < kWords; ++i) {
     if (words[i] == 0) continue;
     const auto x = static_cast<std::int32_t>(i / kSliceWords);

@@ -13,26 +13,24 @@ namespace tet {
 namespace {
 
 std::optional<PlyType> parse_type(std::string_view word) {
-  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{
-      {
-       {"char", {PlyType::kSigned, 1}},
-       {"int8", {PlyType::kSigned, 1}},
-       {"uchar", {PlyType::kUnsigned, 1}},
-       {"uint8", {PlyType::kUnsigned, 1}},
-       {"short", {PlyType::kSigned, 2}},
-       {"int16", {PlyType::kSigned, 2}},
-       {"ushort", {PlyType::kUnsigned, 2}},
-       {"uint16", {PlyType::kUnsigned, 2}},
-       {"int", {PlyType::kSigned, 4}},
-       {"int32", {PlyType::kSigned, 4}},
-       {"uint", {PlyType::kUnsigned, 4}},
-       {"uint32", {PlyType::kUnsigned, 4}},
-       {"float", {PlyType::kFloat, 4}},
-       {"float32", {PlyType::kFloat, 4}},
-       {"double", {PlyType::kFloat, 8}},
-       {"float64", {PlyType::kFloat, 8}},
-       }
-  };
+  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
+      {"char", {PlyType::kSigned, 1}},
+      {"int8", {PlyType::kSigned, 1}},
+      {"uchar", {PlyType::kUnsigned, 1}},
+      {"uint8", {PlyType::kUnsigned, 1}},
+      {"short", {PlyType::kSigned, 2}},
+      {"int16", {PlyType::kSigned, 2}},
+      {"ushort", {PlyType::kUnsigned, 2}},
+      {"uint16", {PlyType::kUnsigned, 2}},
+      {"int", {PlyType::kSigned, 4}},
+      {"int32", {PlyType::kSigned, 4}},
+      {"uint", {PlyType::kUnsigned, 4}},
+      {"uint32", {PlyType::kUnsigned, 4}},
+      {"float", {PlyType::kFloat, 4}},
+      {"float32", {PlyType::kFloat, 4}},
+      {"double", {PlyType::kFloat, 8}},
+      {"float64", {PlyType::kFloat, 8}},
+  }};
   const auto* const found = std::find_if(kTypes.begin(), kTypes.end(),
                                          [&](const auto& type) { return type.first == word; });
   if (found == kTypes.end()) return std::nullopt;

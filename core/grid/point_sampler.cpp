@@ -115,20 +115,15 @@ VoxelBox box_of(const Places& places, std::size_t count) noexcept {
       max[axis] = std::max(max[axis], voxel[i]);
     }
   }
-  return {
-      {    min[0],     min[1],     min[2]},
-      {max[0] + 1, max[1] + 1, max[2] + 1}
-  };
+  return {{min[0], min[1], min[2]}, {max[0] + 1, max[1] + 1, max[2] + 1}};
 }
 
 /// Widened by the eight voxels of a point.
 VoxelBox with_point(const VoxelBox& box, const Places& places, std::size_t i) noexcept {
   const VoxelCoord at{places.voxel[0][i], places.voxel[1][i], places.voxel[2][i]};
-  return {
-      {std::min(box.min.x,     at.x), std::min(box.min.y,     at.y),std::min(box.min.z,     at.z)      },
-      {std::max(box.max.x, at.x + 1), std::max(box.max.y, at.y + 1),
-       std::max(box.max.z, at.z + 1)}
-  };
+  return {{std::min(box.min.x, at.x), std::min(box.min.y, at.y), std::min(box.min.z, at.z)},
+          {std::max(box.max.x, at.x + 1), std::max(box.max.y, at.y + 1),
+           std::max(box.max.z, at.z + 1)}};
 }
 
 std::int64_t voxels_in(const VoxelBox& box) noexcept {
@@ -153,11 +148,7 @@ void for_each_brick(const VoxelBox& box, const Copy& copy) noexcept {
       const auto [y0, y1] = part(y, box.min.y, box.max.y);
       for (std::int32_t z = box.min.z >> kShift; z <= box.max.z >> kShift; ++z) {
         const auto [z0, z1] = part(z, box.min.z, box.max.z);
-        copy(
-            BrickCoord{
-                x, y, z
-        },
-            VoxelBox{{x0, y0, z0}, {x1, y1, z1}});
+        copy(BrickCoord{x, y, z}, VoxelBox{{x0, y0, z0}, {x1, y1, z1}});
       }
     }
   }
@@ -200,10 +191,7 @@ std::size_t end_of_run(const Places& places,
                        VoxelBox& box) noexcept {
   const std::int32_t x = places.voxel[0][begin], y = places.voxel[1][begin];
   const std::int32_t z = places.voxel[2][begin];
-  box = {
-      {    x,     y,     z},
-      {x + 1, y + 1, z + 1}
-  };
+  box = {{x, y, z}, {x + 1, y + 1, z + 1}};
   for (std::size_t end = begin + 1; end < count; ++end) {
     const VoxelBox wider = with_point(box, places, end);
     if (voxels_in(wider) > Block::kMaxVoxels) return end;

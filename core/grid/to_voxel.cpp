@@ -24,10 +24,7 @@ VoxelPoint to_voxel(const VoxelTransform& transform, const WorldPoint& p) noexce
 
 VoxelSpan to_voxel_span(const VoxelTransform& transform, const WorldBox& box) noexcept {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  VoxelSpan span{
-      { kInf,  kInf,  kInf},
-      {-kInf, -kInf, -kInf}
-  };
+  VoxelSpan span{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
   for (int corner = 0; corner < 8; ++corner) {
     const auto [x, y, z] = to_voxel(transform, {(corner & 1) != 0 ? box.max.x : box.min.x,
                                                 (corner & 2) != 0 ? box.max.y : box.min.y,

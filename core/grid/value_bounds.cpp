@@ -121,9 +121,7 @@ ValueBounds::Level cells_of_regions(const std::vector<Region>& regions, const Vo
 void add_cubes(const Volume& volume, int shift, ValueBounds::Level& cells) {
   for (const ConstantCube& cube : volume.cubes) {
     if (cube.edge != 1 << shift) continue;
-    cells.push_back({
-        cell_of(cube.min, shift), {cube.value, cube.value}
-    });
+    cells.push_back({cell_of(cube.min, shift), {cube.value, cube.value}});
   }
   std::sort(cells.begin(), cells.end(), comes_first);
 }

@@ -28,10 +28,7 @@ class GrowingBox {
   const VoxelBox& box() const noexcept { return box_; }
 
  private:
-  VoxelBox box_{
-      {INT32_MAX, INT32_MAX, INT32_MAX},
-      {INT32_MIN, INT32_MIN, INT32_MIN}
-  };
+  VoxelBox box_{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
 };
 
 VoxelCoord first_voxel(const BrickCoord& brick) noexcept {

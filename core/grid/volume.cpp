@@ -24,10 +24,7 @@ bool VoxelTransform::mirrors() const noexcept {
 WorldBox VoxelTransform::to_world_box(const VoxelPoint& min,
                                       const VoxelPoint& max) const noexcept {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  WorldBox box{
-      { kInf,  kInf,  kInf},
-      {-kInf, -kInf, -kInf}
-  };
+  WorldBox box{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
   for (int corner = 0; corner < 8; ++corner) {
     const WorldPoint p = to_world(
         {corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z});

@@ -35,9 +35,7 @@ constexpr double default_iso(VolumeKind kind) noexcept {
 /// world = linear * voxel + translation, where `linear` is `voxel_size` times a rotation (or a
 /// rotation and a mirror: every angle is kept).
 struct VoxelTransform {
-  std::array<std::array<double, 3>, 3> linear{
-      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
-  };
+  std::array<std::array<double, 3>, 3> linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   std::array<double, 3> translation{};
   double voxel_size = 1;  ///< world units
 

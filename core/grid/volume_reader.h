@@ -59,18 +59,14 @@ inline VolumeReader::Brick VolumeReader::brick(BrickCoord coord) noexcept {
   constexpr std::int32_t kLast = Region::kEdgeBricks - 1;
   enter({coord.x & ~kLast, coord.y & ~kLast, coord.z & ~kLast});
   if (region_ == nullptr) {
-    return {
-        nullptr, {constant_, constant_}
-    };
+    return {nullptr, {constant_, constant_}};
   }
   const auto at = static_cast<std::size_t>(
       ((coord.x & kLast) * Region::kEdgeBricks + (coord.y & kLast)) * Region::kEdgeBricks +
       (coord.z & kLast));
   const std::uint32_t index = region_->brick_index[at];
   if (index == Region::kConstant) {
-    return {
-        nullptr, {region_->constant[at], region_->constant[at]}
-    };
+    return {nullptr, {region_->constant[at], region_->constant[at]}};
   }
   return {volume_->values.data() + std::size_t{index} * kBrickCells, volume_->ranges[index]};
 }

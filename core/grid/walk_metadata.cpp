@@ -22,24 +22,12 @@ struct FixedType {
 /// Every type that openvdb::initialize registers, apart from strings and "__delayedload"; a
 /// test compares.
 constexpr std::array kFixedTypes{
-    FixedType{   "bool",   1},
-    FixedType{  "float",   4},
-    FixedType{ "double",   8},
-    FixedType{  "int32",   4},
-    FixedType{  "int64",   8},
-    FixedType{  "vec2i",   8},
-    FixedType{  "vec2s",   8},
-    FixedType{  "vec2d",  16},
-    FixedType{  "vec3i",  12},
-    FixedType{  "vec3s",  12},
-    FixedType{  "vec3d",  24},
-    FixedType{  "vec4i",  16},
-    FixedType{  "vec4s",  16},
-    FixedType{  "vec4d",  32},
-    FixedType{  "mat4s",  64},
-    FixedType{  "mat4d", 128},
-    FixedType{"ptidx32",   4},
-    FixedType{"ptidx64",   8},
+    FixedType{"bool", 1},    FixedType{"float", 4},   FixedType{"double", 8},
+    FixedType{"int32", 4},   FixedType{"int64", 8},   FixedType{"vec2i", 8},
+    FixedType{"vec2s", 8},   FixedType{"vec2d", 16},  FixedType{"vec3i", 12},
+    FixedType{"vec3s", 12},  FixedType{"vec3d", 24},  FixedType{"vec4i", 16},
+    FixedType{"vec4s", 16},  FixedType{"vec4d", 32},  FixedType{"mat4s", 64},
+    FixedType{"mat4d", 128}, FixedType{"ptidx32", 4}, FixedType{"ptidx64", 8},
 };
 
 constexpr std::uint32_t kLongestType = 64;

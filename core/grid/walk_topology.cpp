@@ -37,9 +37,7 @@ void expand(VoxelBox& box, const VoxelBox& by) noexcept {
 }
 
 VoxelBox cube(const VoxelCoord& min, std::int32_t edge) noexcept {
-  return {
-      min, {min.x + edge - 1, min.y + edge - 1, min.z + edge - 1}
-  };
+  return {min, {min.x + edge - 1, min.y + edge - 1, min.z + edge - 1}};
 }
 
 /// Expands `box` by the set children of a node at `origin`, each `edge` voxels wide.

@@ -39,24 +39,22 @@ struct LatticeCoord {
 /// to d.
 inline constexpr int kDirections = 14;
 inline constexpr int kOwnedDirections = 7;
-inline constexpr std::array<LatticeCoord, kDirections> kDirection{
-    {
-     {2, 0, 0},
-     {0, 2, 0},
-     {0, 0, 2},
-     {1, -1, -1},
-     {1, -1, 1},
-     {1, 1, -1},
-     {1, 1, 1},
-     {-2, 0, 0},
-     {0, -2, 0},
-     {0, 0, -2},
-     {-1, 1, 1},
-     {-1, 1, -1},
-     {-1, -1, 1},
-     {-1, -1, -1},
-     }
-};
+inline constexpr std::array<LatticeCoord, kDirections> kDirection{{
+    {2, 0, 0},
+    {0, 2, 0},
+    {0, 0, 2},
+    {1, -1, -1},
+    {1, -1, 1},
+    {1, 1, -1},
+    {1, 1, 1},
+    {-2, 0, 0},
+    {0, -2, 0},
+    {0, 0, -2},
+    {-1, 1, 1},
+    {-1, 1, -1},
+    {-1, -1, 1},
+    {-1, -1, -1},
+}};
 constexpr bool is_long(int direction) noexcept { return direction % kOwnedDirections < 3; }
 /// Lengths of edges in units of the spacing.
 inline constexpr float kLongLength = 1;
@@ -134,8 +132,7 @@ struct TetShape {
 inline constexpr int kTetShapes = 12;
 inline constexpr std::size_t kFaceNodes = 6;
 inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kTetEdge{
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}
-};
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 namespace internal {
 

@@ -125,10 +125,7 @@ void NodeNumbers::for_each_owned(int level,
                                  const Visit& visit) noexcept {
   const auto l = static_cast<std::size_t>(level);
   const LevelNodes& nodes = (*nodes_)[l];
-  const BrickBox bricks{
-      {   0,    0,    0},
-      {edge, edge, edge}
-  };
+  const BrickBox bricks{{0, 0, 0}, {edge, edge, edge}};
   for_each_brick(bricks, [&](BrickCoord o) {
     const std::uint32_t at = bricks_[l].find({low.x + o.x, low.y + o.y, low.z + o.z});
     if (at == kNoBrick) return;

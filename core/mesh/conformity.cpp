@@ -66,10 +66,7 @@ Place place_of(const TetMesh& mesh, std::uint64_t vertex) {
   const auto [x, y, z] = mesh.stored_position(vertex);
   // Adding zero makes a positive zero of a negative one.
   const auto bits = [](double t) { return std::bit_cast<std::uint64_t>(t + 0.0); };
-  return {
-      {bits(x), bits(y), bits(z)},
-      vertex
-  };
+  return {{bits(x), bits(y), bits(z)}, vertex};
 }
 
 Offences find_duplicate_vertices(const TetMesh& mesh) {

@@ -12,8 +12,7 @@ using Triangle = std::array<std::uint64_t, 3>;
 /// Corners of the face opposite each corner of a positive tet, counter-clockwise seen from
 /// outside.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceCorners{
-    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}
-};
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 inline Triangle face_of(const std::array<std::uint64_t, 4>& tet,
                         std::size_t opposite) noexcept {

@@ -68,10 +68,8 @@ AngleSurvey survey_angles(const TetMesh& mesh, const AngleGoal& goal) {
 }
 
 AngleGoal good_angles() {
-  return {
-      {signed_square_of_cosine(kGoodMinDihedralDeg),
-       signed_square_of_cosine(kGoodMaxDihedralDeg)}
-  };
+  return {{signed_square_of_cosine(kGoodMinDihedralDeg),
+           signed_square_of_cosine(kGoodMaxDihedralDeg)}};
 }
 
 /// What is remembered of a vertex from sweep to sweep.

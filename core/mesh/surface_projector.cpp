@@ -20,11 +20,9 @@ struct Trilinear {
     const auto mix = [](double low, double high, double t) { return low + t * (high - low); };
     const double v00 = along_z(0), v01 = along_z(2), v10 = along_z(4), v11 = along_z(6);
     const double v0 = mix(v00, v01, y), v1 = mix(v10, v11, y);
-    return {
-        mix(v0, v1, x),
-        {v1 - v0, mix(v01 - v00, v11 - v10, x),
-                     mix(mix(z_slope(0), z_slope(2), y), mix(z_slope(4), z_slope(6), y), x)}
-    };
+    return {mix(v0, v1, x),
+            {v1 - v0, mix(v01 - v00, v11 - v10, x),
+             mix(mix(z_slope(0), z_slope(2), y), mix(z_slope(4), z_slope(6), y), x)}};
   }
 };
 
@@ -71,9 +69,7 @@ PhiSlope SurfaceProjector::at_world(const WorldPoint& p) noexcept {
   }
   const double* phi = scene_->evaluate(points, 7);
   const auto slope = [&](std::size_t i) { return (phi[i] - phi[i + 1]) / (2 * step); };
-  return {
-      phi[0], {slope(1), slope(3), slope(5)}
-  };
+  return {phi[0], {slope(1), slope(3), slope(5)}};
 }
 
 PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
@@ -107,9 +103,8 @@ PhiSlope SurfaceProjector::at_voxel(double x, double y, double z) noexcept {
     return sign * inverse_square_ *
            (linear_[row][0] * g.x + linear_[row][1] * g.y + linear_[row][2] * g.z);
   };
-  return {
-      sign * (voxel.phi - static_cast<double>(field_.iso)), {across(0), across(1), across(2)}
-  };
+  return {sign * (voxel.phi - static_cast<double>(field_.iso)),
+          {across(0), across(1), across(2)}};
 }
 
 bool SurfaceProjector::is_on_surface(const PhiSlope& here) const noexcept {

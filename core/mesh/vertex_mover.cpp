@@ -24,22 +24,20 @@ constexpr double kRounding = 1e-9;
 /// Towards the faces and corners of a cube, so that any direction is near one of them.
 std::array<Vector, 14> ways_to_go() {
   const double s = 1 / std::sqrt(3.0);
-  return {
-      {{1, 0, 0},
-       {0, 1, 0},
-       {0, 0, 1},
-       {-1, 0, 0},
-       {0, -1, 0},
-       {0, 0, -1},
-       {s, s, s},
-       {s, s, -s},
-       {s, -s, s},
-       {s, -s, -s},
-       {-s, s, s},
-       {-s, s, -s},
-       {-s, -s, s},
-       {-s, -s, -s}}
-  };
+  return {{{1, 0, 0},
+           {0, 1, 0},
+           {0, 0, 1},
+           {-1, 0, 0},
+           {0, -1, 0},
+           {0, 0, -1},
+           {s, s, s},
+           {s, s, -s},
+           {s, -s, s},
+           {s, -s, -s},
+           {-s, s, s},
+           {-s, s, -s},
+           {-s, -s, s},
+           {-s, -s, -s}}};
 }
 
 const std::array<Vector, 14> kWays = ways_to_go();

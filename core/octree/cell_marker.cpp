@@ -36,24 +36,19 @@ BrickBox bricks_of(const VoxelSpan& span) {
     constexpr double kMost = kMaxVoxelCoord;
     return static_cast<std::int32_t>(std::floor(std::clamp(at, -kMost, kMost) / kBrickEdge));
   };
-  return {
-      {brick(span.min.x), brick(span.min.y), brick(span.min.z)},
-      {brick(span.max.x), brick(span.max.y), brick(span.max.z)}
-  };
+  return {{brick(span.min.x), brick(span.min.y), brick(span.min.z)},
+          {brick(span.max.x), brick(span.max.y), brick(span.max.z)}};
 }
 
 /// What two boxes have in common, in bricks of a higher level.
 std::optional<BrickBox> common(const BrickBox& a, const BrickBox& b, int level) {
   const BrickBox both{
       {std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
-      {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}
-  };
+      {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
   const auto& [min, max] = both;
   if (min.x > max.x || min.y > max.y || min.z > max.z) return std::nullopt;
-  return BrickBox{
-      {min.x >> level, min.y >> level, min.z >> level},
-      {max.x >> level, max.y >> level, max.z >> level}
-  };
+  return BrickBox{{min.x >> level, min.y >> level, min.z >> level},
+                  {max.x >> level, max.y >> level, max.z >> level}};
 }
 
 /// Makes one box of those that follow each other along z.

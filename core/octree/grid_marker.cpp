@@ -39,11 +39,7 @@ class VoxelPlaces {
   VoxelPlaces(const Volume& grid, const VoxelTransform& lattice)
       : grid_(grid.transform), lattice_(lattice) {
     const Triple origin = at({0, 0, 0});
-    for (const VoxelPoint& axis : {
-             VoxelPoint{1, 0, 0},
-             {0, 1, 0},
-             {0, 0, 1}
-    }) {
+    for (const VoxelPoint& axis : {VoxelPoint{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
       const Triple step = at(axis);
       for (std::size_t i = 0; i < 3; ++i) half_[i] += std::abs(step[i] - origin[i]) / 2;
     }
@@ -210,10 +206,7 @@ void GridMarker::mark_constants(const Volume& grid) {
       }
       const BrickCoord b{region.min.x + i / (kEdge * kEdge), region.min.y + i / kEdge % kEdge,
                          region.min.z + i % kEdge};
-      marks.add({
-          {8 * b.x, 8 * b.y, 8 * b.z},
-          kBrickEdge, region.constant[at]
-      });
+      marks.add({{8 * b.x, 8 * b.y, 8 * b.z}, kBrickEdge, region.constant[at]});
     }
     marks.gather();
   }

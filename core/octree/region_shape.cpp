@@ -46,12 +46,10 @@ void RegionShape::set(const CapsuleRegion& capsule, const VoxelTransform& lattic
                    end = to_voxel(lattice, capsule.end);
   const double radius = capsule.radius / lattice.voxel_size;
   shape_ = Capsule{triple_of(start), difference(triple_of(end), triple_of(start)), radius};
-  bounds_ = {
-      {std::min(start.x, end.x) - radius, std::min(start.y, end.y) - radius,
-       std::min(start.z, end.z) - radius},
-      {std::max(start.x, end.x) + radius, std::max(start.y, end.y) + radius,
-       std::max(start.z, end.z) + radius}
-  };
+  bounds_ = {{std::min(start.x, end.x) - radius, std::min(start.y, end.y) - radius,
+              std::min(start.z, end.z) - radius},
+             {std::max(start.x, end.x) + radius, std::max(start.y, end.y) + radius,
+              std::max(start.z, end.z) + radius}};
 }
 
 Reach RegionShape::reach(const LatticeSpan& span) const noexcept {

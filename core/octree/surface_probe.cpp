@@ -15,9 +15,7 @@ VoxelPoint along(const VoxelPoint& p, const VoxelPoint& direction, double length
   return {p.x + length * direction.x, p.y + length * direction.y, p.z + length * direction.z};
 }
 
-constexpr Axes kAxes{
-    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
-};
+constexpr Axes kAxes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 }  // namespace
 

@@ -85,9 +85,7 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
     find_vertices(place.brick);
   } else {
     const LevelNodes& nodes = mesh_.nodes(place.level);
-    around_[0] = {
-        .node = {&nodes.corner[place.brick], &nodes.centre[place.brick]}
-    };
+    around_[0] = {.node = {&nodes.corner[place.brick], &nodes.centre[place.brick]}};
   }
   write_positions(BrickFrame(to_world_, level.bricks[place.brick], place.level), around_[0],
                   workspace_.vertices.own_places(), header_.coordinate_type, columns.positions);

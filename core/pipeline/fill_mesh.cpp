@@ -38,9 +38,7 @@ std::vector<PartOfChunk> parts_of(const MeshPlan& plan, const MeshHeader& header
     }
     const auto [begin, end] = plan.bricks_of_chunk(chunk);
     for (std::size_t brick = begin; brick < end; brick += kBricksPerRun) {
-      parts.push_back({
-          chunk, BrickRange{brick, std::min(end, brick + kBricksPerRun)}
-      });
+      parts.push_back({chunk, BrickRange{brick, std::min(end, brick + kBricksPerRun)}});
     }
   }
   return parts;

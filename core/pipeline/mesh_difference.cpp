@@ -131,12 +131,8 @@ struct ChangedBricks {
   std::vector<BrickCoord> readers() const {
     std::vector<BrickCoord> bricks = with_neighbours(leaves);
     for (const BrickCoord b : vertices) {
-      for_each_brick(
-          {
-              {b.x - 1, b.y - 1, b.z - 1},
-              b
-      },
-          [&](BrickCoord brick) { bricks.push_back(brick); });
+      for_each_brick({{b.x - 1, b.y - 1, b.z - 1}, b},
+                     [&](BrickCoord brick) { bricks.push_back(brick); });
     }
     sort_unique(bricks);
     return bricks;

@@ -68,10 +68,7 @@ VoxelBox corner_box(const BrickBox& domain) {
 }
 
 VoxelBox corner_box(const CountedMesh& mesh) {
-  VoxelBox box{
-      {INT32_MAX, INT32_MAX, INT32_MAX},
-      {INT32_MIN, INT32_MIN, INT32_MIN}
-  };
+  VoxelBox box{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
   const auto& bricks = mesh.tree().levels[0].bricks;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     if (mesh.first_vertex(i + 1) == mesh.first_vertex(i)) continue;

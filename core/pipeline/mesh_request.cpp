@@ -15,13 +15,11 @@
 namespace tet {
 namespace {
 
-constexpr std::array<std::pair<Preset, std::string_view>, 3> kPresetNames{
-    {
-     {Preset::kDefault, "default"},
-     {Preset::kMinAngle, "min-angle"},
-     {Preset::kBothSides, "both-sides"},
-     }
-};
+constexpr std::array<std::pair<Preset, std::string_view>, 3> kPresetNames{{
+    {Preset::kDefault, "default"},
+    {Preset::kMinAngle, "min-angle"},
+    {Preset::kBothSides, "both-sides"},
+}};
 
 /// 0 where it has no end.
 double longest_extent(const Scene& scene) {
@@ -103,18 +101,11 @@ std::string_view preset_name(Preset preset) {
 StuffingRules stuffing_rules(Preset preset) {
   switch (preset) {
     case Preset::kDefault:
-      return {
-          .limits = {0.25F, 0.35F}
-      };
+      return {.limits = {0.25F, 0.35F}};
     case Preset::kMinAngle:
-      return {
-          .limits = {0.2675F, 0.3896F}
-      };
+      return {.limits = {0.2675F, 0.3896F}};
     case Preset::kBothSides:
-      return {
-          .limits = {0.20F, 0.30F},
-            .both_sides = true
-      };
+      return {.limits = {0.20F, 0.30F}, .both_sides = true};
   }
   return {};
 }

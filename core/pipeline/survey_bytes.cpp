@@ -157,12 +157,10 @@ std::optional<PartsOfBrick> read_parts(Reader& in, std::size_t bricks) {
   for (const LinkRow& link : in.column<LinkRow>()) {
     sound = sound && is_beside(link.x) && is_beside(link.y) && is_beside(link.z) &&
             link.part < parts.count;
-    parts.links.push_back({
-        {static_cast<std::int8_t>(link.x), static_cast<std::int8_t>(link.y),
-         static_cast<std::int8_t>(link.z)},
-        link.element,
-        link.part
-    });
+    parts.links.push_back({{static_cast<std::int8_t>(link.x), static_cast<std::int8_t>(link.y),
+                            static_cast<std::int8_t>(link.z)},
+                           link.element,
+                           link.part});
   }
   parts.part_of = in.column<std::array<std::uint16_t, 2>>();
   parts.beside = in.column<BricksAround>();

@@ -52,17 +52,13 @@ std::vector<std::size_t> find_groups(const std::vector<ThinBrick>& bricks) {
   };
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const BrickCoord b = coords[i];
-    for_each_brick(
-        {
-            {b.x - 1, b.y - 1, b.z - 1},
-            {b.x + 1, b.y + 1, b.z + 1}
-    },
-        [&](BrickCoord around) {
-          const std::uint32_t at = index.find(around);
-          if (at == kNoBrick) return;
-          const std::size_t one = find(i), other = find(at);
-          leader[std::max(one, other)] = std::min(one, other);
-        });
+    for_each_brick({{b.x - 1, b.y - 1, b.z - 1}, {b.x + 1, b.y + 1, b.z + 1}},
+                   [&](BrickCoord around) {
+                     const std::uint32_t at = index.find(around);
+                     if (at == kNoBrick) return;
+                     const std::size_t one = find(i), other = find(at);
+                     leader[std::max(one, other)] = std::min(one, other);
+                   });
   }
   for (std::size_t i = 0; i < leader.size(); ++i) leader[i] = find(i);
   return leader;

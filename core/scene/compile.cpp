@@ -50,11 +50,7 @@ Frame then(const Frame& frame, const Matrix& linear, const Triple& translation) 
 }
 
 Frame moved(const Frame& frame, const Triple& by) {
-  return then(frame,
-              {
-                  {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
-  },
-              {-by[0], -by[1], -by[2]});
+  return then(frame, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {-by[0], -by[1], -by[2]});
 }
 
 Triple unit(const Triple& direction) {
@@ -70,20 +66,15 @@ Triple unit(const Triple& direction) {
 Matrix turned_back(const Triple& axis, double turns) {
   const auto [x, y, z] = unit(axis);
   const double s = sin_of_turns(turns), c = cos_of_turns(turns), d = 1 - c;
-  return {
-      {{c + x * x * d, x * y * d + z * s, x * z * d - y * s},
-       {x * y * d - z * s, c + y * y * d, y * z * d + x * s},
-       {x * z * d + y * s, y * z * d - x * s, c + z * z * d}}
-  };
+  return {{{c + x * x * d, x * y * d + z * s, x * z * d - y * s},
+           {x * y * d - z * s, c + y * y * d, y * z * d + x * s},
+           {x * z * d + y * s, y * z * d - x * s, c + z * z * d}}};
 }
 
 /// Divides by the scales; a distance of the scaled world is at least the smallest times one's
 /// own.
 Frame unscaled(const Frame& frame, const Triple& scale) {
-  Frame out = then(frame,
-                   {
-                       {{1 / scale[0], 0, 0}, {0, 1 / scale[1], 0}, {0, 0, 1 / scale[2]}}
-  },
+  Frame out = then(frame, {{{1 / scale[0], 0, 0}, {0, 1 / scale[1], 0}, {0, 0, 1 / scale[2]}}},
                    {0, 0, 0});
   out.scale *= std::min({scale[0], scale[1], scale[2]});
   return out;
@@ -118,11 +109,7 @@ class Compiler {
   }
   /// Of what was written since `first`.
   void operate(std::uint32_t node, Op op, std::uint32_t first, double size = 0) {
-    program_.push_back({
-        op, first, node, { },
-           { size, 0, 0},
-           0
-    });
+    program_.push_back({op, first, node, {}, {size, 0, 0}, 0});
   }
   std::uint32_t next() const { return static_cast<std::uint32_t>(program_.size()); }
 
@@ -153,21 +140,13 @@ class Compiler {
   }
   void write(std::uint32_t node, const HalfSpace& h, const Frame& frame) {
     leaf(node, Op::kHalfSpace,
-         then(frame,
-              {
-                  {{0, 0, 0}, {0, 0, 0}, unit(h.normal)}
-    },
-              {0, 0, -h.offset}));
+         then(frame, {{{0, 0, 0}, {0, 0, 0}, unit(h.normal)}}, {0, 0, -h.offset}));
   }
   void write(std::uint32_t node, const PeriodicSurface& p, const Frame& frame) {
     constexpr std::array kOps{Op::kGyroid, Op::kSchwarzP, Op::kDiamond};
     const std::uint32_t first = next();
     const double per = 1 / p.period;
-    Frame turns = then(frame,
-                       {
-                           {{per, 0, 0}, {0, per, 0}, {0, 0, per}}
-    },
-                       {0, 0, 0});
+    Frame turns = then(frame, {{{per, 0, 0}, {0, per, 0}, {0, 0, per}}}, {0, 0, 0});
     // The three slopes' squares add up to 3 at most, per radian.
     turns.scale *= p.period / (2 * std::numbers::pi * std::numbers::sqrt3);
     leaf(node, kOps[static_cast<std::size_t>(p.kind)], turns);

@@ -21,12 +21,7 @@ using Matrix3 = std::array<Triple, 3>;
 struct Extent {
   Triple min{-kInf, -kInf, -kInf}, max{kInf, kInf, kInf};
 
-  static Extent nothing() {
-    return {
-        { kInf,  kInf,  kInf},
-        {-kInf, -kInf, -kInf}
-    };
-  }
+  static Extent nothing() { return {{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}}; }
   bool empty() const { return !(min[0] <= max[0] && min[1] <= max[1] && min[2] <= max[2]); }
 };
 
@@ -102,10 +97,7 @@ Extent half_space(const Instruction& leaf, double level) {
 Extent own_extent(const Instruction& leaf, double level) {
   const Triple half = half_edges(leaf, level);
   if (half[0] < 0 || half[1] < 0 || half[2] < 0) return Extent::nothing();
-  return {
-      {-half[0], -half[1], -half[2]},
-      half
-  };
+  return {{-half[0], -half[1], -half[2]}, half};
 }
 
 /// The same of a grid, in its index space: no zero is a voxel away from all that is inside.
@@ -116,10 +108,7 @@ Extent own_extent(const Instruction& leaf, double level, const Volume& volume) {
   if (wanted.have(volume.background)) return {};
   const auto [min, max] = box_of_values(volume, wanted);
   if (min.x > max.x) return Extent::nothing();
-  return {
-      {min.x - 1.0, min.y - 1.0, min.z - 1.0},
-      {max.x + 1.0, max.y + 1.0, max.z + 1.0}
-  };
+  return {{min.x - 1.0, min.y - 1.0, min.z - 1.0}, {max.x + 1.0, max.y + 1.0, max.z + 1.0}};
 }
 
 Extent to_world(const Frame& frame, const Extent& own) {
@@ -209,10 +198,7 @@ WorldBox extent_of(const std::vector<Instruction>& program, std::span<const Grid
     }
   }
   const auto& [min, max] = stack.back();
-  return {
-      {min[0], min[1], min[2]},
-      {max[0], max[1], max[2]}
-  };
+  return {{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
 std::size_t endless_node(const std::vector<Instruction>& program,

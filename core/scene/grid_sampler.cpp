@@ -170,10 +170,7 @@ void GridSampler::bound(const Instruction& leaf,
     const VoxelSpan y(places_.cell_y[i] + places_.y[i], half[1]);
     const VoxelSpan z(places_.cell_z[i] + places_.z[i], half[2]);
     const auto [min, max] =
-        bounds_->within(reader_, {
-                                     {x.first, y.first, z.first},
-                                     { x.last,  y.last,  z.last}
-    });
+        bounds_->within(reader_, {{x.first, y.first, z.first}, {x.last, y.last, z.last}});
     const double a = scale * (static_cast<double>(min) - leaf.size[0]);
     const double b = scale * (static_cast<double>(max) - leaf.size[0]);
     low.at[i] = std::min(a, b);

@@ -35,9 +35,7 @@ constexpr bool is_binary(Op op) noexcept { return op >= Op::kMin; }
 
 /// From world coordinates to a primitive's own: linear * p + translation.
 struct Frame {
-  std::array<std::array<double, 3>, 3> linear{
-      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
-  };
+  std::array<std::array<double, 3>, 3> linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   std::array<double, 3> translation{};
   /// World units for one of the primitive's: its values are multiplied by this, so that none of
   /// a primitive changes faster than one per world unit.

@@ -215,10 +215,7 @@ void zeros_of_scene(PhiSampler& sampler,
     b[i] = family.high_phi[low[i]];
   }
   find_scene_zeros(sampler,
-                   {
-                       brick, family.kind, family.direction, {low, count},
-                          a.data(), b.data()
-  },
+                   {brick, family.kind, family.direction, {low, count}, a.data(), b.data()},
                    fraction);
 }
 

@@ -77,9 +77,7 @@ constexpr auto kSlides = [] {
     const LocalPoint there{half(to.x), half(to.y), half(to.z)};
     slides[d].along = there;
     if (d < kOwnedDirections) continue;
-    slides[d] = {
-        there, {-there.x, -there.y, -there.z}
-    };
+    slides[d] = {there, {-there.x, -there.y, -there.z}};
   }
   return slides;
 }();

@@ -91,9 +91,7 @@ inline constexpr auto kSortedNodes = [] {
 /// A reference place for each stencil vertex, scaled to stay whole: nodes of a regular corner,
 /// cut points in the middle of edges. Enough to tell a tet's orientation.
 constexpr LatticeCoord reference_place(StencilVertex vertex) {
-  constexpr std::array<LatticeCoord, 4> kNode{
-      {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}
-  };
+  constexpr std::array<LatticeCoord, 4> kNode{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}};
   if (vertex < 4) return kNode[vertex] + kNode[vertex];
   if (vertex == kQuadCentre) return {1, 1, 1};  // half the sum of the nodes
   const auto edge = kTetEdge[static_cast<std::size_t>(vertex - 4)];

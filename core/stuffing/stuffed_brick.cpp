@@ -183,11 +183,7 @@ class SignsBeside {
   /// No edge is cut that leads to a brick the surface does not reach, whichever side it is on:
   /// as if all its nodes were zeros.
   const StuffedBrick& brick(int x, int y, int z) const noexcept {
-    static constexpr StuffedBrick kUnreached{
-        {               },
-        {BrickMask::all(),BrickMask::all()},
-        {                }
-    };
+    static constexpr StuffedBrick kUnreached{{}, {BrickMask::all(), BrickMask::all()}, {}};
     const StuffedBrick* brick =
         bricks_[static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1)];
     return brick != nullptr ? *brick : kUnreached;

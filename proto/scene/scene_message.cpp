@@ -35,10 +35,7 @@ class NodeReader {
     return surface;
   }
   scene::Combination combination(scene::Combine how, const v1::Combination& given) {
-    return {
-        how, {given.of().begin(), given.of().end()},
-         given.smoothing()
-    };
+    return {how, {given.of().begin(), given.of().end()}, given.smoothing()};
   }
   scene::Ellipsoid ellipsoid(const v1::Ellipsoid& given) {
     scene::Ellipsoid ellipsoid;

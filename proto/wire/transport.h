@@ -23,12 +23,12 @@ struct TransportSetting {
 /// Read chunk sizes, write buffering, write-through and a resource quota made no difference;
 /// transmitting without copying (MSG_ZEROCOPY) took four times as long on loopback.
 inline constexpr TransportSetting kTransportSettings[] = {
-    {                        "grpc.http2.bdp_probe",        0},
-    {                   "grpc.http2.max_frame_size", 64 << 10},
-    {                  "grpc.http2.lookahead_bytes",  4 << 20},
-    {                      "grpc.keepalive_time_ms",    60000},
-    {                   "grpc.keepalive_timeout_ms",    20000},
-    {"grpc.http2.min_ping_interval_without_data_ms",    30000},
+    {"grpc.http2.bdp_probe", 0},
+    {"grpc.http2.max_frame_size", 64 << 10},
+    {"grpc.http2.lookahead_bytes", 4 << 20},
+    {"grpc.keepalive_time_ms", 60000},
+    {"grpc.keepalive_timeout_ms", 20000},
+    {"grpc.http2.min_ping_interval_without_data_ms", 30000},
 };
 
 /// For a program that serves or receives meshes, once, before it starts threads: blocks that

@@ -45,10 +45,7 @@ void JobHealth::learn(const absl::Status& found) {
   looked_ = absl::Now();
   if (status_.ok() && !found.ok()) {
     log_event(spdlog::level::err, "jobs_down",
-              {
-                  { "reason",             reason_of(found)},
-                  {"message", std::string(found.message())}
-    });
+              {{"reason", reason_of(found)}, {"message", std::string(found.message())}});
   } else if (!status_.ok() && found.ok()) {
     log_event(spdlog::level::info, "jobs_up");
   }

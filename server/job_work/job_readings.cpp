@@ -41,9 +41,7 @@ void add_worker(const JobWorker& worker, std::vector<Reading>& readings) {
   const auto add = [&](const char* outcome, std::int64_t count) {
     readings.push_back(counter("tetstream_worker_shards_total",
                                "Shards that this process had, by how they ended.", count,
-                               {
-                                   {"outcome", outcome}
-    }));
+                               {{"outcome", outcome}}));
   };
   add("done", worker.done_shards());
   add("failed", worker.failed_shards());

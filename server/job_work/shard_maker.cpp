@@ -83,13 +83,11 @@ absl::Status ShardMaker::run(const ShardLease& lease,
   if (!plan_so_far.ok()) return plan_so_far.status();
   auto mesh_order = order_of(*job, *spec);
   if (!mesh_order.ok()) return mesh_order.status();
-  const Shard shard{
-      lease,
-      *std::move(job),
-      *std::move(spec),
-      {*std::move(mesh_order), watch},
-      *std::move(plan_so_far)
-  };
+  const Shard shard{lease,
+                    *std::move(job),
+                    *std::move(spec),
+                    {*std::move(mesh_order), watch},
+                    *std::move(plan_so_far)};
   switch (lease.id.shard.phase) {
     case Phase::kPlan:
       return plan(shard);

@@ -188,11 +188,7 @@ DROP TABLE jobs_$p, shards_$p, events_$p;
   return connection
       .run_script(absl::StrReplaceAll(
           kDrop,
-          {
-              {    "$p", partition.name()},
-              {"$first",  partition.first},
-              {  "$end",    partition.end}
-  }))
+          {{"$p", partition.name()}, {"$first", partition.first}, {"$end", partition.end}}))
       .status();
 }
 
@@ -231,9 +227,7 @@ DELETE FROM requests WHERE job_id IN (SELECT id FROM old_jobs);
 DELETE FROM jobs_default WHERE id IN (SELECT id FROM old_jobs);
 )sql";
   const auto purged = connection.run_script(
-      absl::StrReplaceAll(kPurge, {
-                                      {"$before", absl::StrCat(before_us)}
-  }));
+      absl::StrReplaceAll(kPurge, {{"$before", absl::StrCat(before_us)}}));
   if (!purged.ok()) {
     connection.roll_back();
     return purged.status();

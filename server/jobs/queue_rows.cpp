@@ -66,9 +66,7 @@ std::optional<LeasedRow> lock_leased(SqlTransaction& t, const LeaseId& lease) {
   if (found.rows.empty()) return std::nullopt;
   const SqlRow& row = found.rows[0];
   return LeasedRow{
-      lease.shard, {row.integer(0), row.integer(1)},
-       lease.token, row.integer(2), row.text(3)
-  };
+      lease.shard, {row.integer(0), row.integer(1)}, lease.token, row.integer(2), row.text(3)};
 }
 
 void settle(SqlTransaction& t,

@@ -120,12 +120,10 @@ class Claiming {
         {rank, space, most, token_, request_.worker, expires_us_});
     for (const SqlRow& row : taken.rows) {
       const ShardKey key{row.text(0), static_cast<Phase>(row.integer(1)), row.integer(2)};
-      leases_.push_back({
-          {           key,         token_},
-          {row.integer(3), row.integer(4)},
-          row.integer(5),
-          from_us(expires_us_)
-      });
+      leases_.push_back({{key, token_},
+                         {row.integer(3), row.integer(4)},
+                         row.integer(5),
+                         from_us(expires_us_)});
     }
     return std::ssize(taken.rows);
   }

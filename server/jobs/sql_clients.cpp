@@ -136,10 +136,7 @@ absl::StatusOr<CreatedJob> SqlJobStore::create(const NewJob& wanted) {
     }
     if (auto full = check_room(t, wanted.space); !full.ok()) return full;
     insert_job(t, row, wanted.input);
-    add_to_queue(t, row, Phase::kPlan, 0,
-                 {
-                     {0, 0}
-    });
+    add_to_queue(t, row, Phase::kPlan, 0, {{0, 0}});
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

@@ -38,10 +38,7 @@ void end_phase(SqlTransaction& t, JobRow& row) {
   row.phase = Phase::kPlan;
   row.job.shard_count = 1;
   row.job.done_shards = 0;
-  add_to_queue(t, row, Phase::kPlan, 1,
-               {
-                   {0, 0}
-  });
+  add_to_queue(t, row, Phase::kPlan, 1, {{0, 0}});
 }
 
 void begin_phase(SqlTransaction& t, JobRow& row, const Plan& plan) {
@@ -179,10 +176,8 @@ std::vector<LeaseId> find_expired(SqlTransaction& t) {
       {t.now_us(), kRescuedAtOnce});
   std::vector<LeaseId> expired;
   for (const SqlRow& row : found.rows) {
-    expired.push_back({
-        {row.text(0), static_cast<Phase>(row.integer(1)), row.integer(2)},
-        row.integer(3)
-    });
+    expired.push_back(
+        {{row.text(0), static_cast<Phase>(row.integer(1)), row.integer(2)}, row.integer(3)});
   }
   return expired;
 }

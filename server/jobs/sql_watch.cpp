@@ -228,14 +228,12 @@ absl::StatusOr<std::vector<DeadLetter>> SqlJobStore::dead_letters(const std::str
         "WHERE job_id = $1 AND outcome = 2 ORDER BY phase, number",
         {id});
     for (const SqlRow& row : found.rows) {
-      letters.push_back({
-          {            id, static_cast<Phase>(row.integer(0)), row.integer(1)},
-          {row.integer(2),                     row.integer(3)               },
-          row.integer(4),
-          row.text(5),
-          decode_status(row.blob(6)),
-          from_us(row.integer(7))
-      });
+      letters.push_back({{id, static_cast<Phase>(row.integer(0)), row.integer(1)},
+                         {row.integer(2), row.integer(3)},
+                         row.integer(4),
+                         row.text(5),
+                         decode_status(row.blob(6)),
+                         from_us(row.integer(7))});
     }
     return absl::OkStatus();
   });

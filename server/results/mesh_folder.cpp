@@ -36,10 +36,7 @@ void set_aside(const fs::path& path, const std::string& why) {
   std::error_code error;
   fs::rename(path, absl::StrCat(path.string(), kDamaged), error);
   log_event(spdlog::level::err, "stored_chunk_damaged",
-            {
-                {"chunk", path.filename().string()},
-                {  "why",                      why}
-  });
+            {{"chunk", path.filename().string()}, {"why", why}});
 }
 
 /// Whether the descriptor's file still is what `path` names: it may have been evicted.

@@ -133,9 +133,7 @@ bool prove_claim(const Claim& claim, const Arguments& arguments) {
 
 std::vector<Claim> claims_of(const Arguments& arguments) {
   if (arguments.alpha_long > 0) {
-    return {
-        {"given limits", {arguments.alpha_long, arguments.alpha_short}, {}, {}}
-    };
+    return {{"given limits", {arguments.alpha_long, arguments.alpha_short}, {}, {}}};
   }
   std::vector<Claim> claims;
   for (const Preset preset : {Preset::kDefault, Preset::kMinAngle, Preset::kBothSides}) {

@@ -30,10 +30,7 @@ Corner unpacked(PackedPlace packed) {
     const auto value = static_cast<int>(packed >> (field * PlacesAsIds::kBits) & 0xff);
     return kUnit * (value - PlacesAsIds::kZero);
   };
-  return {
-      {at(2), at(1), at(0)},
-      {       }
-  };
+  return {{at(2), at(1), at(0)}, {}};
 }
 
 /// Leaves, refined cells and neither, side by side in every way: more than 2:1 balance allows,

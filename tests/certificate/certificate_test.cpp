@@ -61,9 +61,7 @@ TEST(Interval, EnclosesTheCotangent) {
 /// A tet with one corner on a slide, its angles known to the mesher's own meter.
 TEST(Dihedral, AgreesWithTheQualityOfMeshes) {
   const RoundUpward upward;
-  Tet tet{
-      {{{0, 0, 0}, {}}, {{8, 0, 0}, {}}, {{1, 7, 0}, {}}, {{2, 3, 5}, {}}}
-  };
+  Tet tet{{{{0, 0, 0}, {}}, {{8, 0, 0}, {}}, {{1, 7, 0}, {}}, {{2, 3, 5}, {}}}};
   tet[3].along[0] = {4, -4, 4};
   Box box{};
   box[0] = Interval(0.25);
@@ -75,9 +73,7 @@ TEST(Dihedral, AgreesWithTheQualityOfMeshes) {
     greatest = std::max(greatest, about_degrees(at.cotangent.lower()));
   }
   QualityMeter meter;
-  constexpr std::array<LocalPoint, 4> kPoints{
-      {{0, 0, 0}, {8, 0, 0}, {1, 7, 0}, {3, 2, 6}}
-  };
+  constexpr std::array<LocalPoint, 4> kPoints{{{0, 0, 0}, {8, 0, 0}, {1, 7, 0}, {3, 2, 6}}};
   constexpr LocalTet kTet{0, 1, 2, 3};
   meter.add_tets(kPoints.data(), {&kTet, 1});
   EXPECT_NEAR(least, meter.stats().min_dihedral_deg, 1e-9);
@@ -86,9 +82,7 @@ TEST(Dihedral, AgreesWithTheQualityOfMeshes) {
 
 TEST(Dihedral, KnowsItsSlopes) {
   const RoundUpward upward;
-  Tet tet{
-      {{{0, 0, 0}, {}}, {{8, 0, 0}, {}}, {{1, 7, 0}, {}}, {{2, 3, 5}, {}}}
-  };
+  Tet tet{{{{0, 0, 0}, {}}, {{8, 0, 0}, {}}, {{1, 7, 0}, {}}, {{2, 3, 5}, {}}}};
   for (std::size_t k = 0; k < kParameters; ++k) {
     tet[k].along[k] = {4, static_cast<int>(k) - 2, -4};
   }

@@ -32,10 +32,8 @@ std::vector<Turn> make_turns() {
       if (second == first) continue;
       const auto third = static_cast<std::uint8_t>(3 - first - second);
       for (int bits = 0; bits < 8; ++bits) {
-        turns.push_back({
-            {            first,            second,             third},
-            {bits & 1 ? -1 : 1, bits & 2 ? -1 : 1, bits & 4 ? -1 : 1}
-        });
+        turns.push_back({{first, second, third},
+                         {bits & 1 ? -1 : 1, bits & 2 ? -1 : 1, bits & 4 ? -1 : 1}});
       }
     }
   }

@@ -168,15 +168,12 @@ class ProblemBuilder {
     return {
         scaled(inside_.node[plus]),
         scaled(inside_.node[minus] - inside_.node[plus]),
-        {inside_.alpha[plus][minus] - kTieSlack, 1 - inside_.alpha[minus][plus] + kTieSlack}
-    };
+        {inside_.alpha[plus][minus] - kTieSlack, 1 - inside_.alpha[minus][plus] + kTieSlack}};
   }
 
   /// A `0` node: moved along one of its edges by less than alpha; by nothing, if it was zero.
   Slide warp_slide(std::size_t node) const {
-    return {
-        scaled(inside_.node[node]), scaled(inside_.way[node]), {0, inside_.reach[node]}
-    };
+    return {scaled(inside_.node[node]), scaled(inside_.way[node]), {0, inside_.reach[node]}};
   }
 
   const SlidingTet& inside_;

@@ -67,10 +67,7 @@ class CuttingProxy {
 
   void forward(int client, int server) {
     std::uint64_t left[2] = {limits_[0], limits_[1]};
-    pollfd ends[2] = {
-        {client, POLLIN, 0},
-        {server, POLLIN, 0}
-    };
+    pollfd ends[2] = {{client, POLLIN, 0}, {server, POLLIN, 0}};
     std::vector<char> buffer(std::size_t{64} << 10);
     while (!closing_) {
       if (::poll(ends, 2, kPollMs) <= 0) continue;

@@ -73,10 +73,7 @@ TEST_F(MeshClientTest, ReceivesBothSidesAndTheirRegions) {
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   MeshRequest request;
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-2, -2, -2},
-      { 2,  2,  2}
-  };
+  request.box = {{-2, -2, -2}, {2, 2, 2}};
   const MeshResult here = mesh_here(ball_file(16), request);
   EXPECT_TRUE(streamed->mesh.header.has_regions);
   EXPECT_TRUE(same_mesh(streamed->mesh, here.mesh));
@@ -300,39 +297,12 @@ TEST(MeshReceiver, RefusesPartsThatAreNotAllOfTheMesh) {
     return MeshReceiver().take(event).code();
   };
   constexpr auto kLost = absl::StatusCode::kDataLoss;
-  EXPECT_EQ(taken({
-                {0, 1},
-                {1, 1}
-  }),
-            absl::StatusCode::kOk);
-  EXPECT_EQ(taken({
-                {0, 1}
-  }),
-            kLost);
-  EXPECT_EQ(taken({
-                {0, 1},
-                {0, 1}
-  }),
-            kLost);
-  EXPECT_EQ(taken({
-                {0,  3},
-                {3, -1}
-  }),
-            kLost);
-  EXPECT_EQ(taken(
-                {
-                    {0, 1},
-                    {1, 1}
-  },
-                ""),
-            kLost);
-  EXPECT_EQ(taken(
-                {
-                    {0, 1},
-                    {1, 1}
-  },
-                "a\nb"),
-            kLost);
+  EXPECT_EQ(taken({{0, 1}, {1, 1}}), absl::StatusCode::kOk);
+  EXPECT_EQ(taken({{0, 1}}), kLost);
+  EXPECT_EQ(taken({{0, 1}, {0, 1}}), kLost);
+  EXPECT_EQ(taken({{0, 3}, {3, -1}}), kLost);
+  EXPECT_EQ(taken({{0, 1}, {1, 1}}, ""), kLost);
+  EXPECT_EQ(taken({{0, 1}, {1, 1}}, "a\nb"), kLost);
   std::vector<std::pair<std::int64_t, std::int64_t>> many(65, {2, 0});
   many.front() = {0, 2};
   EXPECT_EQ(taken(many), kLost);

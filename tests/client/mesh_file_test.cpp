@@ -43,10 +43,7 @@ class MeshFileTest : public ::testing::Test {
 MeshHeader header_at(double coordinate, double spacing) {
   MeshHeader header;
   header.spacing = spacing;
-  header.bounds = {
-      {0, 0, -coordinate},
-      {1, 1,           1}
-  };
+  header.bounds = {{0, 0, -coordinate}, {1, 1, 1}};
   return header;
 }
 

@@ -80,10 +80,7 @@ TEST(MeshReport, TellsBothSidesApart) {
 TEST(MeshReport, TellsTheGridsOfSeveralApart) {
   MadeMesh made = made_cube();
   EXPECT_FALSE(report_of(made).contains("parts"));
-  made.mesh.header.parts = {
-      {"femur", 0, 3, 0, 2, 0.5, 1},
-      {"tibia", 3, 5, 2, 4,   1, 0}
-  };
+  made.mesh.header.parts = {{"femur", 0, 3, 0, 2, 0.5, 1}, {"tibia", 3, 5, 2, 4, 1, 0}};
   const auto parts = report_of(made)["parts"];
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(parts[0]["name"], "femur");

@@ -40,10 +40,8 @@ nlohmann::json fields_of(const TetMesh& mesh) {
 /// Two grids' meshes: the first `tets` tets, and the rest.
 TetMesh in_two_parts(TetMesh mesh, std::uint64_t tets) {
   const std::uint64_t rest = mesh.header.tet_count - tets;
-  mesh.header.parts = {
-      {"femur \"left\"", 0,                            1,    0, tets, 1, 0},
-      {   "a/b <c> & d", 1, mesh.header.vertex_count - 1, tets, rest, 1, 0}
-  };
+  mesh.header.parts = {{"femur \"left\"", 0, 1, 0, tets, 1, 0},
+                       {"a/b <c> & d", 1, mesh.header.vertex_count - 1, tets, rest, 1, 0}};
   return mesh;
 }
 
@@ -59,13 +57,11 @@ nlohmann::json contents_of(const TetMesh& mesh) {
     if (mesh.header.has_regions) regions.push_back(mesh.region(i));
     if (!mesh.header.parts.empty()) parts.push_back(i < mesh.header.parts[1].first_tet ? 1 : 2);
   }
-  return {
-      { "points",          points},
-      {   "tets",            tets},
-      {"regions",         regions},
-      {  "parts",           parts},
-      { "fields", fields_of(mesh)}
-  };
+  return {{"points", points},
+          {"tets", tets},
+          {"regions", regions},
+          {"parts", parts},
+          {"fields", fields_of(mesh)}};
 }
 
 absl::Status write_sample(const std::string& path, TetMesh unbounded) {
@@ -83,21 +79,14 @@ absl::Status write_samples(const std::string& directory) {
   const auto all = [](int, int, int) { return true; };
   const auto every_third = [](std::uint64_t tet) { return tet % 3 == 1; };
   const auto none = [](std::uint64_t) { return false; };
-  const Storage far{
-      .origin = {20000.4, -20000.1, 1e6}
-  };
-  const Storage wide{
-      .coordinates = CoordinateType::kFloat64,
-      .ids = IndexType::kUint64,
-      .origin = {0.1, 0, 0}
-  };
+  const Storage far{.origin = {20000.4, -20000.1, 1e6}};
+  const Storage wide{.coordinates = CoordinateType::kFloat64,
+                     .ids = IndexType::kUint64,
+                     .origin = {0.1, 0, 0}};
   absl::Status status;
   status.Update(write_sample(directory + "/one", one_tet()));
   status.Update(write_sample(directory + "/near", kuhn_mesh(6)));
-  status.Update(write_sample(directory + "/moved", kuhn_mesh(3, all,
-                                                             {
-                                                                 .origin = {5, -7, 9}
-  })));
+  status.Update(write_sample(directory + "/moved", kuhn_mesh(3, all, {.origin = {5, -7, 9}})));
   status.Update(write_sample(directory + "/far", kuhn_mesh(5, all, far)));
   status.Update(write_sample(directory + "/wide", kuhn_mesh(4, all, wide)));
   // Larger than one block of the writer in every column, in rows that do not fill blocks
@@ -105,15 +94,8 @@ absl::Status write_samples(const std::string& directory) {
   status.Update(write_sample(directory + "/blocks", kuhn_mesh(33, all, wide)));
   status.Update(write_sample(directory + "/sides", with_regions(kuhn_mesh(33), every_third)));
   status.Update(write_sample(directory + "/outside", with_regions(kuhn_mesh(2), none)));
-  const std::vector<FieldArray> fields{
-      {         "heat", 1},
-      {"flow <x> & co", 3},
-      { "Druck in MPa", 1}
-  };
-  status.Update(
-      write_sample(directory + "/field", with_fields(kuhn_mesh(4), {
-                                                                       {"flow", 3}
-  })));
+  const std::vector<FieldArray> fields{{"heat", 1}, {"flow <x> & co", 3}, {"Druck in MPa", 1}};
+  status.Update(write_sample(directory + "/field", with_fields(kuhn_mesh(4), {{"flow", 3}})));
   status.Update(write_sample(directory + "/fields",
                              with_fields(with_regions(kuhn_mesh(33), every_third), fields)));
   status.Update(write_sample(directory + "/parts",

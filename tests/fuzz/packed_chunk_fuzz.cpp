@@ -27,11 +27,7 @@ struct Input {
     if ((flags & 1) != 0) header.coordinate_type = CoordinateType::kFloat64;
     if ((flags & 2) != 0) header.index_type = IndexType::kUint64;
     header.has_regions = (flags & 4) != 0;
-    if ((flags & 8) != 0)
-      header.fields = {
-          {"t", 1},
-          {"v", 3}
-      };
+    if ((flags & 8) != 0) header.fields = {{"t", 1}, {"v", 3}};
     extent = {before, vertices, 0, tets};
     header.vertex_count = std::uint64_t{before} + vertices + 1000;
     header.tet_count = tets;

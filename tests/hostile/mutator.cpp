@@ -20,21 +20,11 @@ struct Weighted {
 };
 
 constexpr std::array kMutations{
-    Weighted{         flip_bit, 10},
-    Weighted{   flip_many_bits,  4},
-    Weighted{  overwrite_block,  6},
-    Weighted{         truncate,  4},
-    Weighted{truncate_at_field,  4},
-    Weighted{     insert_bytes,  3},
-    Weighted{     delete_bytes,  3},
-    Weighted{     lie_in_field, 36},
-    Weighted{        lie_twice,  4},
-    Weighted{      change_mask,  6},
-    Weighted{   change_payload,  6},
-    Weighted{    change_number,  6},
-    Weighted{       copy_field,  4},
-    Weighted{        swap_type,  2},
-    Weighted{      move_fields,  4},
+    Weighted{flip_bit, 10},    Weighted{flip_many_bits, 4},    Weighted{overwrite_block, 6},
+    Weighted{truncate, 4},     Weighted{truncate_at_field, 4}, Weighted{insert_bytes, 3},
+    Weighted{delete_bytes, 3}, Weighted{lie_in_field, 36},     Weighted{lie_twice, 4},
+    Weighted{change_mask, 6},  Weighted{change_payload, 6},    Weighted{change_number, 6},
+    Weighted{copy_field, 4},   Weighted{swap_type, 2},         Weighted{move_fields, 4},
 };
 
 constexpr std::uint32_t kSpliceWeight = 6;

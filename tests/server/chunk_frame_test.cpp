@@ -60,19 +60,15 @@ BothMessages messages_of(const ChunkNumbers& numbers,
 TEST(ChunkFrame, IsByteForByteTheMessageThatProtobufWrites) {
   const std::uint64_t most = std::numeric_limits<std::int64_t>::max();
   const ChunkNumbers all_numbers[] = {
-      {          },
-      {    1, 2,    3,     4,     5, 6},
-      {    0,        127,  128, 16383, 16384, 0x80000001},
-      { most,       most, most,  most,  most, 0xffffffff},
+      {},
+      {1, 2, 3, 4, 5, 6},
+      {0, 127, 128, 16383, 16384, 0x80000001},
+      {most, most, most, most, most, 0xffffffff},
   };
   const std::array<std::size_t, ChunkFrame::kColumns> all_sizes[] = {
-      {    0,     0,      0,     0},
-      {   12,    16,      0,     0},
-      {   12,    16,      0,     4},
-      {    0,    16,      1,     0},
-      {  127,   128,    129,   128},
-      {16380, 16384,  70000, 65536},
-      {   12,     0, 300000,     0},
+      {0, 0, 0, 0},       {12, 16, 0, 0},       {12, 16, 0, 4},
+      {0, 16, 1, 0},      {127, 128, 129, 128}, {16380, 16384, 70000, 65536},
+      {12, 0, 300000, 0},
   };
   for (const ChunkNumbers& numbers : all_numbers) {
     for (const auto& sizes : all_sizes) {

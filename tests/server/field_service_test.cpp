@@ -82,10 +82,7 @@ TEST_F(FieldServiceTest, SendsTheValuesThatThisProcessFinds) {
                   request, {}, never_, nullptr);
   const auto there = received();
   ASSERT_TRUE(here.ok() && there.ok()) << there.status();
-  const std::vector<FieldArray> arrays{
-      {"heat", 1},
-      {"flow", 3}
-  };
+  const std::vector<FieldArray> arrays{{"heat", 1}, {"flow", 3}};
   EXPECT_EQ(there->mesh.header.fields, arrays);
   EXPECT_EQ(text_of(there->mesh.positions), text_of(here->mesh.positions));
   EXPECT_EQ(text_of(there->mesh.tets), text_of(here->mesh.tets));

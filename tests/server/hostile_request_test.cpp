@@ -38,33 +38,33 @@ class HostileRequestTest : public ServiceTest {
 TEST_F(HostileRequestTest, ClaimsAreRefusedWithTheirNumbers) {
   const v1::MeshRequest ball = mesh_of(ball_file(8));
   const std::vector<Claim> claims = {
-      {               "spacing 1e-6",[](auto& mesh) { mesh.set_spacing(1e-6); }                                     },
-      {             "spacing 1e-300",       [](auto& mesh) { mesh.set_spacing(1e-300); }},
-      {          "the least spacing",       [](auto& mesh) { mesh.set_spacing(5e-324); }},
-      {      "uniform, spacing 1e-4",
+      {"spacing 1e-6", [](auto& mesh) { mesh.set_spacing(1e-6); }},
+      {"spacing 1e-300", [](auto& mesh) { mesh.set_spacing(1e-300); }},
+      {"the least spacing", [](auto& mesh) { mesh.set_spacing(5e-324); }},
+      {"uniform, spacing 1e-4",
        [](auto& mesh) {
-       mesh.set_spacing(1e-4);
-       mesh.set_levels(0);
-       }                                                                                },
-      {             "a box of 1e300",        [](auto& mesh) { both_sides(mesh, 1e300); }},
-      {"a box of the largest number",      [](auto& mesh) { both_sides(mesh, 1.7e308); }},
-      {              "a uniform box",
+         mesh.set_spacing(1e-4);
+         mesh.set_levels(0);
+       }},
+      {"a box of 1e300", [](auto& mesh) { both_sides(mesh, 1e300); }},
+      {"a box of the largest number", [](auto& mesh) { both_sides(mesh, 1.7e308); }},
+      {"a uniform box",
        [](auto& mesh) {
-       both_sides(mesh, 1e4);
-       mesh.set_levels(0);
-       }                                                                                },
-      {      "a box at spacing 1e-9",
+         both_sides(mesh, 1e4);
+         mesh.set_levels(0);
+       }},
+      {"a box at spacing 1e-9",
        [](auto& mesh) {
-       both_sides(mesh, 2);
-       mesh.set_spacing(1e-9);
-       }                                                                                },
-      {   "one level in a large box",
+         both_sides(mesh, 2);
+         mesh.set_spacing(1e-9);
+       }},
+      {"one level in a large box",
        [](auto& mesh) {
-       both_sides(mesh, 1e5);
-       mesh.set_levels(1);
-       }                                                                                },
-      {    "an iso value beyond all",             [](auto& mesh) { mesh.set_iso(3e38); }},
-      {          "levels beyond all", [](auto& mesh) { mesh.set_levels(2'000'000'000); }},
+         both_sides(mesh, 1e5);
+         mesh.set_levels(1);
+       }},
+      {"an iso value beyond all", [](auto& mesh) { mesh.set_iso(3e38); }},
+      {"levels beyond all", [](auto& mesh) { mesh.set_levels(2'000'000'000); }},
   };
   for (const Claim& claim : claims) {
     v1::MeshRequest mesh = ball;

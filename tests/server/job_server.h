@@ -150,12 +150,11 @@ class JobServer {
                                const std::vector<std::string>& options) {
     arguments.insert(arguments.begin(), program_);
     arguments.insert(arguments.end(), options.begin(), options.end());
-    return std::make_unique<Program>(folder, arguments,
-                                     std::map<std::string, std::string>{
-                                         {            "TETSTREAM_STORE", folder.file("store")},
-                                         {          "TETSTREAM_THREADS",                  "2"},
-                                         {"TETSTREAM_JOB_LEASE_SECONDS",                  "1"}
-    });
+    return std::make_unique<Program>(
+        folder, arguments,
+        std::map<std::string, std::string>{{"TETSTREAM_STORE", folder.file("store")},
+                                           {"TETSTREAM_THREADS", "2"},
+                                           {"TETSTREAM_JOB_LEASE_SECONDS", "1"}});
   }
 
   std::vector<std::string> stream(const v1::Job& job,

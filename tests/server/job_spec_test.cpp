@@ -23,11 +23,7 @@ TEST(JobSpec, CutsMeshesIntoContiguousShards) {
 }
 
 TEST(JobSpec, HasAShardForEachBlockOfASurvey) {
-  EXPECT_EQ(count_shards_of(3), (std::vector<ChunkRange>{
-                                    {0, 1},
-                                    {1, 2},
-                                    {2, 3}
-  }));
+  EXPECT_EQ(count_shards_of(3), (std::vector<ChunkRange>{{0, 1}, {1, 2}, {2, 3}}));
   EXPECT_EQ(count_shards_of(1000).size(), 1000U);
 }
 

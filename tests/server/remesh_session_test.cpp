@@ -142,11 +142,7 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
     EXPECT_LT(session->tets_sent(), tets / 2);
     std::vector<float> values(kBrickCells);
     std::memcpy(values.data(), leaf.values().data(), leaf.values().size());
-    volume = replace_leaves(volume,
-                            {
-                                {volume.bricks[brick], values}
-    })
-                 .value();
+    volume = replace_leaves(volume, {{volume.bricks[brick], values}}).value();
     MeshRequest request;
     request.origin = session->mesh().mesh.header.origin;
     TaskPool pool(2);
@@ -236,14 +232,14 @@ TEST_F(RemeshSessionTest, RefusesWhatIsNoSessionAndSaysWhy) {
     std::string reason, message;
   };
   const Case cases[] = {
-      {              {}, "MESSAGE_ORDER",                    "it ended before `start`"},
-      {         {frame}, "MESSAGE_ORDER",                     "a frame before `start`"},
-      {  {scene, scene}, "MESSAGE_ORDER",                           "a second `start`"},
+      {{}, "MESSAGE_ORDER", "it ended before `start`"},
+      {{frame}, "MESSAGE_ORDER", "a frame before `start`"},
+      {{scene, scene}, "MESSAGE_ORDER", "a second `start`"},
       {{scene, nothing}, "MESSAGE_ORDER", "a message with neither `start` nor `frame`"},
-      { {scene, leaves}, "INVALID_FIELD", "leaves are set, but the session began with"},
-      {   {grid, moved}, "INVALID_FIELD",   "scene is set, but the session began with"},
-      {     {grid, odd}, "INVALID_FIELD",                 "y 3 is not a multiple of 8"},
-      {    {grid, torn}, "INVALID_FIELD",                         "values has 3 bytes"},
+      {{scene, leaves}, "INVALID_FIELD", "leaves are set, but the session began with"},
+      {{grid, moved}, "INVALID_FIELD", "scene is set, but the session began with"},
+      {{grid, odd}, "INVALID_FIELD", "y 3 is not a multiple of 8"},
+      {{grid, torn}, "INVALID_FIELD", "values has 3 bytes"},
   };
   for (const Case& c : cases) {
     const grpc::Status status = answer_to(c.messages);

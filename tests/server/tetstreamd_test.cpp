@@ -71,11 +71,8 @@ TEST_F(TetstreamdTest, PrintsItsVersionAndTeachesItsUse) {
 TEST_F(TetstreamdTest, TakesFlagsBeforeEnvironmentBeforeFileBeforeDefaults) {
   const std::string file =
       folder_.write("c.toml", "threads = 1\nmax_streams = 1\ndrain_seconds = 1\n");
-  const Ended printed = run(
-      {
-          "--config", file, "--threads", "3", "--print-config"
-  },
-      {{"TETSTREAM_THREADS", "2"}, {"TETSTREAM_MAX_STREAMS", "2"}});
+  const Ended printed = run({"--config", file, "--threads", "3", "--print-config"},
+                            {{"TETSTREAM_THREADS", "2"}, {"TETSTREAM_MAX_STREAMS", "2"}});
   EXPECT_EQ(printed.exit_code, 0) << printed.err;
   EXPECT_THAT(printed.out, HasSubstr("\nthreads = 3\n"));
   EXPECT_THAT(printed.out, HasSubstr("\nmax_streams = 2\n"));

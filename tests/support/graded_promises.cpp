@@ -61,10 +61,7 @@ void add_box(std::uint32_t seed, const WorldBox& around, MeshRequest& request) {
   const auto [x0, x1] = span(around.min.x, around.max.x);
   const auto [y0, y1] = span(around.min.y, around.max.y);
   const auto [z0, z1] = span(around.min.z, around.max.z);
-  request.box = WorldBox{
-      {x0, y0, z0},
-      {x1, y1, z1}
-  };
+  request.box = WorldBox{{x0, y0, z0}, {x1, y1, z1}};
   if (seed % 2 == 0) return;
   request.sizing.grade_surface = false;
   request.sizing.chord_error.reset();
@@ -76,10 +73,7 @@ Input field_input(const GradedCase& given) {
   const double edge = given.edge, spacing = given.seed % 4 == 3 ? 0.8 : 1;
   Input input{std::make_shared<const Volume>(field.volume), {}, field.max_surface_phi};
   input.request.spacing = spacing;
-  const WorldBox around{
-      {-edge / 2, -edge / 2, -edge / 2},
-      { edge / 2,  edge / 2,  edge / 2}
-  };
+  const WorldBox around{{-edge / 2, -edge / 2, -edge / 2}, {edge / 2, edge / 2, edge / 2}};
   input.request.sizing = graded_sizing(given.seed, around, spacing);
   add_box(given.seed, around, input.request);
   return input;
@@ -91,10 +85,7 @@ absl::StatusOr<Input> scene_input(const GradedCase& given) {
   const double spacing = kSceneReach / given.edge, half = kSceneReach / 2;
   Input input{std::make_shared<const Scene>(*std::move(scene)), {}, 1e-4 * spacing};
   input.request.spacing = spacing;
-  const WorldBox around{
-      {-half, -half, -half},
-      { half,  half,  half}
-  };
+  const WorldBox around{{-half, -half, -half}, {half, half, half}};
   input.request.sizing = graded_sizing(given.seed, around, spacing);
   add_box(given.seed, around, input.request);
   return input;

@@ -14,9 +14,7 @@ VoxelTransform transform_of(const BallGrid& ball) {
   VoxelTransform transform = scaled(ball.voxel);
   if (ball.turned) {
     // x to y, y to z, z to x.
-    transform.linear = {
-        {{0, 0, ball.voxel}, {ball.voxel, 0, 0}, {0, ball.voxel, 0}}
-    };
+    transform.linear = {{{0, 0, ball.voxel}, {ball.voxel, 0, 0}, {0, ball.voxel, 0}}};
   }
   if (ball.shifted) transform.translation.fill(ball.voxel / 2);
   return transform;
@@ -24,10 +22,7 @@ VoxelTransform transform_of(const BallGrid& ball) {
 
 VoxelBox box_of(const BallGrid& ball) {
   const auto reach = static_cast<std::int32_t>(ball.radius / ball.voxel + ball.band + 2);
-  return {
-      {-reach, -reach, -reach},
-      { reach,  reach,  reach}
-  };
+  return {{-reach, -reach, -reach}, {reach, reach, reach}};
 }
 
 /// World units from the surface, negative inside.
@@ -71,12 +66,7 @@ std::shared_ptr<const Volume> random_grid(std::uint32_t seed) {
   const auto value = [&](VoxelCoord) {
     return static_cast<float>(random()) / 2147483648.0F - 1;
   };
-  return shared(dense_volume(
-      {
-          {-12, -12, -12},
-          { 12,  12,  12}
-  },
-      1.5F, value, transform));
+  return shared(dense_volume({{-12, -12, -12}, {12, 12, 12}}, 1.5F, value, transform));
 }
 
 scene::GridSolid leaf(std::shared_ptr<const Volume> volume) {

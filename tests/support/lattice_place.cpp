@@ -20,11 +20,7 @@ LatticePlace place_on_lattice(const std::array<double, 3>& p) {
       end[i] = node[i] + (p[i] < node[i] ? -1 : 1);
     }
     const auto place = [&](const std::array<std::int32_t, 3>& other) {
-      return LatticePlace{
-          { node[0],  node[1],  node[2]},
-          {other[0], other[1], other[2]},
-          true
-      };
+      return LatticePlace{{node[0], node[1], node[2]}, {other[0], other[1], other[2]}, true};
     };
     const auto [shortest, longest] = std::ranges::minmax(off);
     if (longest < kAtNode) return place(node);

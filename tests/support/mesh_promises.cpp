@@ -272,10 +272,7 @@ LatticeSigns signs_around(const RandomField& field, double spacing) {
   const auto high = [&](std::int32_t b) {
     return static_cast<std::int32_t>(std::ceil((b + 1) / spacing));
   };
-  return {
-      phi, { low(min.x),  low(min.y),  low(min.z)},
-       {high(max.x), high(max.y), high(max.z)}
-  };
+  return {phi, {low(min.x), low(min.y), low(min.z)}, {high(max.x), high(max.y), high(max.z)}};
 }
 
 /// Where the inside ends: at the outside, not at the box around both.
@@ -352,12 +349,7 @@ Outcome check_promises(const FieldCase& given, TaskPool& pool) {
       given.seed % 2 == 0 ? CoordinateType::kFloat32 : CoordinateType::kFloat64;
   if (is_sized(given)) {
     const double edge = given.edge;
-    request.sizing = random_sizing(given.seed,
-                                   {
-                                       {   0,    0,    0},
-                                       {edge, edge, edge}
-    },
-                                   given.spacing);
+    request.sizing = random_sizing(given.seed, {{0, 0, 0}, {edge, edge, edge}}, given.spacing);
   }
   const auto mesh = [&](int levels) {
     request.levels = levels;

@@ -49,9 +49,7 @@ VoxelBox box_of(std::uint32_t seed, int edge) {
   VoxelRandom random(seed, {});
   const auto start = [&] { return random.below(80) - 40 - edge / 2; };
   const VoxelCoord min{start(), start(), start()};
-  return {
-      min, {min.x + edge - 1, min.y + edge - 1, min.z + edge - 1}
-  };
+  return {min, {min.x + edge - 1, min.y + edge - 1, min.z + edge - 1}};
 }
 
 RandomField made(std::uint32_t seed, int edge, const VoxelFunction& value) {
@@ -126,8 +124,7 @@ struct HalfSpace {
 
 HalfSpace symmetric_plane(VoxelRandom& random, const VoxelBox& box) {
   constexpr std::array<std::array<int, 3>, 7> kNormals{
-      {{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 1, 0}, {2, 1, 1}, {2, 2, 1}, {3, 1, 1}}
-  };
+      {{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 1, 0}, {2, 1, 1}, {2, 2, 1}, {3, 1, 1}}};
   HalfSpace plane{kNormals[static_cast<std::size_t>(random.below(7))], 0};
   std::rotate(plane.normal.begin(), plane.normal.begin() + random.below(3), plane.normal.end());
   for (int& n : plane.normal) n *= random.below(2) == 0 ? -1 : 1;
@@ -235,9 +232,7 @@ RandomField shapes(std::uint32_t seed, int edge) {
     const VoxelCoord block{shift + i / (blocks * blocks), shift + i / blocks % blocks,
                            shift + i % blocks};
     shape.push_back(shape_in(seed, block, i == 0));
-    constexpr std::array<Topology, 4> kTopology{
-        {{0, 0}, {1, 2}, {1, 0}, {2, 4}}
-    };
+    constexpr std::array<Topology, 4> kTopology{{{0, 0}, {1, 2}, {1, 0}, {2, 4}}};
     topology.components += kTopology[shape.back().kind].components;
     topology.euler_characteristic += kTopology[shape.back().kind].euler_characteristic;
   }
@@ -248,25 +243,21 @@ RandomField shapes(std::uint32_t seed, int edge) {
         (block(v.x) * blocks + block(v.y)) * blocks + block(v.z))];
     return s.kind == Shape::kNothing ? kBand : static_cast<float>(s.phi(v));
   };
-  return {
-      narrow_band_volume({{low, low, low}, {high, high, high}},
-      kBand, phi), 0.02, topology
-  };
+  return {narrow_band_volume({{low, low, low}, {high, high, high}}, kBand, phi), 0.02,
+          topology};
 }
 
 using Maker = RandomField (*)(std::uint32_t seed, int edge);
 
-constexpr std::array<std::pair<std::string_view, Maker>, 9> kMakers{
-    {{"signs", signs},
-     {"zeros", zeros},
-     {"plateaus", plateaus},
-     {"denormals", denormals},
-     {"magnitudes", magnitudes},
-     {"specks", specks},
-     {"planes", planes},
-     {"noise", noise},
-     {"shapes", shapes}}
-};
+constexpr std::array<std::pair<std::string_view, Maker>, 9> kMakers{{{"signs", signs},
+                                                                     {"zeros", zeros},
+                                                                     {"plateaus", plateaus},
+                                                                     {"denormals", denormals},
+                                                                     {"magnitudes", magnitudes},
+                                                                     {"specks", specks},
+                                                                     {"planes", planes},
+                                                                     {"noise", noise},
+                                                                     {"shapes", shapes}}};
 
 constexpr std::array<std::string_view, kMakers.size()> kNames = [] {
   std::array<std::string_view, kMakers.size()> names;

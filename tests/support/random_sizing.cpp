@@ -42,9 +42,7 @@ class SizingWriter {
       case 0: {
         const WorldPoint min = point();
         const double x = length(), y = length();
-        return WorldBox{
-            min, {min.x + x, min.y + y, min.z + length()}
-        };
+        return WorldBox{min, {min.x + x, min.y + y, min.z + length()}};
       }
       case 1: {
         const WorldPoint centre = point();

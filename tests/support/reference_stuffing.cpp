@@ -132,9 +132,7 @@ class Reference {
   }
 
   static Node face_corner(Node centre, std::size_t axis, int turn) {
-    constexpr std::array<std::array<int, 2>, 4> kTurn{
-        {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}
-    };
+    constexpr std::array<std::array<int, 2>, 4> kTurn{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
     const auto& uv = kTurn[static_cast<std::size_t>(turn % 4)];
     centre[axis] += 1;
     centre[(axis + 1) % 3] += uv[0];

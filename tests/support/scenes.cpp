@@ -28,10 +28,7 @@ Scene two_balls(Combine how, double apart, double smoothing) {
   SceneWriter writer;
   const std::string ball = writer.add(Sphere{1});
   const std::string other = writer.add_moved({apart, 0, 0}, ball);
-  writer.add(Combination{
-      how, {ball, other},
-       smoothing
-  });
+  writer.add(Combination{how, {ball, other}, smoothing});
   return writer.scene();
 }
 
@@ -39,20 +36,14 @@ Scene ball_with_cavity() {
   SceneWriter writer;
   const std::string ball = writer.add(Sphere{1});
   const std::string cavity = writer.add(Sphere{0.5});
-  writer.add(Combination{
-      Combine::kDifference, {ball, cavity},
-       0
-  });
+  writer.add(Combination{Combine::kDifference, {ball, cavity}, 0});
   return writer.scene();
 }
 
 /// A box with a round hole along each axis: genus 5, five holes through a cube's frame.
 Scene drilled_box() {
   SceneWriter writer;
-  const std::string box = writer.add(RoundedBox{
-      {2, 2, 2},
-      0.2
-  });
+  const std::string box = writer.add(RoundedBox{{2, 2, 2}, 0.2});
   const std::string along_z = writer.add(Cylinder{0.5, 3});
   Transform turn;
   turn.of = along_z;
@@ -61,10 +52,7 @@ Scene drilled_box() {
   const std::string along_x = writer.add(turn);
   turn.axis = {1, 0, 0};
   const std::string along_y = writer.add(turn);
-  writer.add(Combination{
-      Combine::kDifference, {box, along_x, along_y, along_z},
-       0.1
-  });
+  writer.add(Combination{Combine::kDifference, {box, along_x, along_y, along_z}, 0.1});
   return writer.scene();
 }
 
@@ -88,10 +76,7 @@ Scene hollow_torus() {
 
 Scene grown_tilted_box() {
   SceneWriter writer;
-  const std::string box = writer.add(RoundedBox{
-      {1, 0.8, 0.6},
-      0
-  });
+  const std::string box = writer.add(RoundedBox{{1, 0.8, 0.6}, 0});
   Transform tilt;
   tilt.of = box;
   tilt.axis = {1, 2, 3};
@@ -105,14 +90,8 @@ Scene grown_tilted_box() {
 Scene half_ball() {
   SceneWriter writer;
   const std::string ball = writer.add(Sphere{1});
-  const std::string below = writer.add(HalfSpace{
-      {0.36, 0.48, 0.8},
-      0
-  });
-  writer.add(Combination{
-      Combine::kIntersection, {ball, below},
-       0
-  });
+  const std::string below = writer.add(HalfSpace{{0.36, 0.48, 0.8}, 0});
+  writer.add(Combination{Combine::kIntersection, {ball, below}, 0});
   return writer.scene();
 }
 
@@ -211,23 +190,10 @@ std::vector<KnownScene> known_scenes() {
     scenes.push_back({std::move(name), std::move(scene), spacing, components, euler, volume});
   };
   add("sphere", alone(Sphere{1}), 0.1, 1, 2, ball);
-  add("ellipsoid",
-      alone(Ellipsoid{
-          {1, 0.7, 0.5}
-  }),
-      0.07, 1, 2, ball * 0.35);
-  add("box",
-      alone(RoundedBox{
-          {1, 2, 1.5},
-          0
-  }),
-      0.09, 1, 2, 3);
-  add("rounded box",
-      alone(RoundedBox{
-          {2, 1.6, 1.2},
-          0.3
-  }),
-      0.1, 1, 2, grown_box_volume(1.4, 1, 0.6, 0.3));
+  add("ellipsoid", alone(Ellipsoid{{1, 0.7, 0.5}}), 0.07, 1, 2, ball * 0.35);
+  add("box", alone(RoundedBox{{1, 2, 1.5}, 0}), 0.09, 1, 2, 3);
+  add("rounded box", alone(RoundedBox{{2, 1.6, 1.2}, 0.3}), 0.1, 1, 2,
+      grown_box_volume(1.4, 1, 0.6, 0.3));
   add("cylinder", alone(Cylinder{0.8, 1.5}), 0.09, 1, 2, kPi * 0.64 * 1.5);
   add("cone", alone(Cone{1, 0.4, 1.5}), 0.09, 1, 2, kPi / 3 * 1.5 * 1.56);
   add("pointed cone", alone(Cone{1, 0, 1.5}), 0.09, 1, 2, kPi / 2);
@@ -252,10 +218,7 @@ scene::Description random_scene(std::uint32_t seed) {
   SceneWriter writer;
   const std::string solid = random_part(writer, dice, 1 + static_cast<int>(dice.below(3)));
   const std::string end = writer.add(Sphere{2});
-  writer.add(Combination{
-      Combine::kIntersection, {solid, end},
-       0
-  });
+  writer.add(Combination{Combine::kIntersection, {solid, end}, 0});
   return writer.description();
 }
 

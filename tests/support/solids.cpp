@@ -21,12 +21,7 @@ double distance(const VoxelCoord& v, const WorldPoint& centre) {
   return std::hypot(v.x - centre.x, v.y - centre.y, v.z - centre.z);
 }
 
-VoxelBox cube(int half) {
-  return {
-      {-half, -half, -half},
-      { half,  half,  half}
-  };
-}
+VoxelBox cube(int half) { return {{-half, -half, -half}, {half, half, half}}; }
 
 double ball_volume(double r) { return 4.0 / 3 * kPi * r * r * r; }
 
@@ -106,8 +101,7 @@ Volume ball_with_gap(double radius, double gap) {
 Volume tilted_cube(double edge) {
   // Rows of a rotation.
   constexpr std::array<std::array<double, 3>, 3> kAxes{
-      {{0.36, 0.48, 0.8}, {-0.8, 0.6, 0}, {-0.48, -0.64, 0.6}}
-  };
+      {{0.36, 0.48, 0.8}, {-0.8, 0.6, 0}, {-0.48, -0.64, 0.6}}};
   return narrow_band_volume(cube(static_cast<int>(edge) + 6), kBand, [=](VoxelCoord v) {
     double phi = -edge;
     for (const auto& a : kAxes) {
@@ -134,15 +128,10 @@ Volume gyroid_ball(int edge) {
 Volume random_signs(int edge, std::uint32_t seed, int zero_every) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> value(-1, 1);
-  return dense_volume(
-      {
-          {       0,        0,        0},
-          {edge - 1, edge - 1, edge - 1}
-  },
-      1, [&](VoxelCoord) {
-        const float phi = value(random);
-        return zero_every > 0 && random() % static_cast<unsigned>(zero_every) == 0 ? 0 : phi;
-      });
+  return dense_volume({{0, 0, 0}, {edge - 1, edge - 1, edge - 1}}, 1, [&](VoxelCoord) {
+    const float phi = value(random);
+    return zero_every > 0 && random() % static_cast<unsigned>(zero_every) == 0 ? 0 : phi;
+  });
 }
 
 Volume ball_with_flipped_tiles(double radius) {

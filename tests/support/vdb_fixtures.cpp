@@ -110,11 +110,7 @@ GridBase::Ptr vec3() {
 }
 
 GridBase::Ptr points(double voxel) {
-  const std::vector<openvdb::Vec3s> positions{
-      {0, 0, 0},
-      {0, 1, 0},
-      {1, 0, 1}
-  };
+  const std::vector<openvdb::Vec3s> positions{{0, 0, 0}, {0, 1, 0}, {1, 0, 1}};
   const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
   return openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
                                               openvdb::points::PointDataGrid>(positions,
@@ -209,21 +205,21 @@ Maker level_set_of(const Solid& solid) {
 
 const std::vector<std::pair<std::string_view, Maker>>& makers() {
   static const auto* const all = new std::vector<std::pair<std::string_view, Maker>>{
-      {      "sphere",                                    level_set_of([](const Vec3d& p) {
-                                    return sphere(p, {0, 0, 0}, 1);
-                                    })      },
-      {       "torus",                         level_set_of(torus)},
-      {      "gyroid",                        level_set_of(gyroid)},
-      { "two-spheres",                   level_set_of(two_spheres)},
-      {      "cavity",                        level_set_of(cavity)},
-      {"random-signs",                                random_signs},
-      {         "fog",                                         fog},
-      {       "empty", [](double) { return FloatGrid::create(1); }},
-      {        "vec3",               [](double) { return vec3(); }},
-      {      "points",                                      points},
-      {     "sheared",                                    level_set_of([](const Vec3d& p) {
-                                    return sphere(p, {0, 0, 0}, 1);
-                                    })      },
+      {"sphere", level_set_of([](const Vec3d& p) {
+         return sphere(p, {0, 0, 0}, 1);
+       })},
+      {"torus", level_set_of(torus)},
+      {"gyroid", level_set_of(gyroid)},
+      {"two-spheres", level_set_of(two_spheres)},
+      {"cavity", level_set_of(cavity)},
+      {"random-signs", random_signs},
+      {"fog", fog},
+      {"empty", [](double) { return FloatGrid::create(1); }},
+      {"vec3", [](double) { return vec3(); }},
+      {"points", points},
+      {"sheared", level_set_of([](const Vec3d& p) {
+         return sphere(p, {0, 0, 0}, 1);
+       })},
   };
   return *all;
 }

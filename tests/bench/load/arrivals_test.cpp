@@ -20,15 +20,10 @@ std::vector<Arrival> arrivals_of(const std::vector<RateStep>& steps,
   return all_of(Arrivals(RateProfile(steps), process, seed));
 }
 
-const std::vector<RateStep> kThousandASecond{
-    {1000, 20}
-};
+const std::vector<RateStep> kThousandASecond{{1000, 20}};
 
 TEST(RateProfile, InvertsTheExpectedCount) {
-  const RateProfile profile({
-      {10, 2},
-      {40, 1}
-  });
+  const RateProfile profile({{10, 2}, {40, 1}});
   EXPECT_DOUBLE_EQ(profile.seconds(), 3);
   EXPECT_DOUBLE_EQ(profile.expected_requests(), 60);
   EXPECT_DOUBLE_EQ(profile.time_of(0), 0);
@@ -42,11 +37,7 @@ TEST(RateProfile, InvertsTheExpectedCount) {
 }
 
 TEST(Arrivals, AreEvenlySpacedWhenConstant) {
-  const std::vector<Arrival> all = arrivals_of(
-      {
-          {50, 2}
-  },
-      ArrivalProcess::kConstant);
+  const std::vector<Arrival> all = arrivals_of({{50, 2}}, ArrivalProcess::kConstant);
   ASSERT_EQ(all.size(), 100u);
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_NEAR(all[i].seconds, static_cast<double>(i) / 50, 1e-12);
@@ -54,9 +45,7 @@ TEST(Arrivals, AreEvenlySpacedWhenConstant) {
 }
 
 TEST(Arrivals, ComeInBurstsAtTheSameRateOfRequests) {
-  const RateProfile profile({
-      {50, 2}
-  });
+  const RateProfile profile({{50, 2}});
   for (const auto process : {ArrivalProcess::kConstant, ArrivalProcess::kPoisson}) {
     const std::vector<Arrival> all = all_of(Arrivals(profile, process, 1, 10));
     ASSERT_FALSE(all.empty());
@@ -110,11 +99,7 @@ TEST(Arrivals, CountAsPoissonInEveryWindow) {
 TEST(Arrivals, FollowTheStepsOfTheirProfile) {
   for (const ArrivalProcess process : {ArrivalProcess::kConstant, ArrivalProcess::kPoisson}) {
     std::vector<std::size_t> counts(3);
-    const std::vector<RateStep> steps{
-        {1000, 4},
-        {5000, 2},
-        {2000, 3}
-    };
+    const std::vector<RateStep> steps{{1000, 4}, {5000, 2}, {2000, 3}};
     for (const Arrival& arrival : arrivals_of(steps, process)) {
       const double seconds = arrival.seconds;
       EXPECT_EQ(arrival.step, seconds < 4 ? 0u : seconds < 6 ? 1u : 2u);
@@ -129,11 +114,7 @@ TEST(Arrivals, FollowTheStepsOfTheirProfile) {
 TEST(Arrivals, AreTheSameForTheSameSeedAlone) {
   const auto times_of = [](std::uint64_t seed) {
     std::vector<double> times;
-    for (const Arrival& arrival : arrivals_of(
-             {
-                 {100, 5}
-    },
-             ArrivalProcess::kPoisson, seed)) {
+    for (const Arrival& arrival : arrivals_of({{100, 5}}, ArrivalProcess::kPoisson, seed)) {
       times.push_back(arrival.seconds);
     }
     return times;

@@ -39,17 +39,11 @@ Tally sample_tally() {
 
 LoadResult sample_result() {
   LoadResult result;
-  result.plan.steps = {
-      {10, 5},
-      {20, 5}
-  };
+  result.plan.steps = {{10, 5}, {20, 5}};
   result.total = sample_tally();
   result.steps = {sample_tally(), Tally{}};
   result.entries = {sample_tally()};
-  result.window = {
-      10, {20'000'000, 300'000'000},
-       2.5
-  };
+  result.window = {10, {20'000'000, 300'000'000}, 2.5};
   return result;
 }
 
@@ -83,9 +77,7 @@ TEST(Verdict, TellsWhoWasInTheWay) {
   result.total.errors[absl::StatusCode::kResourceExhausted] = 30;
   result.total.failed = 30;
   EXPECT_EQ(judge(result, goals), Verdict::kRefused);
-  result.total.errors = {
-      {absl::StatusCode::kDataLoss, 30}
-  };
+  result.total.errors = {{absl::StatusCode::kDataLoss, 30}};
   EXPECT_EQ(judge(result, goals), Verdict::kFailed);
 
   result = sample_result();
@@ -169,10 +161,7 @@ SearchResult sample_search() {
   search.requests = 1200;
   search.missed = 6;
   search.missed_share = wilson_interval(6, 1200);
-  search.all = {
-      {40,    Verdict::kHeld, 400, 2},
-      {42, Verdict::kRefused, 420, 9}
-  };
+  search.all = {{40, Verdict::kHeld, 400, 2}, {42, Verdict::kRefused, 420, 9}};
   return search;
 }
 

@@ -17,9 +17,7 @@ using namespace std::chrono_literals;
 /// Evenly spaced, without warm-up.
 LoadPlan even(double per_second, double seconds) {
   LoadPlan plan;
-  plan.steps = {
-      {per_second, seconds}
-  };
+  plan.steps = {{per_second, seconds}};
   plan.process = ArrivalProcess::kConstant;
   plan.warm_up_seconds = 0;
   return plan;
@@ -187,9 +185,7 @@ TEST(SearchLoad, FindsAKnownCapacity) {
   StandIn service({.service_time = 5ms});
   RequestMix mix = test::mix_of_one();
   const Cancellation never;
-  const std::vector<LatencyGoal> goals{
-      {LatencyKind::kWhole, 0.9, 50ms}
-  };
+  const std::vector<LatencyGoal> goals{{LatencyKind::kWhole, 0.9, 50ms}};
   const SearchWatch unseen{[](double) { return LoadWatch{}; }, [](const Trial&) {}};
   SearchPlan search;
   search.start_per_second = 0;
@@ -208,9 +204,7 @@ TEST(SearchLoad, SaysWhatEveryRequestSaysWhenNoneSucceeds) {
   StandIn service({.max_waiting = 0});
   RequestMix mix = test::mix_of_one();
   Cancellation never;
-  const std::vector<LatencyGoal> goals{
-      {LatencyKind::kWhole, 0.9, 50ms}
-  };
+  const std::vector<LatencyGoal> goals{{LatencyKind::kWhole, 0.9, 50ms}};
   const SearchWatch unseen{[](double) { return LoadWatch{}; }, [](const Trial&) {}};
   const auto found =
       search_load({.start_per_second = 0}, even(1, 0.2), goals, mix, service, never, unseen);

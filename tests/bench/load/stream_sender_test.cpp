@@ -174,9 +174,7 @@ TEST_F(StreamSenderTest, SaysWhenThereIsNoServer) {
 TEST_F(StreamSenderTest, ShowsAStallOfASecondInTheUpperPercentiles) {
   const auto sender = open();
   LoadPlan plan;
-  plan.steps = {
-      {100, 1.5}
-  };
+  plan.steps = {{100, 1.5}};
   plan.warm_up_seconds = 0;
   plan.max_outstanding = 2;
   RequestMix mix = test::mix_of_one();

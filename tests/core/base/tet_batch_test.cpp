@@ -172,10 +172,7 @@ std::array<std::uint64_t, QualityStats::kBins> around_middle(LocalPoint a,
                                                              LocalPoint b,
                                                              LocalPoint c) {
   SomeTets one;
-  one.add({
-      LocalPoint{0.5F, 0.5F, 0.5F},
-      a, b, c
-  });
+  one.add({LocalPoint{0.5F, 0.5F, 0.5F}, a, b, c});
   return one.measured().histogram;
 }
 

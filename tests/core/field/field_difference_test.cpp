@@ -104,10 +104,7 @@ TEST(FieldDifference, FindsWhichBricksOfASceneSeeWhatMoved) {
     const std::string ball = writer.add(scene::Sphere{1});
     const std::string still = writer.add_moved({-4, 0, 0}, ball);
     const std::string moving = writer.add_moved({x, 0, 0}, ball);
-    writer.add(scene::Combination{
-        scene::Combine::kUnion, {still, moving},
-         0.2
-    });
+    writer.add(scene::Combination{scene::Combine::kUnion, {still, moving}, 0.2});
     return writer.scene();
   };
   const Scene one = two_balls(0), other = two_balls(0.01);
@@ -127,10 +124,7 @@ TEST(FieldDifference, TakesGridsInScenesForTheSameOnlyWhereTheyAreOne) {
     test::SceneWriter writer;
     const std::string scan = writer.add(test::leaf(std::move(grid)));
     const std::string hole = writer.add_moved({x, 0, 0}, writer.add(scene::Sphere{0.3}));
-    writer.add(scene::Combination{
-        scene::Combine::kDifference, {scan, hole},
-         0
-    });
+    writer.add(scene::Combination{scene::Combine::kDifference, {scan, hole}, 0});
     return writer.scene();
   };
   const auto grid = test::grid_of({.voxel = 0.05}), copy = test::grid_of({.voxel = 0.05});

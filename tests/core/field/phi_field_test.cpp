@@ -125,15 +125,10 @@ bool lie_on_one_side(const BrickSamples& samples) {
 
 /// The smallest floats, inside and outside, and zeros.
 Volume tiny_values() {
-  return test::dense_volume(
-      {
-          {-20, -20, -20},
-          { 20,  20,  20}
-  },
-      3, [](VoxelCoord v) {
-        constexpr float kTiny = std::numeric_limits<float>::denorm_min();
-        return v.x + v.y * v.z < 17 ? -kTiny : (v.z > 3 ? 0 : kTiny);
-      });
+  return test::dense_volume({{-20, -20, -20}, {20, 20, 20}}, 3, [](VoxelCoord v) {
+    constexpr float kTiny = std::numeric_limits<float>::denorm_min();
+    return v.x + v.y * v.z < 17 ? -kTiny : (v.z > 3 ? 0 : kTiny);
+  });
 }
 
 TEST(PhiSampler, TellsOfABrickWithoutSamplingItThatItsSamplesLieOnOneSide) {

@@ -33,10 +33,7 @@ GradedTree random_tree(std::mt19937& random, bool in_box) {
   }
   constexpr std::int32_t kLastBrick = kEdge / kBrickEdge - 1;
   FoundBricks found;
-  found.inside.push_back({
-      {         0,          0,          0},
-      {kLastBrick, kLastBrick, kLastBrick}
-  });
+  found.inside.push_back({{0, 0, 0}, {kLastBrick, kLastBrick, kLastBrick}});
   std::optional<BrickBox> box;
   if (in_box) box = found.inside.front();
   return grow_graded_tree({found, box}, rules, {});

@@ -48,10 +48,7 @@ std::vector<GridInfo> sample() {
   good.grid_class = "fog volume";
   good.voxel_size = 0.25;
   good.active_voxels = 12345678901;
-  good.active_box = {
-      {-1, -2, -3},
-      { 4,  5,  6}
-  };
+  good.active_box = {{-1, -2, -3}, {4, 5, 6}};
   good.background = 0.5F;
   GridInfo bad = good;
   bad.name = "";

@@ -92,10 +92,7 @@ void expect_same(const Volume& a, const Volume& b) {
 
 /// A narrow band with constant bricks inside.
 Volume ball(int radius, std::int32_t half_box) {
-  const VoxelBox box{
-      {-half_box, -half_box, -half_box},
-      { half_box,  half_box,  half_box}
-  };
+  const VoxelBox box{{-half_box, -half_box, -half_box}, {half_box, half_box, half_box}};
   Volume volume = test::narrow_band_volume(
       box, 3,
       [radius](VoxelCoord v) {

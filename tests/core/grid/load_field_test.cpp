@@ -57,11 +57,8 @@ openvdb::GridBase::Ptr vectors() {
 
 TEST_F(LoadField, ReadsEachComponentOfAVector) {
   using Values = std::array<float, 5>;
-  const std::array<Values, 3> expected{
-      Values{0.5, 1, -1, 10, 7},
-      Values{ -2, 8, -2, 20, 8},
-      Values{  4, 3, -3, 30, 9}
-  };
+  const std::array<Values, 3> expected{Values{0.5, 1, -1, 10, 7}, Values{-2, 8, -2, 20, 8},
+                                       Values{4, 3, -3, 30, 9}};
   for (const auto& grid : {vectors<openvdb::Vec3SGrid>(), vectors<openvdb::Vec3DGrid>()}) {
     for (std::uint32_t component = 0; component < 3; ++component) {
       const auto volume = loaded({grid}, "v", component);

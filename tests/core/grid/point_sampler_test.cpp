@@ -86,8 +86,7 @@ TEST(PointSampler, InterpolatesBetweenEightVoxelsAsAReaderDoes) {
 VoxelTransform turned(double voxel) {
   VoxelTransform transform;
   transform.linear = {
-      {{0.8 * voxel, 0.6 * voxel, 0}, {0.6 * voxel, -0.8 * voxel, 0}, {0, 0, voxel}}
-  };
+      {{0.8 * voxel, 0.6 * voxel, 0}, {0.6 * voxel, -0.8 * voxel, 0}, {0, 0, voxel}}};
   transform.translation = {10.25, -3.5, 0.125};
   transform.voxel_size = voxel;
   return transform;
@@ -100,10 +99,7 @@ TEST(PointSampler, ReproducesALinearFunctionWhereverTheVoxelsLie) {
     return static_cast<float>(
         linear(transform.to_world({double(v.x), double(v.y), double(v.z)})));
   };
-  const VoxelBox box{
-      {-20, -20, -20},
-      { 20,  20,  20}
-  };
+  const VoxelBox box{{-20, -20, -20}, {20, 20, 20}};
   const auto volumes = shared({test::dense_volume(box, 0, value, transform)});
   PointSampler sampler(volumes);
   std::mt19937 random(5);
@@ -125,12 +121,7 @@ TEST(PointSampler, IsTheBackgroundWhereNothingIsHoweverFar) {
   PointSampler sampler(volumes);
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<WorldPoint> points{
-      {  1e3,     0,     0},
-      {-1e30,  1e30,  1e30},
-      {  inf,  -inf,   inf},
-      {    0,     0, 1e300},
-      {1e300, 1e300,  -inf}
-  };
+      {1e3, 0, 0}, {-1e30, 1e30, 1e30}, {inf, -inf, inf}, {0, 0, 1e300}, {1e300, 1e300, -inf}};
   for (const float value : sampled(sampler, points)) EXPECT_EQ(value, 3);
 }
 

@@ -52,15 +52,11 @@ void expect_replaced(const Volume& before, const std::vector<LeafValues>& leaves
 TEST(ReplaceLeaves, ReplacesStoredConstantAndMissingLeaves) {
   const Volume ball = test::ball(30);
   const BrickCoord stored = ball.bricks[ball.bricks.size() / 2];
-  expect_replaced(ball, {
-                            {         stored,  kSeven},
-                            {    {40, 2, -9},  kSeven},
-                            {{-41, -41, -41}, kInside},
-                            {      {0, 0, 0},  kSeven}
-  });
-  expect_replaced(ball, {
-                            {stored, kInside}
-  });
+  expect_replaced(ball, {{stored, kSeven},
+                         {{40, 2, -9}, kSeven},
+                         {{-41, -41, -41}, kInside},
+                         {{0, 0, 0}, kSeven}});
+  expect_replaced(ball, {{stored, kInside}});
 }
 
 TEST(ReplaceLeaves, DividesTheCubesThatALeafLiesIn) {
@@ -69,11 +65,7 @@ TEST(ReplaceLeaves, DividesTheCubesThatALeafLiesIn) {
   builder.add_constant_cube({-4096, 0, 0}, 4096, -3);
   const Volume volume = std::move(builder).build().value();
   expect_replaced(volume,
-                  {
-                      { {16, 0, 15},  kSeven},
-                      {  {-1, 0, 0}, kInside},
-                      {{-20, 40, 3},  kSeven}
-  });
+                  {{{16, 0, 15}, kSeven}, {{-1, 0, 0}, kInside}, {{-20, 40, 3}, kSeven}});
 }
 
 TEST(ReplaceLeaves, IsTheSameTwiceAndChangesNothingWithNothing) {
@@ -90,23 +82,11 @@ TEST(ReplaceLeaves, RefusesLeavesThatAreNone) {
     return std::string(replace_leaves(ball, std::move(leaves)).status().message());
   };
   const std::vector<float> two(2), poison{std::numeric_limits<float>::quiet_NaN()};
-  EXPECT_THAT(refusal({
-                  {{1, 2, 3}, two}
-  }),
-              HasSubstr("has 2 values; a leaf has 512, or 1"));
-  EXPECT_THAT(refusal({
-                  {{1, 2, 3},  kSeven},
-                  {{1, 2, 3}, kInside}
-  }),
+  EXPECT_THAT(refusal({{{1, 2, 3}, two}}), HasSubstr("has 2 values; a leaf has 512, or 1"));
+  EXPECT_THAT(refusal({{{1, 2, 3}, kSeven}, {{1, 2, 3}, kInside}}),
               HasSubstr("is given twice"));
-  EXPECT_THAT(refusal({
-                  {{1, 2, 3}, poison}
-  }),
-              HasSubstr("must be finite"));
-  EXPECT_THAT(refusal({
-                  {{1 << 27, 2, 3}, kInside}
-  }),
-              HasSubstr("beyond the limit"));
+  EXPECT_THAT(refusal({{{1, 2, 3}, poison}}), HasSubstr("must be finite"));
+  EXPECT_THAT(refusal({{{1 << 27, 2, 3}, kInside}}), HasSubstr("beyond the limit"));
 }
 
 }  // namespace

@@ -237,11 +237,11 @@ TEST(ReadSurface, SurvivesBytesThatChangedAtRandom) {
   std::mt19937 random(71);  // NOLINT(cert-msc51-cpp): the same bytes every time
   const std::vector<std::pair<Reader, std::string>> files{
       {read_obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2//2 -1\nf 1 2 3 1\n"},
-      {read_stl,                                                 kAsciiStl},
-      {read_stl,                                             binary_stl(2)},
-      {read_ply,                                               ascii_ply()},
-      {read_ply,                                         binary_ply(false)},
-      {read_ply,                                          binary_ply(true)},
+      {read_stl, kAsciiStl},
+      {read_stl, binary_stl(2)},
+      {read_ply, ascii_ply()},
+      {read_ply, binary_ply(false)},
+      {read_ply, binary_ply(true)},
   };
   for (const auto& [read, original] : files) {
     for (int i = 0; i < 3000; ++i) {
@@ -261,15 +261,9 @@ TEST(ReadSurface, SurvivesBytesThatChangedAtRandom) {
 TEST(CountEdges, TellsAnOpenSurfaceFromAClosedOne) {
   // A tetrahedron whose faces share no vertices, as STL would have it.
   TriangleSurface surface;
-  const std::array<WorldPoint, 4> p{
-      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
-  };
-  for (const Corners& corners : {
-           Corners{0, 2, 1},
-           Corners{0, 1, 3},
-           Corners{1, 2, 3},
-           Corners{0, 3, 2}
-  }) {
+  const std::array<WorldPoint, 4> p{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (const Corners& corners :
+       {Corners{0, 2, 1}, Corners{0, 1, 3}, Corners{1, 2, 3}, Corners{0, 3, 2}}) {
     const auto first = static_cast<std::uint32_t>(surface.vertices.size());
     for (const std::uint32_t c : corners) surface.vertices.push_back(p[c]);
     surface.triangles.push_back({first, first + 1, first + 2});

@@ -28,20 +28,8 @@ TriangleSurface box(double low, double high, std::size_t missing = 0) {
     surface.vertices.push_back(
         {(i & 1) != 0 ? high : low, (i & 2) != 0 ? high : low, (i & 4) != 0 ? high : low});
   }
-  surface.triangles = {
-      {0, 2, 1},
-      {1, 2, 3},
-      {4, 5, 6},
-      {5, 7, 6},
-      {0, 1, 4},
-      {1, 5, 4},
-      {2, 6, 3},
-      {3, 6, 7},
-      {0, 4, 2},
-      {2, 4, 6},
-      {1, 3, 5},
-      {3, 7, 5}
-  };
+  surface.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   surface.triangles.resize(12 - missing);
   return surface;
 }

@@ -38,9 +38,7 @@ VoxelBox random_box(std::mt19937& random, std::int32_t edge) {
     return static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(n));
   };
   const VoxelCoord min{below(1200) - 500, below(600) - 300, below(600) - 60};
-  return {
-      min, {min.x + below(edge), min.y + below(edge), min.z + below(edge)}
-  };
+  return {min, {min.x + below(edge), min.y + below(edge), min.z + below(edge)}};
 }
 
 TEST(ValueBounds, HoldEveryValueInABoxAndAreExactInSmallOnes) {
@@ -76,10 +74,7 @@ TEST(ValueBounds, AreTheConstantDeepInACube) {
   const auto range = [&](std::int32_t min, std::int32_t edge) {
     const auto [low, high] = bounds.within(
         reader,
-        {
-            {       min + 4096,        min - 4096,        min},
-            {min + 4096 + edge, min - 4096 + edge, min + edge}
-    });
+        {{min + 4096, min - 4096, min}, {min + 4096 + edge, min - 4096 + edge, min + edge}});
     return std::pair(low, high);
   };
   EXPECT_EQ(range(1, 3), std::pair(-20.0F, -20.0F));
@@ -93,16 +88,10 @@ TEST(ValueBounds, CoverAllOfIndexSpace) {
   const ValueBounds bounds(volume);
   VolumeReader reader(volume);
   constexpr std::int32_t kEnd = 1 << 30;
-  const auto [min, max] = bounds.within(reader, {
-                                                    {-kEnd, -kEnd, -kEnd},
-                                                    { kEnd,  kEnd,  kEnd}
-  });
+  const auto [min, max] = bounds.within(reader, {{-kEnd, -kEnd, -kEnd}, {kEnd, kEnd, kEnd}});
   EXPECT_EQ(std::pair(min, max), std::pair(-20.0F, 30.0F));
   EXPECT_EQ(std::pair(bounds.all().min, bounds.all().max), std::pair(-20.0F, 30.0F));
-  const auto far = bounds.within(reader, {
-                                             {kEnd / 2,     0,     0},
-                                             {    kEnd, 10000, 10000}
-  });
+  const auto far = bounds.within(reader, {{kEnd / 2, 0, 0}, {kEnd, 10000, 10000}});
   EXPECT_EQ(std::pair(far.min, far.max), std::pair(3.0F, 3.0F));
 }
 

@@ -32,10 +32,7 @@ TEST(VolumeBuilder, TakesBricksInAnyOrder) {
   builder.add_brick({-1, 0, 0}, filled(1));
   const absl::StatusOr<Volume> volume = std::move(builder).build();
   ASSERT_TRUE(volume.ok()) << volume.status();
-  EXPECT_EQ(volume->bricks, (std::vector<BrickCoord>{
-                                {-1,  0,  0},
-                                { 1, -2, 30}
-  }));
+  EXPECT_EQ(volume->bricks, (std::vector<BrickCoord>{{-1, 0, 0}, {1, -2, 30}}));
   EXPECT_EQ(volume->ranges[1].min, -1);
   EXPECT_EQ(volume->ranges[1].max, 2);
   VolumeReader reader(*volume);
@@ -140,10 +137,7 @@ TEST(VolumeFixtures, NarrowBandReadsAsTheClampedFunction) {
   const auto ball = [](VoxelCoord v) {
     return static_cast<float>(std::hypot(v.x - 64, v.y - 60, v.z + 64)) - 120.0F;
   };
-  const VoxelBox box{
-      {-60, -64, -188},
-      {188, 184,   60}
-  };
+  const VoxelBox box{{-60, -64, -188}, {188, 184, 60}};
   const Volume volume = test::narrow_band_volume(box, 3, ball);
   EXPECT_GT(volume.cubes.size(), 0U);
   EXPECT_LT(volume.size_bytes(), test::dense_volume(box, 3, ball).size_bytes() / 3);

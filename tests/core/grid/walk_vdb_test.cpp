@@ -38,10 +38,8 @@ class WalkVdb : public ::testing::Test {
 
 VoxelBox box_of(const openvdb::CoordBBox& box) {
   if (box.empty()) return {};
-  return {
-      {box.min().x(), box.min().y(), box.min().z()},
-      {box.max().x(), box.max().y(), box.max().z()}
-  };
+  return {{box.min().x(), box.min().y(), box.min().z()},
+          {box.max().x(), box.max().y(), box.max().z()}};
 }
 
 /// The outline says of the tree what OpenVDB says.

@@ -32,10 +32,7 @@ TEST(Boundary, OfOneTetIsASphere) {
 }
 
 TEST(Boundary, LeavesOutASharedFace) {
-  const BoundaryTopology topology = topology_of({
-      {0, 1, 2, 3},
-      {1, 2, 3, 4}
-  });
+  const BoundaryTopology topology = topology_of({{0, 1, 2, 3}, {1, 2, 3, 4}});
   EXPECT_EQ(topology.triangles, 6U);
   EXPECT_EQ(topology.vertices, 5U);
   EXPECT_EQ(topology.euler_characteristic, 2);
@@ -44,10 +41,7 @@ TEST(Boundary, LeavesOutASharedFace) {
 }
 
 TEST(Boundary, CountsASharedEdgeAsNonManifold) {
-  const BoundaryTopology topology = topology_of({
-      {0, 1, 2, 3},
-      {0, 1, 4, 5}
-  });
+  const BoundaryTopology topology = topology_of({{0, 1, 2, 3}, {0, 1, 4, 5}});
   EXPECT_EQ(topology.triangles, 8U);
   EXPECT_EQ(topology.components, 1U);
   EXPECT_EQ(topology.euler_characteristic, 6 - 11 + 8);
@@ -56,10 +50,7 @@ TEST(Boundary, CountsASharedEdgeAsNonManifold) {
 }
 
 TEST(Boundary, CountsASharedVertexAsNonManifold) {
-  const BoundaryTopology topology = topology_of({
-      {0, 1, 2, 3},
-      {0, 4, 5, 6}
-  });
+  const BoundaryTopology topology = topology_of({{0, 1, 2, 3}, {0, 4, 5, 6}});
   EXPECT_EQ(topology.components, 1U);
   EXPECT_EQ(topology.euler_characteristic, 7 - 12 + 8);
   EXPECT_EQ(topology.non_manifold_edges, 0U);
@@ -67,10 +58,7 @@ TEST(Boundary, CountsASharedVertexAsNonManifold) {
 }
 
 TEST(Boundary, TellsComponentsApart) {
-  const BoundaryTopology topology = topology_of({
-      {0, 1, 2, 3},
-      {4, 5, 6, 7}
-  });
+  const BoundaryTopology topology = topology_of({{0, 1, 2, 3}, {4, 5, 6, 7}});
   EXPECT_EQ(topology.components, 2U);
   EXPECT_EQ(topology.euler_characteristic, 4);
   EXPECT_EQ(topology.non_manifold_vertices, 0U);
@@ -86,13 +74,8 @@ TEST(Boundary, OfACubeOfSixTetsIsTwelveTriangles) {
 
 TEST(Boundary, OfACubeOfFiveTetsIsTwelveTriangles) {
   // The ids of lattice_points(1) are xyz in binary.
-  const BoundaryTopology topology = topology_of({
-      {0, 3, 5, 6},
-      {1, 0, 3, 5},
-      {2, 0, 3, 6},
-      {4, 0, 5, 6},
-      {7, 3, 5, 6}
-  });
+  const BoundaryTopology topology =
+      topology_of({{0, 3, 5, 6}, {1, 0, 3, 5}, {2, 0, 3, 6}, {4, 0, 5, 6}, {7, 3, 5, 6}});
   EXPECT_EQ(topology.triangles, 12U);
   EXPECT_EQ(topology.euler_characteristic, 2);
 }

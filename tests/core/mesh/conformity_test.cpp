@@ -24,10 +24,7 @@ TEST(Conformity, AcceptsOneTet) {
 }
 
 TEST(Conformity, AcceptsTwoTetsAtAFace) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3},
-      {4, 1, 3, 2}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}, {4, 1, 3, 2}};
   const WorldPoint apex{1, 1, 1};
   const TetMesh mesh = make_mesh(unit_corner_and(apex), tets);
   const ConformityReport report = check_conformity(mesh);
@@ -38,12 +35,7 @@ TEST(Conformity, AcceptsTwoTetsAtAFace) {
 
 TEST(Conformity, AcceptsACubeOfFiveTets) {
   const std::vector<Corners> tets{
-      {0, 5, 6, 3},
-      {1, 5, 0, 3},
-      {2, 3, 0, 6},
-      {4, 6, 0, 5},
-      {7, 5, 3, 6}
-  };
+      {0, 5, 6, 3}, {1, 5, 0, 3}, {2, 3, 0, 6}, {4, 6, 0, 5}, {7, 5, 3, 6}};
   const TetMesh mesh = make_mesh(lattice_points(1), tets);
   const ConformityReport report = check_conformity(mesh);
   EXPECT_TRUE(report.conforming()) << report.describe();
@@ -58,9 +50,7 @@ TEST(Conformity, AcceptsManyCubes) {
 }
 
 TEST(Conformity, NoticesAnInvertedTet) {
-  const std::vector<Corners> tets{
-      {0, 2, 1, 3}
-  };
+  const std::vector<Corners> tets{{0, 2, 1, 3}};
   const ConformityReport report = check_conformity(make_mesh(unit_corner(), tets));
   EXPECT_EQ(report.non_positive_tets.count, 1U);
   EXPECT_EQ(report.non_positive_tets.first, 0U);
@@ -68,38 +58,21 @@ TEST(Conformity, NoticesAnInvertedTet) {
 }
 
 TEST(Conformity, NoticesAFlatTet) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3}
-  };
-  const std::vector<WorldPoint> points{
-      {0, 0, 0},
-      {1, 0, 0},
-      {0, 1, 0},
-      {1, 1, 0}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}};
+  const std::vector<WorldPoint> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   const TetMesh mesh = make_mesh(points, tets);
   EXPECT_EQ(check_conformity(mesh).non_positive_tets.count, 1U);
 }
 
 TEST(Conformity, NoticesAPositionThatIsNotANumber) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3}
-  };
-  const std::vector<WorldPoint> points{
-      {0, 0,            0},
-      {1, 0,            0},
-      {0, 1,            0},
-      {0, 0, std::nan("")}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}};
+  const std::vector<WorldPoint> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, std::nan("")}};
   const TetMesh mesh = make_mesh(points, tets);
   EXPECT_EQ(check_conformity(mesh).non_positive_tets.count, 1U);
 }
 
 TEST(Conformity, NoticesTwoTetsOnOneSideOfAFace) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3},
-      {4, 1, 2, 3}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}, {4, 1, 2, 3}};
   const WorldPoint apex{0.1, 0.1, 0.1};
   const TetMesh mesh = make_mesh(unit_corner_and(apex), tets);
   const ConformityReport report = check_conformity(mesh);
@@ -109,11 +82,7 @@ TEST(Conformity, NoticesTwoTetsOnOneSideOfAFace) {
 }
 
 TEST(Conformity, NoticesAFaceOfThreeTets) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3},
-      {4, 1, 3, 2},
-      {5, 1, 3, 2}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}, {4, 1, 3, 2}, {5, 1, 3, 2}};
   const WorldPoint p4{1, 1, 1};
   const WorldPoint p5{2, 2, 2};
   const TetMesh mesh = make_mesh(unit_corner_and(p4, p5), tets);
@@ -123,18 +92,13 @@ TEST(Conformity, NoticesAFaceOfThreeTets) {
 }
 
 TEST(Conformity, NoticesATetThatIsThereTwice) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3},
-      {0, 1, 2, 3}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}, {0, 1, 2, 3}};
   const ConformityReport report = check_conformity(make_mesh(unit_corner(), tets));
   EXPECT_EQ(report.folded_faces.count, 4U);
 }
 
 TEST(Conformity, NoticesAVertexThatNoTetUses) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}};
   const WorldPoint apex{5, 5, 5};
   const ConformityReport report = check_conformity(make_mesh(unit_corner_and(apex), tets));
   EXPECT_EQ(report.unreferenced_vertices.count, 1U);
@@ -142,10 +106,7 @@ TEST(Conformity, NoticesAVertexThatNoTetUses) {
 }
 
 TEST(Conformity, NoticesTwoVerticesAtOnePlaceWhateverTheSignOfZero) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3},
-      {4, 5, 7, 6}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}, {4, 5, 7, 6}};
   const WorldPoint p4{-0.0, 0, 0};
   const WorldPoint p5{-1, 0, 0};
   const WorldPoint p6{0, -1, 0};
@@ -158,11 +119,7 @@ TEST(Conformity, NoticesTwoVerticesAtOnePlaceWhateverTheSignOfZero) {
 }
 
 TEST(Conformity, NoticesIdsOutOfRangeAndRepeated) {
-  const std::vector<Corners> tets{
-      {0, 1, 2, 3},
-      {0, 1, 2, 4},
-      {0, 1, 1, 3}
-  };
+  const std::vector<Corners> tets{{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 1, 3}};
   const TetMesh mesh = make_mesh(unit_corner(), tets, {.ids = IndexType::kUint64});
   const ConformityReport report = check_conformity(mesh);
   EXPECT_EQ(report.bad_ids.count, 2U);

@@ -95,11 +95,7 @@ std::vector<MeshHeader> headers() {
       header.coordinate_type = type;
       header.index_type = index;
       header.has_regions = index == IndexType::kUint64;
-      if (type == CoordinateType::kFloat64)
-        header.fields = {
-            {"t", 1},
-            {"v", 3}
-        };
+      if (type == CoordinateType::kFloat64) header.fields = {{"t", 1}, {"v", 3}};
       headers.push_back(header);
     }
   }
@@ -107,11 +103,7 @@ std::vector<MeshHeader> headers() {
 }
 
 constexpr ChunkExtent kExtents[] = {
-    {    0,    0,  0,    0},
-    {   17,    1,  0,    0},
-    {    0,    0,  5,    1},
-    { 4000,   40,  9,  150},
-    {90000, 5000, 10, 9000},
+    {0, 0, 0, 0}, {17, 1, 0, 0}, {0, 0, 5, 1}, {4000, 40, 9, 150}, {90000, 5000, 10, 9000},
 };
 
 Bytes pack(Chunk& chunk) {
@@ -159,10 +151,7 @@ TEST(PackedChunk, IsTheSameBytesFromAPackerThatPackedOthers) {
 
 TEST(PackedChunk, IsNoneWhereSixteenBitsDoNotNumberItsVertices) {
   const MeshHeader header = headers()[0];
-  for (const auto& [tets, packs] : {
-           std::pair{15'000U,  true},
-           {30'000U, false}
-  }) {
+  for (const auto& [tets, packs] : {std::pair{15'000U, true}, {30'000U, false}}) {
     Chunk chunk(header, {0, 10, 0, tets});
     for (std::size_t i = 0; i < tets * 4; ++i) chunk.set_corner(i, i % header.vertex_count);
     EXPECT_EQ(pack(chunk).empty(), !packs);

@@ -19,15 +19,8 @@ std::uint64_t angles_in(const QualityStats& stats) {
 }
 
 TEST(Quality, KnowsTheRegularTet) {
-  const std::vector<WorldPoint> points{
-      { 1,  1,  1},
-      { 1, -1, -1},
-      {-1,  1, -1},
-      {-1, -1,  1}
-  };
-  const TetMesh mesh = make_mesh(points, {
-                                             {0, 2, 1, 3}
-  });
+  const std::vector<WorldPoint> points{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  const TetMesh mesh = make_mesh(points, {{0, 2, 1, 3}});
   const QualityStats stats = measure_quality(mesh);
   const double angle = std::acos(1.0 / 3) * 180 / std::numbers::pi;
   EXPECT_NEAR(std::abs(stats.volume), 8.0 / 3, 1e-12);
@@ -38,15 +31,8 @@ TEST(Quality, KnowsTheRegularTet) {
 
 TEST(Quality, KnowsTheBccTet) {
   // Two corners along x, two centres along y: four angles of 60 degrees and two of 90.
-  const std::vector<WorldPoint> points{
-      {-1,  0, 0},
-      { 1,  0, 0},
-      { 0, -1, 1},
-      { 0,  1, 1}
-  };
-  const TetMesh mesh = make_mesh(points, {
-                                             {0, 1, 3, 2}
-  });
+  const std::vector<WorldPoint> points{{-1, 0, 0}, {1, 0, 0}, {0, -1, 1}, {0, 1, 1}};
+  const TetMesh mesh = make_mesh(points, {{0, 1, 3, 2}});
   const QualityStats stats = measure_quality(mesh);
   EXPECT_NEAR(stats.min_dihedral_deg, 60, 1e-9);
   EXPECT_NEAR(stats.max_dihedral_deg, 90, 1e-9);
@@ -56,24 +42,15 @@ TEST(Quality, KnowsTheBccTet) {
 
 TEST(Quality, GivesAnInvertedTetANegativeVolumeAndTheSameAngles) {
   const QualityStats upright = measure_quality(one_tet());
-  const QualityStats inverted = measure_quality(make_mesh(unit_corner(), {
-                                                                             {0, 2, 1, 3}
-  }));
+  const QualityStats inverted = measure_quality(make_mesh(unit_corner(), {{0, 2, 1, 3}}));
   EXPECT_DOUBLE_EQ(upright.volume, 1.0 / 6);
   EXPECT_DOUBLE_EQ(inverted.volume, -1.0 / 6);
   EXPECT_EQ(upright.histogram, inverted.histogram);
 }
 
 TEST(Quality, CountsAnglesWithoutAFaceAsFlat) {
-  const std::vector<WorldPoint> points{
-      {0, 0, 0},
-      {1, 0, 0},
-      {2, 0, 0},
-      {0, 1, 0}
-  };
-  const TetMesh mesh = make_mesh(points, {
-                                             {0, 1, 2, 3}
-  });
+  const std::vector<WorldPoint> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+  const TetMesh mesh = make_mesh(points, {{0, 1, 2, 3}});
   const QualityStats stats = measure_quality(mesh);
   EXPECT_EQ(stats.volume, 0);
   EXPECT_EQ(stats.max_dihedral_deg, 180);
@@ -93,16 +70,8 @@ TEST(Quality, OfNoTetIsTheNeutralElement) {
 TetMesh wedge(double degrees) {
   const double angle = degrees * std::numbers::pi / 180;
   const std::vector<WorldPoint> points{
-      {              0,               0, 0},
-      {              0,               0, 1},
-      {              1,               0, 0},
-      {std::cos(angle), std::sin(angle), 0}
-  };
-  return make_mesh(points,
-                   {
-                       {0, 2, 3, 1}
-  },
-                   {.coordinates = CoordinateType::kFloat64});
+      {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {std::cos(angle), std::sin(angle), 0}};
+  return make_mesh(points, {{0, 2, 3, 1}}, {.coordinates = CoordinateType::kFloat64});
 }
 
 TEST(Quality, PutsEveryAngleIntoTheBinOfItsWholeDegrees) {
@@ -149,9 +118,7 @@ TEST(Quality, IsTheSameForOneThreadAndForFour) {
 }
 
 TEST(Quality, KeepsAnglesFarFromTheOrigin) {
-  const TetMesh mesh = one_tet({
-      .origin = {1e12, -1e12, 1e12}
-  });
+  const TetMesh mesh = one_tet({.origin = {1e12, -1e12, 1e12}});
   EXPECT_DOUBLE_EQ(measure_quality(mesh).volume, 1.0 / 6);
 }
 

@@ -73,21 +73,12 @@ TetMesh with_regions(TetMesh mesh, const IsInside& is_inside) {
 }
 
 inline std::vector<WorldPoint> unit_corner() {
-  return {
-      {0, 0, 0},
-      {1, 0, 0},
-      {0, 1, 0},
-      {0, 0, 1}
-  };
+  return {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 }
 
 /// One tet at a corner of the unit cube; volume 1/6.
 inline TetMesh one_tet(const Storage& storage = {}) {
-  return make_mesh(unit_corner(),
-                   {
-                       {0, 1, 2, 3}
-  },
-                   storage);
+  return make_mesh(unit_corner(), {{0, 1, 2, 3}}, storage);
 }
 
 /// Lattice points 0 .. n in each direction; the id of (x, y, z) is (x * (n+1) + y) * (n+1) + z.
@@ -107,8 +98,7 @@ inline void add_kuhn_cube(std::vector<Corners>& tets,
                           std::uint64_t corner,
                           std::array<std::uint64_t, 3> step) {
   const std::array<std::array<std::size_t, 3>, 6> orders{
-      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}
-  };
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
   for (std::size_t i = 0; i < orders.size(); ++i) {
     const std::uint64_t first = corner + step[orders[i][0]];
     const std::uint64_t second = first + step[orders[i][1]];

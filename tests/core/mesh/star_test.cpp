@@ -9,9 +9,7 @@ namespace tet {
 namespace {
 
 AngleGoal goal(double min_deg, double max_deg) {
-  return {
-      {signed_square_of_cosine(min_deg), signed_square_of_cosine(max_deg)}
-  };
+  return {{signed_square_of_cosine(min_deg), signed_square_of_cosine(max_deg)}};
 }
 
 /// Eight tets around the origin, at the corners of an octahedron; the origin is vertex 0.
@@ -26,16 +24,7 @@ TetMesh octahedron() {
     }
   }
   return make_mesh(
-      {
-          { 0,  0,  0},
-          { 1,  0,  0},
-          {-1,  0,  0},
-          { 0,  1,  0},
-          { 0, -1,  0},
-          { 0,  0,  1},
-          { 0,  0, -1}
-  },
-      tets);
+      {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}, tets);
 }
 
 VertexStars star_of_origin(const TetMesh& mesh) {
@@ -43,20 +32,14 @@ VertexStars star_of_origin(const TetMesh& mesh) {
 }
 
 /// Nothing is refused for its angles within this.
-constexpr StarBound kNoBound{
-    {2, -2},
-    2
-};
+constexpr StarBound kNoBound{{2, -2}, 2};
 
 TEST(Star, HasTheAnglesOfTheMeshWhereverItsMiddleIs) {
   TetMesh mesh = octahedron();
   const VertexStars stars = star_of_origin(mesh);
   Star star(goal(20, 145));
   star.gather(mesh, stars.star(stars.number(0)));
-  for (const WorldPoint middle : {
-           WorldPoint{   0,     0,      0},
-           WorldPoint{0.25, 0.125, -0.375}
-  }) {
+  for (const WorldPoint middle : {WorldPoint{0, 0, 0}, WorldPoint{0.25, 0.125, -0.375}}) {
     mesh.store_position(0, middle);
     const AngleRange angles = star.angles(middle);
     const QualityStats measured = measure_quality(mesh);
@@ -74,13 +57,7 @@ TEST(Star, RefusesPlacesThatTurnATetInsideOut) {
   Star star(goal(20, 145));
   star.gather(mesh, stars.star(stars.number(0)));
   EXPECT_TRUE(star.cost_below(kNoBound, {0.3, 0.3, 0.3}).has_value());
-  EXPECT_FALSE(star.cost_below(
-                       {
-                           {1, -1},
-                           1
-  },
-                       {0.4, 0.4, 0.4})
-                   .has_value());
+  EXPECT_FALSE(star.cost_below({{1, -1}, 1}, {0.4, 0.4, 0.4}).has_value());
 }
 
 TEST(Star, RefusesWhatPassesTheBoundInOneTet) {
@@ -91,10 +68,7 @@ TEST(Star, RefusesWhatPassesTheBoundInOneTet) {
   const WorldPoint middle{0.1, 0, 0};
   const AngleRange angles = star.angles(middle);
   const double cost = goal(20, 145).cost(angles);
-  StarBound bound{
-      {angles.largest_cosine + 1e-6, angles.smallest_cosine - 1e-6},
-      cost + 1e-6
-  };
+  StarBound bound{{angles.largest_cosine + 1e-6, angles.smallest_cosine - 1e-6}, cost + 1e-6};
   EXPECT_TRUE(star.cost_below(bound, middle).has_value());
   for (double* end : {&bound.range.largest_cosine, &bound.range.smallest_cosine, &bound.cost}) {
     const double kept = *end;

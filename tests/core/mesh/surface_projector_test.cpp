@@ -33,9 +33,7 @@ VoxelTransform turned() {
   VoxelTransform transform;
   transform.voxel_size = 0.25;
   const double c = 0.25 * std::cos(0.6), s = 0.25 * std::sin(0.6);
-  transform.linear = {
-      {{-c, -s, 0}, {-s, c, 0}, {0, 0, 0.25}}
-  };
+  transform.linear = {{{-c, -s, 0}, {-s, c, 0}, {0, 0, 0.25}}};
   return transform;
 }
 

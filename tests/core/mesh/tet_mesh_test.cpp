@@ -12,9 +12,7 @@ using ::testing::ElementsAre;
 TEST(TetMesh, ReadsBackEveryStorage) {
   for (const auto coordinates : {CoordinateType::kFloat32, CoordinateType::kFloat64}) {
     for (const auto ids : {IndexType::kUint32, IndexType::kUint64}) {
-      const TetMesh mesh = one_tet({
-          coordinates, ids, {10, 20, 30}
-      });
+      const TetMesh mesh = one_tet({coordinates, ids, {10, 20, 30}});
       EXPECT_EQ(mesh.vertex(1), (WorldPoint{11, 20, 30}));
       EXPECT_EQ(mesh.stored_position(3), (WorldPoint{0, 0, 1}));
       EXPECT_THAT(mesh.tet(0), ElementsAre(0, 1, 2, 3));
@@ -23,9 +21,7 @@ TEST(TetMesh, ReadsBackEveryStorage) {
 }
 
 TEST(TetMesh, AddsAFarOriginInDouble) {
-  const TetMesh mesh = one_tet({
-      .origin = {1e9 + 0.25, 0, 0}
-  });
+  const TetMesh mesh = one_tet({.origin = {1e9 + 0.25, 0, 0}});
   EXPECT_EQ(mesh.vertex(1).x, 1e9 + 1.25);
 }
 

@@ -40,9 +40,7 @@ TEST(Octree, BalancesLeavesAcrossFacesAndEdges) {
 
 TEST(Octree, KeepsLeavesSmallWhereItIsToldTo) {
   const Everywhere all(40);
-  const std::vector<BrickBox> cover{
-      {{-5, -5, -5}, {4, 4, 4}}
-  };
+  const std::vector<BrickBox> cover{{{-5, -5, -5}, {4, 4, 4}}};
   for (const int max_levels : {1, 2}) {
     const Octree tree = build_octree(one_cell({0, 0, 0}, 3, 3, 3), all.field, all.inside,
                                      {cover, {}}, {.max_levels = max_levels});

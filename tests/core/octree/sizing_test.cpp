@@ -37,9 +37,7 @@ TEST(Sizing, IsRefusedWithTheFieldAndItsValue) {
             "leaves_across is set without grade_surface: leaves at the surface are all finest");
   EXPECT_EQ(refusal({.growth = 2}), "growth 2 is not from 0.0625 to 1");
   EXPECT_EQ(refusal({.growth = std::nan("")}), "growth nan is not from 0.0625 to 1");
-  EXPECT_EQ(refusal({
-                .regions = {{1, ball}, {0, ball}}
-  }),
+  EXPECT_EQ(refusal({.regions = {{1, ball}, {0, ball}}}),
             "regions[1].size 0 is not from 1e-15 to 1e+15");
   EXPECT_EQ(refusal({.regions = {{1, {}}}}),
             "regions[0].shape is not set: set box, ball, capsule or shell");
@@ -127,18 +125,9 @@ TEST(Sizing, KeepsLeavesOfARegionSmall) {
 }
 
 TEST(Sizing, KnowsRegionsOfEveryShape) {
-  const WorldBox box{
-      {-30, -30, -30},
-      {-22, -14,  30}
-  };
-  const CapsuleRegion capsule{
-      {-20, -20, -20},
-      { 20,  20,  20},
-      3
-  };
-  const LeafMap leaves = grow({
-      .regions = {{2, box}, {1, capsule}, {4, ShellRegion{20}}}
-  });
+  const WorldBox box{{-30, -30, -30}, {-22, -14, 30}};
+  const CapsuleRegion capsule{{-20, -20, -20}, {20, 20, 20}, 3};
+  const LeafMap leaves = grow({.regions = {{2, box}, {1, capsule}, {4, ShellRegion{20}}}});
   test::expect_balanced(leaves);
   for_each_leaf(leaves, [&](const WorldPoint& p, int edge) {
     const bool in_box = p.x > -30 && p.x < -22 && p.y > -30 && p.y < -14 && std::abs(p.z) < 30;
@@ -159,21 +148,17 @@ Sizing by_grid(float size, double voxel) {
   }
   VolumeBuilder builder(VolumeKind::kLevelSet, 0, transform);
   const auto half = static_cast<std::int32_t>(std::lround(16 / voxel / kBrickEdge));
-  for_each_brick(
-      {
-          {   -half,    -half,    -half},
-          {half - 1, half - 1, half - 1}
-  },
-      [&](BrickCoord brick) {
-        std::array<float, kBrickCells> values;
-        values.fill(size);
-        values[0] = size / 2;  // of each brick the first voxel asks for less
-        if (brick.z < 0) {
-          builder.add_constant_brick(brick, size);
-        } else {
-          builder.add_brick(brick, values);
-        }
-      });
+  for_each_brick({{-half, -half, -half}, {half - 1, half - 1, half - 1}},
+                 [&](BrickCoord brick) {
+                   std::array<float, kBrickCells> values;
+                   values.fill(size);
+                   values[0] = size / 2;  // of each brick the first voxel asks for less
+                   if (brick.z < 0) {
+                     builder.add_constant_brick(brick, size);
+                   } else {
+                     builder.add_brick(brick, values);
+                   }
+                 });
   Sizing sizing;
   sizing.grid = SizingGrid{"", "", std::make_shared<const Volume>(*std::move(builder).build())};
   return sizing;
@@ -213,11 +198,8 @@ TEST(Sizing, RefusesMoreLeavesThanThereMayBe) {
       {{{-(1 << 25), -(1 << 25), -(1 << 25)}, {(1 << 25) - 1, (1 << 25) - 1, (1 << 25) - 1}}},
       {}};
   const auto leaves = [&](double radius) {
-    return leaf_rules(
-               {
-                   .regions = {{4, ShellRegion{1}}, {1, BallRegion{{}, radius}}}
-    },
-               all.field, cover, 24, 1e7, {})
+    return leaf_rules({.regions = {{4, ShellRegion{1}}, {1, BallRegion{{}, radius}}}},
+                      all.field, cover, 24, 1e7, {})
         .status();
   };
   EXPECT_TRUE(leaves(100).ok());

@@ -58,11 +58,8 @@ TEST(SurfaceProbe, MeasuresTheCurvatureOfAStoredLevelSet) {
   const Volume ball = test::ball(25);
   for (const double spacing : {1.0, 0.5}) {
     SurfaceProbe probe(field_of(ball, spacing));
-    for (const VoxelPoint& p : {
-             VoxelPoint{25,   0,    0},
-             VoxelPoint{15,  20,    0},
-             VoxelPoint{14, -15, 14.3}
-    }) {
+    for (const VoxelPoint& p :
+         {VoxelPoint{25, 0, 0}, VoxelPoint{15, 20, 0}, VoxelPoint{14, -15, 14.3}}) {
       probe.visit({p.x / spacing, p.y / spacing, p.z / spacing});
       EXPECT_NEAR(probe.curvature() / spacing, 1 / 25.0, 0.01);
     }
@@ -76,10 +73,7 @@ TEST(SurfaceProbe, MeasuresHowThickWallsAre) {
   probe.visit({3.2 * normal.x, 3.2 * normal.y, 3.2 * normal.z});
   EXPECT_NEAR(probe.thickness(100), 6, 0.5);
   EXPECT_EQ(probe.thickness(4), 4);
-  const Scene shell = scene_of(scene::RoundedBox{
-      {10, 10, 0.3},
-      0
-  });
+  const Scene shell = scene_of(scene::RoundedBox{{10, 10, 0.3}, 0});
   SurfaceProbe of_box(field_of(shell, 0.02));
   of_box.visit({20, 33, 7.6});
   EXPECT_NEAR(of_box.thickness(1000), 15, 0.5);

@@ -93,10 +93,7 @@ TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
     for (const int levels : {1, kMaxLevels}) {
       SCOPED_TRACE(solid.name + ", levels " + std::to_string(levels));
       MeshRequest request = both_sides(levels);
-      request.box = {
-          {-48, -48, -48},
-          { 48,  48,  48}
-      };
+      request.box = {{-48, -48, -48}, {48, 48, 48}};
       const MeshResult result = mesh(solid.volume, request);
       EXPECT_NEAR(result.quality.volume, volume_of(*request.box), 1e-3)
           << "the box is flat where the surface does not reach it";
@@ -116,16 +113,11 @@ TEST(BothSides, FillTheWholeBoxAndMeetOnTheSurface) {
 
 TEST(BothSides, LeaveNoVoidWhereManySamplesAreZero) {
   // Zero from plane to plane, and in a ball beyond them: tets of zeros and `-` alone.
-  const Volume volume = test::dense_volume(
-      {
-          { 0,  0,  0},
-          {47, 31, 31}
-  },
-      1, [](VoxelCoord v) {
-        if (v.x < 7) return -1.0F;
-        const bool in_ball = std::hypot(v.x - 31, v.y - 15, v.z - 15) < 7;
-        return v.x < 14 || in_ball ? 0.0F : 1.0F;
-      });
+  const Volume volume = test::dense_volume({{0, 0, 0}, {47, 31, 31}}, 1, [](VoxelCoord v) {
+    if (v.x < 7) return -1.0F;
+    const bool in_ball = std::hypot(v.x - 31, v.y - 15, v.z - 15) < 7;
+    return v.x < 14 || in_ball ? 0.0F : 1.0F;
+  });
   const MeshResult uniform = mesh(volume, both_sides(0)), graded = mesh(volume, both_sides());
   EXPECT_TRUE(check_conformity(graded.mesh).conforming());
   EXPECT_EQ(measure_boundary(graded.mesh).components, 1U) << "the box, and nothing within";
@@ -133,12 +125,10 @@ TEST(BothSides, LeaveNoVoidWhereManySamplesAreZero) {
 }
 
 TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
-  const std::vector<WorldBox> boxes{
-      {     {-8, -24, -3},      {8, 0, 30}},
-      {{-100, -100, -100}, {4.2, 3.1, 2.6}},
-      { {-1000, -20, -20},  {3000, 20, 20}},
-      {       {-20, 6, 6},  {20, 6.5, 6.5}}
-  };
+  const std::vector<WorldBox> boxes{{{-8, -24, -3}, {8, 0, 30}},
+                                    {{-100, -100, -100}, {4.2, 3.1, 2.6}},
+                                    {{-1000, -20, -20}, {3000, 20, 20}},
+                                    {{-20, 6, 6}, {20, 6.5, 6.5}}};
   std::vector<Volume> volumes;
   volumes.push_back(test::gyroid_ball(32));
   volumes.push_back(test::random_signs(20, 9));
@@ -169,10 +159,7 @@ TEST(BothSides, ConformWhereAllOfTheOutsideIsExactlyZero) {
   for (const int levels : {0, 1, kMaxLevels}) {
     SCOPED_TRACE(levels);
     MeshRequest request = both_sides(levels);
-    request.box = {
-        {-24, -24, -24},
-        { 24,  24,  24}
-    };
+    request.box = {{-24, -24, -24}, {24, 24, 24}};
     const MeshResult result = mesh(flat, request);
     const ConformityReport report = check_conformity(result.mesh);
     EXPECT_TRUE(report.conforming()) << report.describe();
@@ -193,15 +180,9 @@ TEST(BothSides, RefuseABoxThatIsNone) {
     return plan_mesh(volume, request, {}, Cancellation(), nullptr).status();
   };
   MeshRequest request = both_sides();
-  request.box = {
-      {0,  0, 0},
-      {1, -1, 1}
-  };
+  request.box = {{0, 0, 0}, {1, -1, 1}};
   EXPECT_EQ(refusal(request).code(), absl::StatusCode::kInvalidArgument);
-  request.box = {
-      {0, 0,    0},
-      {1, 1, 1e12}
-  };
+  request.box = {{0, 0, 0}, {1, 1, 1e12}};
   EXPECT_EQ(refusal(request).code(), absl::StatusCode::kInvalidArgument);
 }
 

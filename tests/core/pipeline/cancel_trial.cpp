@@ -58,13 +58,11 @@ std::vector<Case> cases() {
   MeshRequest both = graded;
   both.spacing = 1.0 / 4;
   both.preset = Preset::kBothSides;
-  return {
-      {    "graded", ball,   graded},
-      {   "uniform", ball,  uniform},
-      {  "improved", ball, improved},
-      {  "manifold", ball, manifold},
-      {"both sides", ball,     both}
-  };
+  return {{"graded", ball, graded},
+          {"uniform", ball, uniform},
+          {"improved", ball, improved},
+          {"manifold", ball, manifold},
+          {"both sides", ball, both}};
 }
 
 /// Plans, and cancels once `after` milliseconds of processor time are used. The time it took to

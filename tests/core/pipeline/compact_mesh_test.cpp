@@ -71,10 +71,7 @@ std::vector<Case> cases() {
   manifold.manifold = true;
   both_sides.preset = Preset::kBothSides;
   half.preset = Preset::kBothSides;
-  half.box = WorldBox{
-      WorldPoint{-40, -40, -40},
-      WorldPoint{ 40,  40,   8}
-  };
+  half.box = WorldBox{WorldPoint{-40, -40, -40}, WorldPoint{40, 40, 8}};
   coarse.spacing = 1.4;
   wide.coordinates = CoordinateType::kFloat64;
   wide.indices = IndexType::kUint64;

@@ -34,10 +34,7 @@ Shape unit_ball() { return scene_of(scene::Sphere{1}); }
 MeshRequest half(double spacing) {
   MeshRequest request;
   request.spacing = spacing;
-  request.box = WorldBox{
-      {-2, -2, -2},
-      { 0,  2,  2}
-  };
+  request.box = WorldBox{{-2, -2, -2}, {0, 2, 2}};
   return request;
 }
 
@@ -123,10 +120,7 @@ TEST(CutMesh, IsOnTheSurfaceEverywhereElse) {
 TEST(CutMesh, FillsABoxThatLiesInside) {
   MeshRequest request;
   request.spacing = 1.0 / 8;
-  request.box = WorldBox{
-      {-2, -1, 0},
-      { 1,  1, 2}
-  };
+  request.box = WorldBox{{-2, -1, 0}, {1, 1, 2}};
   const MeshResult result = mesh(scene_of(scene::Sphere{50}), request);
   expect_sound(result);
   EXPECT_NEAR(result.quality.volume, 3 * 2 * 2, 1e-9);
@@ -141,10 +135,7 @@ TEST(CutMesh, FillsABoxThatLiesInside) {
 TEST(CutMesh, IsRoundedOutwardToEightSpacings) {
   MeshRequest request;
   request.spacing = 1.0 / 8;
-  request.box = WorldBox{
-      {0.1, 0.1, 0.1},
-      {0.9, 1.1, 2.0}
-  };
+  request.box = WorldBox{{0.1, 0.1, 0.1}, {0.9, 1.1, 2.0}};
   const MeshResult result = mesh(scene_of(scene::Sphere{50}), request);
   EXPECT_NEAR(result.quality.volume, 1 * 2 * 2, 1e-9);
 }
@@ -152,15 +143,8 @@ TEST(CutMesh, IsRoundedOutwardToEightSpacings) {
 TEST(CutMesh, GivesAnEndToWhatHasNone) {
   MeshRequest request;
   request.spacing = 1.0 / 16;
-  request.box = WorldBox{
-      {-1, -1, -1},
-      { 1,  1,  1}
-  };
-  const MeshResult space = mesh(scene_of(scene::HalfSpace{
-                                    {1, 2, 3},
-                                    0
-  }),
-                                request);
+  request.box = WorldBox{{-1, -1, -1}, {1, 1, 1}};
+  const MeshResult space = mesh(scene_of(scene::HalfSpace{{1, 2, 3}, 0}), request);
   expect_sound(space);
   EXPECT_NEAR(space.quality.volume, 4, 1e-3);
   const MeshResult sheet =
@@ -171,10 +155,7 @@ TEST(CutMesh, GivesAnEndToWhatHasNone) {
 TEST(CutMesh, CutsVolumesAsItCutsScenes) {
   const Volume ball = test::ball(20);
   MeshRequest request;
-  request.box = WorldBox{
-      { 0, -30, -30},
-      {30,  30,  30}
-  };
+  request.box = WorldBox{{0, -30, -30}, {30, 30, 30}};
   for (const double spacing : {1.0, 0.7}) {
     request.spacing = spacing;
     const MeshResult result = mesh(std::make_shared<const Volume>(ball), request);
@@ -217,9 +198,7 @@ TEST(CutMesh, MayBeGradedAtItsSurfaceAndItsFaces) {
   MeshRequest request = half(1.0 / 32);
   request.sizing.coarsest = 1.0 / 8;
   request.sizing.grade_surface = true;
-  request.sizing.regions.push_back({
-      1.0 / 32, BallRegion{{0, 1, 0}, 0.2}
-  });
+  request.sizing.regions.push_back({1.0 / 32, BallRegion{{0, 1, 0}, 0.2}});
   const MeshResult result = mesh(unit_ball(), request);
   expect_sound(result);
   EXPECT_NEAR(area_of_face(result.mesh, kCutUpperX), std::numbers::pi, 0.02);
@@ -251,10 +230,7 @@ TEST(CutMesh, IsRefusedWithItsReason) {
   EXPECT_EQ(try_to_mesh(unit_ball(), request).status().message(),
             "manifold does not go with a box that cuts the inside: set one of them");
   request = half(1.0 / 8);
-  request.box = WorldBox{
-      {3, 3, 3},
-      {4, 4, 4}
-  };
+  request.box = WorldBox{{3, 3, 3}, {4, 4, 4}};
   const auto empty = try_to_mesh(unit_ball(), request);
   EXPECT_EQ(empty.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(empty.status().message(),

@@ -39,14 +39,14 @@ std::vector<Input> inputs() {
   MeshRequest both;
   both.preset = Preset::kBothSides;
   return {
-      {         "ball",        shared(test::ball(30)), test::with_levels(0) },
-      { "graded ball",        shared(test::ball(30))                     },
-      { "gyroid", shared(test::gyroid_ball(56))                     },
-      { "random signs",  shared(test::random_signs(44,                  7))},
-      { "zeros",  shared(test::random_signs(36,                    8, 3)), test::with_levels(2)},
-      { "plate",  shared(test::plate({1, 20})),                 fine            },
-      { "both sides",        shared(test::ball(20)),                 both },
-      { "random domain",  shared(test::random_signs(30,                  9)),              both},
+      {"ball", shared(test::ball(30)), test::with_levels(0)},
+      {"graded ball", shared(test::ball(30))},
+      {"gyroid", shared(test::gyroid_ball(56))},
+      {"random signs", shared(test::random_signs(44, 7))},
+      {"zeros", shared(test::random_signs(36, 8, 3)), test::with_levels(2)},
+      {"plate", shared(test::plate({1, 20})), fine},
+      {"both sides", shared(test::ball(20)), both},
+      {"random domain", shared(test::random_signs(30, 9)), both},
   };
 }
 

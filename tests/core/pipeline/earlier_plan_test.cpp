@@ -40,18 +40,10 @@ void expect_same_frames(const std::vector<Shape>& frames, const MeshRequest& req
 /// A ball with a dent that goes around it. The band, its constants and its cubes change.
 std::vector<Shape> dented_balls() {
   std::vector<Shape> frames;
-  for (const VoxelCoord at : {
-           VoxelCoord{0,  0, 15},
-           VoxelCoord{0, 11, 11},
-           VoxelCoord{0,  5,  5},
-           VoxelCoord{0,  5,  5}
-  }) {
+  for (const VoxelCoord at : {VoxelCoord{0, 0, 15}, VoxelCoord{0, 11, 11}, VoxelCoord{0, 5, 5},
+                              VoxelCoord{0, 5, 5}}) {
     const Volume volume = test::narrow_band_volume(
-        VoxelBox{
-            VoxelCoord{-20, -20, -20},
-            VoxelCoord{ 20,  20,  20}
-    },
-        3, [=](VoxelCoord v) {
+        VoxelBox{VoxelCoord{-20, -20, -20}, VoxelCoord{20, 20, 20}}, 3, [=](VoxelCoord v) {
           const auto from = [&](VoxelCoord c) {
             return std::hypot(static_cast<float>(v.x - c.x), static_cast<float>(v.y - c.y),
                               static_cast<float>(v.z - c.z));
@@ -86,10 +78,7 @@ std::vector<Shape> moving_links() {
     test::SceneWriter writer;
     const std::string torus = writer.add(scene::Torus{1, 0.25});
     const std::string moved = writer.add_moved({1.6 + x, 0.1, 0.3}, torus);
-    writer.add(scene::Combination{
-        scene::Combine::kUnion, {torus, moved},
-         0.1
-    });
+    writer.add(scene::Combination{scene::Combine::kUnion, {torus, moved}, 0.1});
     frames.emplace_back(std::make_shared<const Scene>(writer.scene()));
   }
   return frames;

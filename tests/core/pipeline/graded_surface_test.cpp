@@ -103,10 +103,7 @@ TEST(GradedSurface, FollowsABendAsCloselyAsItIsAsked) {
 
 TEST(GradedSurface, IsFineOnlyWhereItBends) {
   test::SceneWriter writer;
-  writer.add(scene::RoundedBox{
-      {4, 4, 4},
-      0.25
-  });
+  writer.add(scene::RoundedBox{{4, 4, 4}, 0.25});
   const Shape box = std::make_shared<const Scene>(writer.scene());
   MeshRequest even = graded(1.0 / 32, 1.0 / 16), bent = graded(1.0 / 32, 1);
   bent.sizing.chord_error = 0.004;
@@ -134,9 +131,7 @@ TEST(GradedSurface, KeepsWallsThatAreThinnerThanItsLargestLeaves) {
 
 TEST(GradedSurface, IsFineInARegionAndCoarseElsewhere) {
   MeshRequest request = graded(1.0 / 64, 1.0 / 8);
-  request.sizing.regions.push_back({
-      1.0 / 64, BallRegion{{1, 0, 0}, 0.25}
-  });
+  request.sizing.regions.push_back({1.0 / 64, BallRegion{{1, 0, 0}, 0.25}});
   const MeshResult result = mesh(ball_scene(), request);
   EXPECT_TRUE(check_conformity(result.mesh).conforming());
   EXPECT_GT(result.quality.min_dihedral_deg, kLeastGradedAngleDeg);
@@ -182,9 +177,7 @@ TEST(GradedSurface, KeepsItsPromisesOnRandomInputs) {
 
 TEST(GradedSurface, ComesInChunksAndInBetterShape) {
   MeshRequest request = graded(1.0 / 24, 1.0 / 6);
-  request.sizing.regions.push_back({
-      1.0 / 24, BallRegion{{1, 0, 0}, 0.4}
-  });
+  request.sizing.regions.push_back({1.0 / 24, BallRegion{{1, 0, 0}, 0.4}});
   const MeshResult plain = mesh(ball_scene(), request);
   request.improve = true;
   const MeshResult improved = mesh(ball_scene(), request);

@@ -62,14 +62,9 @@ Scene bored_ball(const std::shared_ptr<const Volume>& ball) {
   across.angle_deg = 90;
   across.translation = {0, 0.5, 0};
   const std::string bar = writer.add(across);
-  const std::string bored = writer.add(scene::Combination{
-      scene::Combine::kDifference, {scan, bore},
-       0
-  });
-  writer.add(scene::Combination{
-      scene::Combine::kUnion, {bored, bar},
-       0
-  });
+  const std::string bored =
+      writer.add(scene::Combination{scene::Combine::kDifference, {scan, bore}, 0});
+  writer.add(scene::Combination{scene::Combine::kUnion, {bored, bar}, 0});
   return writer.scene();
 }
 
@@ -98,9 +93,7 @@ double farthest_apart(const TetMesh& a, const TetMesh& b) {
 
 TEST(GridSceneMesh, OfOneLeafIsTheGridsOwn) {
   // Off the lattice's centres: no two cut points are equally near to a node.
-  const BallGrid ball{
-      .centre = {0.013, 0.0271, 0.0411}
-  };
+  const BallGrid ball{.centre = {0.013, 0.0271, 0.0411}};
   for (const auto& volume : {grid_of(ball), fog_of(ball)}) {
     const MeshResult of_grid = test::mesh(*volume, exact(0.1));
     const MeshResult of_scene = mesh(alone(volume), exact(0.1));
@@ -114,10 +107,7 @@ TEST(GridSceneMesh, OfOneLeafIsTheGridsOwn) {
 
 TEST(GridSceneMesh, HasTheSolidsTopologyAtAnySpacingHoweverTheGridLies) {
   for (const double spacing : {0.04, 0.13, 0.19}) {
-    for (const BallGrid& ball : {
-             BallGrid{              },
-             BallGrid{ .turned = true,.shifted = true}
-    }) {
+    for (const BallGrid& ball : {BallGrid{}, BallGrid{.turned = true, .shifted = true}}) {
       const Scene scene = alone(grid_of(ball));
       const MeshResult result = mesh(scene, exact(spacing));
       expect_sound(result);
@@ -130,10 +120,7 @@ TEST(GridSceneMesh, HasTheSolidsTopologyAtAnySpacingHoweverTheGridLies) {
 }
 
 TEST(GridSceneMesh, MixesGridsAndPrimitives) {
-  for (const BallGrid& ball : {
-           BallGrid{              },
-           BallGrid{ .turned = true,.shifted = true}
-  }) {
+  for (const BallGrid& ball : {BallGrid{}, BallGrid{.turned = true, .shifted = true}}) {
     const Scene scene = bored_ball(grid_of(ball));
     const MeshResult result = mesh(scene, exact(0.05));
     expect_sound(result);
@@ -184,10 +171,7 @@ TEST(GridSceneMesh, KeepsItsPromisesOnGridsOfAnyValues) {
     SceneWriter writer;
     const std::string noise = writer.add(leaf(test::random_grid(seed)));
     const std::string ball = writer.add(scene::Sphere{0.9});
-    writer.add(scene::Combination{
-        static_cast<scene::Combine>(seed % 3), {ball, noise},
-           0
-    });
+    writer.add(scene::Combination{static_cast<scene::Combine>(seed % 3), {ball, noise}, 0});
     const Scene scene = writer.scene();
     const MeshResult result = mesh(scene, exact(seed % 2 == 0 ? 0.1 : 0.07));
     expect_sound(result);
@@ -199,10 +183,7 @@ TEST(GridSceneMesh, KeepsItsPromisesOnGridsOfAnyValues) {
 TEST(GridSceneMesh, MeshesBothSidesInABox) {
   MeshRequest request = exact(0.1);
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-1.6, -1.6, -1.6},
-      { 1.6,  1.6,  1.6}
-  };
+  request.box = {{-1.6, -1.6, -1.6}, {1.6, 1.6, 1.6}};
   const MeshResult result = mesh(bored_ball(grid_of({})), request);
   expect_sound(result, Preset::kBothSides);
   EXPECT_NEAR(result.quality.volume, std::pow(3.2, 3), 1e-6);

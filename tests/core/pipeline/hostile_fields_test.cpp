@@ -64,9 +64,7 @@ std::vector<Symmetry> all_symmetries() {
   std::array<std::size_t, 3> axis{0, 1, 2};
   do {
     for (int signs = 0; signs < 8; ++signs) {
-      all.push_back({
-          axis, {signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1}
-      });
+      all.push_back({axis, {signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1}});
     }
   } while (std::ranges::next_permutation(axis).found);
   return all;
@@ -76,10 +74,8 @@ TEST(LatticeSymmetries, MapMeshesOfFieldsWithoutTiesOntoOneAnother) {
   constexpr int kHalf = 7;
   TaskPool pool(2);
   const auto mesh = [&](const Symmetry& map, VoxelCoord shift, Preset preset) {
-    const VoxelBox box{
-        {shift.x - kHalf, shift.y - kHalf, shift.z - kHalf},
-        {shift.x + kHalf, shift.y + kHalf, shift.z + kHalf}
-    };
+    const VoxelBox box{{shift.x - kHalf, shift.y - kHalf, shift.z - kHalf},
+                       {shift.x + kHalf, shift.y + kHalf, shift.z + kHalf}};
     const Volume source = test::random_signs(2 * kHalf + 1, 77);
     VolumeReader reader(source);
     Volume volume = test::dense_volume(box, 1, [&](VoxelCoord v) {

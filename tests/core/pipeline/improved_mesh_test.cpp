@@ -90,11 +90,9 @@ TEST(ImprovedMesh, NeverHasWorseAnglesNorOtherTets) {
 }
 
 TEST(ImprovedMesh, KeepsTheBoxAndTheSurfaceBetweenBothSides) {
-  for (const Field& field : {
-           Field{        "ball",      test::ball(17.3)},
-           Field{ "gyroid", test::gyroid_ball(30)             },
-           Field{ "random signs", test::random_signs(16,                                 1)}
-  }) {
+  for (const Field& field :
+       {Field{"ball", test::ball(17.3)}, Field{"gyroid", test::gyroid_ball(30)},
+        Field{"random signs", test::random_signs(16, 1)}}) {
     SCOPED_TRACE(field.name);
     const MeshResult plain = mesh(field.volume, both_sides());
     const MeshResult improved = mesh(field.volume, improving(both_sides()));
@@ -203,11 +201,9 @@ TEST(ImprovedMesh, KeepsItsAnglesUnderRotationMirrorAndDistance) {
   constexpr double kTurn = 0.6;
   VoxelTransform far;
   far.voxel_size = 0.04;
-  far.linear = {
-      {{-0.04 * std::cos(kTurn), -0.04 * std::sin(kTurn), 0},
-       {-0.04 * std::sin(kTurn), 0.04 * std::cos(kTurn), 0},
-       {0, 0, 0.04}}
-  };
+  far.linear = {{{-0.04 * std::cos(kTurn), -0.04 * std::sin(kTurn), 0},
+                 {-0.04 * std::sin(kTurn), 0.04 * std::cos(kTurn), 0},
+                 {0, 0, 0.04}}};
   far.translation = {20000, -20000, 500};
   const MeshResult moved = mesh(test::ball(15, far), improving());
   EXPECT_TRUE(check_conformity(moved.mesh).conforming());

@@ -31,8 +31,7 @@ std::shared_ptr<const Volume> named(const std::string& name, Volume volume) {
 VoxelTransform turned(double voxel) {
   VoxelTransform transform;
   transform.linear = {
-      {{0.8 * voxel, 0.6 * voxel, 0}, {-0.6 * voxel, 0.8 * voxel, 0}, {0, 0, voxel}}
-  };
+      {{0.8 * voxel, 0.6 * voxel, 0}, {-0.6 * voxel, 0.8 * voxel, 0}, {0, 0, voxel}}};
   transform.translation = {40.3, -7.1, 3.7};
   transform.voxel_size = voxel;
   return transform;
@@ -154,31 +153,21 @@ TEST(JoinedPlan, HasItAlsoImprovedAndWithAGradedSurface) {
 
 TEST(JoinedPlan, HasItCutOffAtABox) {
   MeshRequest cut;
-  cut.box = {
-      {-60, -60, -3},
-      { 60,  60, 60}
-  };
+  cut.box = {{-60, -60, -3}, {60, 60, 60}};
   expect_each_alone(three_lattices(), cut);
   const auto plan = try_to_plan(three_lattices(), cut);
   ASSERT_TRUE(plan.ok()) << plan.status();
-  const std::vector<FieldArray> arrays{
-      {kCutFaceArray, 1}
-  };
+  const std::vector<FieldArray> arrays{{kCutFaceArray, 1}};
   EXPECT_EQ((*plan)->header().fields, arrays);
 }
 
 TEST(JoinedPlan, HasItWithTheValuesOfFields) {
-  Volume values = test::dense_volume(
-      {
-          {-50, -50, -20},
-          { 60,  40,  20}
-  },
-      -7, [](VoxelCoord v) { return static_cast<float>(v.x - v.y); });
+  Volume values = test::dense_volume({{-50, -50, -20}, {60, 40, 20}}, -7, [](VoxelCoord v) {
+    return static_cast<float>(v.x - v.y);
+  });
   values.kind = VolumeKind::kField;
   MeshRequest request;
-  request.fields = {
-      {"heat", "", "", {named("heat", std::move(values))}}
-  };
+  request.fields = {{"heat", "", "", {named("heat", std::move(values))}}};
   expect_each_alone(three_lattices(), request);
 }
 

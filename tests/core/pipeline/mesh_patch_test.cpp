@@ -60,11 +60,7 @@ std::uint64_t kept_tets(const MeshPatch& patch) {
 /// A ball of 30 voxels with a dent or a bump of a few voxels at one place.
 Volume dented_ball(float depth, VoxelCoord at = {0, 0, 30}) {
   return test::narrow_band_volume(
-      VoxelBox{
-          VoxelCoord{-40, -40, -40},
-          VoxelCoord{ 40,  40,  40}
-  },
-      3, [=](VoxelCoord v) {
+      VoxelBox{VoxelCoord{-40, -40, -40}, VoxelCoord{40, 40, 40}}, 3, [=](VoxelCoord v) {
         const auto from = [&](VoxelCoord c) {
           return std::sqrt(static_cast<float>((v.x - c.x) * (v.x - c.x) +
                                               (v.y - c.y) * (v.y - c.y) +
@@ -281,11 +277,7 @@ TEST(Splice, RefusesATetWithAVertexBetweenTwoRuns) {
   const std::span ids(reinterpret_cast<std::uint32_t*>(mesh.tets.bytes().data()), 400);
   std::ranges::fill(ids, 10);
   ids[77] = 990;
-  const std::vector<KeptRun> runs{
-      {  0,   0, 100},
-      {102, 200,   5},
-      {900, 300, 100}
-  };
+  const std::vector<KeptRun> runs{{0, 0, 100}, {102, 200, 5}, {900, 300, 100}};
   const auto outcome = [&] {
     return splice_mesh(mesh, header, {runs, {{0, 0, header.tet_count}}}).status().code();
   };

@@ -111,12 +111,8 @@ TEST(MeshPlan, StoresDoublesWhereFloatsWouldBendAngles) {
   ASSERT_TRUE(small.ok());
   EXPECT_EQ((*small)->header().coordinate_type, CoordinateType::kFloat32);
   // Two small balls nine thousand voxels apart.
-  const auto far = plan(test::narrow_band_volume(
-      {
-          {  -8, -8, -8},
-          {9008,  8,  8}
-  },
-      3, [](VoxelCoord v) {
+  const auto far =
+      plan(test::narrow_band_volume({{-8, -8, -8}, {9008, 8, 8}}, 3, [](VoxelCoord v) {
         const double x = v.x < 4500 ? v.x : v.x - 9000;
         return static_cast<float>(std::hypot(x, v.y, v.z) - 5.2);
       }));
@@ -177,10 +173,7 @@ TEST(MeshPlan, BoundsHoldEveryVertex) {
   for (const Volume& volume : volumes) {
     EXPECT_EQ(vertices_out_of_bounds(mesh(volume, {}).mesh), 0U);
     for (const double end : {4.0, 200.0}) {  // the first cuts every surface
-      both_sides.box = {
-          {-200, -200, -200},
-          { end,  end,  end}
-      };
+      both_sides.box = {{-200, -200, -200}, {end, end, end}};
       EXPECT_EQ(vertices_out_of_bounds(mesh(volume, both_sides).mesh), 0U) << end;
     }
   }
@@ -189,10 +182,7 @@ TEST(MeshPlan, BoundsHoldEveryVertex) {
 TEST(MeshPlan, BoundsOfBothSidesAreTheBoxWhereNoSurfaceCutsIt) {
   MeshRequest request;
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-100, -100, -100},
-      { 300,  100,   90}
-  };
+  request.box = {{-100, -100, -100}, {300, 100, 90}};
   const auto made = plan(test::ball(9), request);
   ASSERT_TRUE(made.ok()) << made.status();
   const WorldBox& bounds = (*made)->header().bounds;
@@ -203,10 +193,7 @@ TEST(MeshPlan, BoundsOfBothSidesAreTheBoxWhereNoSurfaceCutsIt) {
 TEST(MeshPlan, MeshesABoxOfAnySizeOrRefusesItAtOnce) {
   MeshRequest request;
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-1e7, -20, -20},
-      { 1e7,  20,  20}
-  };
+  request.box = {{-1e7, -20, -20}, {1e7, 20, 20}};
   const auto made = plan(test::ball(9), request);
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_LT((*made)->header().tet_count, 3'000'000U);
@@ -219,10 +206,7 @@ TEST(MeshPlan, MeshesABoxOfAnySizeOrRefusesItAtOnce) {
 TEST(MeshPlan, SaysThatABoxHoldsNothingOfTheSurface) {
   MeshRequest request;
   request.preset = Preset::kBothSides;
-  request.box = {
-      {100, 100, 100},
-      {120, 120, 120}
-  };
+  request.box = {{100, 100, 100}, {120, 120, 120}};
   const auto refused = plan(test::ball(9), request);
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(refused.status().message()),

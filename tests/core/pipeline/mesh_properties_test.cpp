@@ -136,16 +136,11 @@ TEST(Mesh, HasTheSameSurfaceGradedAndUniform) {
 TEST(Mesh, IsNotFooledByInsideThatTheWarpTookAway) {
   // A slab up to y = 6.4, and at y = 8, in the bricks above it, grains so faint that their
   // nodes move onto the surface: a sample there is inside, and nothing is.
-  const Volume volume = test::dense_volume(
-      {
-          { 0,  0,  0},
-          {31, 31, 31}
-  },
-      1, [](VoxelCoord v) {
-        if (v.y < 8) return static_cast<float>(v.y) - 6.4F;
-        const bool grain = v.y == 8 && v.x % 4 == 0 && v.z % 4 == 0;
-        return grain ? -0.05F : 1.0F;
-      });
+  const Volume volume = test::dense_volume({{0, 0, 0}, {31, 31, 31}}, 1, [](VoxelCoord v) {
+    if (v.y < 8) return static_cast<float>(v.y) - 6.4F;
+    const bool grain = v.y == 8 && v.x % 4 == 0 && v.z % 4 == 0;
+    return grain ? -0.05F : 1.0F;
+  });
   const TetMesh uniform = mesh(volume, with_levels(0)).mesh, graded = mesh(volume).mesh;
   EXPECT_TRUE(check_conformity(graded).conforming()) << check_conformity(graded).describe();
   EXPECT_TRUE(surface_of(graded) == surface_of(uniform));
@@ -158,18 +153,9 @@ TEST(Mesh, CountsWhatAnIndependentReadingOfTheRulesCounts) {
     EXPECT_EQ(header.vertex_count, expected.vertices);
     EXPECT_EQ(header.tet_count, expected.tets);
   };
-  compare(test::ball(9.4), {
-                               {-12, -12, -12},
-                               { 12,  12,  12}
-  });
-  compare(test::random_signs(12, 4), {
-                                         { 0,  0,  0},
-                                         {11, 11, 11}
-  });
-  compare(test::random_signs(12, 5, 4), {
-                                            { 0,  0,  0},
-                                            {11, 11, 11}
-  });
+  compare(test::ball(9.4), {{-12, -12, -12}, {12, 12, 12}});
+  compare(test::random_signs(12, 4), {{0, 0, 0}, {11, 11, 11}});
+  compare(test::random_signs(12, 5, 4), {{0, 0, 0}, {11, 11, 11}});
 }
 
 TEST(Mesh, HasManyTimesFewerTetsWhenGraded) {
@@ -209,11 +195,9 @@ TEST(Mesh, KeepsItsAnglesUnderRotationMirrorAndDistance) {
   VoxelTransform far;
   far.voxel_size = 0.04;
   // Turned about z, mirrored in x, and 20 km from the origin.
-  far.linear = {
-      {{-0.04 * std::cos(kTurn), -0.04 * std::sin(kTurn), 0},
-       {-0.04 * std::sin(kTurn), 0.04 * std::cos(kTurn), 0},
-       {0, 0, 0.04}}
-  };
+  far.linear = {{{-0.04 * std::cos(kTurn), -0.04 * std::sin(kTurn), 0},
+                 {-0.04 * std::sin(kTurn), 0.04 * std::cos(kTurn), 0},
+                 {0, 0, 0.04}}};
   far.translation = {20000, -20000, 500};
   const MeshResult plain = mesh(test::ball(15)), moved = mesh(test::ball(15, far));
   ASSERT_EQ(plain.mesh.header.tet_count, moved.mesh.header.tet_count);

@@ -100,9 +100,7 @@ TEST(SceneMesh, HasTheSameBytesHoweverAScenesPartsAreWritten) {
   const std::string ball = twice.add(scene::Sphere{1});
   const std::string at_2 = twice.add_moved({2, 0, 0}, ball);
   const std::string at_5 = twice.add_moved({3, 0, 0}, at_2);
-  twice.add(scene::Combination{
-      scene::Combine::kUnion, {ball, at_5}
-  });
+  twice.add(scene::Combination{scene::Combine::kUnion, {ball, at_5}});
   const std::string same = once.add(scene::Sphere{1});
   scene::Repeat repeat{same};
   repeat.count = {2, 1, 1};
@@ -136,10 +134,7 @@ TEST(SceneMesh, MeshesBothSidesOfWhatHasNoEndWithinABox) {
   MeshRequest request = exact(0.1);
   EXPECT_EQ(try_to_mesh(writer.scene(), request).status(), check_ends(writer.scene()));
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-1, -1, -1},
-      { 1,  1,  1}
-  };
+  request.box = {{-1, -1, -1}, {1, 1, 1}};
   const MeshResult result = mesh(writer.scene(), request);
   expect_sound(result, Preset::kBothSides);
   const double box = std::pow(3.2, 3);  // rounded outward to 0.8
@@ -182,17 +177,13 @@ TEST(SceneMesh, SaysWhereThereIsNothingInside) {
   test::SceneWriter writer;
   const std::string ball = writer.add(scene::Sphere{1});
   const std::string other = writer.add_moved({3, 0, 0}, ball);
-  writer.add(scene::Combination{
-      scene::Combine::kIntersection, {ball, other}
-  });
+  writer.add(scene::Combination{scene::Combine::kIntersection, {ball, other}});
   EXPECT_EQ(refusal(writer.scene(), exact(0.1)), "nothing of the scene is inside");
   EXPECT_EQ(refusal(writer.scene(), {}),
             "spacing must be given: nothing of the scene is inside");
   test::SceneWriter gone;
   const std::string small = gone.add(scene::Sphere{1});
-  gone.add(scene::Combination{
-      scene::Combine::kDifference, {small, small}
-  });
+  gone.add(scene::Combination{scene::Combine::kDifference, {small, small}});
   EXPECT_EQ(refusal(gone.scene(), exact(0.1)),
             "nothing is inside at iso 0, so there is nothing to mesh");
 }

@@ -98,8 +98,7 @@ TEST(SizedMesh, KnowsShellsThatReachThroughAll) {
 const Sizing kSizing{
     .coarsest = 4.0,
     .growth = 0.5,
-    .regions = {{1, BallRegion{{3, 1, -2}, 6}}, {2, WorldBox{{-20, -4, 0}, {0, 4, 9}}}}
-};
+    .regions = {{1, BallRegion{{3, 1, -2}, 6}}, {2, WorldBox{{-20, -4, 0}, {0, 4, 9}}}}};
 
 TEST(SizedMesh, ConformsWithTheSameSurfaceAndTheSameBytes) {
   const Volume ball = test::ball(19.3);
@@ -129,15 +128,11 @@ TEST(SizedMesh, IsRefusedWithTheFieldThatIsFinerThanTheVoxels) {
 }
 
 TEST(SizedMesh, IsRefusedWhereItWouldBeTooLarge) {
-  MeshRequest request = sized({
-      .regions = {{1e-5, ShellRegion{1e-4}}, {1e-5, BallRegion{{}, 1}}}
-  });
+  MeshRequest request =
+      sized({.regions = {{1e-5, ShellRegion{1e-4}}, {1e-5, BallRegion{{}, 1}}}});
   request.preset = Preset::kBothSides;
   request.spacing = 1e-5;
-  request.box = {
-      {-1, -1, -1},
-      { 1,  1,  1}
-  };
+  request.box = {{-1, -1, -1}, {1, 1, 1}};
   test::SceneWriter writer;
   writer.add(scene::Sphere{2e-4});
   const auto plan = try_to_plan(std::make_shared<const Scene>(writer.scene()), request);

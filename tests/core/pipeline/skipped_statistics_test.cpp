@@ -27,30 +27,14 @@ std::vector<NamedRequest> kinds_of_meshes() {
   improved.improve = true;
   manifold.manifold = true;
   whole.preset = both.preset = Preset::kBothSides;
-  whole.box = {
-      {-40, -40, -40},
-      { 40,  40,  40}
-  };
-  both.box = {
-      {-40, -40, -40},
-      { 40,  40,   2}
-  };  // cuts the surface
-  cut.box = {
-      {-40, -40, -40},
-      { 40,  40,   2}
-  };
+  whole.box = {{-40, -40, -40}, {40, 40, 40}};
+  both.box = {{-40, -40, -40}, {40, 40, 2}};  // cuts the surface
+  cut.box = {{-40, -40, -40}, {40, 40, 2}};
   graded.sizing.coarsest = 8;
   graded.sizing.grade_surface = true;
-  return {
-      {           "graded",       {}},
-      {          "uniform",  uniform},
-      {         "improved", improved},
-      {         "manifold", manifold},
-      {"all of both sides",    whole},
-      {       "both sides",     both},
-      {              "cut",      cut},
-      {   "graded surface",   graded}
-  };
+  return {{"graded", {}},         {"uniform", uniform},         {"improved", improved},
+          {"manifold", manifold}, {"all of both sides", whole}, {"both sides", both},
+          {"cut", cut},           {"graded surface", graded}};
 }
 
 Plan plan(const Shape& shape,

@@ -27,36 +27,25 @@ using test::same_bytes;
 
 /// Whole numbers near zero: half of all samples are exactly zero, and walls one voxel thick.
 Volume few_values(int edge, std::uint32_t seed) {
-  return test::dense_volume(
-      {
-          {       0,        0,        0},
-          {edge - 1, edge - 1, edge - 1}
-  },
-      3, [=](VoxelCoord v) {
-        std::uint32_t hash = seed * 2654435761U;
-        for (const std::int32_t c : {v.x, v.y, v.z}) {
-          hash = (hash ^ static_cast<std::uint32_t>(c)) * 2246822519U;
-          hash ^= hash >> 13U;
-        }
-        return static_cast<float>(static_cast<int>(hash % 4) / 2 * 2 -
-                                  static_cast<int>(hash % 3));
-      });
+  return test::dense_volume({{0, 0, 0}, {edge - 1, edge - 1, edge - 1}}, 3, [=](VoxelCoord v) {
+    std::uint32_t hash = seed * 2654435761U;
+    for (const std::int32_t c : {v.x, v.y, v.z}) {
+      hash = (hash ^ static_cast<std::uint32_t>(c)) * 2246822519U;
+      hash ^= hash >> 13U;
+    }
+    return static_cast<float>(static_cast<int>(hash % 4) / 2 * 2 - static_cast<int>(hash % 3));
+  });
 }
 
 /// A ball with single samples of its inside that are exactly zero: no surface is there.
 Volume ball_with_lone_zeros() {
   constexpr float kRadius = 20;
-  return test::dense_volume(
-      {
-          {-24, -24, -24},
-          { 24,  24,  24}
-  },
-      3, [](VoxelCoord v) {
-        const auto square = [](std::int32_t i) { return static_cast<float>(i * i); };
-        const float from_middle = std::sqrt(square(v.x) + square(v.y) + square(v.z));
-        const bool lone = v.x % 5 == 0 && v.y % 6 == 0 && v.z % 7 == 0;
-        return lone && from_middle < kRadius - 4 ? 0 : from_middle - kRadius;
-      });
+  return test::dense_volume({{-24, -24, -24}, {24, 24, 24}}, 3, [](VoxelCoord v) {
+    const auto square = [](std::int32_t i) { return static_cast<float>(i * i); };
+    const float from_middle = std::sqrt(square(v.x) + square(v.y) + square(v.z));
+    const bool lone = v.x % 5 == 0 && v.y % 6 == 0 && v.z % 7 == 0;
+    return lone && from_middle < kRadius - 4 ? 0 : from_middle - kRadius;
+  });
 }
 
 /// Sheets and walls of all thicknesses, rounded: where they meet bricks' edges and each other,
@@ -67,11 +56,7 @@ Volume rounded_waves(std::uint32_t seed) {
   const float wave = 0.3F + 0.1F * static_cast<float>(seed % 4);
   const float phase = 1.7F * static_cast<float>(seed);
   return test::dense_volume(
-      {
-          {        0,         0,         0},
-          {kEdge - 1, kEdge - 1, kEdge - 1}
-  },
-      3, [=](VoxelCoord v) {
+      {{0, 0, 0}, {kEdge - 1, kEdge - 1, kEdge - 1}}, 3, [=](VoxelCoord v) {
         const auto along = [&](float i, float j) {
           return std::sin(wave * i + phase) * std::cos(wave * j - 0.3F * phase);
         };
@@ -94,17 +79,12 @@ Volume ball_at_a_corner(std::uint32_t seed) {
   std::array<double, 3> way{draw(-1, 1), draw(-1, 1), draw(-1, 1)};
   const double length = std::hypot(way[0], way[1], way[2]);
   for (double& along : way) along *= (radius + beyond) / length;
-  return test::dense_volume(
-      {
-          {-20, -20, -20},
-          { 20,  20,  20}
-  },
-      3, [=](VoxelCoord v) {
-        const double from_middle = std::hypot(v.x - way[0], v.y - way[1], v.z - way[2]);
-        double phi = from_middle - radius;
-        if (hollow) phi = std::max(-phi, std::hypot(v.x, v.y, v.z) - 19);
-        return static_cast<float>(rounded ? std::round(4 * phi) / 4 : phi);
-      });
+  return test::dense_volume({{-20, -20, -20}, {20, 20, 20}}, 3, [=](VoxelCoord v) {
+    const double from_middle = std::hypot(v.x - way[0], v.y - way[1], v.z - way[2]);
+    double phi = from_middle - radius;
+    if (hollow) phi = std::max(-phi, std::hypot(v.x, v.y, v.z) - 19);
+    return static_cast<float>(rounded ? std::round(4 * phi) / 4 : phi);
+  });
 }
 
 std::vector<std::pair<std::string, Volume>> fields() {
@@ -166,10 +146,7 @@ TEST(SurfaceTopology, OfBothSidesIsThatOfTheInside) {
       MeshRequest request;
       request.preset = Preset::kBothSides;
       request.manifold = manifold;
-      request.box = {
-          {-64, -64, -64},
-          { 64,  64,  64}
-      };
+      request.box = {{-64, -64, -64}, {64, 64, 64}};
       expect_counted_as_measured(mesh(volume, request));
     }
   }
@@ -178,22 +155,15 @@ TEST(SurfaceTopology, OfBothSidesIsThatOfTheInside) {
 TEST(SurfaceTopology, IsNotToldWhereABoxCutsTheSurface) {
   MeshRequest request;
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-64, -64, -64},
-      { 64,  64,   0}
-  };
+  request.box = {{-64, -64, -64}, {64, 64, 0}};
   EXPECT_FALSE(mesh(test::ball(15), request).boundary.has_value());
 }
 
 /// More bricks than are surveyed at a time.
 TEST(SurfaceTopology, OfALargePlateIsThatOfASphere) {
   constexpr float kHalfEdge = 414.3F, kHalfThickness = 2.7F, kMiddle = 3.5F;
-  const Volume plate = test::dense_volume(
-      {
-          {-415, -415, 0},
-          { 415,  415, 7}
-  },
-      3, [](VoxelCoord v) {
+  const Volume plate =
+      test::dense_volume({{-415, -415, 0}, {415, 415, 7}}, 3, [](VoxelCoord v) {
         const auto beyond = [](float i, float half) { return std::abs(i) - half; };
         return std::max({beyond(static_cast<float>(v.x), kHalfEdge),
                          beyond(static_cast<float>(v.y), kHalfEdge),

@@ -45,8 +45,7 @@ Meshed mesh(Volume volume, std::optional<double> spacing = std::nullopt, int thr
 }
 
 constexpr std::array<WorldPoint, 6> kNormals{
-    {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0.36, 0.48, 0.8}, {-0.2, 0.9, 0.1}, {0.5, -0.6, 0.1}}
-};
+    {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0.36, 0.48, 0.8}, {-0.2, 0.9, 0.1}, {0.5, -0.6, 0.1}}};
 
 bool has_inside_voxels(const Volume& volume) {
   return std::ranges::any_of(volume.values, [](float phi) { return phi < 0; });
@@ -145,13 +144,8 @@ TEST(ThinWalls, AreSeenBetweenTheNodesOfACoarseLattice) {
         std::max({std::abs(v.x - 10) - 0.75, std::abs(v.y) - 20.0, std::abs(v.z) - 20.0});
     return static_cast<float>(std::min(ball, plate));
   };
-  const Meshed without = mesh(test::narrow_band_volume(
-                                  {
-                                      {-60, -30, -30},
-                                      { 30,  30,  30}
-  },
-                                  3, fin),
-                              4);
+  const Meshed without =
+      mesh(test::narrow_band_volume({{-60, -30, -30}, {30, 30, 30}}, 3, fin), 4);
   ASSERT_TRUE(without.status.ok());
   EXPECT_EQ(without.boundary.components, 1U) << "the plate is not meshed at all";
   EXPECT_GT(without.walls.inside, 50U);
@@ -165,11 +159,7 @@ TEST(ThinWalls, AreSeenBetweenTheNodesOfACoarseLattice) {
 /// Plates of one voxel in a row, 40 voxels apart.
 Volume many_plates(int count) {
   return test::narrow_band_volume(
-      {
-          {            -10, -10, -10},
-          {40 * count + 10,  10,  10}
-  },
-      3, [](VoxelCoord v) {
+      {{-10, -10, -10}, {40 * count + 10, 10, 10}}, 3, [](VoxelCoord v) {
         const double x = std::fmod(v.x + 20.0, 40.0) - 20;
         const double along = std::max(0.0, std::hypot(x, v.y) - 6);
         return static_cast<float>(std::hypot(along, v.z - 0.2) - 0.5);

@@ -32,8 +32,7 @@ VoxelTransform other_voxels() {
   constexpr double kVoxel = 1.75;
   VoxelTransform transform;
   transform.linear = {
-      {{0.8 * kVoxel, 0.6 * kVoxel, 0}, {-0.6 * kVoxel, 0.8 * kVoxel, 0}, {0, 0, kVoxel}}
-  };
+      {{0.8 * kVoxel, 0.6 * kVoxel, 0}, {-0.6 * kVoxel, 0.8 * kVoxel, 0}, {0, 0, kVoxel}}};
   transform.translation = {0.5, 0.25, -0.5};
   transform.voxel_size = kVoxel;
   return transform;
@@ -41,10 +40,7 @@ VoxelTransform other_voxels() {
 
 std::shared_ptr<const Volume> values_of(const WorldFunction& function, int edge = kEdge) {
   const VoxelTransform transform = other_voxels();
-  const VoxelBox box{
-      {-edge, -edge, -edge},
-      { edge,  edge,  edge}
-  };
+  const VoxelBox box{{-edge, -edge, -edge}, {edge, edge, edge}};
   Volume volume = test::dense_volume(
       box, kBackground,
       [&](VoxelCoord v) {
@@ -89,10 +85,7 @@ float value_of(const TetMesh& mesh, std::uint64_t vertex, std::size_t column) {
 }
 
 void expect_linear_values(const TetMesh& mesh) {
-  const std::vector<FieldArray> arrays{
-      {"heat", 1},
-      {"flow", 3}
-  };
+  const std::vector<FieldArray> arrays{{"heat", 1}, {"flow", 3}};
   ASSERT_EQ(mesh.header.fields, arrays);
   const std::array<WorldFunction, 4> functions{heat, along_x, along_y, along_z};
   // Of the largest voxel, rounded when it was stored, and of the result.
@@ -115,10 +108,7 @@ TEST(VertexFields, AreThoseOfWhereVerticesLieInTheEnd) {
   expect_linear_values(mesh(test::ball(9), request).mesh);
   request = with_fields();
   request.preset = Preset::kBothSides;
-  request.box = {
-      {-10, -10, -10},
-      { 10,  10,  10}
-  };
+  request.box = {{-10, -10, -10}, {10, 10, 10}};
   request.coordinates = CoordinateType::kFloat64;
   const MeshResult both = mesh(test::ball(8), request);
   expect_linear_values(both.mesh);
@@ -200,9 +190,7 @@ TEST(VertexFields, AreRefusedWithTheField) {
   EXPECT_EQ(refusal({good, {"flow"}}), "fields[1].grid is not loaded");
   VertexField by_grid = good;
   by_grid.name = "";
-  EXPECT_EQ(refusal({
-                by_grid, {"values", "", "", good.components}
-  }),
+  EXPECT_EQ(refusal({by_grid, {"values", "", "", good.components}}),
             "fields[1].name \"values\" is that of fields[0], too: give them two names");
   EXPECT_EQ(refusal(std::vector(17, good)), "fields has 17 entries; the limit is 16");
   VertexField two = good;

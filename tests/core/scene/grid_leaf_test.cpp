@@ -65,25 +65,16 @@ Scene random_grid_scene(std::uint32_t seed) {
   const std::string ball =
       writer.add_moved({0.5, 0, 0}, writer.add(leaf(grid_of({.turned = true}))));
   const std::string shell = writer.add(scene::Shell{ball, 0.2});
-  const std::string box = writer.add(scene::RoundedBox{
-      {1, 1, 1},
-      0.1
-  });
+  const std::string box = writer.add(scene::RoundedBox{{1, 1, 1}, 0.1});
   const std::string rough = writer.add(scene::Offset{turned, 0.1});
   const auto how = static_cast<scene::Combine>(random() % 3);
-  writer.add(scene::Combination{
-      how, {box, shell, rough},
-       seed % 2 == 0 ? 0.05 : 0
-  });
+  writer.add(scene::Combination{how, {box, shell, rough}, seed % 2 == 0 ? 0.05 : 0});
   return writer.scene();
 }
 
 TEST(GridLeaf, IsTheGridsTrilinearValue) {
   std::mt19937 random(1);
-  for (const BallGrid& ball : {
-           BallGrid{              },
-           BallGrid{ .turned = true,.shifted = true}
-  }) {
+  for (const BallGrid& ball : {BallGrid{}, BallGrid{.turned = true, .shifted = true}}) {
     const auto volume = grid_of(ball);
     VolumeReader reader(*volume);
     const Scene scene = alone(volume);
@@ -157,10 +148,7 @@ TEST(GridLeaf, LiesWithinItsBounds) {
 TEST(GridLeaf, IsBoundTightlyBeyondItsBand) {
   const Scene scene = alone(grid_of({}));
   SceneEvaluator evaluator(scene);
-  for (const auto& [x, half_edge] : {
-           std::pair(3.5, 1.5), {100.0, 40.0},
-             {  1e6,  1e5}
-  }) {
+  for (const auto& [x, half_edge] : {std::pair(3.5, 1.5), {100.0, 40.0}, {1e6, 1e5}}) {
     scene::Points middle;
     set_point(middle, 0, {x, 0, 0});
     const scene::PhiBounds& bounds = evaluator.bounds(middle, 1, half_edge);
@@ -170,10 +158,7 @@ TEST(GridLeaf, IsBoundTightlyBeyondItsBand) {
 }
 
 TEST(GridLeaf, ReachesAVoxelBeyondWhatIsInsideAtMost) {
-  for (const BallGrid& ball : {
-           BallGrid{              },
-           BallGrid{ .turned = true,.shifted = true}
-  }) {
+  for (const BallGrid& ball : {BallGrid{}, BallGrid{.turned = true, .shifted = true}}) {
     for (const auto& volume : {grid_of(ball), fog_of(ball)}) {
       const auto [min, max] = alone(volume).extent;
       EXPECT_LE(max.x, 1.1);
@@ -253,14 +238,9 @@ TEST(GridLeaf, HasNoEndWhereItsBackgroundIsInside) {
   const Scene scene = alone(hole);
   EXPECT_EQ(scene.endless, "nodes[0].grid");
   SceneWriter writer;
-  const std::string box = writer.add(scene::RoundedBox{
-      {3, 3, 3},
-      0
-  });
-  writer.add(scene::Combination{
-      scene::Combine::kIntersection, {box, writer.add(leaf(hole))},
-       0
-  });
+  const std::string box = writer.add(scene::RoundedBox{{3, 3, 3}, 0});
+  writer.add(
+      scene::Combination{scene::Combine::kIntersection, {box, writer.add(leaf(hole))}, 0});
   EXPECT_TRUE(writer.scene().ends());
 }
 

@@ -43,14 +43,9 @@ TEST(MakeScene, NamesTheSizeThatCannotBe) {
   EXPECT_EQ(refusal_of(Torus{1, -1}),
             "nodes[0].torus.minor_radius -1 is not from 1e-15 to 1e+15");
   EXPECT_EQ(refusal_of(Sphere{kNaN}), "nodes[0].sphere.radius nan is not from 1e-15 to 1e+15");
-  EXPECT_EQ(refusal_of(Ellipsoid{
-                {1, kInf, 1}
-  }),
+  EXPECT_EQ(refusal_of(Ellipsoid{{1, kInf, 1}}),
             "nodes[0].ellipsoid.semi_axes[1] inf is not from 1e-15 to 1e+15");
-  EXPECT_EQ(refusal_of(RoundedBox{
-                {1, 2, 3},
-                0.6
-  }),
+  EXPECT_EQ(refusal_of(RoundedBox{{1, 2, 3}, 0.6}),
             "nodes[0].rounded_box.rounding 0.6 is more than half the shortest edge, 0.5");
   EXPECT_EQ(refusal_of(Cone{0, 0, 1}),
             "nodes[0].cone.bottom_radius and top_radius are both 0: one may be");
@@ -92,21 +87,14 @@ TEST(MakeScene, BoundsNodesDepthAndCopies) {
 
   SceneWriter doubling;
   node = doubling.add(Sphere{1});
-  for (int i = 0; i < 60; ++i)
-    node = doubling.add(Combination{
-        Combine::kUnion, {node, node}
-    });
+  for (int i = 0; i < 60; ++i) node = doubling.add(Combination{Combine::kUnion, {node, node}});
   EXPECT_EQ(
       refusal_of(doubling.description()),
       "nodes[12].union is 8191 primitives and operators, every copy counted; the limit is "
       "4096");
 
   SceneWriter rows;
-  Repeat repeat{
-      rows.add(Sphere{         1 }
-      ), { 2000000000, 2000000000, 2000000000},
-      { 3, 3, 3}
-  };
+  Repeat repeat{rows.add(Sphere{1}), {2000000000, 2000000000, 2000000000}, {3, 3, 3}};
   rows.add(repeat);
   EXPECT_EQ(
       refusal_of(rows.description()),
@@ -123,16 +111,12 @@ TEST(MakeScene, SaysWhichNodeHasNoEnd) {
   const std::string gyroid = writer.add(PeriodicSurface{PeriodicKind::kGyroid, 1, 0.2});
   const std::string ball = writer.add(Sphere{1});
   SceneWriter ended = writer;
-  writer.add(Combination{
-      Combine::kUnion, {gyroid, ball}
-  });
+  writer.add(Combination{Combine::kUnion, {gyroid, ball}});
   EXPECT_EQ(
       check_ends(writer.scene()).message(),
       "nodes[0].gyroid has no end, and nothing ends the scene: take its intersection with "
       "something that ends, or mesh both sides within a box");
-  ended.add(Combination{
-      Combine::kIntersection, {gyroid, ball}
-  });
+  ended.add(Combination{Combine::kIntersection, {gyroid, ball}});
   EXPECT_TRUE(check_ends(ended.scene()).ok());
 }
 
@@ -157,9 +141,7 @@ TEST(MakeScene, KnowsThatBallsApartHaveNothingInCommon) {
   SceneWriter writer;
   const std::string ball = writer.add(Sphere{1});
   const std::string other = writer.add_moved({3, 0, 0}, ball);
-  writer.add(Combination{
-      Combine::kIntersection, {ball, other}
-  });
+  writer.add(Combination{Combine::kIntersection, {ball, other}});
   EXPECT_GT(writer.scene().extent.min.x, writer.scene().extent.max.x);
 }
 

@@ -62,12 +62,7 @@ TEST(CutPoints, AreOnlyOnEdgesWithStrictlyOppositeSigns) {
 TEST(CutPoints, HaveTheSameBitsSeenFromEveryBrickThatSharesTheEdge) {
   const Volume field = test::random_signs(24, 12);
   const auto here = test::stuff(field, {0, 0, 0});
-  for (const BrickCoord there : {
-           BrickCoord{1, 0, 0},
-           {0, 1, 0},
-           {0, 0, 1},
-           {1, 1, 1}
-  }) {
+  for (const BrickCoord there : {BrickCoord{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}) {
     const auto other = test::stuff(field, there);
     const int shift = offset_index(8 * there.x, 8 * there.y, 8 * there.z);
     HaloSet nodes;  // those that both bricks know, by their index here

@@ -25,9 +25,7 @@ double volume(const Point& a, const Point& b, const Point& c, const Point& d) {
          6;
 }
 
-constexpr std::array<Point, 4> kNode{
-    {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
-};
+constexpr std::array<Point, 4> kNode{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 using Fractions =
     std::array<double, 6>;  ///< of the cut point on each edge, from its lower node

@@ -233,10 +233,7 @@ TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
   EXPECT_FALSE(parts.part(7).has_value());
   parts.count = 2;
   EXPECT_FALSE(parts.part(7).has_value());
-  parts.part_of = {
-      {6, 0},
-      {8, 1}
-  };
+  parts.part_of = {{6, 0}, {8, 1}};
   EXPECT_FALSE(parts.part(7).has_value());
   EXPECT_FALSE(parts.part(9).has_value());
   EXPECT_EQ(parts.part(8), 1);

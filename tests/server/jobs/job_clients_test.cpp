@@ -21,10 +21,7 @@ TEST_P(JobStoreTest, GivesBackWhatItWasGivenAlsoAfterARestart) {
   NewJob asked = wanted("ana");
   asked.display_name = "Stanford \xc3\xa9";
   asked.spec = std::string("\0\xff spec", 7);
-  asked.labels = {
-      {"farm", "night run"},
-      {"shot",       "a-7"}
-  };
+  asked.labels = {{"farm", "night run"}, {"shot", "a-7"}};
   asked.priority = -3;
   asked.max_attempts = 7;
   asked.ttl = absl::Hours(2);
@@ -121,10 +118,7 @@ TEST_P(JobStoreTest, ListsTheNewestFirst) {
 TEST_P(JobStoreTest, ListsWhatPassesAllOfTheFilter) {
   NewJob asked = wanted("ana");
   asked.display_name = "shot-1";
-  asked.labels = {
-      {"farm", "night"},
-      {"shot",     "1"}
-  };
+  asked.labels = {{"farm", "night"}, {"shot", "1"}};
   const Job one = create(asked);
   asked.display_name = "shot-2";
   asked.labels["shot"] = "12";
@@ -135,15 +129,10 @@ TEST_P(JobStoreTest, ListsWhatPassesAllOfTheFilter) {
     return ids_of(store_->list({.filter = filter}).value().jobs);
   };
   EXPECT_THAT(list({.space = "ana"}), ElementsAre(two.id, one.id));
-  EXPECT_THAT(list({
-                  .states = {JobState::kCancelled, JobState::kFailed}
-  }),
+  EXPECT_THAT(list({.states = {JobState::kCancelled, JobState::kFailed}}),
               ElementsAre(other.id));
   EXPECT_THAT(list({.labels = {{"shot", "1"}}}), ElementsAre(one.id));
-  EXPECT_THAT(list({
-                  .labels = {{"farm", "night"}, {"shot", "12"}}
-  }),
-              ElementsAre(two.id));
+  EXPECT_THAT(list({.labels = {{"farm", "night"}, {"shot", "12"}}}), ElementsAre(two.id));
   EXPECT_THAT(list({.name_prefix = "shot-"}), ElementsAre(two.id, one.id));
   EXPECT_THAT(list({.name_prefix = "hot"}), IsEmpty());
   EXPECT_THAT(list({.created_from = two.create_time}), ElementsAre(other.id, two.id));

@@ -234,9 +234,7 @@ TEST_P(JobStoreRaces, TenThousandQueuedJobsAreNoBurden) {
   const std::int64_t before = resident_bytes();
   in_threads(4, [&](JobStore& store, int i) {
     NewJob job = wanted(absl::StrCat("space-", i));
-    job.labels = {
-        {"farm", "night"}
-    };
+    job.labels = {{"farm", "night"}};
     for (int j = 0; j < kJobs / 4; ++j) EXPECT_TRUE(store.create(job).ok());
   });
   const auto took = [](const std::function<void()>& action) {

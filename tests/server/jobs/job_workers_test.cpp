@@ -82,9 +82,7 @@ TEST_P(JobStoreTest, TakesPlansOfManyShards) {
 TEST_P(JobStoreTest, RefusesPlansWithGaps) {
   create();
   const ShardLease lease = claim_one();
-  const Plan gap{
-      Phase::kMesh, "", {{0, 1}, {2, 3}}
-  };
+  const Plan gap{Phase::kMesh, "", {{0, 1}, {2, 3}}};
   const absl::Status status = store_->set_plan(lease.id, gap);
   EXPECT_EQ(reason_of(status), "INVALID_PLAN");
   EXPECT_THAT(std::string(status.message()),
