@@ -39,7 +39,7 @@ class FieldDifference {
       : earlier_(earlier), now_(now) {}
 
   PhiField earlier_, now_;
-  // Of volumes: lattice bricks that read a voxel that changed; sorted.
+  // Lattice bricks that read a voxel that changed, sorted; filled for volumes only.
   std::vector<BrickCoord> touched_;
   BrickIndex touched_index_;
 };

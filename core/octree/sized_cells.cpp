@@ -49,7 +49,7 @@ class DemandedCells {
     return true;
   }
 
-  /// The same, of a grid of sizes.
+  /// Adds the cells that a grid of sizes asks for. False when there are too many.
   bool add(const Volume& grid, int levels) {
     if (cover_.boxes.empty()) return true;
     GridMarker marker(lattice_, box_around(cover_.boxes), levels, left_, cancellation_);

@@ -20,7 +20,7 @@ class GridSampler {
  public:
   explicit GridSampler(const GridSource& grid);
 
-  /// As evaluate_leaf. A point's value depends on the point alone.
+  /// Writes a leaf's phi at the first `count` points. A value depends on its point alone.
   void evaluate(const Instruction& leaf,
                 const Points& points,
                 std::size_t count,

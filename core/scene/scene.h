@@ -44,9 +44,9 @@ struct Scene {
 /// What can be wrong with a scene before its grids are loaded. Error: that of make_scene.
 absl::Status check_scene(const scene::Description& description);
 
-/// Of a description whose grids are loaded. Errors: kInvalidArgument; the message begins with
-/// the field that is wrong, as `nodes[3].torus.minor_radius`, and says its value and what it
-/// may be.
+/// Compiles a description whose grids are loaded. Errors: kInvalidArgument; the message begins
+/// with the field that is wrong, as `nodes[3].torus.minor_radius`, and says its value and what
+/// it may be.
 absl::StatusOr<Scene> make_scene(const scene::Description& description);
 
 /// OK where the scene has an end. Error: kInvalidArgument, as those of make_scene.

@@ -61,7 +61,7 @@ struct ReceivedCopyWish {
   Descriptor socket;
 };
 
-/// Nothing when the parent is gone or says something else.
+/// What the parent asks for; std::monostate when it is gone or says something else.
 using ReceivedWish = std::variant<std::monostate, ReceivedCopyWish, ReceivedOrder>;
 
 /// Both sides; false when the other one is gone.

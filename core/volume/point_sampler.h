@@ -37,7 +37,8 @@ class PointSampler {
     std::array<Column<double>, 3> at;
   };
 
-  /// Of each point: the lowest of its eight voxels, and how far from it, in [0, 1).
+  /// Says for each point which of its eight voxels is the lowest, and how far the point is from
+  /// it, in [0, 1).
   struct Places {
     std::array<Column<std::int32_t>, 3> voxel;
     std::array<Column<double>, 3> weight;

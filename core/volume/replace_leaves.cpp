@@ -32,7 +32,7 @@ absl::Status check_leaves(const std::vector<LeafValues>& leaves) {
   return absl::OkStatus();
 }
 
-/// Of a cube of bricks.
+/// Returns the first brick of a cube of bricks whose lowest voxel is `min`.
 BrickCoord first_brick(VoxelCoord min) noexcept {
   return {min.x / kBrickEdge, min.y / kBrickEdge, min.z / kBrickEdge};
 }
