@@ -59,7 +59,7 @@ Index* fill_background(const BackgroundCells& cells,
                        Index* tets,
                        BackgroundCounts& counts) noexcept;
 
-/// Of a cell the faces, by direction: +x, +y, +z, -x, -y, -z.
+/// A cell's faces are numbered by direction: +x, +y, +z, -x, -y, -z.
 inline constexpr int kFaceDirections = 6;
 /// From a cell to the one across a face.
 constexpr LatticeCoord face_step(int direction) noexcept {

@@ -34,7 +34,8 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh, MeshRegion region)
 BoundaryTopology measure_topology(std::vector<Triangle> triangles, std::uint64_t vertex_count);
 
 BoundaryTopology measure_boundary(const TetMesh& mesh);
-/// The same of the tets inside alone; where there are no others, of the whole mesh.
+/// Measures the boundary of the tets inside alone; where there are no others, of the whole
+/// mesh.
 BoundaryTopology measure_inside_boundary(const TetMesh& mesh);
 
 }  // namespace tet

@@ -159,7 +159,7 @@ void mark_half_pyramids(const FinestNodes& nodes,
 
 namespace {
 
-/// Of a brick's signs those of its own nodes, or of what lies a step on from them.
+/// Reads the signs of a brick's own nodes, or of the nodes that lie a step on from them.
 class SignsBeside {
  public:
   explicit SignsBeside(const BrickSurroundings& bricks) noexcept : bricks_(bricks) {}
