@@ -146,8 +146,8 @@ class PendingAnswer {
   grpc::ServerUnaryReactor& reactor_;
 };
 
-/// As `answer`, for work that waits: `begin` runs on `disk` and sees to it that somebody
-/// finishes the call.
+/// Answers a call whose work waits, unlike that of `answer`: `begin` runs on `disk` and sees to
+/// it that somebody finishes the call.
 grpc::ServerUnaryReactor* answer_later(
     CallRegistry& registry,
     TaskPool& disk,

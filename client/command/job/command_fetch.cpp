@@ -66,7 +66,7 @@ void describe_options(CLI::App& app, FetchArguments& arguments) {
   describe_session(app, arguments.session);
 }
 
-/// Nothing that a file's name cannot hold, and no hidden file.
+/// Names the file of a job: without what a file's name cannot hold, and not hidden.
 std::string file_stem(const v1::Job& job) {
   std::string name = job.display_name().substr(0, 100);
   std::replace_if(

@@ -44,7 +44,7 @@ class ResultStore {
 
   /// Opens a mesh's folder to add to it: it is not evicted while anyone holds it.
   absl::StatusOr<std::shared_ptr<MeshFolder>> make(const ResultKey& key);
-  /// The same for what is there. Errors: kNotFound.
+  /// Opens a folder that is there already. Errors: kNotFound.
   absl::StatusOr<std::shared_ptr<MeshFolder>> find(const ResultKey& key) const;
 
   /// To be asked before `bytes` are added: evicts what was used least if that takes it.

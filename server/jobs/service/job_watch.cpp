@@ -161,7 +161,7 @@ std::optional<Stallable::Clock::time_point> JobWatch::waiting_since() {
   return write_start_;
 }
 
-/// As ChunkStream::give_up.
+/// Ends the call of a client that took nothing for too long, as ChunkStream::give_up does.
 void JobWatch::give_up(std::chrono::seconds waited) {
   const absl::Status status = client_stalled("took nothing", waited);
   {

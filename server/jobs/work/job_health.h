@@ -19,7 +19,7 @@ class JobHealth {
   /// Both outlive it.
   JobHealth(JobStore& jobs, const ResultStore& results);
 
-  /// As it was lately. Errors: those of JobStore::probe and ResultStore::probe.
+  /// How writing went the last time. Errors: those of JobStore::probe and ResultStore::probe.
   absl::Status status() const;
 
  private:
