@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Checks Markdown files: relative links and their #anchors lead somewhere, nothing is left to be filled
-in, docs/README.md lists every page beside it, and CHANGELOG.md begins with the newest version.
+"""Checks Markdown files: relative links, their #anchors and the `paths` of our folders lead somewhere, nothing
+is left to be filled in, docs/README.md lists every page beside it, and CHANGELOG.md begins with the newest version.
 
     check_docs.py [ROOT]
 """
@@ -14,6 +14,9 @@ CODE = re.compile(r"`[^`\n]*`")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*?) *$", re.MULTILINE)
 PLACEHOLDER = re.compile(r"\b(XX+|TBD|FIXME)\b")
+# A file or folder of the tree in backticks; a placeholder in capitals, as in `tests/fuzz/corpus/TARGET`, is none.
+PATH = re.compile(r"`((?:core|server|client|proto|bench|tests|scripts|docs|deploy|docker|cmake)/[\w./-]+)`")
+CAPITALS = re.compile(r"/[A-Z]+(/|$)")
 INDEX, CHANGELOG = "docs/README.md", "CHANGELOG.md"
 SECTION = re.compile(r"^## (.*?) *$", re.MULTILINE)
 VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+) \((\d{4}-\d\d-\d\d|unreleased)\)")
@@ -49,6 +52,16 @@ def placeholders(path):
             yield f"line {number}: {word} is left to be filled in"
 
 
+def lost_paths(root, path):
+    """Paths that the text names and the tree does not have. A header may be named without its ending."""
+    if path.name == CHANGELOG:  # it may tell of files that have gone since
+        return
+    for name in dict.fromkeys(PATH.findall(path.read_text(encoding="utf-8"))):
+        is_there = (root / name).exists() or (root / f"{name}.h").exists()
+        if not is_there and not CAPITALS.search(name):
+            yield f"there is no {name}"
+
+
 def pages_not_listed(root):
     """Pages of the folder docs that its index does not link to."""
     index = root / INDEX
@@ -81,7 +94,7 @@ def find_errors(root):
     files = markdown_files(root)
     errors = [] if files else [f"there is no Markdown under {root}"]
     errors += [f"{path.relative_to(root)}: {error}" for path in files
-               for error in [*broken_links(path), *placeholders(path)]]
+               for error in [*broken_links(path), *placeholders(path), *lost_paths(root, path)]]
     return [*errors, *pages_not_listed(root), *changelog_errors(root)]
 
 

@@ -40,6 +40,11 @@ class CheckDocs(unittest.TestCase):
                          ["README.md: line 3: XX is left to be filled in"])
         self.assertEqual(errors_of("TETSTREAM_XX, XXL\n"), [])
 
+    def test_refuses_a_path_that_is_not_there(self):
+        self.assertEqual(errors_of("`docs/page.md`, `docs/gone.md`, `docs/NAME/a`, docs/gone.md"),
+                         ["README.md: there is no docs/gone.md"])
+        self.assertEqual(errors_of("", {"CHANGELOG.md": "`docs/gone.md` is gone"}), [])
+
     def test_refuses_an_index_that_lacks_a_page(self):
         self.assertEqual(errors_of("", {"docs/README.md": "[a](page.md#its-here)"}), [])
         self.assertEqual(errors_of("", {"docs/README.md": "page.md"}),
