@@ -29,7 +29,8 @@ struct Rows {
 /// More than any chunk has: what a row takes whose pattern is not listed.
 constexpr std::uint64_t kImpossible = std::uint64_t{1} << 40;
 
-/// Reads `count` rows, of patterns below `patterns`. Nothing where the bytes are none.
+/// Reads `count` rows, of patterns below `patterns`; std::nullopt when the bytes are no such
+/// rows.
 template <class BytesOf>
 std::optional<Rows> read_rows(ByteReader& reader,
                               std::size_t count,
