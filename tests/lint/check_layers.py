@@ -14,8 +14,9 @@ LAYERS = {folder: CORE[:i + 1] for i, folder in enumerate(CORE)}
 LAYERS["proto/scene"] = [*CORE, "proto"]
 LAYERS["proto/sizing"] = [*CORE, "proto"]
 LAYERS["proto"] = ["proto"]
-LAYERS["server"] = [*CORE, "proto", "server"]
-LAYERS["client"] = [*CORE, "proto", "client"]
+LAYERS["core/manual"] = ["core/manual"]
+LAYERS["server"] = [*CORE, "core/manual", "proto", "server"]
+LAYERS["client"] = [*CORE, "core/manual", "proto", "client"]
 
 # Outside library -> (how its includes look, the folders that may use it).
 NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support",
