@@ -11,9 +11,9 @@
 
 #include "core/base/parallel.h"
 #include "core/field/find_bricks.h"
-#include "core/grid/surface_file.h"
-#include "core/grid/surface_to_volume.h"
-#include "core/grid/volume_builder.h"
+#include "core/files/surface_file.h"
+#include "core/vdb/surface_to_volume.h"
+#include "core/volume/volume_builder.h"
 
 namespace tet::bench {
 namespace {

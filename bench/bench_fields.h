@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/grid/volume.h"
+#include "core/volume/volume.h"
 
 namespace tet::bench {
 

@@ -12,7 +12,7 @@
 #include "bench/bench_fields.h"
 #include "bench/checked.h"
 #include "core/base/parallel.h"
-#include "core/pipeline/divided_survey.h"
+#include "core/plan/brick/divided_survey.h"
 
 namespace tet::bench {
 namespace {

@@ -12,9 +12,9 @@
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
 #include "core/mesh/packed_chunk.h"
-#include "core/pipeline/compact_mesh.h"
-#include "core/pipeline/fill_mesh.h"
-#include "core/pipeline/mesh_plan.h"
+#include "core/plan/fill_mesh.h"
+#include "core/plan/mesh_plan.h"
+#include "core/transfer/compact_mesh.h"
 
 namespace tet::bench {
 namespace {

@@ -20,10 +20,10 @@
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 
-#include "server/jobs/postgres_job_store.h"
-#include "server/jobs/sqlite_job_store.h"
-#include "tests/server/jobs/made_up_work.h"
-#include "tests/server/jobs/postgres_server.h"
+#include "server/jobs/store/postgres_job_store.h"
+#include "server/jobs/store/sqlite_job_store.h"
+#include "tests/server/jobs/store/made_up_work.h"
+#include "tests/server/jobs/store/postgres_server.h"
 #include "tests/server/test_folder.h"
 
 namespace tet::bench {

@@ -13,8 +13,8 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
-#include "core/grid/volume_builder.h"
-#include "core/pipeline/fill_mesh.h"
+#include "core/plan/fill_mesh.h"
+#include "core/volume/volume_builder.h"
 
 namespace tet::bench {
 namespace {

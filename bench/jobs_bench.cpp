@@ -12,10 +12,10 @@
 #include <absl/strings/str_cat.h>
 #include <benchmark/benchmark.h>
 
-#include "server/jobs/postgres_job_store.h"
-#include "server/jobs/sqlite_job_store.h"
-#include "tests/server/jobs/made_up_work.h"
-#include "tests/server/jobs/postgres_server.h"
+#include "server/jobs/store/postgres_job_store.h"
+#include "server/jobs/store/sqlite_job_store.h"
+#include "tests/server/jobs/store/made_up_work.h"
+#include "tests/server/jobs/store/postgres_server.h"
 #include "tests/server/test_folder.h"
 
 namespace tet::bench {

@@ -18,10 +18,10 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
 #include "core/octree/octree.h"
-#include "core/pipeline/counted_mesh.h"
-#include "core/pipeline/fill_brick.h"
-#include "core/pipeline/mesher.h"
-#include "core/pipeline/survey.h"
+#include "core/plan/brick/counted_mesh.h"
+#include "core/plan/brick/fill_brick.h"
+#include "core/plan/brick/survey.h"
+#include "core/plan/mesher.h"
 
 namespace tet::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "client/mesh_client.h"
+#include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
 #include "server/server.h"
 

@@ -13,7 +13,7 @@
 #include "bench/checked.h"
 #include "bench/peak_memory.h"
 #include "core/base/parallel.h"
-#include "core/pipeline/mesher.h"
+#include "core/plan/mesher.h"
 
 namespace tet::bench {
 namespace {

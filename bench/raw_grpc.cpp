@@ -12,7 +12,7 @@
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
-#include "client/raw_call.h"
+#include "client/library/raw_call.h"
 #include "core/base/check.h"
 #include "proto/wire/transport.h"
 

@@ -15,8 +15,8 @@
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
 #include "core/mesh/splice.h"
-#include "core/pipeline/fill_mesh.h"
-#include "core/pipeline/mesh_patch.h"
+#include "core/plan/fill_mesh.h"
+#include "core/transfer/mesh_patch.h"
 
 namespace tet::bench {
 namespace {

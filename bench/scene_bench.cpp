@@ -10,7 +10,7 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
-#include "core/pipeline/mesher.h"
+#include "core/plan/mesher.h"
 #include "core/scene/scene.h"
 #include "core/scene/scene_evaluator.h"
 

@@ -19,11 +19,11 @@
 #include "bench/checked.h"
 #include "bench/loopback.h"
 #include "bench/raw_grpc.h"
-#include "core/grid/load.h"
-#include "core/pipeline/mesher.h"
+#include "core/plan/mesher.h"
+#include "core/vdb/load.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
-#include "server/logging.h"
+#include "server/ops/logging.h"
 #include "tests/support/vdb_fixtures.h"
 
 namespace tet::bench {

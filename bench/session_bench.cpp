@@ -11,9 +11,9 @@
 
 #include "bench/checked.h"
 #include "bench/loopback.h"
-#include "client/remesh_session.h"
-#include "core/grid/load.h"
-#include "server/logging.h"
+#include "client/library/remesh_session.h"
+#include "core/vdb/load.h"
+#include "server/ops/logging.h"
 
 namespace tet::bench {
 namespace {

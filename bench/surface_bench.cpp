@@ -12,7 +12,7 @@
 #include "bench/bench_fields.h"
 #include "bench/openvdb_surface.h"
 #include "core/base/parallel.h"
-#include "core/pipeline/mesher.h"
+#include "core/plan/mesher.h"
 
 namespace tet::bench {
 namespace {

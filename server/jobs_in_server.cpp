@@ -6,7 +6,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "server/jobs/open_job_store.h"
+#include "server/jobs/store/open_job_store.h"
 
 namespace tet {
 

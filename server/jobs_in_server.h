@@ -7,12 +7,12 @@
 
 #include <absl/status/statusor.h>
 
-#include "server/config.h"
-#include "server/job_service/job_service.h"
-#include "server/job_work/job_health.h"
-#include "server/job_work/job_house.h"
-#include "server/job_work/job_readings.h"
-#include "server/job_work/job_worker.h"
+#include "server/jobs/service/job_service.h"
+#include "server/jobs/work/job_health.h"
+#include "server/jobs/work/job_house.h"
+#include "server/jobs/work/job_readings.h"
+#include "server/jobs/work/job_worker.h"
+#include "server/ops/config.h"
 
 namespace tet {
 

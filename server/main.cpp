@@ -16,12 +16,12 @@
 #include "core/base/parallel.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
-#include "server/config.h"
-#include "server/file.h"
-#include "server/grpc_log.h"
-#include "server/logging.h"
+#include "server/ops/config.h"
+#include "server/ops/file.h"
+#include "server/ops/logging.h"
+#include "server/rpc/grpc_log.h"
+#include "server/rpc/token_file.h"
 #include "server/server.h"
-#include "server/token_file.h"
 #include "server/worker_process.h"
 
 namespace {

@@ -13,16 +13,16 @@
 
 #include "proto/wire/loopback.h"
 #include "proto/wire/transport.h"
-#include "server/access.h"
-#include "server/grid_service.h"
-#include "server/heartbeat.h"
+#include "server/grids/grid_service.h"
 #include "server/jobs_in_server.h"
-#include "server/logging.h"
-#include "server/mesh_service.h"
-#include "server/metrics_port.h"
-#include "server/process_metrics.h"
+#include "server/ops/logging.h"
+#include "server/ops/metrics_port.h"
+#include "server/ops/process_metrics.h"
+#include "server/rpc/access.h"
+#include "server/rpc/heartbeat.h"
+#include "server/rpc/tls.h"
 #include "server/server_readings.h"
-#include "server/tls.h"
+#include "server/streams/mesh_service.h"
 
 namespace tet {
 

@@ -7,8 +7,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "server/config.h"
-#include "server/mesh_engine.h"
+#include "server/ops/config.h"
+#include "server/streams/mesh_engine.h"
 
 namespace tet {
 

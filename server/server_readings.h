@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "server/grid_store.h"
-#include "server/mesh_engine.h"
-#include "server/metrics.h"
+#include "server/grids/grid_store.h"
+#include "server/ops/metrics.h"
+#include "server/streams/mesh_engine.h"
 
 namespace tet {
 

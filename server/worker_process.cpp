@@ -5,8 +5,8 @@
 #include <absl/time/clock.h>
 
 #include "server/jobs_in_server.h"
-#include "server/metrics_port.h"
-#include "server/process_metrics.h"
+#include "server/ops/metrics_port.h"
+#include "server/ops/process_metrics.h"
 #include "server/server_readings.h"
 
 namespace tet {

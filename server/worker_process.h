@@ -5,7 +5,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "server/config.h"
+#include "server/ops/config.h"
 
 namespace tet {
 

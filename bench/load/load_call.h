@@ -7,7 +7,7 @@
 
 #include "bench/load/call_book.h"
 #include "bench/load/request_sender.h"
-#include "client/channel.h"
+#include "client/library/channel.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 

@@ -17,10 +17,10 @@
 #include "bench/load/search_load.h"
 #include "bench/load/stream_sender.h"
 #include "bench/load/units.h"
-#include "client/atomic_file.h"
-#include "client/exit_code.h"
-#include "client/interruption.h"
+#include "client/command/exit_code.h"
+#include "client/command/interruption.h"
 #include "core/base/parallel.h"
+#include "core/files/atomic_file.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 

@@ -10,7 +10,7 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/strip.h>
 
-#include "client/mesh_input.h"
+#include "client/command/mesh_input.h"
 
 namespace tet::load {
 namespace {

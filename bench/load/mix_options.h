@@ -9,9 +9,9 @@
 #include <absl/status/statusor.h>
 
 #include "bench/load/request_mix.h"
-#include "client/mesh_client.h"
-#include "client/progress_bar.h"
-#include "client/request_options.h"
+#include "client/command/progress_bar.h"
+#include "client/command/request_options.h"
+#include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
 
 namespace CLI {

@@ -2,7 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "client/chunk_message.h"
+#include "client/library/chunk_message.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/serialized.h"
 

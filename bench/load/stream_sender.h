@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "bench/load/request_sender.h"
-#include "client/channel.h"
+#include "client/library/channel.h"
 #include "tetstream/v1/meshes.pb.h"
 
 namespace tet::load {

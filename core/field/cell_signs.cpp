@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/grid/volume_reader.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet {
 namespace {

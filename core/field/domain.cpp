@@ -8,8 +8,8 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/grid/to_voxel.h"
 #include "core/scene/scene.h"
+#include "core/volume/to_voxel.h"
 
 namespace tet {
 namespace {

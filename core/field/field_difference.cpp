@@ -10,8 +10,8 @@
 #include "core/base/parallel.h"
 #include "core/field/find_bricks.h"
 #include "core/field/scene_samples.h"
-#include "core/grid/volume_reader.h"
 #include "core/scene/scene.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet {
 namespace {

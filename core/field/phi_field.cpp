@@ -6,8 +6,8 @@
 
 #include "core/base/vector_clones.h"
 #include "core/field/scene_samples.h"
-#include "core/grid/interpolate_lattice.h"
 #include "core/scene/scene_evaluator.h"
+#include "core/volume/interpolate_lattice.h"
 
 namespace tet {
 namespace {

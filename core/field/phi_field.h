@@ -10,8 +10,8 @@
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
-#include "core/grid/volume.h"
-#include "core/grid/volume_reader.h"
+#include "core/volume/volume.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet {
 

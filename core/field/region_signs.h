@@ -8,8 +8,8 @@
 
 #include "core/base/types.h"
 #include "core/field/phi_field.h"
-#include "core/grid/volume.h"
-#include "core/grid/volume_reader.h"
+#include "core/volume/volume.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet {
 

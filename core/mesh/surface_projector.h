@@ -8,9 +8,9 @@
 #include "core/base/tet_geometry.h"
 #include "core/base/types.h"
 #include "core/field/phi_field.h"
-#include "core/grid/volume_reader.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet {
 

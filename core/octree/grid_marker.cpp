@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "core/grid/to_voxel.h"
+#include "core/volume/to_voxel.h"
 
 namespace tet {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "core/base/cancel.h"
 #include "core/field/find_bricks.h"
-#include "core/grid/volume.h"
 #include "core/octree/cell_set.h"
 #include "core/octree/sizing.h"
+#include "core/volume/volume.h"
 
 namespace tet {
 

@@ -5,8 +5,8 @@
 #include <variant>
 
 #include "core/base/types.h"
-#include "core/grid/to_voxel.h"
 #include "core/octree/sizing.h"
+#include "core/volume/to_voxel.h"
 
 namespace tet {
 

@@ -11,7 +11,7 @@
 #include <absl/status/status.h>
 
 #include "core/base/types.h"
-#include "core/grid/volume.h"
+#include "core/volume/volume.h"
 
 namespace tet {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <tuple>
 
-#include "core/grid/value_box.h"
 #include "core/scene/scene_nodes.h"
+#include "core/volume/value_box.h"
 
 namespace tet::scene {
 namespace {

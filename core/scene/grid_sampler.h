@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "core/base/types.h"
-#include "core/grid/volume_reader.h"
 #include "core/scene/grid_source.h"
 #include "core/scene/instruction.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet::scene {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/grid/value_bounds.h"
-#include "core/grid/volume.h"
+#include "core/volume/value_bounds.h"
+#include "core/volume/volume.h"
 
 namespace tet::scene {
 

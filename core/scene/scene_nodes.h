@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/grid/volume.h"
+#include "core/volume/volume.h"
 
 namespace tet::scene {
 

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_format.h>
 
-#include "core/pipeline/mesh_request.h"
+#include "core/plan/mesh_request.h"
 #include "tests/certificate/background_cases.h"
 #include "tests/certificate/certify.h"
 #include "tests/certificate/stuffing_cases.h"

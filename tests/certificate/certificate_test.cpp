@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "core/base/quality.h"
-#include "core/pipeline/mesh_request.h"
+#include "core/plan/mesh_request.h"
 #include "tests/certificate/background_cases.h"
 #include "tests/certificate/certify.h"
 #include "tests/certificate/dihedral.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/lattice/background.h"
-#include "core/pipeline/mesh_request.h"
+#include "core/plan/mesh_request.h"
 #include "core/stuffing/cut_tet.h"
 #include "tests/certificate/contest.h"
 #include "tests/certificate/stuffing_cases.h"

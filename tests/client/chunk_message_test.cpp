@@ -1,4 +1,4 @@
-#include "client/chunk_message.h"
+#include "client/library/chunk_message.h"
 
 #include <algorithm>
 #include <random>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/mesh_receiver.h"
+#include "client/library/mesh_receiver.h"
 #include "proto/wire/checksum.h"
 
 namespace tet::test {

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "client/mesh_client.h"
+#include "client/library/mesh_client.h"
 #include "tests/client/cutting_proxy.h"
-#include "tests/core/pipeline/meshing.h"
+#include "tests/core/plan/meshing.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/job/journal.h"
-#include "client/job/manifest.h"
+#include "client/command/job/journal.h"
+#include "client/command/job/manifest.h"
 #include "tests/server/test_folder.h"
 
 namespace tet {

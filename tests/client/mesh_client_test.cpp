@@ -1,4 +1,4 @@
-#include "client/mesh_client.h"
+#include "client/library/mesh_client.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/mesh_receiver.h"
-#include "core/grid/load.h"
-#include "core/pipeline/mesher.h"
+#include "client/library/mesh_receiver.h"
+#include "core/plan/mesher.h"
+#include "core/vdb/load.h"
 #include "proto/wire/transport.h"
 #include "tests/client/cutting_proxy.h"
 #include "tests/server/service_fixture.h"

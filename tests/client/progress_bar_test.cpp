@@ -1,4 +1,4 @@
-#include "client/progress_bar.h"
+#include "client/command/progress_bar.h"
 
 #include <gmock/gmock.h>
 

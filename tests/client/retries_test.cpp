@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/client_call.h"
+#include "client/library/client_call.h"
 #include "google/rpc/error_details.pb.h"
 #include "tests/server/service_fixture.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "core/pipeline/compact_mesh.h"
+#include "core/transfer/compact_mesh.h"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/byte_buffer.h"
-#include "core/grid/flat_grid_list.h"
-#include "core/grid/flat_volume.h"
+#include "core/volume/flat_grid_list.h"
+#include "core/volume/flat_volume.h"
 
 namespace {
 

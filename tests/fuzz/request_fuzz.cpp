@@ -9,9 +9,9 @@
 #include <grpcpp/support/byte_buffer.h>
 
 #include "core/scene/scene.h"
-#include "server/request.h"
-#include "server/status.h"
-#include "server/upload_piece.h"
+#include "proto/convert/request.h"
+#include "proto/convert/status.h"
+#include "proto/convert/upload_piece.h"
 
 namespace {
 

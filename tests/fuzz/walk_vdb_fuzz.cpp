@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <span>
 
-#include "core/grid/memory_charge.h"
-#include "core/grid/walk_vdb.h"
+#include "core/vdb/memory_charge.h"
+#include "core/vdb/walk_vdb.h"
 
 namespace {
 

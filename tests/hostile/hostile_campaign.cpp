@@ -16,8 +16,8 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 
-#include "core/grid/load.h"
-#include "core/grid/walk_vdb.h"
+#include "core/vdb/load.h"
+#include "core/vdb/walk_vdb.h"
 #include "tests/hostile/campaign.h"
 #include "tests/hostile/seed_files.h"
 

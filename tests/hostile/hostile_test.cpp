@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/grid/load.h"
-#include "core/grid/walk_vdb.h"
+#include "core/vdb/load.h"
+#include "core/vdb/walk_vdb.h"
 
 namespace tet {
 namespace {

@@ -8,26 +8,36 @@ import re
 import sys
 
 # A request passes through these in order; a folder includes itself and those before it.
-CORE = ["core/base", "core/grid", "core/decode", "core/scene", "core/field", "core/octree",
-        "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/pipeline"]
-LAYERS = {folder: CORE[:i + 1] for i, folder in enumerate(CORE)}
-LAYERS["proto/scene"] = [*CORE, "proto"]
-LAYERS["proto/sizing"] = [*CORE, "proto"]
-LAYERS["proto"] = ["proto"]
-LAYERS["core/manual"] = ["core/manual"]
-LAYERS["server"] = [*CORE, "core/manual", "proto", "server"]
-LAYERS["client"] = [*CORE, "core/manual", "proto", "client"]
+CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
+        "core/octree", "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/plan",
+        "core/transfer", "core/files", "core/manual"]
+PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
+SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
+          "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
+          "server"]
+CLIENT = ["client/library", "client/command", "client"]
+
+
+def in_order(folders, before):
+    """{folder: all that it may include}: the folders before all of these, then those before it."""
+    return {folder: [*before, *folders[:i + 1]] for i, folder in enumerate(folders)}
+
+
+# A folder within another one comes first: a file belongs to the first that it lies in.
+LAYERS = {**in_order(CORE, []), **in_order(PROTO, CORE), **in_order(SERVER, [*CORE, *PROTO]),
+          **in_order(CLIENT, [*CORE, *PROTO])}
+LAYERS["core/plan"].append("core/transfer")  # until the plan of bricks no longer encodes its chunks
 
 # Outside library -> (how its includes look, the folders that may use it).
-NETWORK = ["proto", "server", "client", "tests/server", "tests/client", "tests/support",
-           "tests/hostile", "tests/fuzz", "bench", "tests/bench"]
+NETWORK = ["proto", "server", "client", "tests/proto", "tests/server", "tests/client",
+           "tests/support", "tests/hostile", "tests/fuzz", "bench", "tests/bench"]
 LIBRARIES = {
-    "OpenVDB": (r"openvdb/", ["core/grid", "tests/core/grid", "tests/hostile", "tests/support",
+    "OpenVDB": (r"openvdb/", ["core/vdb", "tests/core/vdb", "tests/hostile", "tests/support",
                              "bench"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
-    "SQLite": (r"sqlite3", ["server/jobs", "tests/server/jobs"]),
-    "libpq": (r"libpq|postgresql/", ["server/jobs", "tests/server/jobs"]),
+    "SQLite": (r"sqlite3", ["server/jobs/store", "tests/server/jobs/store"]),
+    "libpq": (r"libpq|postgresql/", ["server/jobs/store", "tests/server/jobs/store"]),
 }
 
 SOURCE_FOLDERS = ["core", "proto", "server", "client", "tests", "bench"]

@@ -22,10 +22,10 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(errors_of({
             "core/base/types.h": "#include <array>\n",
             "core/base/parallel.cpp": "#include <tbb/task_arena.h>\n",
-            "core/grid/load.cpp": '#include <openvdb/io/File.h>\n#include "core/base/types.h"\n',
-            "core/pipeline/mesher.h": '#include "core/grid/load.h"\n',
-            "server/service.h": '#include "core/pipeline/mesher.h"\n#include <grpcpp/grpcpp.h>\n',
-            "tests/core/grid/load_test.cpp": "#include <openvdb/openvdb.h>\n",
+            "core/vdb/load.cpp": '#include <openvdb/io/File.h>\n#include "core/base/types.h"\n',
+            "core/plan/mesher.h": '#include "core/vdb/load.h"\n',
+            "server/service.h": '#include "core/plan/mesher.h"\n#include <grpcpp/grpcpp.h>\n',
+            "tests/core/vdb/load_test.cpp": "#include <openvdb/openvdb.h>\n",
         }), [])
 
     def test_refuses_an_include_that_points_downstream(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Checks that every reason of a failure is known everywhere: in the server's sources, in the list of
-server/reasons.h and in the table of docs/errors.md.
+proto/convert/reasons.h and in the table of docs/errors.md.
 
     check_reasons.py [ROOT]
 """
@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-LIST, TABLE = "server/reasons.h", "docs/errors.md"
+LIST, TABLE = "proto/convert/reasons.h", "docs/errors.md"
 # Reasons that a gRPC code brings along; no source names them.
 OF_CODES = {"CANCELLED", "DEADLINE_EXCEEDED", "INTERNAL"}
 # Text in capitals that is no reason.
@@ -21,7 +21,8 @@ ROW = re.compile(r"^\| `([A-Z0-9_]+)` \|", re.MULTILINE)
 def reasons_in_sources(root):
     """{reason: file} of every literal in capitals."""
     found = {}
-    for path in sorted([*(root / "server").rglob("*.cpp"), *(root / "core").glob("decode/*.cpp")]):
+    for path in sorted([*(root / "server").rglob("*.cpp"), *(root / "proto").glob("convert/*.cpp"),
+                       *(root / "core").glob("vdb/*.cpp")]):
         for text in LITERAL.findall(path.read_text(encoding="utf-8")):
             if not OTHER_TEXT.fullmatch(text):
                 found.setdefault(text, str(path.relative_to(root)))

@@ -13,7 +13,7 @@ def errors_of(source, listed, told, file="server/a.cpp"):
         root = pathlib.Path(folder)
         for path, text in (
                 (file, source),
-                ("server/reasons.h", "".join(f'"{name}",\n' for name in listed)),
+                ("proto/convert/reasons.h", "".join(f'"{name}",\n' for name in listed)),
                 ("docs/errors.md", "".join(f"| `{name}` | X |\n" for name in told))):
             (root / path).parent.mkdir(parents=True, exist_ok=True)
             (root / path).write_text(text, encoding="utf-8")
@@ -27,24 +27,24 @@ class CheckReasons(unittest.TestCase):
 
     def test_finds_a_reason_that_is_not_listed(self):
         self.assertEqual(errors_of('return "NEW_REASON";', [], []),
-                         ["server/a.cpp: NEW_REASON is not in server/reasons.h"])
+                         ["server/a.cpp: NEW_REASON is not in proto/convert/reasons.h"])
 
     def test_looks_into_every_folder_of_the_server(self):
         self.assertEqual(errors_of('return "NEW_REASON";', [], [], "server/jobs/a.cpp"),
-                         ["server/jobs/a.cpp: NEW_REASON is not in server/reasons.h"])
+                         ["server/jobs/a.cpp: NEW_REASON is not in proto/convert/reasons.h"])
 
     def test_finds_a_reason_that_nothing_uses(self):
         self.assertEqual(errors_of("", ["GONE"], ["GONE"]),
-                         ["server/reasons.h: no source uses GONE"])
+                         ["proto/convert/reasons.h: no source uses GONE"])
 
     def test_finds_a_reason_that_is_not_told(self):
         self.assertEqual(errors_of('"DISK"', ["DISK"], []), ["docs/errors.md: lacks DISK"])
         self.assertEqual(errors_of("", [], ["GONE"]),
-                         ["docs/errors.md: GONE is not in server/reasons.h"])
+                         ["docs/errors.md: GONE is not in proto/convert/reasons.h"])
 
     def test_finds_a_list_out_of_order(self):
         self.assertEqual(errors_of('"DISK" "BUSY"', ["DISK", "BUSY"], ["BUSY", "DISK"]),
-                         ["server/reasons.h: not in the order of the alphabet"])
+                         ["proto/convert/reasons.h: not in the order of the alphabet"])
 
 
 if __name__ == "__main__":

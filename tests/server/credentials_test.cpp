@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
+#include "client/library/channel.h"
 #include "core/base/parallel.h"
 #include "tests/server/authority.h"
 #include "tests/server/every_call.h"

@@ -12,8 +12,8 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
-#include "server/reasons.h"
-#include "server/status.h"
+#include "proto/convert/reasons.h"
+#include "proto/convert/status.h"
 #include "tests/server/held_stream.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/service_fixture.h"

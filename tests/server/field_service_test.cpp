@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/remesh_session.h"
-#include "core/grid/load.h"
-#include "core/pipeline/mesher.h"
+#include "client/library/remesh_session.h"
+#include "core/plan/mesher.h"
+#include "core/vdb/load.h"
 #include "proto/scene/scene_message.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/streamed_chunks.h"

@@ -14,7 +14,7 @@
 
 #include <grpcpp/create_channel.h>
 
-#include "client/mesh_client.h"
+#include "client/library/mesh_client.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"

@@ -2,7 +2,7 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
-#include "core/pipeline/mesh_plan.h"
+#include "core/plan/mesh_plan.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "proto/wire/checksum.h"

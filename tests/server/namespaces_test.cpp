@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/error_details.h"
+#include "client/library/error_details.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"

@@ -1,5 +1,5 @@
 // Sessions: a mesh that follows its shape, frame by frame, over a real connection.
-#include "client/remesh_session.h"
+#include "client/library/remesh_session.h"
 
 #include <cstring>
 #include <memory>
@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/grid/load.h"
-#include "core/grid/replace_leaves.h"
-#include "core/pipeline/mesher.h"
-#include "tests/core/pipeline/meshing.h"
+#include "core/plan/mesher.h"
+#include "core/vdb/load.h"
+#include "core/volume/replace_leaves.h"
+#include "tests/core/plan/meshing.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 

@@ -11,8 +11,8 @@
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
 
-#include "client/mesh_client.h"
-#include "server/logging.h"
+#include "client/library/mesh_client.h"
+#include "server/ops/logging.h"
 #include "server/server.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"

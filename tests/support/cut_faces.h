@@ -10,7 +10,7 @@
 #include "core/graded/cut_box.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/tet_mesh.h"
-#include "core/pipeline/mesh_request.h"
+#include "core/plan/mesh_request.h"
 
 namespace tet::test {
 

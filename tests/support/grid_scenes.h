@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "core/base/types.h"
-#include "core/grid/volume.h"
 #include "core/scene/scene_nodes.h"
+#include "core/volume/volume.h"
 
 namespace tet::test {
 

@@ -14,11 +14,11 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "core/grid/volume_reader.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/pipeline/mesher.h"
+#include "core/plan/mesher.h"
+#include "core/volume/volume_reader.h"
 #include "tests/support/lattice_place.h"
 #include "tests/support/lattice_signs.h"
 #include "tests/support/random_fields.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/parallel.h"
-#include "core/pipeline/mesh_request.h"
+#include "core/plan/mesh_request.h"
 
 namespace tet::test {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/grid/volume.h"
+#include "core/volume/volume.h"
 
 namespace tet::test {
 

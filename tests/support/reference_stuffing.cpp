@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/grid/volume_reader.h"
+#include "core/volume/volume_reader.h"
 
 namespace tet::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/grid/volume.h"
+#include "core/volume/volume.h"
 
 namespace tet::test {
 

@@ -8,8 +8,8 @@
 #include <absl/status/statusor.h>
 #include <openvdb/openvdb.h>
 
-#include "core/grid/vdb_cursor.h"
-#include "core/grid/vdb_outline.h"
+#include "core/vdb/vdb_cursor.h"
+#include "core/vdb/vdb_outline.h"
 
 namespace tet::test {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/grid/volume_builder.h"
+#include "core/volume/volume_builder.h"
 
 namespace tet::test {
 namespace {

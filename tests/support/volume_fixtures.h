@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "core/base/types.h"
-#include "core/grid/volume.h"
+#include "core/volume/volume.h"
 
 namespace tet::test {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/grid/volume_builder.h"
+#include "core/volume/volume_builder.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/grid/interpolate_lattice.h"
+#include "core/volume/interpolate_lattice.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 

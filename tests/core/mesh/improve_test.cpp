@@ -1,5 +1,5 @@
 // What the improvement promises of any mesh, on one whose boundary is no surface;
-// tests/core/pipeline holds what it promises of meshes of solids.
+// tests/core/plan holds what it promises of meshes of solids.
 #include "core/mesh/improve.h"
 
 #include <algorithm>

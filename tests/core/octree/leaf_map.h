@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/grid/volume_builder.h"
 #include "core/octree/octree.h"
+#include "core/volume/volume_builder.h"
 
 namespace tet::test {
 

@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/grid/to_voxel.h"
-#include "core/grid/volume_reader.h"
 #include "core/scene/scene_evaluator.h"
+#include "core/volume/to_voxel.h"
+#include "core/volume/volume_reader.h"
 #include "tests/support/grid_scenes.h"
 #include "tests/support/scenes.h"
 

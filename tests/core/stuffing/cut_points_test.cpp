@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/grid/volume_reader.h"
+#include "core/volume/volume_reader.h"
 #include "tests/core/stuffing/stuff.h"
 #include "tests/support/solids.h"
 

@@ -1,0 +1,74 @@
+// `tetstream convert`: a surface in, a .vdb level set out.
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/ascii.h>
+#include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
+
+#include "client/command/command.h"
+#include "client/command/progress_bar.h"
+#include "client/command/surface_input.h"
+#include "core/files/atomic_file.h"
+
+namespace tet {
+namespace {
+
+constexpr const char* kConvertExamples = R"(
+A closed surface becomes the level set of what it encloses. A surface with holes has no inside:
+it becomes a shell one voxel thick, and the command says so.
+
+Examples:
+  tetstream convert part.stl part.vdb --voxel 0.5
+  tetstream convert bunny.ply bunny.vdb          voxels of the longest extent / 128
+)";
+
+struct ConvertOptions {
+  std::string input, output;
+  std::optional<double> voxel;
+};
+
+absl::Status check_options(const ConvertOptions& options) {
+  if (!is_surface_file(options.input)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the input ", options.input, " must end in .obj, .stl or .ply"));
+  }
+  if (!absl::EndsWith(absl::AsciiStrToLower(options.output), ".vdb")) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the output ", options.output, " must end in .vdb"));
+  }
+  return check_can_create(options.output);
+}
+
+absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
+  if (auto status = check_options(options); !status.ok()) return status;
+  ProgressBar bar;
+  bar.begin("reading");
+  const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+  if (!input.ok()) return input.status();
+  if (interruption.requested()) return absl::CancelledError("stopped");
+  bar.begin("converting");
+  const absl::StatusOr<ConversionReport> report =
+      surface_to_vdb(input->surface, input->voxel_size, options.output);
+  if (!report.ok()) return report.status();
+  std::printf("%s: %s\n", options.output.c_str(),
+              describe_conversion(*report, input->voxel_size).c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+Command add_convert_command(CLI::App& app) {
+  const auto options = std::make_shared<ConvertOptions>();
+  app.footer(kConvertExamples);
+  app.add_option("IN", options->input, "A .obj, .stl or .ply surface")->required();
+  app.add_option("OUT", options->output, "The .vdb file to write")->required();
+  app.add_option("--voxel", options->voxel, "Voxel size, world units [longest extent / 128]");
+  return [options](const Cancellation& interruption) {
+    return run_convert(*options, interruption);
+  };
+}
+
+}  // namespace tet

@@ -1,0 +1,170 @@
+// `tetstream mesh`: a volume, a closed surface or a scene in, a mesh file out.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
+
+#include "client/command/command.h"
+#include "client/command/finish_mesh.h"
+#include "client/command/mesh_arguments.h"
+#include "client/command/mesh_maker.h"
+#include "client/command/mesh_report.h"
+#include "client/command/stopwatch.h"
+#include "core/files/atomic_file.h"
+#include "core/files/mesh_file.h"
+
+namespace tet {
+namespace {
+
+constexpr const char* kMeshExamples = R"(
+Examples:
+  tetstream mesh bunny.vdb -o bunny.vtu
+      graded: finest at the surface, coarser inside
+  tetstream mesh bunny.vdb -o bunny.msh --levels 0
+      uniform: every tet of the finest size
+  tetstream mesh bunny.vdb -o bunny.vtu --improve --report bunny.json
+      better worst angles, and a report on how much better
+  tetstream mesh smoke.vdb -o smoke.vtkhdf --grid density --iso 0.2 --spacing 0.5
+      one grid of several, at another density and another size of tets
+  tetstream mesh body.vdb -o leg.vtu --grid femur --grid tibia
+      two grids, each meshed by itself, in one file; the cells' `part` is 1 and 2. --all-grids takes
+      every grid that can be meshed: docs/several_grids.md
+  tetstream mesh bunny.vdb -o bunny.vtu --preset both-sides --box -3 -3 -3 3 3 3
+      the bunny and the space around it in one mesh, up to a box; the cells' `region` is
+      1 inside and 2 outside
+  tetstream mesh bunny.vdb -o part.msh --box -2 0 -2 2 3 2
+      the part of the inside that lies in a box, with flat, labelled faces where it cuts;
+      docs/cuts.md
+  tetstream mesh thin.vdb -o thin.msh --manifold
+      a boundary that touches itself nowhere, however thin the walls
+  tetstream mesh part.stl -o part.vtu --voxel 0.1
+      a closed surface; it becomes a level set with voxels of 0.1 first
+  tetstream mesh part.json -o part.vtu --spacing 0.05
+      a scene: solids as formulas, and grids, put together; docs/scenes.md
+  tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"growth": 0.25, "coarsest": 0.4}'
+      smaller tets inside; docs/sizing.md
+  tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"coarsest": 0.2, "grade_surface": true}'
+      larger ones at the surface, too
+  tetstream mesh fire.vdb -o fire.vtu --grid density --field temperature --field v=flow.vdb:vel
+      the values of other grids at the vertices, as named arrays; docs/fields.md
+  tetstream mesh bunny.vdb -o bunny.vtu --levels 0 --skip-statistics
+      the mesh and no more, when there are many to make
+  tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
+      the same bytes from a server, and a report on angles, times and the boundary
+)";
+
+void describe_options(CLI::App& app, MeshArguments& arguments) {
+  MeshOptions& options = arguments.options;
+  app.footer(kMeshExamples);
+  app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
+      ->required();
+  describe_input(app, arguments);
+  auto* const packed = app.add_flag(
+      "--packed", options.packed,
+      "Receive four bytes a tet, not eighteen, of any mesh, which the server packs");
+  app.add_flag("--compact", options.compact,
+               "Receive half a byte a tet and make the mesh here: for networks below 10 Gbit/s")
+      ->excludes(packed);
+  app.add_flag("--skip-cache", options.skip_cache,
+               "Have a server make the mesh though it has it as a job's result");
+  auto* const report = app.add_option(
+      "--report", options.report, "JSON file for counts, times, angles, boundary and regions");
+  app.add_flag("--skip-statistics", arguments.request.request.skip_statistics,
+               "Neither measure angles nor count the boundary: the same mesh, sooner")
+      ->excludes(report);
+}
+
+absl::Status check_encoding(const MeshOptions& options) {
+  if ((options.compact || options.packed) && options.server.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(options.compact ? "--compact" : "--packed",
+                     " is about what a server sends: add --server"));
+  }
+  if (!options.compact) return absl::OkStatus();
+  if (options.request.improve) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry an improved mesh: leave --improve out, or take --packed");
+  }
+  if (options.request.sizing.grade_surface) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry a mesh with a graded surface: leave the sizing's "
+        "grade_surface out, or take --packed");
+  }
+  if (options.has_several_grids()) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry several grids: leave out all --grid but one, or take --packed");
+  }
+  if (has_cut(options.request)) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry a mesh that a box cuts: leave --box out, or take --packed");
+  }
+  if (!options.request.fields.empty()) {
+    return absl::InvalidArgumentError(
+        "--compact cannot carry fields: leave --field out, or take --packed");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_cache(const MeshOptions& options) {
+  if (!options.skip_cache || !options.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError("--skip-cache is about a server's results: add --server");
+}
+
+/// All that can be refused before hours of work.
+absl::Status check_options(const MeshOptions& options) {
+  absl::Status status = check_input(options);
+  if (status.ok()) status = check_encoding(options);
+  if (status.ok()) status = check_cache(options);
+  if (status.ok()) status = mesh_format_of(options.output).status();
+  if (status.ok()) status = check_can_create(options.output);
+  if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
+  return status;
+}
+
+absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
+                                   ProgressBar& bar,
+                                   const Cancellation& interruption) {
+  return options.server.empty() ? make_mesh_here(options, bar, interruption)
+                                : make_mesh_on_server(options, bar, interruption);
+}
+
+absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
+  const Stopwatch watch;
+  const absl::StatusOr<MeshOptions> options = understand_input(arguments);
+  if (!options.ok()) return options.status();
+  if (auto status = check_options(*options); !status.ok()) return status;
+
+  absl::StatusOr<MadeMesh> made = absl::UnknownError("not made");
+  {
+    ProgressBar bar;
+    made = make_mesh(*options, bar, interruption);
+    if (!made.ok()) return made.status();
+    if (auto status = write_made_mesh(options->output, *made, bar, interruption); !status.ok())
+      return status;
+  }
+  const double seconds = watch.seconds();
+  if (!options->report.empty()) {
+    const std::string report = report_json(*made, options->request, seconds);
+    if (auto status = write_text_file(options->report, report); !status.ok()) return status;
+  }
+  std::printf("%s\n", summary_line(options->output, *made, seconds).c_str());
+  if (made->thin_walls.any()) {
+    std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+Command add_mesh_command(CLI::App& app) {
+  const auto arguments = std::make_shared<MeshArguments>();
+  describe_options(app, *arguments);
+  return [arguments](const Cancellation& interruption) {
+    return run_mesh(*arguments, interruption);
+  };
+}
+
+}  // namespace tet

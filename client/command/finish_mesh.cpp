@@ -1,0 +1,32 @@
+#include "client/command/finish_mesh.h"
+
+#include <utility>
+
+#include "client/command/stopwatch.h"
+#include "core/files/mesh_file.h"
+
+namespace tet {
+
+MadeMesh made_of(StreamedMesh&& streamed, std::vector<Stage> stages) {
+  return {.mesh = std::move(streamed.mesh),
+          .quality = streamed.quality,
+          .boundary = streamed.boundary,
+          .improvement = streamed.improvement,
+          .thin_walls = std::move(streamed.thin_walls),
+          .stages = std::move(stages)};
+}
+
+absl::Status write_made_mesh(const std::string& output,
+                             MadeMesh& made,
+                             ProgressBar& bar,
+                             const Cancellation& interruption) {
+  const Stopwatch watch;
+  bar.begin("writing");
+  const WriteControl control{.cancellation = &interruption,
+                             .progress = [&](double fraction) { bar.update(fraction, 1); }};
+  absl::Status status = write_mesh_file(output, made.mesh, control);
+  made.stages.push_back({"writing", watch.seconds()});
+  return status;
+}
+
+}  // namespace tet

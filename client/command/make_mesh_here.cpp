@@ -1,0 +1,46 @@
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "client/command/mesh_maker.h"
+#include "client/command/read_shape.h"
+#include "client/command/stopwatch.h"
+#include "core/base/parallel.h"
+#include "core/plan/mesher.h"
+
+namespace tet {
+
+absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
+                                        ProgressBar& bar,
+                                        const Cancellation& interruption) {
+  Stopwatch watch;
+  TaskPool pool(options.threads);
+  absl::StatusOr<Shape> input = absl::UnknownError("not read");
+  pool.run([&] { input = read_shape(options, bar, interruption); });
+  if (!input.ok()) return input.status();
+  const absl::StatusOr<MeshRequest> request = read_request(options, interruption);
+  if (!request.ok()) return request.status();
+  const double reading_seconds = watch.lap();
+
+  bar.begin("planning");
+  std::once_flag planned;  // the first chunk says so
+  const auto show = [&](double fraction) {
+    std::call_once(planned, [&] { bar.begin("meshing"); });
+    bar.update(fraction, 1);
+  };
+  absl::StatusOr<MeshResult> result =
+      mesh_volume(pool, *std::move(input), *request, MeshLimits{}, interruption, show);
+  if (!result.ok()) return result.status();
+  MadeMesh made{.mesh = std::move(result->mesh),
+                .quality = result->quality,
+                .boundary = result->boundary,
+                .improvement = result->improvement,
+                .thin_walls = std::move(result->thin_walls),
+                .stages = {{"reading", reading_seconds},
+                           {"planning", result->plan_seconds},
+                           {"meshing", result->fill_seconds}}};
+  if (made.improvement) made.stages.push_back({"improving", result->improve_seconds});
+  return made;
+}
+
+}  // namespace tet

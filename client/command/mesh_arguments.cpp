@@ -1,0 +1,92 @@
+#include "client/command/mesh_arguments.h"
+
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
+
+#include "client/command/field_options.h"
+#include "client/command/mesh_input.h"
+#include "client/command/read_grids.h"
+#include "client/command/scene_input.h"
+#include "client/command/surface_input.h"
+#include "core/plan/joined/joined_plan.h"
+
+namespace tet {
+namespace {
+
+/// A grid of sizes is in a .vdb file.
+absl::Status check_sizing_grid(const MeshOptions& options) {
+  const auto& grid = options.request.sizing.grid;
+  if (!grid) return absl::OkStatus();
+  const std::string& file = grid->file.empty() ? options.input : grid->file;
+  if (!is_scene_file(file) && !is_surface_file(file)) {
+    return check_mesh_input({file, {}, {}});
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(file, " has no grids: name the .vdb of the sizing's with --sizing-grid"));
+}
+
+/// As far as the grids are not known.
+absl::Status check_all_grids(const MeshOptions& options) {
+  if (!options.all_grids) return absl::OkStatus();
+  if (!options.grids.empty()) {
+    return absl::InvalidArgumentError("--all-grids and --grid do not go together");
+  }
+  if (is_scene_file(options.input) || is_surface_file(options.input)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
+  }
+  return check_joined_request(options.request);
+}
+
+absl::Status check_trust(const MeshOptions& options) {
+  if (!options.trust || options.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--trust is about a file that is read here: leave --trust or --server out");
+}
+
+}  // namespace
+
+void describe_input(CLI::App& app, MeshArguments& arguments) {
+  MeshOptions& options = arguments.options;
+  app.add_option("INPUT", options.input,
+                 "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
+      ->required();
+  describe_request(app, arguments.request);
+  app.add_flag("--all-grids", options.all_grids,
+               "Every grid of the .vdb that can be meshed, in one file");
+  app.add_option("--sizing-grid", arguments.request.sizing.grid,
+                 "A .vdb with the sizing's grid of sizes, if that is not in the input")
+      ->type_name("FILE");
+  app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
+  app.add_option("--threads", options.threads, "Threads of this process [every core]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--trust", options.trust, kTrustHelp);
+  describe_server(app, arguments.server);
+}
+
+absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
+  MeshOptions options = arguments.options;
+  absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
+  if (!request.ok()) return request.status();
+  options.request = *std::move(request);
+  options.grids = arguments.request.grids;
+  options.server = arguments.server.address;
+  absl::StatusOr<ChannelOptions> channel = understand_server(arguments.server);
+  if (!channel.ok()) return channel.status();
+  options.channel = *std::move(channel);
+  return options;
+}
+
+absl::Status check_input(const MeshOptions& options) {
+  absl::Status status = check_mesh_input({options.input, options.grids, options.voxel});
+  if (status.ok()) status = check_all_grids(options);
+  if (status.ok()) status = check_sizing_grid(options);
+  if (status.ok()) status = check_field_files(options.request.fields, options.input);
+  if (status.ok()) status = check_trust(options);
+  return status;
+}
+
+}  // namespace tet

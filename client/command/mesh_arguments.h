@@ -1,0 +1,30 @@
+// What `tetstream mesh` and `tetstream estimate` both say: an input, a request, and where.
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "client/command/mesh_options.h"
+#include "client/command/request_options.h"
+#include "client/command/server_options.h"
+
+namespace tet {
+
+/// What the command line says, before it is understood.
+struct MeshArguments {
+  MeshOptions options;
+  RequestArguments request;
+  ServerArguments server;
+};
+
+/// Adds INPUT, --voxel, --threads, --trust, --sizing-grid, and the options of request and
+/// server.
+void describe_input(CLI::App& app, MeshArguments& arguments);
+
+/// Errors: those of understand_request and understand_server.
+absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments);
+
+/// Whether the options go with the input. Errors: kInvalidArgument.
+absl::Status check_input(const MeshOptions& options);
+
+}  // namespace tet

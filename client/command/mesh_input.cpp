@@ -1,0 +1,102 @@
+#include "client/command/mesh_input.h"
+
+#include <filesystem>
+#include <stdlib.h>
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
+
+#include "client/command/scene_input.h"
+#include "client/command/surface_input.h"
+#include "proto/wire/sha256.h"
+
+namespace tet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A directory of our own that is gone with us.
+class ScratchDirectory {
+ public:
+  ScratchDirectory() {
+    path_ = (fs::temp_directory_path() / "tetstream.XXXXXX").string();
+    made_ = mkdtemp(path_.data()) != nullptr;
+  }
+  ~ScratchDirectory() {
+    std::error_code ignored;
+    if (made_) fs::remove_all(path_, ignored);
+  }
+  ScratchDirectory(const ScratchDirectory&) = delete;
+  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+
+  std::string file(const std::string& name) const { return fs::path(path_) / name; }
+
+ private:
+  std::string path_;
+  bool made_ = false;
+};
+
+absl::Status convert_surface(const MeshInput& input,
+                             const std::string& vdb_path,
+                             const UploadWatch& watch) {
+  const absl::StatusOr<SurfaceInput> read = read_surface_input(input.path, input.voxel);
+  if (!read.ok()) return read.status();
+  const absl::StatusOr<ConversionReport> report =
+      surface_to_vdb(read->surface, read->voxel_size, vdb_path);
+  if (!report.ok()) return report.status();
+  watch.say(input.path + ": " + describe_conversion(*report, read->voxel_size));
+  return absl::OkStatus();
+}
+
+/// Scenes have voxels only in their grids, which have names of their own.
+absl::Status check_scene_input(const MeshInput& input) {
+  if (!input.grids.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", input.grids.front(), ": a scene names its grids itself"));
+  }
+  if (!input.voxel) return absl::OkStatus();
+  return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
+}
+
+}  // namespace
+
+absl::Status check_mesh_input(const MeshInput& input) {
+  if (is_surface_file(input.path)) {
+    if (input.grids.empty()) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        absl::StrCat("--grid ", input.grids.front(), ": a surface file has no grids"));
+  }
+  if (is_scene_file(input.path)) return check_scene_input(input);
+  if (!absl::EndsWith(absl::AsciiStrToLower(input.path), ".vdb")) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl, .ply or .json"));
+  }
+  if (input.voxel) {
+    return absl::InvalidArgumentError(
+        "--voxel is for surfaces; use --spacing to mesh a .vdb at another size");
+  }
+  return absl::OkStatus();
+}
+
+std::string stored_grid_name(const std::string& text) {
+  if (is_sha256_hex(text)) return name_of_grid(text);
+  return digest_of_name(text).empty() ? "" : text;
+}
+
+absl::StatusOr<std::string> upload_input(MeshClient& client,
+                                         const MeshInput& input,
+                                         const UploadWatch& watch,
+                                         const Cancellation& cancellation) {
+  std::string path = input.path;
+  std::optional<ScratchDirectory> scratch;
+  if (is_surface_file(path)) {
+    path = scratch.emplace().file("surface.vdb");
+    absl::Status status = convert_surface(input, path, watch);
+    if (!status.ok()) return status;
+  }
+  const ClientProgress progress{.upload = watch.bytes, .planning = {}, .tets = {}};
+  return client.upload_file(path, progress, cancellation);
+}
+
+}  // namespace tet

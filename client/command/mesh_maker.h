@@ -1,0 +1,44 @@
+// The two ways to make a mesh: in this process, or on a server. The same bytes either way.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/command/mesh_options.h"
+#include "client/command/progress_bar.h"
+#include "core/base/cancel.h"
+#include "core/mesh/boundary.h"
+#include "core/mesh/improve.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/tet_mesh.h"
+#include "core/plan/thin_walls.h"
+
+namespace tet {
+
+struct Stage {
+  std::string name;
+  double seconds = 0;
+};
+
+struct MadeMesh {
+  TetMesh mesh;
+  QualityStats quality;  ///< empty where the request skips statistics
+  /// Of the inside, if it was counted with the mesh; else to be measured.
+  std::optional<BoundaryTopology> boundary;
+  std::optional<Improvement> improvement;  ///< where the request asked for it
+  ThinWalls thin_walls;
+  std::vector<Stage> stages;  ///< in the order they ran
+};
+
+absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
+                                        ProgressBar& bar,
+                                        const Cancellation& interruption);
+
+absl::StatusOr<MadeMesh> make_mesh_on_server(const MeshOptions& options,
+                                             ProgressBar& bar,
+                                             const Cancellation& interruption);
+
+}  // namespace tet

@@ -1,0 +1,32 @@
+// What `tetstream mesh` was asked for.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/library/channel.h"
+#include "core/plan/mesh_request.h"
+
+namespace tet {
+
+struct MeshOptions {
+  std::string input, output;
+  std::vector<std::string> grids;  ///< empty takes the only meshable grid
+  bool all_grids = false;          ///< all that can be meshed, instead
+  bool trust = false;              ///< read the .vdb file in this process
+  std::optional<double> voxel;     ///< of a surface that is converted first, world units
+  MeshRequest request;
+  int threads = 0;          ///< 0 takes every core
+  std::string server;       ///< HOST:PORT; empty meshes in this process
+  ChannelOptions channel;   ///< how that is spoken to
+  bool compact = false;     ///< half a byte a tet from the server, and the mesh is made here
+  bool packed = false;      ///< four bytes a tet, and it is unpacked here
+  bool skip_cache = false;  ///< also where the server has the mesh as a job's result
+  std::string report;       ///< path; empty writes none
+
+  /// The meshes of more than one grid are joined.
+  bool has_several_grids() const noexcept { return all_grids || grids.size() > 1; }
+};
+
+}  // namespace tet

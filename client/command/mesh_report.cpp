@@ -1,0 +1,164 @@
+#include "client/command/mesh_report.h"
+
+#include <utility>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
+#include <nlohmann/json.hpp>
+
+#include "core/mesh/boundary.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/regions.h"
+
+namespace tet {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const BoundaryTopology& boundary) {
+  return {{"triangles", boundary.triangles},
+          {"vertices", boundary.vertices},
+          {"components", boundary.components},
+          {"euler_characteristic", boundary.euler_characteristic},
+          {"non_manifold_edges", boundary.non_manifold_edges},
+          {"non_manifold_vertices", boundary.non_manifold_vertices}};
+}
+
+Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
+  Json boundary = json_of(made.boundary ? *made.boundary : measure_inside_boundary(made.mesh));
+  if (request.manifold && made.boundary) {
+    boundary["restored_nodes"] = made.boundary->restored_nodes;
+  }
+  return boundary;
+}
+
+Json region_json(const TetMesh& mesh, MeshRegion region) {
+  return {{"tets", count_tets(mesh, region)}, {"volume", measure_volume(mesh, region)}};
+}
+
+Json json_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
+
+Json json_of(const ThinWalls& walls) {
+  Json regions = Json::array();
+  for (const ThinWalls::Region& region : walls.regions) {
+    regions.push_back({{"min", json_of(region.box.min)},
+                       {"max", json_of(region.box.max)},
+                       {"inside_spots", region.inside},
+                       {"outside_spots", region.outside}});
+  }
+  return {{"inside_spots", walls.inside},       {"outside_spots", walls.outside},
+          {"region_count", walls.region_count}, {"regions", std::move(regions)},
+          {"thickness", walls.thickness},       {"suggested_spacing", walls.suggested_spacing}};
+}
+
+Json json_of(const std::vector<Stage>& stages) {
+  Json seconds_of = Json::object();
+  for (const Stage& stage : stages) seconds_of[stage.name] = stage.seconds;
+  return seconds_of;
+}
+
+Json json_of(const Improvement& improvement, const QualityStats& after) {
+  return {{"min_before_deg", improvement.min_dihedral_before_deg},
+          {"max_before_deg", improvement.max_dihedral_before_deg},
+          {"min_after_deg", after.min_dihedral_deg},
+          {"max_after_deg", after.max_dihedral_deg},
+          {"moved_vertices", improvement.moved_vertices},
+          {"seconds", improvement.seconds}};
+}
+
+std::string tets_of_each_side(const TetMesh& mesh) {
+  if (!mesh.header.has_regions) return "";
+  return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
+                         count_tets(mesh, MeshRegion::kOutside));
+}
+
+/// As if there were no other tets.
+Json json_of(const MeshPart& part, const TetMesh& mesh) {
+  MeshView view = mesh.view();
+  view.tets = view.tets.subspan(ChunkSizes(mesh.header, 0, part.first_tet).tets,
+                                ChunkSizes(mesh.header, 0, part.tet_count).tets);
+  const QualityStats quality = measure_tets(view);
+  return {{"name", part.name},
+          {"vertices", part.vertex_count},
+          {"tets", part.tet_count},
+          {"spacing", part.spacing},
+          {"levels", part.levels},
+          {"volume", quality.volume},
+          {"min_dihedral_deg", quality.min_dihedral_deg},
+          {"max_dihedral_deg", quality.max_dihedral_deg}};
+}
+
+/// The first few.
+std::string tets_of_each_part(const TetMesh& mesh) {
+  constexpr std::size_t kMost = 8;
+  std::vector<std::string> parts;
+  for (const MeshPart& part : mesh.header.parts) {
+    parts.push_back(absl::StrFormat("%d %s", part.tet_count, part.name));
+  }
+  if (parts.empty()) return "";
+  if (parts.size() > kMost) {
+    const std::size_t more = parts.size() - kMost;
+    parts.resize(kMost);
+    parts.push_back(absl::StrFormat("and of %d more grids", more));
+  }
+  return absl::StrCat(" (", absl::StrJoin(parts, ", "), ")");
+}
+
+/// Nothing where nothing was measured.
+std::string angles_of(const QualityStats& quality) {
+  if (quality.empty()) return "";
+  return absl::StrFormat(", dihedral angles %.2f to %.2f degrees", quality.min_dihedral_deg,
+                         quality.max_dihedral_deg);
+}
+
+std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
+  const std::uint64_t nodes = boundary ? boundary->restored_nodes : 0;
+  if (nodes == 0) return "";
+  return absl::StrFormat(", %d %s restored", nodes, nodes == 1 ? "node" : "nodes");
+}
+
+}  // namespace
+
+std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
+  return absl::StrFormat("%s: %d vertices, %d tets%s%s%s%s, %.2f s", output,
+                         made.mesh.header.vertex_count, made.mesh.header.tet_count,
+                         tets_of_each_side(made.mesh), tets_of_each_part(made.mesh),
+                         angles_of(made.quality), restored_nodes(made.boundary), seconds);
+}
+
+std::string thin_walls_warning(const ThinWalls& walls) {
+  if (!walls.any()) return "";
+  return absl::StrFormat(
+      "warning: the lattice does not resolve %d spots of thin walls and %d of narrow gaps, "
+      "in %d region%s; a grid sampled and meshed at about %.3g would",
+      walls.inside, walls.outside, walls.region_count, walls.region_count == 1 ? "" : "s",
+      walls.suggested_spacing);
+}
+
+std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds) {
+  Json report{{"vertices", made.mesh.header.vertex_count},
+              {"tets", made.mesh.header.tet_count},
+              {"min_dihedral_deg", made.quality.min_dihedral_deg},
+              {"max_dihedral_deg", made.quality.max_dihedral_deg},
+              {"volume", made.quality.volume},
+              {"spacing", made.mesh.header.spacing},
+              {"levels", made.mesh.header.levels},
+              {"seconds", seconds},
+              {"stages", json_of(made.stages)},
+              {"boundary", boundary_json(made, request)},
+              {"thin_walls", json_of(made.thin_walls)},
+              {"dihedral_histogram", made.quality.histogram}};
+  if (made.mesh.header.has_regions) {
+    report["regions"] = {{"inside", region_json(made.mesh, MeshRegion::kInside)},
+                         {"outside", region_json(made.mesh, MeshRegion::kOutside)}};
+  }
+  for (const MeshPart& part : made.mesh.header.parts) {
+    report["parts"].push_back(json_of(part, made.mesh));
+  }
+  if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
+  return report.dump(2) + "\n";
+}
+
+}  // namespace tet

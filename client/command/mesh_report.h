@@ -1,0 +1,32 @@
+// What a finished mesh is like: a line for people, JSON for programs.
+#pragma once
+
+#include <string>
+
+#include "client/command/mesh_maker.h"
+#include "core/plan/mesh_request.h"
+
+namespace tet {
+
+/// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s"; with the
+/// tets of each side where both are meshed, or of each grid of several, and the nodes restored
+/// for a manifold if there are any. No angles where none were measured.
+std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
+
+/// What to tell of walls that the lattice cannot resolve, in one line; empty without any.
+std::string thin_walls_warning(const ThinWalls& walls);
+
+/// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary (of the
+/// inside; restored_nodes where a manifold was asked for and the box cuts no surface), of
+/// meshes of both sides regions (inside and outside: tets, volume), of several
+/// grids parts (of each name, vertices, tets, spacing, levels, volume, min_dihedral_deg and
+/// max_dihedral_deg), and of improved ones
+/// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
+/// seconds), and thin_walls (inside_spots, outside_spots, region_count, regions, thickness,
+/// suggested_spacing).
+///
+/// Measures what was not counted with the mesh.
+std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);
+
+}  // namespace tet

@@ -1,0 +1,20 @@
+// What a server needs before it can mesh: its request, and the files that it is about.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "client/command/mesh_options.h"
+#include "client/command/progress_bar.h"
+#include "client/library/mesh_client.h"
+#include "core/base/cancel.h"
+
+namespace tet {
+
+/// The request for a command's input, once the server has what it needs of it. Errors: those of
+/// upload_input and read_scene_message.
+absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
+                                                const MeshOptions& options,
+                                                ProgressBar& bar,
+                                                const Cancellation& interruption);
+
+}  // namespace tet

@@ -1,0 +1,122 @@
+#include "client/command/read_shape.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "client/command/read_grids.h"
+#include "client/command/request_options.h"
+#include "client/command/scene_input.h"
+#include "client/command/surface_input.h"
+
+namespace tet {
+namespace {
+
+FileTrust trust(const MeshOptions& options) {
+  return options.trust ? FileTrust::kFull : FileTrust::kNone;
+}
+
+absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& bar) {
+  absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+  if (!input.ok()) return input.status();
+  absl::StatusOr<SurfaceVolume> converted =
+      surface_to_volume(input->surface, input->voxel_size);
+  if (!converted.ok()) return converted.status();
+  bar.say(options.input + ": " + describe_conversion(converted->report, input->voxel_size));
+  return std::move(converted->volume);
+}
+
+absl::StatusOr<Volume> read_grid(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
+  if (is_surface_file(options.input)) return convert_surface(options, bar);
+  return read_volume(options.input, options.grids.empty() ? "" : options.grids.front(),
+                     trust(options), interruption);
+}
+
+absl::StatusOr<std::vector<std::string>> names_of_grids(const MeshOptions& options,
+                                                        const Cancellation& interruption) {
+  if (!options.all_grids) return options.grids;
+  const auto listed = read_grid_list(options.input, trust(options), interruption);
+  if (!listed.ok()) return listed.status();
+  std::vector<std::string> names = meshable_of(*listed);
+  if (auto status = check_all_grids(options.input, names); !status.ok()) return status;
+  return names;
+}
+
+absl::StatusOr<Shape> read_several(const MeshOptions& options,
+                                   ProgressBar& bar,
+                                   const Cancellation& interruption) {
+  const auto names = names_of_grids(options, interruption);
+  if (!names.ok()) return names.status();
+  GridList grids;
+  for (const std::string& name : *names) {
+    absl::StatusOr<Volume> volume =
+        read_volume(options.input, name, trust(options), interruption);
+    if (!volume.ok()) return volume.status();
+    grids.push_back(std::make_shared<const Volume>(*std::move(volume)));
+    bar.update(static_cast<double>(grids.size()), static_cast<double>(names->size()));
+  }
+  return grids;
+}
+
+/// Takes what was read.
+template <class Input>
+absl::StatusOr<Shape> shared(absl::StatusOr<Input> read) {
+  if (!read.ok()) return read.status();
+  return std::make_shared<const Input>(*std::move(read));
+}
+
+absl::Status read_sizes(const MeshOptions& options,
+                        const Cancellation& interruption,
+                        Sizing& sizing) {
+  auto& grid = sizing.grid;
+  if (!grid) return absl::OkStatus();
+  absl::StatusOr<Volume> volume = read_volume(grid->file.empty() ? options.input : grid->file,
+                                              grid->name, trust(options), interruption);
+  if (!volume.ok()) return volume.status();
+  grid->volume = std::make_shared<const Volume>(*std::move(volume));
+  return absl::OkStatus();
+}
+
+/// The first component says how many there are.
+absl::Status read_components(const MeshOptions& options,
+                             const Cancellation& interruption,
+                             VertexField& field) {
+  std::uint32_t count = 1;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    absl::StatusOr<Volume> volume = read_field(field.file.empty() ? options.input : field.file,
+                                               field.grid, i, trust(options), interruption);
+    if (!volume.ok()) return volume.status();
+    count = components_of(volume->kind);
+    field.components.push_back(std::make_shared<const Volume>(*std::move(volume)));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Shape> read_shape(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption) {
+  bar.begin("reading");
+  const auto read = [&](const std::string& path, const std::string& grid_name) {
+    return read_volume(path, grid_name, trust(options), interruption);
+  };
+  if (options.has_several_grids()) return read_several(options, bar, interruption);
+  return is_scene_file(options.input) ? shared(read_scene(options.input, read))
+                                      : shared(read_grid(options, bar, interruption));
+}
+
+absl::StatusOr<MeshRequest> read_request(const MeshOptions& options,
+                                         const Cancellation& interruption) {
+  MeshRequest request = options.request;
+  absl::Status status = read_sizes(options, interruption, request.sizing);
+  for (VertexField& field : request.fields) {
+    if (status.ok()) status = read_components(options, interruption, field);
+  }
+  if (!status.ok()) return status;
+  return request;
+}
+
+}  // namespace tet

@@ -1,0 +1,24 @@
+// What is meshed in this process: files become shapes.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "client/command/mesh_options.h"
+#include "client/command/progress_bar.h"
+#include "core/base/cancel.h"
+#include "core/plan/shape.h"
+
+namespace tet {
+
+/// The input of a command; run it on a TaskPool. Errors: those of read_volume, read_scene and
+/// surface_to_volume.
+absl::StatusOr<Shape> read_shape(const MeshOptions& options,
+                                 ProgressBar& bar,
+                                 const Cancellation& interruption);
+
+/// The request with the grids of its sizing and its fields. Errors: those of read_volume and
+/// read_field.
+absl::StatusOr<MeshRequest> read_request(const MeshOptions& options,
+                                         const Cancellation& interruption);
+
+}  // namespace tet

@@ -1,0 +1,143 @@
+#include "client/command/request_options.h"
+
+#include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "client/command/field_options.h"
+#include "core/plan/joined/joined_plan.h"
+#include "proto/sizing/sizing_message.h"
+
+namespace tet {
+namespace {
+
+v1::Preset wire_preset(Preset preset) {
+  switch (preset) {
+    case Preset::kDefault:
+      return v1::PRESET_DEFAULT;
+    case Preset::kMinAngle:
+      return v1::PRESET_MIN_ANGLE;
+    case Preset::kBothSides:
+      return v1::PRESET_BOTH_SIDES;
+  }
+  return v1::PRESET_UNSPECIFIED;
+}
+
+v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {
+  if (!type) return v1::COORDINATE_TYPE_UNSPECIFIED;
+  return *type == CoordinateType::kFloat64 ? v1::COORDINATE_TYPE_FLOAT64
+                                           : v1::COORDINATE_TYPE_FLOAT32;
+}
+
+void set_point(const WorldPoint& point, v1::Point& message) {
+  message.set_x(point.x);
+  message.set_y(point.y);
+  message.set_z(point.z);
+}
+
+}  // namespace
+
+void describe_request(CLI::App& app, RequestArguments& arguments) {
+  MeshRequest& request = arguments.request;
+  app.add_option(
+         "--grid", arguments.grids,
+         "Grid of the .vdb; may be repeated for several in one file [its only meshable one]")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
+  app.add_option("--spacing", request.spacing,
+                 "Finest lattice spacing, world units [voxel size; of a scene its longest "
+                 "extent / 128]");
+  app.add_option("--levels", request.levels,
+                 "Coarser octree levels inside; 0 is uniform [all]");
+  app.add_option("--sizing", arguments.sizing.sizing,
+                 "JSON file, or JSON, that says how large tets may be, and where: "
+                 "docs/sizing.md")
+      ->type_name("FILE");
+  app.add_option("--preset", arguments.preset,
+                 "default, min-angle (the best smallest angle) or both-sides (meshes the "
+                 "outside too)")
+      ->check(CLI::IsMember({"default", "min-angle", "both-sides"}));
+  app.add_option("--box", arguments.box,
+                 "What to mesh, world units, rounded outward to 8 spacings: how far both-sides "
+                 "goes [all that the grid stores or the scene reaches]; else the inside is cut "
+                 "off there, flat")
+      ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+  app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
+  app.add_flag("--improve", request.improve,
+               "Move vertices, on the surface along it, to better the worst angles");
+  app.add_option(
+         "--coordinates", arguments.coordinates,
+         "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")
+      ->check(CLI::IsMember({"float32", "float64"}));
+  app.add_option("--field", arguments.fields, kFieldHelp)
+      ->type_name(kFieldType)
+      ->allow_extra_args(false);
+}
+
+absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request) {
+  absl::Status status = check_grid_names(grids);
+  if (status.ok()) status = check_joined_request(request);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("--grid: ", status.message()));
+}
+
+absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids) {
+  if (grids.empty()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "--all-grids: ", input, " has no grid that can be meshed; `tetstream info` says why"));
+  }
+  if (absl::Status status = check_grid_names(grids); !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--all-grids: ", status.message(), "; name some with --grid"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments) {
+  MeshRequest request = arguments.request;
+  request.preset = *parse_preset(arguments.preset);
+  if (arguments.box) {
+    const auto [x0, y0, z0, x1, y1, z1] = *arguments.box;
+    request.box = {{x0, y0, z0}, {x1, y1, z1}};
+  }
+  if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
+  if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;
+  if (absl::Status status = check_cut(request); !status.ok()) return status;
+  absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
+  if (!sizing.ok()) return sizing.status();
+  request.sizing = *std::move(sizing);
+  absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
+  if (!fields.ok()) return fields.status();
+  request.fields = *std::move(fields);
+  if (arguments.grids.size() > 1) {
+    if (auto status = check_grids(arguments.grids, request); !status.ok()) return status;
+  }
+  return request;
+}
+
+v1::MeshRequest wire_request(const MeshRequest& request,
+                             const std::string& name,
+                             const std::vector<std::string>& grids) {
+  v1::MeshRequest message;
+  message.set_name(name);
+  if (grids.size() == 1) message.set_grid_name(grids.front());
+  if (grids.size() > 1) message.mutable_grid_names()->Assign(grids.begin(), grids.end());
+  if (request.spacing) message.set_spacing(*request.spacing);
+  if (request.iso) message.set_iso(*request.iso);
+  message.set_levels(request.levels);
+  message.set_preset(wire_preset(request.preset));
+  message.set_improve(request.improve);
+  message.set_coordinate_type(wire_coordinates(request.coordinates));
+  if (request.box) {
+    set_point(request.box->min, *message.mutable_box()->mutable_min());
+    set_point(request.box->max, *message.mutable_box()->mutable_max());
+  }
+  message.set_manifold(request.manifold);
+  message.set_skip_statistics(request.skip_statistics);
+  if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
+  add_wire_fields(request.fields, message);
+  return message;
+}
+
+}  // namespace tet

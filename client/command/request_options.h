@@ -1,0 +1,55 @@
+// The options that say what to mesh, as every command takes them.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/command/sizing_input.h"
+#include "client/library/mesh_client.h"
+#include "core/plan/mesh_request.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tet {
+
+/// A command line's request, before it is understood.
+struct RequestArguments {
+  std::vector<std::string> grids;  ///< empty takes the only meshable grid
+  MeshRequest request;
+  std::string preset = "default";
+  std::optional<std::array<double, 6>> box;
+  std::string coordinates;
+  SizingArguments sizing;
+  std::vector<std::string> fields;
+};
+
+/// Adds --grid (any number of times), --iso, --spacing, --levels, --sizing, --preset, --box,
+/// --manifold, --improve,
+/// --coordinates, --field.
+void describe_request(CLI::App& app, RequestArguments& arguments);
+
+/// Whether the grids that a file has for --all-grids can be meshed. Errors: kFailedPrecondition
+/// (there are none), kInvalidArgument (too many).
+absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids);
+
+/// Whether several grids can be meshed together, and so. OK or kInvalidArgument.
+absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request);
+
+/// The grids of its sizing and its fields are not loaded: see read_sizing and
+/// understand_fields. Errors: kInvalidArgument (options that do not go together), and those of
+/// the two.
+absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
+
+/// The same for a server, which stores the file under `name`, and those of its fields as they
+/// say. One grid is meshed alone, several together.
+v1::MeshRequest wire_request(const MeshRequest& request,
+                             const std::string& name,
+                             const std::vector<std::string>& grids);
+
+}  // namespace tet

@@ -1,0 +1,40 @@
+// A mesh that comes in compact chunks.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/transfer/compact_mesh.h"
+#include "tetstream/v1/meshes.pb.h"
+
+namespace tet {
+
+namespace v1 = ::tetstream::v1;
+
+/// Gathers compact chunks, and makes the mesh of them when they are all there. Not thread-safe.
+class CompactReceiver {
+ public:
+  /// Errors: kDataLoss (a header that no compact mesh has).
+  static absl::StatusOr<CompactReceiver> begin(const v1::MeshHeader& header);
+
+  /// The next chunk. Errors: kDataLoss.
+  absl::Status add(std::span<const std::byte> chunk) { return bricks_.add(chunk); }
+
+  /// Makes the mesh on every core, in the memory of `used`. Errors: those of decode_mesh.
+  absl::StatusOr<FilledMesh> finish(const MeshHeader& header,
+                                    const Cancellation& cancellation,
+                                    TetMesh used,
+                                    Statistics statistics) &&;
+
+ private:
+  explicit CompactReceiver(const CompactFrame& frame)
+      : frame_(frame), bricks_(frame.rules.both_sides) {}
+
+  CompactFrame frame_;
+  CompactBricks bricks_;
+};
+
+}  // namespace tet

@@ -1,0 +1,169 @@
+#include "core/files/mesh_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace tet {
+namespace {
+
+/// Half a unit in the last place of a float32 just below 1, and how far a vertex may move.
+constexpr double kFloat32Rounding = 0x1p-24;
+constexpr double kMaxShiftPerSpacing = 1e-4;
+
+double largest_coordinate(const WorldBox& box) noexcept {
+  const auto largest = [](const WorldPoint& p) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  };
+  return std::max(largest(box.min), largest(box.max));
+}
+
+template <class Number>
+void write_points_as(BlockWriter& writer, const TetMesh& mesh) {
+  writer.rows(mesh.header.vertex_count, [&](std::uint64_t i) {
+    const auto [x, y, z] = mesh.vertex(i);
+    return std::array{static_cast<Number>(x), static_cast<Number>(y), static_cast<Number>(z)};
+  });
+}
+
+template <class Number>
+void write_offsets_as(BlockWriter& writer, std::uint64_t first, std::uint64_t count) {
+  writer.rows(count, [&](std::uint64_t i) { return static_cast<Number>(4 * (first + i)); });
+}
+
+/// Reads one field of rows that have the values of all.
+template <std::size_t kComponents>
+class FieldRows {
+ public:
+  FieldRows(const TetMesh& mesh, std::size_t field)
+      : row_bytes_(mesh.header.field_values() * sizeof(float)),
+        first_(mesh.fields.bytes().data()) {
+    for (std::size_t i = 0; i < field; ++i) {
+      first_ += mesh.header.fields[i].components * sizeof(float);
+    }
+  }
+
+  std::array<float, kComponents> operator()(std::uint64_t vertex) const {
+    std::array<float, kComponents> values;
+    std::memcpy(values.data(), first_ + vertex * row_bytes_, sizeof(values));
+    return values;
+  }
+
+ private:
+  std::size_t row_bytes_;
+  const std::byte* first_;
+};
+
+template <std::size_t kComponents>
+void write_numbered(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+  const FieldRows<kComponents> rows(mesh, field);
+  writer.rows(mesh.header.vertex_count, [&](std::uint64_t i) {
+    const auto number = static_cast<std::int32_t>(i + 1);
+    std::array<double, kComponents> values;
+    std::ranges::copy(rows(i), values.begin());
+    std::array<std::byte, sizeof(number) + sizeof(values)> row;
+    std::memcpy(row.data(), &number, sizeof(number));
+    std::memcpy(row.data() + sizeof(number), values.data(), sizeof(values));
+    return row;
+  });
+}
+
+}  // namespace
+
+CoordinateType file_coordinate_type(const MeshHeader& header) noexcept {
+  const double rounding = largest_coordinate(header.bounds) * kFloat32Rounding;
+  const bool fits = rounding <= kMaxShiftPerSpacing * header.spacing;
+  return fits ? header.coordinate_type : CoordinateType::kFloat64;
+}
+
+ColumnTypes choose_column_types(const MeshHeader& header) noexcept {
+  constexpr auto kLargest =
+      static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
+  const bool fits = header.vertex_count <= kLargest && header.tet_count <= kLargest / 4;
+  return {file_coordinate_type(header), fits ? IndexType::kUint32 : IndexType::kUint64};
+}
+
+ColumnSizes column_sizes(const MeshHeader& header,
+                         const ColumnTypes& types,
+                         std::uint64_t offset_rows) noexcept {
+  return {.points = header.vertex_count * 3 * size_of(types.coordinates),
+          .connectivity = header.tet_count * 4 * size_of(types.ids),
+          .offsets = offset_rows * size_of(types.ids),
+          .types = header.tet_count,
+          .regions = header.has_regions ? header.tet_count : 0,
+          .parts = header.parts.empty() ? 0 : header.tet_count,
+          .fields = ChunkSizes(header, header.vertex_count, 0).fields};
+}
+
+void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type) {
+  const bool as_stored =
+      mesh.header.origin == WorldPoint{} && mesh.header.coordinate_type == type;
+  if (as_stored) {
+    writer.bytes(mesh.positions.bytes());
+  } else if (type == CoordinateType::kFloat32) {
+    write_points_as<float>(writer, mesh);
+  } else {
+    write_points_as<double>(writer, mesh);
+  }
+}
+
+void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+  const std::uint64_t vertices = mesh.header.vertex_count;
+  if (mesh.header.fields.size() == 1) {
+    writer.bytes(mesh.fields.bytes());
+  } else if (mesh.header.fields[field].components == 1) {
+    writer.rows(vertices, FieldRows<1>(mesh, field));
+  } else {
+    writer.rows(vertices, FieldRows<3>(mesh, field));
+  }
+}
+
+void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+  if (mesh.header.fields[field].components == 1) {
+    write_numbered<1>(writer, mesh, field);
+  } else {
+    write_numbered<3>(writer, mesh, field);
+  }
+}
+
+void write_connectivity(BlockWriter& writer, const TetMesh& mesh, IndexType type) {
+  if (mesh.header.index_type == type) {
+    writer.bytes(mesh.tets.bytes());
+  } else if (type == IndexType::kUint64) {
+    writer.rows(mesh.header.tet_count, [&](std::uint64_t i) { return mesh.tet(i); });
+  } else {
+    writer.rows(mesh.header.tet_count, [&](std::uint64_t i) {
+      std::array<std::uint32_t, 4> ids;
+      std::ranges::transform(mesh.tet(i), ids.begin(),
+                             [](auto id) { return static_cast<std::uint32_t>(id); });
+      return ids;
+    });
+  }
+}
+
+void write_offsets(BlockWriter& writer,
+                   std::uint64_t first,
+                   std::uint64_t count,
+                   IndexType type) {
+  if (type == IndexType::kUint64) {
+    write_offsets_as<std::uint64_t>(writer, first, count);
+  } else {
+    write_offsets_as<std::uint32_t>(writer, first, count);
+  }
+}
+
+void write_part_numbers(BlockWriter& writer, const MeshHeader& header) {
+  std::size_t part = 0;  // rows are made in order
+  writer.rows(header.tet_count, [&](std::uint64_t tet) {
+    while (tet - header.parts[part].first_tet >= header.parts[part].tet_count) ++part;
+    return static_cast<std::uint8_t>(part + 1);
+  });
+}
+
+void write_types(BlockWriter& writer, std::uint64_t count) {
+  writer.rows(count, [](std::uint64_t) { return kVtkTetra; });
+}
+
+}  // namespace tet

@@ -1,0 +1,63 @@
+// The columns of an unstructured-grid file, made from a mesh while they are written; shared by
+// the two VTK formats.
+#pragma once
+
+#include <cstdint>
+
+#include "core/files/block_writer.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// The coordinates a file of world coordinates needs: float32 where rounding the largest of
+/// them (half a unit in 2^-23) moves a vertex by at most 1e-4 of the lattice spacing, which
+/// bends no angle by more than about 0.02 degrees; else, or when the mesh is stored so,
+/// float64.
+CoordinateType file_coordinate_type(const MeshHeader& header) noexcept;
+
+/// How the columns of one mesh are stored in a file.
+struct ColumnTypes {
+  CoordinateType coordinates = CoordinateType::kFloat32;
+  /// Signed, as VTK's own ids are; int32 while every id and offset fits, so that VTK need not
+  /// convert.
+  IndexType ids = IndexType::kUint32;
+};
+ColumnTypes choose_column_types(const MeshHeader& header) noexcept;
+
+/// VTK's number for a linear tetrahedron.
+inline constexpr std::uint8_t kVtkTetra = 10;
+
+/// Bytes of each column.
+struct ColumnSizes {
+  std::uint64_t points = 0, connectivity = 0, offsets = 0, types = 0;
+  std::uint64_t regions = 0;  ///< of a mesh without them none
+  std::uint64_t parts = 0;    ///< of one grid's mesh none
+  std::uint64_t fields = 0;   ///< of all fields together
+  std::uint64_t total() const noexcept {
+    return points + connectivity + offsets + types + regions + parts + fields;
+  }
+};
+/// `offset_rows` is the number of tets, or one more where a format wants the leading zero.
+ColumnSizes column_sizes(const MeshHeader& header,
+                         const ColumnTypes& types,
+                         std::uint64_t offset_rows) noexcept;
+
+/// x, y, z of each vertex in world coordinates.
+void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type);
+/// The values of field number `field`, float32, 1 or 3 a vertex.
+void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
+/// The same as doubles, each vertex's behind its number, which counts from 1, as an int32.
+void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
+/// Four vertex ids a tet.
+void write_connectivity(BlockWriter& writer, const TetMesh& mesh, IndexType type);
+/// 4 * `first`, 4 * (`first` + 1), ... `count` of them.
+void write_offsets(BlockWriter& writer,
+                   std::uint64_t first,
+                   std::uint64_t count,
+                   IndexType type);
+/// Which part of a mesh of several grids each tet is of: one byte, from 1 on.
+void write_part_numbers(BlockWriter& writer, const MeshHeader& header);
+/// `count` times kVtkTetra.
+void write_types(BlockWriter& writer, std::uint64_t count);
+
+}  // namespace tet

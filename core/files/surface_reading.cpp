@@ -1,0 +1,78 @@
+#include "core/files/surface_reading.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include <absl/strings/str_format.h>
+
+namespace tet {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\v\f";
+
+template <class Number>
+bool parse_whole(std::string_view word, Number& value) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace
+
+bool LineReader::next() {
+  if (rest_.empty()) return false;
+  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  line_ = rest_.substr(0, end);
+  if (line_.ends_with('\r')) line_.remove_suffix(1);
+  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  ++number_;
+  return true;
+}
+
+std::string_view take_word(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
+  const std::string_view word = text.substr(0, end);
+  text.remove_prefix(end);
+  return word;
+}
+
+absl::Status line_error(std::size_t line, std::string_view why) {
+  return absl::InvalidArgumentError(absl::StrFormat("line %d: %s", line, why));
+}
+
+bool parse_number(std::string_view word, double& value) {
+  return parse_whole(word, value) && std::isfinite(value);
+}
+
+bool parse_number(std::string_view word, std::int64_t& value) {
+  return parse_whole(word, value);
+}
+
+bool take_point(std::string_view& text, WorldPoint& point) {
+  return parse_number(take_word(text), point.x) && parse_number(take_word(text), point.y) &&
+         parse_number(take_word(text), point.z);
+}
+
+void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surface) {
+  for (std::size_t i = 2; i < corners.size(); ++i) {
+    surface.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+  }
+}
+
+absl::StatusOr<TriangleSurface> checked(TriangleSurface surface) {
+  constexpr std::size_t kMaxVertices = 0xFFFFFFFF;  // ids are 32 bits, the last one means none
+  if (surface.triangles.empty()) {
+    return absl::InvalidArgumentError("there is no triangle in it");
+  }
+  if (surface.vertices.size() > kMaxVertices) {
+    return absl::InvalidArgumentError(absl::StrFormat("it has %d vertices; the limit is %d",
+                                                      surface.vertices.size(), kMaxVertices));
+  }
+  return surface;
+}
+
+}  // namespace tet

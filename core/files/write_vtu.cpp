@@ -1,0 +1,142 @@
+#include "core/files/write_vtu.h"
+
+#include <string>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
+
+#include "core/files/mesh_columns.h"
+
+namespace tet {
+namespace {
+
+/// Every appended column starts with its size in bytes.
+constexpr std::uint64_t kSizeBytes = sizeof(std::uint64_t);
+
+std::string data_array(const std::string& attributes, std::uint64_t offset) {
+  return absl::StrCat("        <DataArray ", attributes, " format=\"appended\" offset=\"",
+                      offset, "\"/>\n");
+}
+
+std::uint64_t field_bytes(const MeshHeader& mesh, const FieldArray& field) {
+  return mesh.vertex_count * field.components * sizeof(float);
+}
+
+/// Meshes of one side of one grid have no data of cells, and no mesh has labels of both kinds.
+std::string cell_data(const MeshHeader& mesh, std::uint64_t offset) {
+  if (!mesh.has_regions && mesh.parts.empty()) return "";
+  const char* const label = mesh.has_regions ? "region" : "part";
+  return absl::StrCat("      <CellData Scalars=\"", label, "\">\n",
+                      data_array(absl::StrCat("type=\"UInt8\" Name=\"", label, "\""), offset),
+                      "      </CellData>\n");
+}
+
+std::string xml_text(const std::string& name) {
+  return absl::StrReplaceAll(name, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}});
+}
+
+/// Which number the part of each grid has, as arrays called like the grids.
+std::string field_data(const MeshHeader& mesh) {
+  if (mesh.parts.empty()) return "";
+  std::string text = "    <FieldData>\n";
+  for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
+    absl::StrAppend(&text, "      <DataArray type=\"Int32\" Name=\"",
+                    absl::StrReplaceAll(xml_text(mesh.parts[i].name), {{"\"", "&quot;"}}),
+                    "\" NumberOfTuples=\"1\" format=\"ascii\">", i + 1, "</DataArray>\n");
+  }
+  return absl::StrCat(text, "    </FieldData>\n");
+}
+
+/// What a viewer shows before it is told what to: the first field of so many components.
+std::string shown_first(const MeshHeader& mesh,
+                        const char* attribute,
+                        std::uint32_t components) {
+  for (const FieldArray& field : mesh.fields) {
+    if (field.components != components) continue;
+    return absl::StrCat(" ", attribute, "=\"", xml_text(field.name), "\"");
+  }
+  return "";
+}
+
+std::string point_data(const MeshHeader& mesh, std::uint64_t offset) {
+  if (mesh.fields.empty()) return "";
+  std::string text = absl::StrCat("      <PointData", shown_first(mesh, "Scalars", 1),
+                                  shown_first(mesh, "Vectors", 3), ">\n");
+  for (const FieldArray& field : mesh.fields) {
+    // Not of scalars: readers make a matrix of one column of those that say so.
+    const char* const components = field.components == 3 ? " NumberOfComponents=\"3\"" : "";
+    const std::string attributes =
+        absl::StrCat("type=\"Float32\" Name=\"", xml_text(field.name), "\"", components);
+    absl::StrAppend(&text, data_array(attributes, offset));
+    offset += kSizeBytes + field_bytes(mesh, field);
+  }
+  return absl::StrCat(text, "      </PointData>\n");
+}
+
+std::string header_text(const MeshHeader& mesh,
+                        const ColumnTypes& types,
+                        const ColumnSizes& sizes) {
+  const bool wide = types.coordinates == CoordinateType::kFloat64;
+  const std::string ids = types.ids == IndexType::kUint64 ? "Int64" : "Int32";
+  const std::uint64_t connectivity = kSizeBytes + sizes.points;
+  const std::uint64_t offsets = connectivity + kSizeBytes + sizes.connectivity;
+  const std::uint64_t cell_types = offsets + kSizeBytes + sizes.offsets;
+  const std::uint64_t labels = cell_types + kSizeBytes + sizes.types;
+  const std::uint64_t label_bytes = sizes.regions + sizes.parts;
+  const std::uint64_t fields = label_bytes > 0 ? labels + kSizeBytes + label_bytes : labels;
+  return absl::StrCat(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n"
+      "  <UnstructuredGrid>\n",
+      field_data(mesh), "    <Piece NumberOfPoints=\"", mesh.vertex_count,
+      "\" NumberOfCells=\"", mesh.tet_count,
+      "\">\n"
+      "      <Points>\n",
+      data_array(absl::StrCat("type=\"", wide ? "Float64" : "Float32",
+                              "\" Name=\"Points\" NumberOfComponents=\"3\""),
+                 0),
+      "      </Points>\n"
+      "      <Cells>\n",
+      data_array(absl::StrCat("type=\"", ids, "\" Name=\"connectivity\""), connectivity),
+      data_array(absl::StrCat("type=\"", ids, "\" Name=\"offsets\""), offsets),
+      data_array("type=\"UInt8\" Name=\"types\"", cell_types), "      </Cells>\n",
+      point_data(mesh, fields), cell_data(mesh, labels),
+      "    </Piece>\n"
+      "  </UnstructuredGrid>\n"
+      "  <AppendedData encoding=\"raw\">\n_");
+}
+
+}  // namespace
+
+absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
+  const ColumnTypes types = choose_column_types(mesh.header);
+  const std::uint64_t tets = mesh.header.tet_count;
+  const ColumnSizes sizes = column_sizes(mesh.header, types, tets);
+
+  BlockWriter writer(file, sizes.total(), control);
+  writer.text(header_text(mesh.header, types, sizes));
+  writer.number(sizes.points);
+  write_points(writer, mesh, types.coordinates);
+  writer.number(sizes.connectivity);
+  write_connectivity(writer, mesh, types.ids);
+  writer.number(sizes.offsets);
+  write_offsets(writer, 1, tets, types.ids);  // where each tet ends
+  writer.number(sizes.types);
+  write_types(writer, tets);
+  if (mesh.header.has_regions) {
+    writer.number(sizes.regions);
+    writer.bytes(mesh.regions.bytes());
+  } else if (sizes.parts > 0) {
+    writer.number(sizes.parts);
+    write_part_numbers(writer, mesh.header);
+  }
+  for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) {
+    writer.number(field_bytes(mesh.header, mesh.header.fields[i]));
+    write_field(writer, mesh, i);
+  }
+  writer.text("\n  </AppendedData>\n</VTKFile>\n");
+  return writer.status();
+}
+
+}  // namespace tet

@@ -1,0 +1,14 @@
+// VTK's XML unstructured grid (.vtu), with appended raw binary columns.
+#pragma once
+
+#include "core/files/block_writer.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Writes the whole mesh, regions as the cells' scalars `region`, the parts of several grids as
+/// `part`, and beside the mesh the number of each grid's part under the grid's name; `file` is
+/// left for the caller to commit.
+absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
+
+}  // namespace tet

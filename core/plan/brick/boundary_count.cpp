@@ -1,0 +1,101 @@
+#include "core/plan/brick/boundary_count.h"
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/brick_neighbours.h"
+#include "core/base/parallel.h"
+#include "core/base/union_find.h"
+
+namespace tet {
+namespace {
+
+/// The surface as pieces that each hang together: the sheet of a brick, or the parts near it.
+class SurfacePieces {
+ public:
+  explicit SurfacePieces(const Survey& survey)
+      : survey_(survey),
+        parts_(survey.bricks.size()),
+        first_(first_pieces()),
+        pieces_(first_.back()) {}
+
+  /// Unites what neighbouring bricks share; what is left are the components.
+  std::uint64_t count_components(const Cancellation& cancellation) {
+    BrickNeighbours neighbours(survey_.bricks);
+    for (std::size_t i = 0; i < survey_.bricks.size() && !cancellation.requested(); ++i) {
+      if (is_sheet(i)) {
+        if (survey_.sheets[i].later != 0) unite_sheet(i, neighbours.around(survey_.bricks[i]));
+      } else if (parts_[i] != nullptr) {
+        unite_parts(i, neighbours.around(survey_.bricks[i]));
+      }
+    }
+    return pieces_.sets();
+  }
+
+ private:
+  std::vector<std::uint64_t> first_pieces() {
+    for (const PartsOfBrick& of_brick : survey_.parts) parts_[of_brick.brick] = &of_brick.parts;
+    return offsets_from_counts(survey_.bricks.size(), [&](std::size_t i) {
+      if (parts_[i] != nullptr) return std::uint64_t{parts_[i]->count};
+      return std::uint64_t{is_sheet(i) ? 1U : 0U};
+    });
+  }
+
+  bool is_sheet(std::size_t brick) const noexcept { return survey_.sheets[brick].one; }
+
+  void unite_with_sheet(std::uint64_t piece, std::uint32_t brick) {
+    if (brick != kNoBrick && is_sheet(brick)) pieces_.unite(piece, first_[brick]);
+  }
+
+  void unite_sheet(std::size_t brick, const PlacesAround& around) {
+    for (unsigned later = survey_.sheets[brick].later; later != 0; later &= later - 1) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(later));
+      unite_with_sheet(first_[brick], around[kItself + 1 + bit]);
+    }
+  }
+
+  void unite_parts(std::size_t brick, const PlacesAround& around) {
+    const SurfaceParts& parts = *parts_[brick];
+    for (std::size_t p = 0; p < parts.count; ++p) {
+      for (BricksAround beside = parts.beside[p]; beside != 0; beside &= beside - 1) {
+        const auto place = static_cast<std::size_t>(std::countr_zero(beside));
+        unite_with_sheet(first_[brick] + p, around[place]);
+      }
+    }
+    for (const SurfaceLink& link : parts.links) {
+      const auto [x, y, z] = link.to_brick;
+      const std::uint32_t other =
+          around[static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1)];
+      if (other == kNoBrick || parts_[other] == nullptr) continue;
+      const auto part = parts_[other]->part(link.element);
+      if (part) pieces_.unite(first_[brick] + link.part, first_[other] + *part);
+    }
+  }
+
+  const Survey& survey_;
+  std::vector<const SurfaceParts*>
+      parts_;                         // of each brick; null where it has one sheet, or none
+  std::vector<std::uint64_t> first_;  // piece of each brick
+  UnionFind pieces_;
+};
+
+}  // namespace
+
+std::optional<BoundaryTopology> count_boundary(const Survey& survey,
+                                               const Cancellation& cancellation) {
+  if (survey.box_cuts_surface) return std::nullopt;
+  SurfaceCounts surface;
+  for (const SurfaceCounts& of_brick : survey.counts) surface.add(of_brick);
+  return BoundaryTopology{
+      .triangles = surface.triangles,
+      .vertices = surface.vertices,
+      .components = SurfacePieces(survey).count_components(cancellation),
+      .euler_characteristic = surface.euler_characteristic(),
+      .non_manifold_edges = surface.non_manifold_edges,
+      .non_manifold_vertices = surface.non_manifold_vertices,
+      .restored_nodes = survey.restored == nullptr ? 0 : survey.restored->count()};
+}
+
+}  // namespace tet

@@ -1,0 +1,324 @@
+#include "core/plan/brick/counted_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "core/base/brick_neighbours.h"
+#include "core/base/parallel.h"
+#include "core/lattice/reach.h"
+#include "core/plan/brick/mesh_difference.h"
+#include "core/stuffing/count_tets.h"
+
+namespace tet {
+namespace {
+
+constexpr std::size_t kCountedPerRange = 16;  // the first of a range is searched for
+constexpr std::size_t kFoundAtATime = 8192;   ///< bricks whose vertices are held as whole masks
+constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
+
+/// Some bricks of one level.
+struct LevelRange {
+  std::size_t level, begin, end;
+};
+
+/// All bricks of all levels, so that no level has to wait for another.
+std::vector<LevelRange> ranges_of(const Octree& tree) {
+  std::vector<LevelRange> ranges;
+  for (std::size_t l = 0; l < tree.levels.size(); ++l) {
+    const std::size_t bricks = tree.levels[l].bricks.size();
+    for (std::size_t begin = 0; begin < bricks; begin += kCountedPerRange) {
+      ranges.push_back({l, begin, std::min(bricks, begin + kCountedPerRange)});
+    }
+  }
+  return ranges;
+}
+
+/// Which of the 27 around a brick is brick `o` of the eight beyond its upper faces.
+constexpr std::size_t upper_place(std::size_t o) noexcept {
+  return kItself + 9 * (o >> 2) + 3 * (o >> 1 & 1) + (o & 1);
+}
+
+}  // namespace
+
+CountedMesh::CountedMesh(const PhiField& field,
+                         Survey survey,
+                         Octree tree,
+                         const StuffingRules& rules,
+                         bool uniform,
+                         const Cancellation& cancellation,
+                         const ComparedMesh* earlier)
+    : rules_(rules), survey_(std::move(survey)), tree_(std::move(tree)) {
+  // In a uniform mesh of the inside every brick with a vertex is there already.
+  if (!uniform || rules.both_sides) insert_corner_bricks(tree_.levels[0]);
+  for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
+  find_stuffed(field, cancellation);
+  if (!cancellation.requested()) find_vertices(cancellation);
+  if (cancellation.requested()) return;
+  if (earlier == nullptr) {
+    count_bricks(cancellation, nullptr, {});
+  } else {
+    count_bricks(cancellation, &earlier->mesh, find_kept_bricks(*earlier, {*this, field}));
+  }
+}
+
+CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
+    : rules_(rules),
+      geometry_is_trimmed_(true),
+      survey_(std::move(structure.survey)),
+      tree_(std::move(structure.tree)),
+      stuffed_(std::move(structure.stuffed)) {
+  find_cut_points();
+  find_vertices({});
+  count_bricks({}, nullptr, {});
+}
+
+void CountedMesh::find_cut_points() {
+  const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
+  for_each_range(bricks.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
+    BrickNeighbours neighbours(bricks);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!touches_surface(i)) continue;
+      survey_.stuffed[stuffed_[i]].cut = edges_cut(surroundings(neighbours.around(bricks[i])));
+    }
+  });
+}
+
+void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancellation) {
+  const std::vector<BrickCoord>& bricks = tree_.levels[0].bricks;
+  stuffed_.resize(bricks.size());
+  for_each_range(bricks.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
+    PhiSampler sampler(field);
+    // Both lists are sorted: their bricks are met in turn.
+    auto surveyed =
+        std::lower_bound(survey_.bricks.begin(), survey_.bricks.end(), bricks[begin]);
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+      const BrickCoord b = bricks[i];
+      while (surveyed != survey_.bricks.end() && *surveyed < b) ++surveyed;
+      if (surveyed != survey_.bricks.end() && *surveyed == b) {
+        stuffed_[i] = static_cast<std::uint32_t>(surveyed - survey_.bricks.begin());
+        continue;
+      }
+      const bool inside =
+          sampler.inside(std::int64_t{8} * b.x, std::int64_t{8} * b.y, std::int64_t{8} * b.z);
+      stuffed_[i] = inside ? kAllInside : kAllOutside;
+    }
+  });
+}
+
+void CountedMesh::find_vertices(const Cancellation& cancellation) {
+  const OctreeLevel& finest = tree_.levels[0];
+  nodes_.resize(tree_.levels.size());
+  nodes_[0].corner.reserve(finest.bricks.size());
+  nodes_[0].centre.reserve(finest.bricks.size());
+  std::vector<NodeMasks> found;
+  for (std::size_t first = 0; first < finest.bricks.size(); first += kFoundAtATime) {
+    found.assign(std::min(kFoundAtATime, finest.bricks.size() - first), {});
+    for_each_range(found.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
+      if (cancellation.requested()) return;
+      BrickNeighbours neighbours(finest.bricks);
+      for (std::size_t i = begin; i < end; ++i) {
+        const PlacesAround& around = neighbours.around(finest.bricks[first + i]);
+        found[i] = rules_.both_sides ? find_vertices_of_both_sides(first + i, around)
+                                     : find_finest_vertices(first + i, around);
+      }
+    });
+    for (const NodeMasks& nodes : found) {
+      nodes_[0].corner.push_back(nodes[kCorner]);
+      nodes_[0].centre.push_back(nodes[kCentre]);
+    }
+  }
+  for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
+    nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
+  }
+}
+
+NodeMasks CountedMesh::find_finest_vertices(std::size_t brick,
+                                            const PlacesAround& around) const {
+  const StuffedBrick* stuffed = stuffed_at(static_cast<std::uint32_t>(brick));
+  if (stuffed == nullptr) return {};
+  return finest_vertices(*stuffed, lower_leaves(tree_.levels[0].leaf, around));
+}
+
+NodeMasks CountedMesh::find_vertices_of_both_sides(std::size_t brick,
+                                                   const PlacesAround& around) {
+  const MaskColumn& leaf = tree_.levels[0].leaf;
+  if (!touches_surface(brick)) return {leaf_corners(lower_leaves(leaf, around)), leaf[brick]};
+  const UsedByTets used = used_by_tets(surroundings(around), gather_halo(leaf, around));
+  trim_cut_points(stuffed_[brick], used);
+  return used.node;
+}
+
+void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used) {
+  // Other bricks read this one's signs at the same time, but not its cut points.
+  auto& cut = survey_.stuffed[stuffed].cut;
+  for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
+    const BrickMask trimmed = cut[f] & used.edge[f];
+    // What was packed has the cut points that were there before.
+    if (!(trimmed == cut[f]) && !geometry_is_trimmed_)
+      survey_.geometry.of_brick[stuffed] = nullptr;
+    cut[f] = trimmed;
+  }
+}
+
+void CountedMesh::count_bricks(const Cancellation& cancellation,
+                               const CountedMesh* earlier,
+                               std::span<const KeptBricks> kept) {
+  std::size_t bricks = 0;
+  for (const OctreeLevel& level : tree_.levels) {
+    first_brick_.push_back(bricks);
+    bricks += level.bricks.size();
+  }
+  std::vector<std::uint64_t> vertices(bricks), tets(bricks);
+  const std::vector<LevelRange> ranges = ranges_of(tree_);
+  for_each_index(ranges.size(), [&](std::size_t range) {
+    if (cancellation.requested()) return;
+    const auto [l, begin, end] = ranges[range];
+    BrickNeighbours neighbours(tree_.levels[l].bricks);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t brick = first_brick_[l] + i;
+      if (earlier != nullptr && kept[l].tets[i] != kNewBrick) {
+        const std::size_t before = earlier->first_brick_[l] + kept[l].tets[i];
+        vertices[brick] = earlier->first_vertex_[before + 1] - earlier->first_vertex_[before];
+        tets[brick] = earlier->first_tet_[before + 1] - earlier->first_tet_[before];
+      } else {
+        const BrickPlace place{static_cast<int>(l), i};
+        vertices[brick] = vertices_of(place);
+        tets[brick] = tets_of(place, neighbours.around(tree_.levels[l].bricks[i]));
+      }
+    }
+  });
+  first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
+  first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });
+  for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
+    const auto begin = first_vertex_.begin() + static_cast<std::ptrdiff_t>(first_brick_[l]);
+    nodes_[l].first_vertex.assign(
+        begin, begin + static_cast<std::ptrdiff_t>(tree_.levels[l].bricks.size()));
+  }
+}
+
+BrickPlace CountedMesh::place(std::size_t brick) const noexcept {
+  const auto level = std::upper_bound(first_brick_.begin(), first_brick_.end(), brick) - 1;
+  return {static_cast<int>(level - first_brick_.begin()), brick - *level};
+}
+
+const StuffedBrick* CountedMesh::stuffed_at(std::uint32_t place) const noexcept {
+  if (place == kNoBrick || stuffed_[place] == kAllOutside) return nullptr;
+  return stuffed_[place] == kAllInside ? &all_inside_ : &survey_.stuffed[stuffed_[place]];
+}
+
+bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
+  return stuffed_[brick] < kAllInside;
+}
+
+std::uint64_t CountedMesh::bytes() const noexcept {
+  std::uint64_t bytes = survey_.bytes() + all_heap_bytes(stuffed_, first_vertex_, first_tet_);
+  for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();
+  for (const LevelNodes& nodes : nodes_) {
+    bytes += nodes.bytes();
+  }
+  return bytes;
+}
+
+BrickNeighbourhood CountedMesh::neighbourhood(std::size_t brick) const noexcept {
+  const BrickCoord b = tree_.levels[0].bricks[brick];
+  BrickNeighbourhood bricks;
+  for (int o = 0; o < 8; ++o) {
+    bricks[static_cast<std::size_t>(o)] = stuffed_at(
+        tree_.levels[0].index.find({b.x + (o >> 2), b.y + (o >> 1 & 1), b.z + (o & 1)}));
+  }
+  return bricks;
+}
+
+BrickSurroundings CountedMesh::surroundings(const PlacesAround& around) const noexcept {
+  BrickSurroundings bricks;
+  std::ranges::transform(around, bricks.begin(),
+                         [&](std::uint32_t place) { return stuffed_at(place); });
+  return bricks;
+}
+
+std::span<const MeshRegion> CountedMesh::regions() const noexcept {
+  return std::span(kRegions).first(rules_.both_sides ? 2 : 1);
+}
+
+OwnedVertices CountedMesh::vertices_of_finest(std::size_t brick) const noexcept {
+  OwnedVertices vertices;
+  vertices.node = {&nodes_[0].corner[brick], &nodes_[0].centre[brick]};
+  // While vertices are counted there are no ids yet.
+  if (!nodes_[0].first_vertex.empty()) vertices.first = nodes_[0].first_vertex[brick];
+  const std::uint32_t at = stuffed_[brick];
+  if (at == kAllInside) vertices.stuffed = &all_inside_;
+  if (!touches_surface(brick)) return vertices;
+  vertices.stuffed = &survey_.stuffed[at];
+  vertices.at_surface = true;
+  vertices.geometry = survey_.geometry.of_brick[at];
+  if (rules_.both_sides) vertices.fans = &survey_.fans[at];
+  return vertices;
+}
+
+VerticesAround CountedMesh::vertices_around(std::size_t brick) const noexcept {
+  const OctreeLevel& finest = tree_.levels[0];
+  return vertices_around(places_around(finest.index, finest.bricks[brick]));
+}
+
+VerticesAround CountedMesh::vertices_around(const PlacesAround& places) const noexcept {
+  VerticesAround around;
+  for (std::size_t o = 0; o < around.size(); ++o) {
+    const std::uint32_t at = places[upper_place(o)];
+    if (at != kNoBrick) around[o] = vertices_of_finest(at);
+  }
+  return around;
+}
+
+LeavesAround CountedMesh::leaves_around(const PlacesAround& places) const noexcept {
+  static constexpr BrickMask kNone;
+  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
+      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
+  const MaskColumn& leaf = tree_.levels[0].leaf;
+  LeavesAround leaves{&leaf[places[kItself]], {}};
+  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
+    const std::uint32_t at = places[kBeyond[direction]];
+    leaves.beyond[direction] = at != kNoBrick ? &leaf[at] : &kNone;
+  }
+  return leaves;
+}
+
+std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
+  if (place.level == 0) {
+    return vertices_of_finest(place.brick).count();
+  }
+  const LevelNodes& level = nodes(place.level);
+  return std::uint64_t{level.corner[place.brick].count()} + level.centre[place.brick].count();
+}
+
+std::uint64_t CountedMesh::tets_of(BrickPlace place,
+                                   const PlacesAround& around) const noexcept {
+  const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
+  if (!level.leaf[place.brick].any()) return 0;
+  if (place.level == 0) return finest_tets_of(place.brick, around);
+  std::uint64_t tets = 0;
+  for (const MeshRegion region : regions()) {
+    tets += count_background(gather_background(level, around, region)).total();
+  }
+  return tets;
+}
+
+std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
+                                          const PlacesAround& around) const noexcept {
+  BrickNeighbourhood bricks;
+  for (std::size_t o = 0; o < bricks.size(); ++o) {
+    bricks[o] = stuffed_at(around[upper_place(o)]);
+  }
+  const bool all_minus =
+      std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
+  if (all_minus && !rules_.both_sides) return 0;
+  CellNodes nodes = nodes_around_cells(bricks, leaves_around(around));
+  if (!rules_.both_sides) return count_finest(nodes, nullptr);
+  const FanMasks* fans = vertices_of_finest(brick).fans;
+  const std::uint64_t inside = count_finest(nodes, fans);
+  see_from_outside(nodes);
+  return inside + count_finest(nodes, fans);
+}
+
+}  // namespace tet

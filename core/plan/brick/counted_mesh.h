@@ -1,0 +1,122 @@
+// The second pass: every vertex and tet counted, brick by brick, and given its place.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/lattice/background.h"
+#include "core/lattice/node_numbers.h"
+#include "core/octree/octree.h"
+#include "core/plan/brick/survey.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/local_vertices.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+struct KeptBricks;
+
+/// A brick of the mesh: its octree level and its place among that level's bricks.
+struct BrickPlace {
+  int level = 0;
+  std::size_t brick = 0;
+};
+
+/// Where a finest brick's signs are: which of the surveyed ones it is, or one of these.
+inline constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
+inline constexpr std::uint32_t kAllInside = kAllOutside - 1;
+
+/// All that a mesh is counted from.
+struct MeshStructure {
+  Octree tree;                         ///< with every brick that owns a corner
+  std::vector<std::uint32_t> stuffed;  ///< of each finest brick
+  Survey survey;
+};
+
+/// The octree with the vertices and tets of each brick, finest level first: a mesh but for its
+/// bytes.
+class CountedMesh {
+ public:
+  /// Of no use once it is cancelled. What `earlier`, which may be null, counted is not counted
+  /// again; both meshes have the same rules and lattice.
+  CountedMesh(const PhiField& field,
+              Survey survey,
+              Octree tree,
+              const StuffingRules& rules,
+              bool uniform,
+              const Cancellation& cancellation = {},
+              const ComparedMesh* earlier = nullptr);
+
+  /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets
+  /// use.
+  CountedMesh(MeshStructure structure, const StuffingRules& rules);
+
+  const StuffingRules& rules() const noexcept { return rules_; }
+  const RestoredNodes* restored() const noexcept { return survey_.restored.get(); }
+  /// What is meshed, in the order in which a brick's tets come.
+  std::span<const MeshRegion> regions() const noexcept;
+
+  const Octree& tree() const noexcept { return tree_; }
+  const LevelNodes& nodes(int level) const noexcept {
+    return nodes_[static_cast<std::size_t>(level)];
+  }
+  NodeNumbers numbers() const noexcept { return {tree_, nodes_}; }
+
+  std::size_t brick_count() const noexcept { return first_vertex_.size() - 1; }
+  BrickPlace place(std::size_t brick) const noexcept;
+  /// The number of a level's first brick.
+  std::size_t first_brick(int level) const noexcept {
+    return first_brick_[static_cast<std::size_t>(level)];
+  }
+  std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
+  std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
+
+  /// A finest brick and those beyond its upper faces, with what the survey kept of each.
+  BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
+  /// Their vertices; `geometry` is null where it was not kept.
+  VerticesAround vertices_around(std::size_t brick) const noexcept;
+  /// The same of a finest brick whose neighbours are known.
+  VerticesAround vertices_around(const PlacesAround& places) const noexcept;
+  /// The leaves of that brick and of those beyond its faces.
+  LeavesAround leaves_around(const PlacesAround& places) const noexcept;
+  /// What the survey kept of a finest brick: see MeshStructure::stuffed.
+  std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
+  const Survey& survey() const noexcept { return survey_; }
+  /// Memory it takes.
+  std::uint64_t bytes() const noexcept;
+
+  /// True when a finest brick has warped nodes or cut points in reach.
+  bool touches_surface(std::size_t brick) const noexcept;
+
+ private:
+  const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
+  OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
+  BrickSurroundings surroundings(const PlacesAround& around) const noexcept;
+  void find_stuffed(const PhiField& field, const Cancellation& cancellation);
+  void find_vertices(const Cancellation& cancellation);
+  NodeMasks find_finest_vertices(std::size_t brick, const PlacesAround& around) const;
+  NodeMasks find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
+  void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
+  void find_cut_points();
+  /// `earlier` may be null, and has the bricks in `kept`.
+  void count_bricks(const Cancellation& cancellation,
+                    const CountedMesh* earlier,
+                    std::span<const KeptBricks> kept);
+  std::uint64_t vertices_of(BrickPlace place) const noexcept;
+  std::uint64_t tets_of(BrickPlace place, const PlacesAround& around) const noexcept;
+  std::uint64_t finest_tets_of(std::size_t brick, const PlacesAround& around) const noexcept;
+
+  StuffingRules rules_;
+  bool geometry_is_trimmed_ = false;  ///< packed after cut points that no tet uses were dropped
+  Survey survey_;
+  Octree tree_;
+  StuffedBrick all_inside_ = StuffedBrick::all_inside();
+  std::vector<std::uint32_t> stuffed_;  // of each finest brick: in survey_, or one of the above
+  std::vector<LevelNodes> nodes_;
+  std::vector<std::size_t> first_brick_;                 // of each level
+  std::vector<std::uint64_t> first_vertex_, first_tet_;  // one more than bricks: totals
+};
+
+}  // namespace tet

@@ -1,0 +1,226 @@
+#include "core/plan/brick/fill_brick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/plan/brick/write_positions.h"
+
+namespace tet {
+namespace {
+
+/// Statistics of one tet of each background shape on a lattice of spacing 1.
+struct BackgroundShapes {
+  QualityStats bcc, bisected, quadrisected, half_pyramid;
+  QualityStats halved, in_three;  ///< the two, and the three, tets of a half pyramid
+};
+
+using TetPoints = std::array<LocalPoint, 4>;
+
+QualityStats stats_of(std::initializer_list<TetPoints> tets) {
+  constexpr LocalTet kInOrder{0, 1, 2, 3};
+  QualityMeter meter;
+  for (const TetPoints& points : tets) meter.add_tets(points.data(), {&kInOrder, 1});
+  return meter.stats();
+}
+
+const BackgroundShapes& background_shapes() {
+  // Cell [0, 1]^3 with its upper face across x, seen from the centre.
+  constexpr LocalPoint kLow{0.5F, 0.5F, 0.5F}, kHigh{1.5F, 0.5F, 0.5F};
+  constexpr LocalPoint kFace{1, 0.5F, 0.5F}, kMiddle{1, 0.5F, 0};
+  constexpr LocalPoint kCorner0{1, 0, 0}, kCorner1{1, 1, 0}, kCorner2{1, 1, 1};
+  constexpr LocalPoint kNext{1, 1, 0.5F};  // between corners 1 and 2
+  const auto tet = [&](LocalPoint a, LocalPoint b, LocalPoint c) {
+    return TetPoints{kLow, a, b, c};
+  };
+  static const BackgroundShapes shapes{
+      .bcc = stats_of({tet(kHigh, kCorner0, kCorner1)}),
+      .bisected = stats_of({tet(kHigh, kCorner0, kMiddle)}),
+      .quadrisected = stats_of({tet(kFace, kCorner0, kMiddle)}),
+      .half_pyramid = stats_of({tet(kCorner0, kCorner1, kCorner2)}),
+      .halved = stats_of({tet(kCorner0, kMiddle, kCorner2), tet(kMiddle, kCorner1, kCorner2)}),
+      .in_three = stats_of({tet(kMiddle, kCorner1, kNext), tet(kCorner0, kMiddle, kNext),
+                            tet(kCorner0, kNext, kCorner2)})};
+  return shapes;
+}
+
+double determinant(const std::array<std::array<double, 3>, 3>& m) noexcept {
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+}  // namespace
+
+template <>
+SlotIds<std::uint32_t>& BrickFiller::ids() noexcept {
+  return workspace_.ids32;
+}
+
+template <>
+SlotIds<std::uint64_t>& BrickFiller::ids() noexcept {
+  if (!workspace_.ids64) {
+    workspace_.ids64 = std::make_unique_for_overwrite<SlotIds<std::uint64_t>>();
+  }
+  return *workspace_.ids64;
+}
+
+void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
+  if (filled_++ % kBricksPerRun == 0 && filled_ > 1) {
+    runs_.add(stats_of_run());
+    meter_ = {};
+    background_ = {};
+  }
+  const BrickPlace place = mesh_.place(brick);
+  const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
+  const PlacesAround& places = neighbours_of(place);
+  if (place.level == 0) {
+    around_ = mesh_.vertices_around(places);
+    // A brick without tets uses no others' vertices.
+    if (mesh_.first_tet(brick + 1) == mesh_.first_tet(brick)) {
+      std::fill(around_.begin() + 1, around_.end(), OwnedVertices{});
+    }
+    find_vertices(place.brick);
+  } else {
+    const LevelNodes& nodes = mesh_.nodes(place.level);
+    around_[0] = {.node = {&nodes.corner[place.brick], &nodes.centre[place.brick]}};
+  }
+  write_positions(BrickFrame(to_world_, level.bricks[place.brick], place.level), around_[0],
+                  workspace_.vertices.own_places(), header_.coordinate_type, columns.positions);
+  if (columns.tets.empty()) return;
+  if (header_.index_type == IndexType::kUint32) {
+    fill_tets<std::uint32_t>(place, places, columns);
+  } else {
+    fill_tets<std::uint64_t>(place, places, columns);
+  }
+}
+
+/// Bricks come in the order of ids, but for a caller who has more than one run of them.
+const PlacesAround& BrickFiller::neighbours_of(BrickPlace place) noexcept {
+  const auto& bricks = mesh_.tree().levels[static_cast<std::size_t>(place.level)].bricks;
+  if (place.level != last_.level || place.brick < last_.brick) {
+    neighbours_ = BrickNeighbours(bricks);
+  }
+  last_ = place;
+  return neighbours_.around(bricks[place.brick]);
+}
+
+/// Numbers the vertices that a finest brick's tets use, and places them.
+void BrickFiller::find_vertices(std::size_t brick) noexcept {
+  if (std::any_of(around_.begin(), around_.end(), [](const OwnedVertices& vertices) {
+        return vertices.at_surface && vertices.geometry == nullptr;
+      })) {
+    find_geometry(brick);
+  }
+  if (header_.index_type == IndexType::kUint32) {
+    workspace_.vertices.enter(around_, ids<std::uint32_t>());
+  } else {
+    workspace_.vertices.enter(around_, ids<std::uint64_t>());
+  }
+}
+
+/// Stuffs a brick again, where its geometry or that of a brick around it was not kept.
+void BrickFiller::find_geometry(std::size_t brick) noexcept {
+  stuff_brick(sampler_, mesh_.tree().levels[0].bricks[brick], mesh_.rules(), mesh_.restored(),
+              workspace_.stuffing);
+  for (std::size_t o = 0; o < around_.size(); ++o) {
+    OwnedVertices& vertices = around_[o];
+    if (!vertices.at_surface || vertices.geometry != nullptr) continue;
+    std::byte* const packed = workspace_.geometry[o].data();
+    pack_geometry_in_reach(workspace_.stuffing.lattice, *vertices.stuffed, o, packed);
+    vertices.geometry = packed;
+  }
+}
+
+template <class Index>
+void BrickFiller::fill_tets(BrickPlace place,
+                            const PlacesAround& places,
+                            const ChunkColumns& columns) noexcept {
+  auto* const begin = reinterpret_cast<Index*>(columns.tets.data());
+  Index* end = begin;
+  const Index* const limit = begin + columns.tets.size() / sizeof(Index);
+  std::span<std::byte> labels = columns.regions;
+  if (place.level == 0) nodes_ = nodes_of(places);
+  for (const MeshRegion region : mesh_.regions()) {
+    Index* const first = end;
+    end = place.level == 0 ? fill_finest_tets(region, first, limit)
+                           : fill_background_tets(place, places, region, first);
+    if (labels.empty()) continue;
+    const auto tets = static_cast<std::size_t>(end - first) / 4;
+    std::fill_n(labels.begin(), tets, static_cast<std::byte>(region));
+    labels = labels.subspan(tets);
+  }
+  TET_CHECK(reinterpret_cast<std::byte*>(end) == columns.tets.data() + columns.tets.size());
+  if (!to_world_.mirrors) return;
+  for (Index* tet = begin; tet != end; tet += 4) std::swap(tet[2], tet[3]);
+}
+
+CellNodes BrickFiller::nodes_of(const PlacesAround& places) const noexcept {
+  BrickNeighbourhood signs;
+  for (std::size_t o = 0; o < signs.size(); ++o) signs[o] = around_[o].stuffed;
+  return nodes_around_cells(signs, mesh_.leaves_around(places));
+}
+
+template <class Index>
+Index* BrickFiller::fill_finest_tets(MeshRegion region,
+                                     Index* out,
+                                     const Index* limit) noexcept {
+  if (region == MeshRegion::kOutside) see_from_outside(nodes_);
+  StuffedTets& stuffed = workspace_.stuffed_tets;
+  stuffed.clear();
+  BackgroundCounts counts;
+  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules(), statistics_}, ids<Index>(),
+                    out, limit, stuffed, counts);
+  if (statistics_ == Statistics::kMeasured) {
+    meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
+    count_background_quality(counts, 0);
+  }
+  return out;
+}
+
+template <class Index>
+Index* BrickFiller::fill_background_tets(BrickPlace place,
+                                         const PlacesAround& places,
+                                         MeshRegion region,
+                                         Index* out) noexcept {
+  const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
+  const BrickCoord brick = level.bricks[place.brick];
+  const BackgroundCells cells = gather_background(level, places, region);
+  BackgroundCounts counts;
+  out = fill_background(cells, numbers_, place.level, brick, out, counts);
+  if (statistics_ == Statistics::kMeasured) count_background_quality(counts, place.level);
+  return out;
+}
+
+void BrickFiller::count_background_quality(const BackgroundCounts& counts, int level) noexcept {
+  const BackgroundShapes& shapes = background_shapes();
+  const double scale = std::ldexp(1.0, 3 * level);
+  background_.add_copies(shapes.bcc, counts.bcc, scale);
+  background_.add_copies(shapes.bisected, counts.bisected, scale);
+  background_.add_copies(shapes.quadrisected, counts.quadrisected, scale);
+  background_.add_copies(shapes.half_pyramid, counts.half_pyramid, scale);
+  background_.add_copies(shapes.halved, counts.halved, scale);
+  background_.add_copies(shapes.in_three, counts.in_three, scale);
+}
+
+QualityStats BrickFiller::stats() const noexcept {
+  QualityStats stats = runs_;
+  stats.add(stats_of_run());
+  return stats;
+}
+
+QualityStats BrickFiller::stats_of_run() const noexcept {
+  QualityStats stats = meter_.stats();
+  stats.add(background_);
+  stats.volume *= std::abs(determinant(to_world_.linear));
+  return stats;
+}
+
+MeshWorkspace::MeshWorkspace() : impl_(std::make_unique_for_overwrite<Impl>()) {}
+MeshWorkspace::~MeshWorkspace() = default;
+MeshWorkspace::MeshWorkspace(MeshWorkspace&&) noexcept = default;
+MeshWorkspace& MeshWorkspace::operator=(MeshWorkspace&&) noexcept = default;
+
+}  // namespace tet

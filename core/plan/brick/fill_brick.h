@@ -1,0 +1,101 @@
+// The third pass: one brick's vertices and tets, written where the count put them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/brick_neighbours.h"
+#include "core/base/quality.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/mesh/tet_mesh.h"
+#include "core/plan/brick/counted_mesh.h"
+#include "core/plan/brick/survey.h"
+#include "core/plan/mesh_plan.h"
+#include "core/stuffing/brick_geometry.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/fill.h"
+#include "core/stuffing/local_vertices.h"
+
+namespace tet {
+
+struct MeshWorkspace::Impl {
+  StuffingWorkspace stuffing;
+  std::array<std::array<std::byte, kMaxGeometryBytes>, 8> geometry;  // that was not kept
+  LocalVertices vertices;
+  SlotIds<std::uint32_t> ids32;
+  std::unique_ptr<SlotIds<std::uint64_t>> ids64;  // for meshes beyond 2^32 vertices only
+  StuffedTets stuffed_tets;
+  std::vector<std::byte> places;  // of a chunk, before they are moved: see JoinedPlan
+};
+
+/// Bricks whose statistics are summed by themselves, from the first of a chunk on: parts of a
+/// chunk that are filled by different threads have the same sum, to the last bit.
+inline constexpr std::size_t kBricksPerRun = 16;
+
+/// Fills the bricks of one chunk, or of a run of them, one after another.
+class BrickFiller {
+ public:
+  BrickFiller(const CountedMesh& mesh,
+              const PhiField& field,
+              const MeshHeader& header,
+              const LatticeToWorld& to_world,
+              Statistics statistics,
+              MeshWorkspace::Impl& workspace)
+      : mesh_(mesh),
+        header_(header),
+        to_world_(to_world),
+        statistics_(statistics),
+        workspace_(workspace),
+        sampler_(field),
+        numbers_(mesh.numbers()),
+        neighbours_(mesh.tree().levels[0].bricks) {}
+
+  /// Columns have exactly the brick's size.
+  void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
+
+  /// Statistics of all bricks filled so far, in world units; empty where they are skipped.
+  QualityStats stats() const noexcept;
+
+ private:
+  template <class Index>
+  void fill_tets(BrickPlace place,
+                 const PlacesAround& places,
+                 const ChunkColumns& columns) noexcept;
+  template <class Index>
+  Index* fill_finest_tets(MeshRegion region, Index* out, const Index* limit) noexcept;
+  template <class Index>
+  Index* fill_background_tets(BrickPlace place,
+                              const PlacesAround& places,
+                              MeshRegion region,
+                              Index* out) noexcept;
+  const PlacesAround& neighbours_of(BrickPlace place) noexcept;
+  void find_vertices(std::size_t brick) noexcept;
+  void find_geometry(std::size_t brick) noexcept;
+  CellNodes nodes_of(const PlacesAround& places) const noexcept;
+  template <class Index>
+  SlotIds<Index>& ids() noexcept;
+  void count_background_quality(const BackgroundCounts& counts, int level) noexcept;
+  QualityStats stats_of_run() const noexcept;
+
+  const CountedMesh& mesh_;
+  const MeshHeader& header_;
+  const LatticeToWorld& to_world_;
+  const Statistics statistics_;
+  MeshWorkspace::Impl& workspace_;
+  PhiSampler sampler_;
+  NodeNumbers numbers_;
+  BrickNeighbours neighbours_;  // on their way along a level
+  BrickPlace last_;             // the brick that they have come to
+  VerticesAround around_;       // of the brick being filled, where it is finest
+  CellNodes nodes_;
+  std::size_t filled_ = 0;  // bricks
+  QualityStats runs_;       // filled before; then of the one being filled
+  QualityMeter meter_;
+  QualityStats background_;
+};
+
+}  // namespace tet

@@ -1,0 +1,123 @@
+#include "core/plan/brick/survey_findings.h"
+
+#include <algorithm>
+
+#include "core/stuffing/brick_geometry.h"
+
+namespace tet {
+namespace {
+
+/// Makes room for `more` bricks; where it has to, for as large a share of those to come, so
+/// that columns rarely move.
+void make_room(Survey& survey, std::size_t more, std::size_t of, std::size_t still_to_come) {
+  const std::size_t wanted = survey.bricks.size() + more;
+  if (wanted <= survey.bricks.capacity()) return;
+  const std::size_t rest = more * still_to_come / std::max<std::size_t>(of, 1);
+  const std::size_t room = wanted + rest + rest / 8;  // the surface is nowhere quite as here
+  survey.bricks.reserve(room);
+  survey.stuffed.reserve(room);
+  survey.finest.reserve(room);
+  survey.geometry.of_brick.reserve(room);
+  survey.counts.reserve(room);
+  survey.sheets.reserve(room);
+}
+
+/// Appends a brick as it was found then.
+void add_known(const Survey& earlier, std::uint32_t at, Survey& survey) {
+  survey.stuffed.push_back(earlier.stuffed[at]);
+  survey.finest.push_back(earlier.finest[at]);
+  survey.counts.push_back(earlier.counts[at]);
+  const auto parts = std::ranges::lower_bound(earlier.parts, at, {}, &PartsOfBrick::brick);
+  if (parts != earlier.parts.end() && parts->brick == at) {
+    survey.parts.push_back({static_cast<std::uint32_t>(survey.sheets.size()), parts->parts});
+  }
+  survey.sheets.push_back(earlier.sheets[at]);
+}
+
+void add_surveyed(SurveyedBrick& found, bool both_sides, Survey& survey) {
+  survey.stuffed.push_back(found.stuffed);
+  survey.finest.push_back(found.finest);
+  if (both_sides) survey.fans.push_back(found.fans ? *found.fans : FanMasks{});
+  survey.counts.push_back(found.surface.counts);
+  if (found.parts) {
+    survey.parts.push_back(
+        {static_cast<std::uint32_t>(survey.sheets.size()), std::move(*found.parts)});
+  }
+  survey.sheets.push_back(found.surface.sheet);
+  survey.box_cuts_surface = survey.box_cuts_surface || found.at_domain_face;
+}
+
+}  // namespace
+
+Findings::Findings(std::size_t candidates)
+    : surveyed(candidates),
+      known(candidates, kNotKnown),
+      geometry(candidates),
+      thin(candidates) {}
+
+std::size_t Findings::count() const noexcept {
+  std::size_t bricks = 0;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    bricks += surveyed[i] != nullptr || known[i] != kNotKnown;
+  }
+  return bricks;
+}
+
+void add_findings(std::span<const BrickCoord> candidates,
+                  Findings findings,
+                  const EarlierSurvey* earlier,
+                  bool both_sides,
+                  std::size_t still_to_come,
+                  Survey& survey) {
+  make_room(survey, findings.count(), candidates.size(), still_to_come);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (findings.thin[i]) survey.thin.push_back({candidates[i], *findings.thin[i]});
+    const bool known = findings.known[i] != kNotKnown;
+    if (!known && findings.surveyed[i] == nullptr) continue;
+    survey.bricks.push_back(candidates[i]);
+    survey.geometry.of_brick.push_back(findings.geometry[i]);
+    if (known) {
+      add_known(earlier->survey, findings.known[i], survey);
+    } else {
+      add_surveyed(*findings.surveyed[i], both_sides, survey);
+      findings.surveyed[i] = nullptr;
+    }
+  }
+}
+
+void GeometryKeeper::keep(std::size_t brick,
+                          const StuffedBrick& stuffed,
+                          const StuffedLattice& lattice) {
+  if (std::byte* const to = make_room(brick, stuffed)) pack_geometry(lattice, stuffed, to);
+}
+
+void GeometryKeeper::keep_again(std::size_t brick,
+                                const StuffedBrick& stuffed,
+                                const std::byte* packed) {
+  if (packed == nullptr) return;
+  if (std::byte* const to = make_room(brick, stuffed)) {
+    std::copy_n(packed, GeometrySizes(stuffed).bytes(), to);
+  }
+}
+
+std::shared_ptr<std::byte[]> GeometryKeeper::take() {
+  if (packed_.empty()) return nullptr;
+  std::shared_ptr<std::byte[]> block =
+      std::make_unique_for_overwrite<std::byte[]>(packed_.size());
+  std::copy(packed_.begin(), packed_.end(), block.get());
+  for (const auto& [brick, begin] : begins_) kept_[brick] = block.get() + begin;
+  return block;
+}
+
+std::byte* GeometryKeeper::make_room(std::size_t brick, const StuffedBrick& stuffed) {
+  const std::size_t size = GeometrySizes(stuffed).bytes();
+  if (room_.fetch_sub(static_cast<std::int64_t>(size)) < static_cast<std::int64_t>(size)) {
+    return nullptr;
+  }
+  const std::size_t begin = packed_.size();
+  packed_.resize(begin + size);
+  begins_.emplace_back(brick, begin);
+  return packed_.data() + begin;
+}
+
+}  // namespace tet

@@ -1,0 +1,78 @@
+// What a survey finds of one brick after another, and how it becomes columns.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/plan/brick/survey.h"
+
+namespace tet {
+
+struct SurveyedBrick {
+  StuffedBrick stuffed;
+  BrickMask finest;
+  std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
+  SurveyedSurface surface;
+  std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
+  bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
+};
+
+inline constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};
+
+/// What was found of each of some candidates.
+struct Findings {
+  // Most candidates have no part in the surface where the lattice is finer than the voxels.
+  std::vector<std::unique_ptr<SurveyedBrick>> surveyed;
+  /// The place in the earlier survey of those it still holds of.
+  std::vector<std::uint32_t> known;
+  std::vector<const std::byte*> geometry;        ///< where it is kept
+  std::vector<std::unique_ptr<ThinSpots>> thin;  ///< null where there are none
+
+  explicit Findings(std::size_t candidates);
+
+  /// How many the surface reaches.
+  std::size_t count() const noexcept;
+};
+
+/// Appends what was found, in the order of the candidates, and lets go of it. `earlier` may be
+/// null; `still_to_come` candidates follow.
+void add_findings(std::span<const BrickCoord> candidates,
+                  Findings findings,
+                  const EarlierSurvey* earlier,
+                  bool both_sides,
+                  std::size_t still_to_come,
+                  Survey& survey);
+
+/// Packs the geometry of one brick after another, as long as there is room for it.
+class GeometryKeeper {
+ public:
+  /// `room` is what all keepers together may still take, bytes; `kept` gets the place of each
+  /// brick that was kept.
+  GeometryKeeper(std::atomic<std::int64_t>& room, std::vector<const std::byte*>& kept)
+      : room_(room), kept_(kept) {}
+
+  void keep(std::size_t brick, const StuffedBrick& stuffed, const StuffedLattice& lattice);
+
+  /// The same of a brick whose geometry was packed before; null where it was not.
+  void keep_again(std::size_t brick, const StuffedBrick& stuffed, const std::byte* packed);
+
+  /// Moves all of it to where it stays; null where there is none.
+  std::shared_ptr<std::byte[]> take();
+
+ private:
+  /// Null where there is none.
+  std::byte* make_room(std::size_t brick, const StuffedBrick& stuffed);
+
+  std::atomic<std::int64_t>& room_;
+  std::vector<const std::byte*>& kept_;
+  std::vector<std::byte> packed_;
+  std::vector<std::pair<std::size_t, std::size_t>> begins_;
+};
+
+}  // namespace tet

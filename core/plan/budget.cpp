@@ -1,0 +1,235 @@
+#include "core/plan/budget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+#include <absl/strings/str_format.h>
+
+#include "core/lattice/bcc.h"
+#include "core/octree/sized_cells.h"
+#include "core/octree/surface_sizes.h"
+#include "core/plan/brick/survey.h"
+#include "core/scene/scene.h"
+
+namespace tet {
+
+namespace {
+
+/// An octree's brick with its nodes and counts.
+constexpr double kBytesPerBrick = 400;
+
+/// Estimates of tets are high by up to so much.
+constexpr double kSlack = 8;
+
+/// Bricks near the surface, and bricks inside.
+struct BrickEstimate {
+  double surface = 0, inside = 0;
+};
+
+/// Of a scene, those of a box around it: nothing is known of what is in there.
+BrickEstimate estimate_bricks(const Scene& scene, const MeshRequest& request, double spacing) {
+  const auto& [min, max] = request.box ? *request.box : scene.extent;
+  const double brick = kBrickEdge * spacing;
+  const double x = (max.x - min.x) / brick + 1, y = (max.y - min.y) / brick + 1,
+               z = (max.z - min.z) / brick + 1;
+  return {2 * (x * y + y * z + z * x), x * y * z};
+}
+
+BrickEstimate estimate_bricks(const Volume& volume, double spacing) {
+  double surface = static_cast<double>(volume.bricks.size());
+  double inside = static_cast<double>(volume.regions.size()) * std::pow(Region::kEdgeBricks, 3);
+  for (const ConstantCube& cube : volume.cubes) {
+    const double edge = cube.edge / kBrickEdge;
+    surface += 6 * edge * edge;
+    inside += edge * edge * edge;
+  }
+  const double finer = std::max(1.0, volume.transform.voxel_size / spacing);
+  return {surface * finer * finer, inside * finer * finer * finer};
+}
+
+double contents_of(const std::monostate&) { return 0; }
+double contents_of(const ShellRegion&) { return 0; }  // depends on the surface
+double contents_of(const WorldBox& box) {
+  const auto& [min, max] = box;
+  return (max.x - min.x) * (max.y - min.y) * (max.z - min.z);
+}
+double contents_of(const CapsuleRegion& capsule) {
+  const auto& [start, end, radius] = capsule;
+  const double length = std::hypot(end.x - start.x, end.y - start.y, end.z - start.z);
+  return std::numbers::pi * radius * radius * (length + 4.0 / 3 * radius);
+}
+double contents_of(const BallRegion& ball) {
+  return contents_of(CapsuleRegion{ball.centre, ball.centre, ball.radius});
+}
+
+/// Bricks of leaves that a sizing makes smaller than they would be.
+double sized_bricks(const Sizing& sizing, double surface_bricks) {
+  double bricks = surface_bricks * (1 / sizing.growth - 1) / kBrickEdge;
+  for (const SizingRegion& region : sizing.regions) {
+    const double volume =
+        std::visit([](const auto& shape) { return contents_of(shape); }, region.shape);
+    bricks += volume / std::pow(region.size, 3) / kBrickCells;
+  }
+  return bricks;
+}
+
+/// As many leaves as a sizing may ask for: somewhat more than a mesh within the limits has.
+double most_leaves(const MeshLimits& limits) {
+  return std::min(kSlack * static_cast<double>(limits.max_tets) / kTetShapes,
+                  static_cast<double>(limits.max_plan_bytes) / kBytesPerBrick * kBrickCells);
+}
+
+/// Small leaves along the surface, because larger ones may only come far behind
+/// it, or in its shells.
+absl::Status check_layers_budget(const Sizing& sizing,
+                                 const LeafRules& rules,
+                                 const FoundBricks& found,
+                                 const MeshLimits& limits) {
+  const double area = static_cast<double>(found.near_surface.size()) * kBrickEdge * kBrickEdge;
+  const auto cells_within = [&](double depth) {
+    return std::min(area * depth, found.inside_cells);
+  };
+  const double most = most_leaves(limits);
+  const bool finest_at_surface = !sizing.grade_surface;
+  const double layered = finest_at_surface && rules.layers > 1 ? cells_within(rules.layers) : 0;
+  if (layered > most) {
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "sizing.growth keeps %d layers of the finest leaves, about %.3g along this surface; "
+        "there may be %.3g. Let leaves grow faster, or use a larger spacing",
+        rules.layers, layered, most));
+  }
+  for (const auto& [level, depth] : rules.shells) {
+    const double leaves = cells_within(depth) / std::ldexp(1, 3 * (level - 1));
+    if (leaves <= most) continue;
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "a shell of sizing.regions has about %.3g leaves; there may be %.3g. Use a larger size "
+        "or less depth",
+        leaves, most));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
+  // Counting a brick of the inside takes about this part of surveying one near the surface.
+  constexpr double kInsideCost = 1.0 / 32;
+  // Improving takes as long as so many surveys.
+  constexpr double kImprovement = 10;
+  if (const GridList* grids = grids_of(shape)) {
+    double sum = 0;
+    for (const auto& grid : *grids) sum += estimate_bricks_to_plan(grid, request);
+    return sum;
+  }
+  const double spacing = request.spacing.value_or(default_spacing(shape));
+  const Scene* scene = scene_of(shape);
+  const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)
+                                                  : estimate_bricks(*volume_of(shape), spacing);
+  const double finest =
+      request.levels == 0 ? inside : std::min(inside, sized_bricks(request.sizing, surface));
+  const double bricks = surface + kInsideCost * finest;
+  return request.improve ? kImprovement * bricks : bricks;
+}
+
+absl::Status check_inside_budget(const FoundBricks& found,
+                                 int levels,
+                                 const MeshLimits& limits) {
+  const double leaves = std::ldexp(found.inside_cells, -3 * levels);
+  const double tets = leaves * kTetShapes;
+  // Bricks near the surface count as full here: thin walls are eightfold.
+  if (tets > kSlack * static_cast<double>(limits.max_tets)) {
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "with levels %d the mesh would have about %.3g tets; the limit is %d. Mesh with more "
+        "levels or a larger spacing",
+        levels, tets, limits.max_tets));
+  }
+  const double bytes = leaves / kBrickCells * kBytesPerBrick;
+  if (bytes <= static_cast<double>(limits.max_plan_bytes)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "with levels %d counting the inside would take about %.3g bytes; the limit is %d. Mesh "
+      "with more levels or a larger spacing",
+      levels, bytes, limits.max_plan_bytes));
+}
+
+std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits) {
+  return std::min<std::uint64_t>(kMaxSurfaceBricks,
+                                 limits.max_plan_bytes / survey_bytes_per_brick(rules));
+}
+
+absl::Status check_plan_budget(const FoundBricks& found,
+                               const StuffingRules& rules,
+                               const MeshLimits& limits) {
+  const std::size_t bricks = found.near_surface.size(),
+                    most = most_surface_bricks(rules, limits);
+  if (bricks <= most) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "%d bricks of 8^3 cells lie near the surface in the box; the limit is %d, as many as the "
+      "memory for counting a mesh holds. Use a larger spacing or a smaller box",
+      bricks, most));
+}
+
+absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {
+  double leaves = 1;
+  for (const auto& [min, max] :
+       {std::pair(domain.min.x, domain.max.x), std::pair(domain.min.y, domain.max.y),
+        std::pair(domain.min.z, domain.max.z)}) {
+    leaves *= std::ldexp(8.0 * (max - min + 1), -levels);
+  }
+  // Smaller leaves only add to the tets of these.
+  const double tets = leaves * kTetShapes;
+  if (tets <= static_cast<double>(limits.max_tets)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "the mesh of the box would have at least %.3g tets; the limit is %d. Use more levels, a "
+      "smaller box or a larger spacing",
+      tets, limits.max_tets));
+}
+
+absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
+  // The mesh, without fields, and for its poor tets 1.3 times as much again on random signs,
+  // where they are most.
+  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  const std::uint64_t bytes = (sizes.total() - sizes.fields) * 5 / 2;
+  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "
+      "spacing, or mesh without improvement",
+      header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
+}
+
+namespace {
+
+void refine_more(LeafRules& rules, const std::vector<CellSet>& more) {
+  rules.refined.resize(std::max(rules.refined.size(), more.size()));
+  for (std::size_t level = 0; level < more.size(); ++level) {
+    unite(rules.refined[level], more[level]);
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
+                                            const Sizing& sizing,
+                                            const PhiField& field,
+                                            const FoundBricks& found,
+                                            const OctreeCover& cover,
+                                            int levels,
+                                            const Cancellation& cancellation) {
+  if (levels == 0) return LeafRules{};
+  absl::StatusOr<LeafRules> rules =
+      leaf_rules(sizing, field, cover, levels, most_leaves(limits), cancellation);
+  if (!rules.ok()) return rules;
+  if (sizing.sizes_surface()) {
+    refine_more(*rules, surface_cells_to_refine(sizing, field, found.near_surface,
+                                                rules->max_levels, cancellation));
+  }
+  if (auto status = check_layers_budget(sizing, *rules, found, limits); !status.ok()) {
+    return status;
+  }
+  return rules;
+}
+
+}  // namespace tet

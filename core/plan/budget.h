@@ -1,0 +1,58 @@
+// Refusals of meshes that would not fit, before anything is allocated for them.
+#pragma once
+
+#include <cstddef>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "core/base/cancel.h"
+#include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
+#include "core/mesh/tet_mesh.h"
+#include "core/octree/leaf_rules.h"
+#include "core/octree/sizing.h"
+#include "core/plan/mesh_request.h"
+#include "core/plan/shape.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+/// About how many bricks planning looks at, from a few of the shape's numbers: to tell long
+/// work from short before any is done. Bricks of the inside count as the few surface bricks
+/// that take as long.
+double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request);
+
+/// Bricks near the surface that can be kept while the mesh is counted.
+std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);
+
+// Each is OK or kResourceExhausted, with the value and the limit.
+
+/// A domain that even its coarsest leaves would fill with too many tets.
+absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits);
+
+/// A mesh whose inside would have too many tets even if all its leaves were as large as
+/// `levels` lets them be, or too many bricks to count them in.
+absl::Status check_inside_budget(const FoundBricks& found,
+                                 int levels,
+                                 const MeshLimits& limits);
+
+/// A surface whose bricks could not be kept while the mesh is counted.
+absl::Status check_plan_budget(const FoundBricks& found,
+                               const StuffingRules& rules,
+                               const MeshLimits& limits);
+
+/// An improvement for which the mesh could not be kept.
+absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits);
+
+/// How large the leaves of `cover` may be. Errors: kResourceExhausted (a sizing that asks for
+/// more small leaves than a mesh within the limits has).
+absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
+                                            const Sizing& sizing,
+                                            const PhiField& field,
+                                            const FoundBricks& found,
+                                            const OctreeCover& cover,
+                                            int levels,
+                                            const Cancellation& cancellation);
+
+}  // namespace tet

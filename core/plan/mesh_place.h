@@ -1,0 +1,35 @@
+// Where a mesh lies in the world, and how its coordinates are stored.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "core/base/types.h"
+#include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/mesh/tet_mesh.h"
+#include "core/plan/mesh_request.h"
+
+namespace tet {
+
+class CountedMesh;
+
+/// The corners at the ends of a domain.
+VoxelBox corner_box(const BrickBox& domain);
+/// Finest-level bricks that hold vertices, as a box of lattice corners.
+VoxelBox corner_box(const CountedMesh& mesh);
+
+/// Whether float32 coordinates from `origin` on would bend the angle bounds of a mesh.
+bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept;
+
+/// Puts the origin where the request says, or in the middle of `corners`, a box of lattice
+/// corners; all vertices are no farther than `beyond` spacings outside of it. Fills in the
+/// header's origin, bounds, spacing and type of coordinates. Errors: kInvalidArgument (an
+/// origin far from the lattice).
+absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
+                                              const VoxelBox& corners,
+                                              double beyond,
+                                              const MeshRequest& request,
+                                              MeshHeader& header);
+
+}  // namespace tet

@@ -1,0 +1,170 @@
+#include "core/plan/mesh_request.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "core/octree/sized_cells.h"
+#include "core/scene/scene.h"
+
+namespace tet {
+namespace {
+
+constexpr std::array<std::pair<Preset, std::string_view>, 3> kPresetNames{{
+    {Preset::kDefault, "default"},
+    {Preset::kMinAngle, "min-angle"},
+    {Preset::kBothSides, "both-sides"},
+}};
+
+/// 0 where it has no end.
+double longest_extent(const Scene& scene) {
+  const auto& [min, max] = scene.extent;
+  const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
+  return std::isfinite(longest) ? longest : 0;
+}
+
+/// What is wrong with a field of the sizing is known as a field of the request.
+absl::Status check_sizing_of(const MeshRequest& request, double spacing) {
+  absl::Status status = check_sizing(request.sizing);
+  if (status.ok()) status = check_sizing(request.sizing, spacing);
+  if (status.ok() && request.sizing.grid && request.sizing.grid->volume == nullptr) {
+    status = absl::InvalidArgumentError("grid is not loaded");
+  }
+  if (status.ok()) status = check_graded_surface(request.sizing, request);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat(kSizingField, ".", status.message()));
+}
+
+/// What only grids have, and what does not follow from every scene.
+absl::Status check_scene_request(const MeshRequest& request, const Scene& scene) {
+  if (request.iso) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "iso %g is for grids; a scene has its surface at 0, and `offset` moves it",
+        *request.iso));
+  }
+  if (request.spacing || longest_extent(scene) > 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      scene.ends() ? "spacing must be given: nothing of the scene is inside"
+                   : "spacing must be given: " + scene.endless + " has no end");
+}
+
+}  // namespace
+
+Statistics statistics_of(const MeshRequest& request) {
+  return request.skip_statistics ? Statistics::kSkipped : Statistics::kMeasured;
+}
+
+bool has_cut(const MeshRequest& request) {
+  return request.box && !stuffing_rules(request.preset).both_sides;
+}
+
+bool is_made_whole(const MeshRequest& request) {
+  return request.sizing.grade_surface || has_cut(request);
+}
+
+std::vector<FieldArray> arrays_of(const MeshRequest& request) {
+  std::vector<FieldArray> arrays = arrays_of(request.fields);
+  if (has_cut(request)) arrays.push_back({kCutFaceArray, 1});
+  return arrays;
+}
+
+double default_spacing(const Shape& shape) {
+  constexpr double kParts = 128;
+  if (const Scene* scene = scene_of(shape)) return longest_extent(*scene) / kParts;
+  return volume_of(shape)->transform.voxel_size;
+}
+
+double default_iso(const Shape& shape) {
+  const Volume* volume = volume_of(shape);
+  return volume != nullptr ? default_iso(volume->kind) : 0;
+}
+
+std::optional<Preset> parse_preset(std::string_view name) {
+  for (const auto& [preset, known] : kPresetNames) {
+    if (known == name) return preset;
+  }
+  return std::nullopt;
+}
+
+std::string_view preset_name(Preset preset) {
+  for (const auto& [known, name] : kPresetNames) {
+    if (known == preset) return name;
+  }
+  return "unknown";
+}
+
+StuffingRules stuffing_rules(Preset preset) {
+  switch (preset) {
+    case Preset::kDefault:
+      return {.limits = {0.25F, 0.35F}};
+    case Preset::kMinAngle:
+      return {.limits = {0.2675F, 0.3896F}};
+    case Preset::kBothSides:
+      return {.limits = {0.20F, 0.30F}, .both_sides = true};
+  }
+  return {};
+}
+
+AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
+  const bool rounded = coordinates == CoordinateType::kFloat32;
+  switch (preset) {
+    case Preset::kDefault:
+      return rounded ? AngleBounds{11.2, 154.9} : AngleBounds{11.3, 154.7};
+    case Preset::kMinAngle:
+      return rounded ? AngleBounds{11.7, 161.3} : AngleBounds{11.8, 161.2};
+    case Preset::kBothSides:
+      return rounded ? AngleBounds{9.3, 157.6} : AngleBounds{9.4, 157.4};
+  }
+  return {};
+}
+
+absl::Status check_graded_surface(const Sizing& sizing, const MeshRequest& request) {
+  if (!sizing.grade_surface) return absl::OkStatus();
+  if (stuffing_rules(request.preset).both_sides) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("grade_surface is for the inside alone; preset %s meshes both sides",
+                        preset_name(request.preset)));
+  }
+  if (!request.manifold) return absl::OkStatus();
+  return absl::InvalidArgumentError("grade_surface does not go with manifold: set one of them");
+}
+
+absl::Status check_cut(const MeshRequest& request) {
+  if (!has_cut(request) || !request.manifold) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "manifold does not go with a box that cuts the inside: set one of them");
+}
+
+absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
+  if (const Scene* scene = scene_of(shape)) {
+    if (auto status = check_scene_request(request, *scene); !status.ok()) return status;
+  }
+  CanonicalRequest out;
+  out.spacing = request.spacing.value_or(default_spacing(shape));
+  if (!(out.spacing > 0) || !std::isfinite(out.spacing)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("spacing %g is not a positive number", out.spacing));
+  }
+  out.iso = request.iso.value_or(default_iso(shape));
+  if (!std::isfinite(static_cast<float>(out.iso))) {
+    return absl::InvalidArgumentError(absl::StrFormat("iso %g is not a finite float", out.iso));
+  }
+  out.levels = request.levels;
+  if (out.levels < 0 || out.levels > kMaxLevels) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("levels %d is outside 0..%d", out.levels, kMaxLevels));
+  }
+  if (auto status = check_sizing_of(request, out.spacing); !status.ok()) return status;
+  if (auto status = check_loaded_fields(request.fields); !status.ok()) return status;
+  out.levels = levels_of(request.sizing, out.spacing, out.levels);
+  out.preset = request.preset;
+  if (auto status = check_cut(request); !status.ok()) return status;
+  return out;
+}
+
+}  // namespace tet

@@ -1,0 +1,105 @@
+#include "core/plan/prepared_mesh.h"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+#include "core/field/domain.h"
+#include "core/field/find_scene_bricks.h"
+#include "core/plan/budget.h"
+
+namespace tet {
+namespace {
+
+PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
+  PhiField field;
+  field.scene = scene_of(shape);
+  field.spacing_voxels = request.spacing;
+  if (field.scene != nullptr) return field;
+  const Volume& volume = *volume_of(shape);
+  field.volume = &volume;
+  field.iso = static_cast<float>(request.iso);
+  const double ratio = request.spacing / volume.transform.voxel_size;
+  // A spacing typed with a few digits means the voxels themselves.
+  constexpr double kSameSpacing = 1e-6;
+  field.spacing_voxels = std::abs(ratio - 1) < kSameSpacing ? 1 : ratio;
+  return field;
+}
+
+/// Between two nodes thin walls are looked for voxel by voxel, so a brick takes as long as the
+/// spacing is wide.
+absl::Status check_spacing(const PhiField& field) {
+  constexpr double kMaxSpacingVoxels = 256;
+  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
+                      field.spacing_voxels, kMaxSpacingVoxels));
+}
+
+/// Both sides of a domain, or the inside alone, which must have an end, or be given one.
+absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
+                                     const MeshRequest& request,
+                                     const MeshLimits& limits) {
+  MeshedSpace space{.rules = stuffing_rules(request.preset),
+                    .domain = {},
+                    .manifold = request.manifold,
+                    .kept_geometry_bytes = limits.kept_geometry_bytes,
+                    .skip_topology = request.skip_statistics};
+  if (!space.rules.both_sides && !request.box) {
+    if (auto status = check_inside_ends(field); !status.ok()) return status;
+    return space;
+  }
+  const absl::StatusOr<BrickBox> domain = mesh_domain(field, request.box);
+  if (!domain.ok()) return domain.status();
+  if (space.rules.both_sides) {
+    if (auto status = check_domain_budget(*domain, request.levels, limits); !status.ok()) {
+      return status;
+    }
+  }
+  space.domain = *domain;
+  return space;
+}
+
+/// The bricks to look at, within budget.
+absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
+                                      const MeshedSpace& space,
+                                      int levels,
+                                      const MeshLimits& limits,
+                                      const Cancellation& cancellation) {
+  // A domain may leave few of many.
+  const std::size_t most =
+      space.domain ? kMaxSurfaceBricks : most_surface_bricks(space.rules, limits);
+  absl::StatusOr<FoundBricks> found =
+      field.scene != nullptr ? find_scene_bricks(field, space.domain, most, cancellation)
+                             : find_bricks(field, most, cancellation);
+  if (!found.ok()) return found;
+  if (space.domain && space.rules.both_sides) keep_domain(*space.domain, *found);
+  if (space.domain && !space.rules.both_sides) keep_inside_of(*space.domain, field, *found);
+  if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
+  if (auto status = check_plan_budget(*found, space.rules, limits); !status.ok()) return status;
+  return found;
+}
+
+}  // namespace
+
+absl::StatusOr<PreparedMesh> prepare_mesh(const Shape& shape,
+                                          const MeshRequest& request,
+                                          const MeshLimits& limits,
+                                          const Cancellation& cancellation) {
+  const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
+  if (!asked.ok()) return asked.status();
+  const PhiField field = field_of(shape, *asked);
+  if (auto status = check_spacing(field); !status.ok()) return status;
+  const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
+  if (!space.ok()) return space.status();
+  absl::StatusOr<FoundBricks> bricks =
+      bricks_of(field, *space, asked->levels, limits, cancellation);
+  if (!bricks.ok()) return bricks.status();
+  return PreparedMesh{*asked, field, *space, *std::move(bricks)};
+}
+
+}  // namespace tet

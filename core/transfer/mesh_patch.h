@@ -1,0 +1,40 @@
+// What is new in a mesh that keeps parts of an earlier one, as chunks of its own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/mesh/splice.h"
+#include "core/plan/brick/mesh_difference.h"
+#include "core/plan/mesh_plan.h"
+
+namespace tet {
+
+/// Kept parts and patches: contiguous runs of the mesh's vertices and tets, which together with
+/// the kept parts are the whole mesh, byte for byte. Immutable: any thread may call any member.
+class MeshPatch {
+ public:
+  /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Nothing where no part
+  /// can be kept: other rules, types, spacing or origin, or improved positions.
+  static std::shared_ptr<const MeshPatch> between(const MeshPlan& earlier,
+                                                  std::shared_ptr<const MeshPlan> mesh);
+
+  const KeptParts& kept() const noexcept { return difference_.kept; }
+
+  std::uint64_t patch_count() const noexcept { return difference_.changed.size(); }
+  ChunkExtent extent(std::uint64_t patch) const noexcept;
+  /// Makes one patch; its bytes depend on both volumes, the request and `patch` alone. See
+  /// MeshPlan::fill_chunk.
+  QualityStats fill(std::uint64_t patch,
+                    MeshWorkspace& workspace,
+                    ChunkColumns columns) const noexcept;
+
+ private:
+  MeshPatch(std::shared_ptr<const MeshPlan> mesh, MeshDifference difference);
+
+  std::shared_ptr<const MeshPlan> mesh_;
+  MeshDifference difference_;
+};
+
+}  // namespace tet

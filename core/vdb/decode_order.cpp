@@ -1,0 +1,80 @@
+#include "core/vdb/decode_order.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <malloc.h>
+#include <new>
+#include <unistd.h>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "core/base/failure_name.h"
+#include "core/base/parallel.h"
+#include "core/vdb/load.h"
+#include "core/vdb/sealed_block.h"
+#include "core/volume/flat_grid_list.h"
+#include "core/volume/flat_volume.h"
+
+namespace tet {
+namespace {
+
+absl::Status write_all(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno != EINTR) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("there is no memory for the result: ", std::strerror(errno)));
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_size(const Volume& volume, const DecodeLimits& limits) {
+  const std::uint64_t size = flat_volume_bytes(volume);
+  if (size <= limits.result_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "what was decoded takes %d bytes and the limit is %d", size, limits.result_bytes));
+}
+
+absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& sink) {
+  const OpenGridFile source{file, order.file_bytes, order.file_name};
+  LoadLimits limits;
+  limits.walked = true;  // by whoever ordered this
+  if (order.task == DecodeTask::kGridList) {
+    const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(source, limits);
+    return grids.ok() ? write_flat_grid_list(*grids, sink) : grids.status();
+  }
+  const absl::StatusOr<Volume> volume =
+      order.task == DecodeTask::kField
+          ? load_field(source, order.grid_name, order.component, limits)
+          : load_volume(source, order.grid_name, limits);
+  if (!volume.ok()) return volume.status();
+  if (absl::Status s = check_size(*volume, order.limits); !s.ok()) return s;
+  return write_flat_volume(*volume, sink);
+}
+
+}  // namespace
+
+void prepare_to_carry_out() {
+  ::mallopt(M_PERTURB, 0xFF);  // what is allocated is filled with the opposite of this
+  stay_in_one_thread();
+  prepare_loading();
+  for_each_index(2, [](std::size_t) {});
+}
+
+absl::Status carry_out(const DecodeOrder& order, int file, int result) {
+  try {
+    const absl::Status status =
+        write_result(order, file, [&](auto bytes) { return write_all(result, bytes); });
+    return status.ok() ? seal_memory(result) : status;
+  } catch (const std::bad_alloc&) {
+    return named_failure("DECODER_MEMORY",
+                         absl::InvalidArgumentError(absl::StrFormat(
+                             "'%s' takes more memory than a decoder has", order.file_name)));
+  }
+}
+
+}  // namespace tet

@@ -1,0 +1,120 @@
+#include "core/vdb/decoder_pool.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/functional/function_ref.h>
+
+#include "core/base/failure_name.h"
+
+namespace tet {
+namespace {
+
+/// Decoders that may die, before they have an order, without a request noticing.
+constexpr int kAttempts = 3;
+
+int thread_count(int processes) {
+  if (processes > 0) return processes;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+using TakeDecoder = absl::FunctionRef<absl::StatusOr<Decoder>()>;
+
+absl::Status shutting_down() {
+  return named_failure("SHUTTING_DOWN", absl::UnavailableError("the server is shutting down"));
+}
+
+absl::StatusOr<SealedBlock> attempt(const CheckedFile& checked,
+                                    TakeDecoder take,
+                                    const std::function<bool()>& cancelled) {
+  absl::StatusOr<Decoder> decoder = take();
+  if (!decoder.ok()) return decoder.status();
+  if (auto ready = decoder->wait_until_ready(cancelled); !ready.ok()) return ready;
+  return decoder->decode(checked.order, checked.file.number(), {checked.limit, cancelled});
+}
+
+absl::StatusOr<SealedBlock> decode_request(const FileRequest& request,
+                                           std::chrono::milliseconds max_time,
+                                           TakeDecoder take,
+                                           const std::function<bool()>& cancelled) {
+  const absl::StatusOr<CheckedFile> checked = check_request(request, max_time);
+  if (!checked.ok()) return checked.status();
+  absl::StatusOr<SealedBlock> block = absl::UnknownError("not decoded");
+  for (int i = 0; i < kAttempts; ++i) {
+    block = attempt(*checked, take, cancelled);
+    if (!absl::IsUnavailable(block.status())) return block;
+  }
+  return block;
+}
+
+}  // namespace
+
+DecoderPool::DecoderPool(DecoderSettings settings) : settings_(std::move(settings)) {
+  for (int i = 0; i < thread_count(settings_.processes); ++i) {
+    threads_.emplace_back([this] { work(); });
+  }
+}
+
+DecoderPool::~DecoderPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void DecoderPool::decode(FileRequest request, std::function<bool()> cancelled, Done done) {
+  if (closing_) return done(shutting_down());
+  const std::lock_guard lock(mutex_);
+  jobs_.push_back({std::move(request), std::move(cancelled), std::move(done)});
+  changed_.notify_one();
+}
+
+/// A decoder ends with the thread that started it, so the thread is as old as the pool.
+void DecoderPool::work() {
+  DecoderSupply supply({settings_.program, settings_.environment},
+                       [this] { return closing_.load(); });
+  while (true) {
+    supply.prepare();  // before there is anything for it to do
+    const std::optional<Job> job = next_job();
+    if (!job) return;
+    job->done(run(*job, supply));
+  }
+}
+
+std::optional<DecoderPool::Job> DecoderPool::next_job() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return closing_ || !jobs_.empty(); });
+  if (jobs_.empty()) return std::nullopt;
+  Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  return job;
+}
+
+absl::StatusOr<SealedBlock> DecoderPool::run(const Job& job, DecoderSupply& supply) {
+  const auto cancelled = [&] { return closing_ || (job.cancelled && job.cancelled()); };
+  const auto take = [&] { return supply.take(); };
+  absl::StatusOr<SealedBlock> block = absl::CancelledError("cancelled");
+  if (!cancelled()) {
+    block = decode_request(job.request, settings_.max_time, take, cancelled);
+    if (failure_name(block.status()) == "DECODER_CRASHED") supply.start_anew();
+  }
+  return closing_ && !block.ok() ? shutting_down() : std::move(block);
+}
+
+absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
+                                        const DecoderSettings& settings,
+                                        const std::function<bool()>& cancelled) {
+  const auto start = [&] { return Decoder::start({settings.program, settings.environment}); };
+  // It gets ready while the file is walked over.
+  std::optional<absl::StatusOr<Decoder>> first(start());
+  const auto take = [&] {
+    absl::StatusOr<Decoder> decoder = first ? *std::move(first) : start();
+    first.reset();
+    return decoder;
+  };
+  return decode_request(request, settings.max_time, take, cancelled);
+}
+
+}  // namespace tet

@@ -1,0 +1,74 @@
+// Decoder processes that stand ready, and the requests that wait for them.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/vdb/decoder_supply.h"
+#include "core/vdb/file_request.h"
+#include "core/vdb/sealed_block.h"
+
+namespace tet {
+
+struct DecoderSettings {
+  std::string program;  ///< empty finds it: see find_decoder
+  int processes = 0;    ///< at once; 0 takes one for every core
+  std::chrono::milliseconds max_time{120'000};
+  std::vector<std::string> environment;  ///< of the processes; for tests
+};
+
+/// Keeps one decoder ready for each file that may be decoded at once, and replaces it after its
+/// one file; one that was not needed waits for the next.
+///
+/// A file that a decoder cannot survive costs its own request an error and nobody else
+/// anything. Thread safety: any thread may call `decode`. The destructor cancels what waits and
+/// what runs, and returns when every `done` has.
+class DecoderPool {
+ public:
+  using Done = std::function<void(absl::StatusOr<SealedBlock>)>;
+
+  explicit DecoderPool(DecoderSettings settings);
+  ~DecoderPool();
+  DecoderPool(const DecoderPool&) = delete;
+  DecoderPool& operator=(const DecoderPool&) = delete;
+
+  /// Calls `done` on a thread of the pool, which it must not hold up. `cancelled` is polled,
+  /// and null never cancels. Errors: those of check_request and Decoder::decode; kUnavailable
+  /// with DECODER_UNAVAILABLE (no decoder can be started) or SHUTTING_DOWN.
+  void decode(FileRequest request, std::function<bool()> cancelled, Done done);
+
+ private:
+  struct Job {
+    FileRequest request;
+    std::function<bool()> cancelled;
+    Done done;
+  };
+
+  void work();
+  std::optional<Job> next_job();
+  absl::StatusOr<SealedBlock> run(const Job& job, DecoderSupply& supply);
+
+  const DecoderSettings settings_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> jobs_;
+  std::atomic<bool> closing_{false};
+  std::vector<std::thread> threads_;  // last: they use all of the above
+};
+
+/// Decodes one file in the calling thread, which waits. Errors: those of DecoderPool::decode.
+absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
+                                        const DecoderSettings& settings,
+                                        const std::function<bool()>& cancelled);
+
+}  // namespace tet

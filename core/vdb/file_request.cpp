@@ -1,0 +1,91 @@
+#include "core/vdb/file_request.h"
+
+#include <algorithm>
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <absl/strings/str_format.h>
+
+#include "core/vdb/charge_file.h"
+#include "core/vdb/check_file.h"
+#include "core/volume/grid_info.h"
+
+namespace tet {
+namespace {
+
+/// What reading any file may take beside its charge: the stream's buffers, a heap's gaps, a
+/// decompressor's tables.
+constexpr std::uint64_t kLeastWorkingBytes = std::uint64_t{64} << 20;
+/// The texts of 4096 grids, and then some.
+constexpr std::uint64_t kLeastResultBytes = std::uint64_t{16} << 20;
+/// A constant brick takes twice the bytes in a flat volume.
+constexpr std::uint64_t kFlatFactor = 2;
+/// While a volume is made there is OpenVDB's tree too, and its columns grow.
+constexpr std::uint64_t kReadingFactor = 3;
+
+constexpr std::chrono::milliseconds kLeastTime{2000};
+/// A tenth of what a slow machine reads a second, of a file and of what it unpacks to.
+constexpr std::uint64_t kFileBytesPerSecond = 10'000'000;
+constexpr std::uint64_t kMemoryBytesPerSecond = 50'000'000;
+
+/// What the file takes, if that is not too much.
+absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGridFile& file) {
+  if (request.task == DecodeTask::kGridList) {
+    return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
+  }
+  const auto charge = [&](const VdbOutline& outline) {
+    return loading_charge(
+        outline, request.grid_name,
+        request.task == DecodeTask::kField ? GridUse::kField : GridUse::kSurface);
+  };
+  return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
+}
+
+std::chrono::milliseconds time_for(std::int64_t file_bytes,
+                                   const MemoryCharge& charge,
+                                   std::chrono::milliseconds max_time) {
+  const std::uint64_t seconds = static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond +
+                                charge.reading / kMemoryBytesPerSecond;
+  return std::min<std::chrono::milliseconds>(kLeastTime + std::chrono::seconds(seconds),
+                                             max_time);
+}
+
+DecodeLimits limits_of(const MemoryCharge& charge, std::chrono::milliseconds time) {
+  DecodeLimits limits;
+  limits.result_bytes = kFlatFactor * charge.volume + kLeastResultBytes;
+  limits.working_bytes = charge.reading + kLeastWorkingBytes;
+  limits.cpu_seconds =
+      static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::seconds>(time).count());
+  return limits;
+}
+
+}  // namespace
+
+absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
+                                          std::chrono::milliseconds max_time) {
+  if (absl::Status s = check_file(request.path); !s.ok()) {
+    return absl::Status(s.code(), absl::StrFormat("'%s' cannot be read", request.file_name));
+  }
+  if (request.grid_name.size() > kMaxGridNameBytes) {
+    return absl::NotFoundError(
+        absl::StrFormat("no grid has a name of %d bytes; the limit is %d",
+                        request.grid_name.size(), kMaxGridNameBytes));
+  }
+  CheckedFile checked;
+  checked.file = Descriptor(::open(request.path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (!checked.file.is_open() || ::fstat(checked.file.number(), &facts) != 0) {
+    return absl::PermissionDeniedError(
+        absl::StrFormat("'%s' cannot be opened", request.file_name));
+  }
+  const OpenGridFile file{checked.file.number(), facts.st_size, request.file_name};
+  const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
+  if (!charge.ok()) return charge.status();
+  checked.limit = time_for(facts.st_size, *charge, max_time);
+  checked.order = {request.task,      limits_of(*charge, checked.limit),
+                   facts.st_size,     request.file_name,
+                   request.grid_name, request.component};
+  return checked;
+}
+
+}  // namespace tet

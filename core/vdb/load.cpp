@@ -1,0 +1,254 @@
+#include "core/vdb/load.h"
+
+#include <cstddef>
+#include <exception>
+#include <fcntl.h>
+#include <ios>
+#include <new>
+#include <sys/stat.h>
+#include <type_traits>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
+#include <openvdb/points/PointDataGrid.h>
+
+#include "core/base/descriptor.h"
+#include "core/base/failure_name.h"
+#include "core/vdb/check_file.h"
+#include "core/vdb/copy_grid.h"
+#include "core/vdb/vdb_file.h"
+
+namespace tet {
+namespace {
+
+/// The same error, told of `what`.
+absl::Status told_of(const std::string& what, const absl::Status& error) {
+  return {error.code(), absl::StrCat(what, ": ", error.message())};
+}
+
+absl::Status bad_file(const std::string& path, std::string_view why) {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("'%s' is not a readable VDB file: %s", path, why));
+}
+
+/// Walks over the file and checks what it takes, unless the caller has.
+template <class Charge>
+absl::Status check_bytes(const OpenGridFile& file,
+                         const LoadLimits& limits,
+                         const Charge& charge) {
+  if (limits.walked) return absl::OkStatus();
+  return charge_file(file, charge, limits.max_bytes, limits.max_reading_bytes).status();
+}
+
+/// Calls `read(file)`; what OpenVDB throws becomes a status.
+template <class Read>
+std::invoke_result_t<Read, VdbFile&> with_file(const OpenGridFile& source, const Read& read) {
+  try {
+    VdbFile file(source.descriptor, source.size_bytes);
+    return read(file);
+  } catch (const std::ios_base::failure&) {
+    return bad_file(source.name, "it ends early; it is truncated or corrupt");
+  } catch (const std::bad_alloc&) {
+    return named_failure(
+        "DECODER_MEMORY",
+        bad_file(source.name, "it claims more data than there is memory; it may be corrupt"));
+  } catch (const std::exception& error) {
+    return bad_file(source.name, error.what());
+  }
+}
+
+/// Calls `read(open file)`.
+template <class Read>
+std::invoke_result_t<Read, OpenGridFile> with_path(const std::string& path, const Read& read) {
+  if (absl::Status s = check_file(path); !s.ok()) return s;
+  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (!descriptor.is_open() || ::fstat(descriptor.number(), &facts) != 0) {
+    return bad_file(path, "it cannot be opened");
+  }
+  return read(OpenGridFile{descriptor.number(), facts.st_size, path});
+}
+
+std::string value_type(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::points::PointDataGrid>() ? "points" : grid.valueType();
+}
+
+float background(const openvdb::GridBase& grid) {
+  if (grid.isType<openvdb::FloatGrid>()) {
+    return static_cast<const openvdb::FloatGrid&>(grid).background();
+  }
+  if (grid.isType<openvdb::DoubleGrid>()) {
+    return static_cast<float>(static_cast<const openvdb::DoubleGrid&>(grid).background());
+  }
+  return 0;
+}
+
+VoxelBox active_box(const openvdb::GridBase& grid) {
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty()) return {};
+  return {{box.min().x(), box.min().y(), box.min().z()},
+          {box.max().x(), box.max().y(), box.max().z()}};
+}
+
+GridInfo describe(VdbFile& file, std::size_t i) {
+  file.read_topology(i);
+  const openvdb::GridBase& grid = file.grid(i);
+  GridInfo info;
+  info.name = file.grid_name(i);
+  info.value_type = value_type(grid);
+  info.grid_class = openvdb::GridBase::gridClassToString(grid.getGridClass());
+  info.voxel_size = grid.voxelSize().x();
+  info.active_voxels = grid.activeVoxelCount();
+  info.active_box = active_box(grid);
+  info.background = background(grid);
+  info.not_meshable = std::string(check_meshable(grid).message());
+  if (info.not_meshable.empty() && grid.empty()) info.not_meshable = "it is empty";
+  info.field_components = field_components(grid);
+  return info;
+}
+
+std::string names_of(const VdbFile& file) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < file.grid_count(); ++i) {
+    names.push_back(absl::StrCat("'", file.grid_name(i), "'"));
+  }
+  return absl::StrJoin(names, ", ");
+}
+
+absl::StatusOr<std::size_t> find_named(const VdbFile& file, const std::string& name) {
+  for (std::size_t i = 0; i < file.grid_count(); ++i) {
+    if (file.grid_name(i) == name) return i;
+  }
+  return absl::NotFoundError(
+      absl::StrFormat("there is no grid '%s'; the file has %s", name, names_of(file)));
+}
+
+/// What a grid is read for, and how: the grids that will do, and what is made of one.
+struct Reading {
+  GridUse use = GridUse::kSurface;
+  std::uint32_t component = 0;  ///< of a field
+
+  const char* verb() const { return use == GridUse::kSurface ? "be meshed" : "be a field"; }
+  absl::Status check(const openvdb::GridBase& grid) const {
+    return use == GridUse::kSurface ? check_meshable(grid) : check_field(grid);
+  }
+  absl::StatusOr<Volume> copy(const openvdb::GridBase& grid) const {
+    return use == GridUse::kSurface ? copy_grid(grid) : copy_field(grid, component);
+  }
+  /// Why the grid will not do, its values apart; empty when it will.
+  std::string refusal(VdbFile& file, std::size_t i) const {
+    if (use == GridUse::kSurface) return describe(file, i).not_meshable;
+    return std::string(check_field(file.grid(i)).message());
+  }
+};
+
+/// The only grid that will do.
+absl::StatusOr<std::size_t> find_only(VdbFile& file, const Reading& reading) {
+  if (file.grid_count() == 1) return 0;
+  std::vector<std::size_t> fitting;
+  std::vector<std::string> names, refusals;
+  for (std::size_t i = 0; i < file.grid_count(); ++i) {
+    const std::string refusal = reading.refusal(file, i);
+    if (refusal.empty()) {
+      fitting.push_back(i);
+      names.push_back(absl::StrCat("'", file.grid_name(i), "'"));
+    } else {
+      refusals.push_back(absl::StrFormat("'%s': %s", file.grid_name(i), refusal));
+    }
+  }
+  if (fitting.size() == 1) return fitting.front();
+  if (fitting.empty()) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "none of its grids can %s: %s", reading.verb(), absl::StrJoin(refusals, "; ")));
+  }
+  return absl::FailedPreconditionError(
+      absl::StrFormat("it has %d grids that can %s; name one of them: %s", fitting.size(),
+                      reading.verb(), absl::StrJoin(names, ", ")));
+}
+
+absl::StatusOr<std::size_t> find_grid(VdbFile& file,
+                                      const std::string& name,
+                                      const Reading& reading) {
+  if (file.grid_count() == 0) return absl::FailedPreconditionError("it holds no grid");
+  return name.empty() ? find_only(file, reading) : find_named(file, name);
+}
+
+absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const Reading& reading) {
+  if (absl::Status s = reading.check(file.grid(i)); !s.ok()) return s;
+  file.read_topology(i);
+  file.read_values(i);
+  return reading.copy(file.grid(i));
+}
+
+absl::StatusOr<Volume> load(const OpenGridFile& source,
+                            const std::string& grid_name,
+                            const Reading& reading,
+                            const LoadLimits& limits) {
+  const auto charge = [&](const VdbOutline& o) {
+    return loading_charge(o, grid_name, reading.use);
+  };
+  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
+  return with_file(source, [&](VdbFile& file) -> absl::StatusOr<Volume> {
+    const absl::StatusOr<std::size_t> i = find_grid(file, grid_name, reading);
+    if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
+    absl::StatusOr<Volume> volume = load_grid(file, *i, reading);
+    if (volume.ok()) {
+      volume->name = file.grid_name(*i);
+      return volume;
+    }
+    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), source.name),
+                   volume.status());
+  });
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits) {
+  return with_path(path, [&](const OpenGridFile& file) { return list_grids(file, limits); });
+}
+
+absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& source,
+                                                 const LoadLimits& limits) {
+  if (absl::Status s = check_bytes(source, limits, listing_charge); !s.ok()) return s;
+  return with_file(source, [](VdbFile& file) -> absl::StatusOr<std::vector<GridInfo>> {
+    std::vector<GridInfo> grids;
+    for (std::size_t i = 0; i < file.grid_count(); ++i) grids.push_back(describe(file, i));
+    return grids;
+  });
+}
+
+absl::StatusOr<Volume> load_volume(const std::string& path,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits) {
+  return with_path(
+      path, [&](const OpenGridFile& file) { return load_volume(file, grid_name, limits); });
+}
+
+absl::StatusOr<Volume> load_volume(const OpenGridFile& source,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits) {
+  return load(source, grid_name, {GridUse::kSurface}, limits);
+}
+
+absl::StatusOr<Volume> load_field(const std::string& path,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits) {
+  return with_path(path, [&](const OpenGridFile& file) {
+    return load_field(file, grid_name, component, limits);
+  });
+}
+
+absl::StatusOr<Volume> load_field(const OpenGridFile& source,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits) {
+  return load(source, grid_name, {GridUse::kField, component}, limits);
+}
+
+void prepare_loading() { openvdb::initialize(); }
+
+}  // namespace tet

@@ -1,0 +1,64 @@
+// OpenVDB files in, volumes out. OpenVDB's exceptions stop here and in surface_to_volume.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/vdb/charge_file.h"
+#include "core/volume/grid_info.h"
+#include "core/volume/volume.h"
+
+namespace tet {
+
+/// What reading a file may take, checked before anything is built of it.
+struct LoadLimits {
+  std::uint64_t max_bytes = std::uint64_t{16} << 30;          ///< of the volume in memory
+  std::uint64_t max_reading_bytes = std::uint64_t{48} << 30;  ///< of the volume and all else
+  /// The caller has walked this very file (core/vdb/walk_vdb.h) and checked what it takes
+  /// (core/vdb/memory_charge.h), in this process or in another: both are left out.
+  bool walked = false;
+};
+
+/// The grids of a `.vdb` file, in the file's order. Values are not read.
+/// Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
+/// truncated, corrupt), kResourceExhausted (over `limits`).
+absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
+                                                 const LoadLimits& limits = {});
+absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& file,
+                                                 const LoadLimits& limits = {});
+
+/// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
+/// file.
+///
+/// A grid class says level set or fog volume; a grid of another class is a fog volume when
+/// neither its background nor any of its values is negative, and a level set otherwise. Errors:
+/// kNotFound (file or grid name; the message lists what there is), kPermissionDenied,
+/// kInvalidArgument (corrupt file), kFailedPrecondition (a grid that cannot be meshed, or
+/// several that can and no name: says why and what to do), kResourceExhausted (over `limits`).
+absl::StatusOr<Volume> load_volume(const std::string& path,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits = {});
+absl::StatusOr<Volume> load_volume(const OpenGridFile& file,
+                                   const std::string& grid_name,
+                                   const LoadLimits& limits = {});
+
+/// Reads one component of a float, double, vec3s or vec3d grid: values to be looked up. An
+/// empty `grid_name` takes the only such grid of the file. Of VolumeKind::kVectorField where
+/// there are two more; it may be empty. Errors: those of load_volume, where it is no field;
+/// kInvalidArgument (no such component).
+absl::StatusOr<Volume> load_field(const std::string& path,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits = {});
+absl::StatusOr<Volume> load_field(const OpenGridFile& file,
+                                  const std::string& grid_name,
+                                  std::uint32_t component,
+                                  const LoadLimits& limits = {});
+
+/// Has OpenVDB do all that it does once in a process, so that no later call does.
+void prepare_loading();
+
+}  // namespace tet

@@ -1,0 +1,44 @@
+// What reading a grid takes, before it is read.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "core/vdb/tree_type.h"
+#include "core/vdb/vdb_outline.h"
+
+namespace tet {
+
+/// Fills in the memory that a tree of this shape takes: as OpenVDB builds it, and as a
+/// `Volume`.
+void charge_memory(TreeOutline& tree, const TreeType& type);
+
+/// The most memory that is held at once, in bytes.
+struct MemoryCharge {
+  std::uint64_t volume = 0;   ///< by the volume that is made
+  std::uint64_t reading = 0;  ///< by all there is while it is made
+};
+
+/// What a grid is read for: which grids will do, and what is made of them.
+enum class GridUse : std::uint8_t {
+  kSurface,  ///< to be meshed
+  kField,    ///< to be looked up, one component at a time
+};
+
+/// What `load_volume` or `load_field` takes for `grid_name`, or without a name for any grid
+/// that could be meant. 0 when there is no such grid.
+MemoryCharge loading_charge(const VdbOutline& outline,
+                            const std::string& grid_name,
+                            GridUse use = GridUse::kSurface);
+
+/// What `list_grids` takes.
+MemoryCharge listing_charge(const VdbOutline& outline);
+
+/// Errors: kResourceExhausted when it is over a limit; with the numbers.
+absl::Status check_memory(const MemoryCharge& charge,
+                          std::uint64_t max_volume_bytes,
+                          std::uint64_t max_reading_bytes);
+
+}  // namespace tet

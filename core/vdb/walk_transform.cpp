@@ -1,0 +1,135 @@
+#include "core/vdb/walk_transform.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include <absl/strings/str_format.h>
+
+#include "core/vdb/walk_refusal.h"
+
+namespace tet {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+constexpr std::size_t kLongestMapType = 64;
+
+/// What is repeated was computed by other compilers in other ways.
+constexpr double kTolerance = 1e-6;
+
+double read_number(VdbCursor& cursor, const char* what) {
+  const std::uint64_t at = cursor.position();
+  const auto number = cursor.read<double>(what);
+  if (!std::isfinite(number)) {
+    refuse_at(at, absl::StrFormat("the %s is %g, which is not finite", what, number));
+  }
+  return number;
+}
+
+Triple read_triple(VdbCursor& cursor, const char* what) {
+  Triple triple{};
+  for (double& number : triple) number = read_number(cursor, what);
+  return triple;
+}
+
+/// `stored` is what follows from a scale, on each axis.
+void check_derived(std::uint64_t at, const Triple& stored, const Triple& derived) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool close = std::abs(stored[i] - derived[i]) <= kTolerance * std::abs(derived[i]);
+    if (!close) {
+      refuse_at(at, absl::StrFormat("the transform says %g where its scale gives %g", stored[i],
+                                    derived[i]));
+    }
+  }
+}
+
+template <class Function>
+Triple each(const Triple& triple, const Function& function) {
+  return {function(triple[0]), function(triple[1]), function(triple[2])};
+}
+
+/// A scale, then what OpenVDB stores beside it so as not to compute it again.
+void walk_scale(VdbCursor& cursor, bool uniform) {
+  const std::uint64_t at = cursor.position();
+  const Triple scale = read_triple(cursor, "scale");
+  if (uniform && (scale[0] != scale[1] || scale[0] != scale[2])) {
+    refuse_at(at,
+              absl::StrFormat("a uniform scale is %g, %g, %g", scale[0], scale[1], scale[2]));
+  }
+  for (const double s : scale) {
+    if (!std::isnormal(s)) refuse_at(at, absl::StrFormat("the scale %g is not usable", s));
+  }
+  check_derived(at, read_triple(cursor, "voxel size"),
+                each(scale, [](double s) { return std::abs(s); }));
+  check_derived(at, read_triple(cursor, "inverse scale"),
+                each(scale, [](double s) { return 1 / s; }));
+  check_derived(at, read_triple(cursor, "inverse scale squared"),
+                each(scale, [](double s) { return 1 / s * (1 / s); }));
+  check_derived(at, read_triple(cursor, "inverse of twice the scale"),
+                each(scale, [](double s) { return 0.5 / s; }));
+}
+
+/// Row vectors are multiplied from the left, so the last column is (0, 0, 0, 1).
+void walk_matrix(VdbCursor& cursor) {
+  const std::uint64_t at = cursor.position();
+  for (int i = 0; i < 16; ++i) {
+    const double number = read_number(cursor, "matrix");
+    if (i % 4 == 3 && std::abs(number - (i == 15 ? 1 : 0)) > kTolerance) {
+      refuse_at(at, absl::StrFormat("a matrix has %g in its last column", number));
+    }
+  }
+}
+
+/// False when there is no linear map of that name.
+bool walk_linear_map(VdbCursor& cursor, std::string_view name) {
+  if (name == "AffineMap" || name == "UnitaryMap") {
+    walk_matrix(cursor);
+  } else if (name == "ScaleMap" || name == "UniformScaleMap") {
+    walk_scale(cursor, name == "UniformScaleMap");
+  } else if (name == "TranslationMap") {
+    read_triple(cursor, "translation");
+  } else if (name == "ScaleTranslateMap" || name == "UniformScaleTranslateMap") {
+    read_triple(cursor, "translation");
+    walk_scale(cursor, name == "UniformScaleTranslateMap");
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void walk_frustum(VdbCursor& cursor) {
+  const std::uint64_t at = cursor.position();
+  const Triple min = read_triple(cursor, "frustum box");
+  const Triple max = read_triple(cursor, "frustum box");
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (min[i] >= max[i]) {
+      refuse_at(at, absl::StrFormat("a frustum reaches from %g to %g", min[i], max[i]));
+    }
+  }
+  read_number(cursor, "frustum taper");
+  read_number(cursor, "frustum depth");
+  const std::uint64_t map_at = cursor.position();
+  const std::string name =
+      cursor.read_string(kLongestMapType, "frustum map type", "frustum map type text");
+  if (!walk_linear_map(cursor, name)) {
+    refuse_at(map_at, absl::StrFormat("%s is not a linear map", quoted_name(name)));
+  }
+}
+
+}  // namespace
+
+void walk_transform(VdbCursor& cursor) {
+  const std::uint64_t at = cursor.position();
+  const std::string name =
+      cursor.read_string(kLongestMapType, "transform type", "transform type text");
+  if (name == "NonlinearFrustumMap") return walk_frustum(cursor);
+  if (!walk_linear_map(cursor, name)) {
+    refuse_at(at, absl::StrFormat("the transform %s is not known", quoted_name(name)));
+  }
+}
+
+}  // namespace tet

@@ -1,0 +1,251 @@
+#include "core/volume/point_sampler.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "core/base/vector_clones.h"
+
+namespace tet {
+namespace {
+
+using Places = PointSampler::Places;
+using Block = PointSampler::Block;
+
+/// Beyond all that a volume may store there is background, however far.
+constexpr double kFarthest = kMaxVoxelCoord + 16;
+
+/// Copying a voxel into a block takes about a sixteenth of looking up a point by itself.
+constexpr std::int64_t kVoxelsPerPoint = 16;
+
+/// Not a number counts as far away, too.
+inline double within_reach(double at) noexcept {
+  const double low = at > -kFarthest ? at : -kFarthest;
+  return low < kFarthest ? low : kFarthest;
+}
+
+inline double between(double low, double high, double weight) noexcept {
+  return low + weight * (high - low);
+}
+
+/// The other way round: of a rotation, scaled, the inverse is the transpose, scaled back.
+VoxelTransform inverse(const VoxelTransform& transform) noexcept {
+  VoxelTransform inverse = transform;
+  const double square = transform.voxel_size * transform.voxel_size;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      inverse.linear[i][j] = transform.linear[j][i] / square;
+    }
+  }
+  return inverse;
+}
+
+/// Takes the whole voxels out of coordinates, and leaves what is beyond them. Loops apart, and
+/// a floor of our own, or they would not become vector instructions.
+TET_VECTOR_CLONES
+void split(std::int32_t* __restrict voxels, double* __restrict at, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) at[i] = within_reach(at[i]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto toward_zero = static_cast<double>(static_cast<std::int32_t>(at[i]));
+    const double voxel = toward_zero - (toward_zero > at[i] ? 1.0 : 0.0);
+    voxels[i] = static_cast<std::int32_t>(voxel);
+    at[i] -= voxel;
+  }
+}
+
+TET_VECTOR_CLONES
+void locate(const VoxelTransform& to_voxel,
+            const PointSampler::Points& __restrict points,
+            Places& __restrict places) noexcept {
+  const auto& from = to_voxel.translation;
+  const double* const __restrict px = points.at[0].data();
+  const double* const __restrict py = points.at[1].data();
+  const double* const __restrict pz = points.at[2].data();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [x, y, z] = to_voxel.linear[axis];
+    double* const __restrict at = places.weight[axis].data();
+    for (std::size_t i = 0; i < points.count; ++i) {
+      at[i] = x * (px[i] - from[0]) + y * (py[i] - from[1]) + z * (pz[i] - from[2]);
+    }
+    split(places.voxel[axis].data(), at, points.count);
+  }
+}
+
+/// Of points whose voxels are all in the block.
+TET_VECTOR_CLONES
+void interpolate(const Block& __restrict block,
+                 const Places& __restrict places,
+                 std::size_t begin,
+                 std::size_t end,
+                 float* __restrict values) noexcept {
+  const float* const v = block.values.data();
+  const VoxelCoord min = block.box.min;
+  const std::int32_t row = block.row, slice = block.row * block.rows;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::int32_t at = (places.voxel[0][i] - min.x) * slice +
+                            (places.voxel[1][i] - min.y) * row + (places.voxel[2][i] - min.z);
+    const double x = places.weight[0][i], y = places.weight[1][i], z = places.weight[2][i];
+    const double a = between(v[at], v[at + 1], z);
+    const double b = between(v[at + row], v[at + row + 1], z);
+    const double c = between(v[at + slice], v[at + slice + 1], z);
+    const double d = between(v[at + slice + row], v[at + slice + row + 1], z);
+    values[i - begin] = static_cast<float>(between(between(a, b, y), between(c, d, y), x));
+  }
+}
+
+/// The same of one point, wherever its voxels are.
+float interpolate(VolumeReader& reader, const Places& places, std::size_t i) noexcept {
+  const VolumeReader::Cell v =
+      reader.cell({places.voxel[0][i], places.voxel[1][i], places.voxel[2][i]});
+  const double x = places.weight[0][i], y = places.weight[1][i], z = places.weight[2][i];
+  const double low = between(between(v[0], v[1], z), between(v[2], v[3], z), y);
+  const double high = between(between(v[4], v[5], z), between(v[6], v[7], z), y);
+  return static_cast<float>(between(low, high, x));
+}
+
+/// Box of the eight voxels of all points.
+TET_VECTOR_CLONES
+VoxelBox box_of(const Places& places, std::size_t count) noexcept {
+  std::array<std::int32_t, 3> min, max;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto& voxel = places.voxel[axis];
+    min[axis] = max[axis] = voxel[0];
+    for (std::size_t i = 0; i < count; ++i) {
+      min[axis] = std::min(min[axis], voxel[i]);
+      max[axis] = std::max(max[axis], voxel[i]);
+    }
+  }
+  return {{min[0], min[1], min[2]}, {max[0] + 1, max[1] + 1, max[2] + 1}};
+}
+
+/// Widened by the eight voxels of a point.
+VoxelBox with_point(const VoxelBox& box, const Places& places, std::size_t i) noexcept {
+  const VoxelCoord at{places.voxel[0][i], places.voxel[1][i], places.voxel[2][i]};
+  return {{std::min(box.min.x, at.x), std::min(box.min.y, at.y), std::min(box.min.z, at.z)},
+          {std::max(box.max.x, at.x + 1), std::max(box.max.y, at.y + 1),
+           std::max(box.max.z, at.z + 1)}};
+}
+
+std::int64_t voxels_in(const VoxelBox& box) noexcept {
+  const auto edge = [](std::int32_t min, std::int32_t max) {
+    // Longer ones need not be told apart, and their product is a number yet.
+    return std::min<std::int64_t>(std::int64_t{max} - min + 1, 1 << 20);
+  };
+  return edge(box.min.x, box.max.x) * edge(box.min.y, box.max.y) * edge(box.min.z, box.max.z);
+}
+
+/// Calls `copy(brick, the part of the box in it)` for each brick that the box reaches into.
+template <class Copy>
+void for_each_brick(const VoxelBox& box, const Copy& copy) noexcept {
+  constexpr std::int32_t kShift = 3;
+  const auto part = [](std::int32_t brick, std::int32_t min, std::int32_t max) {
+    const std::int32_t first = brick * kBrickEdge;
+    return std::pair(std::max(first, min), std::min(first + kBrickEdge - 1, max));
+  };
+  for (std::int32_t x = box.min.x >> kShift; x <= box.max.x >> kShift; ++x) {
+    const auto [x0, x1] = part(x, box.min.x, box.max.x);
+    for (std::int32_t y = box.min.y >> kShift; y <= box.max.y >> kShift; ++y) {
+      const auto [y0, y1] = part(y, box.min.y, box.max.y);
+      for (std::int32_t z = box.min.z >> kShift; z <= box.max.z >> kShift; ++z) {
+        const auto [z0, z1] = part(z, box.min.z, box.max.z);
+        copy(BrickCoord{x, y, z}, VoxelBox{{x0, y0, z0}, {x1, y1, z1}});
+      }
+    }
+  }
+}
+
+/// Most rows are whole: those are copied without a call.
+inline void copy_row(const float* from, std::size_t count, float* to) noexcept {
+  if (count == kBrickEdge) {
+    std::memcpy(to, from, kBrickEdge * sizeof(float));
+  } else {
+    std::copy_n(from, count, to);
+  }
+}
+
+/// Copies the voxels of the block's box.
+void fill_block(VolumeReader& reader, Block& block) noexcept {
+  const VoxelCoord min = block.box.min;
+  for_each_brick(block.box, [&](BrickCoord coord, const VoxelBox& part) {
+    const VolumeReader::Brick brick = reader.brick(coord);
+    const auto count = static_cast<std::size_t>(part.max.z - part.min.z + 1);
+    for (std::int32_t x = part.min.x; x <= part.max.x; ++x) {
+      for (std::int32_t y = part.min.y; y <= part.max.y; ++y) {
+        float* const row = block.values.data() +
+                           ((x - min.x) * block.rows + y - min.y) * block.row + part.min.z -
+                           min.z;
+        if (brick.values == nullptr) {
+          std::fill_n(row, count, brick.range.min);
+        } else {
+          copy_row(brick.values + ((x & 7) * 8 + (y & 7)) * 8 + (part.min.z & 7), count, row);
+        }
+      }
+    }
+  });
+}
+
+/// Up to which of the points, from `begin` on, all lie in one block, the box of which is set.
+std::size_t end_of_run(const Places& places,
+                       std::size_t begin,
+                       std::size_t count,
+                       VoxelBox& box) noexcept {
+  const std::int32_t x = places.voxel[0][begin], y = places.voxel[1][begin];
+  const std::int32_t z = places.voxel[2][begin];
+  box = {{x, y, z}, {x + 1, y + 1, z + 1}};
+  for (std::size_t end = begin + 1; end < count; ++end) {
+    const VoxelBox wider = with_point(box, places, end);
+    if (voxels_in(wider) > Block::kMaxVoxels) return end;
+    box = wider;
+  }
+  return count;
+}
+
+}  // namespace
+
+PointSampler::PointSampler(std::span<const std::shared_ptr<const Volume>> components)
+    : to_voxel_(inverse(components.front()->transform)) {
+  for (const auto& volume : components) readers_.emplace_back(*volume);
+}
+
+void PointSampler::sample_run(std::size_t begin,
+                              std::size_t end,
+                              Workspace& workspace,
+                              float* values,
+                              std::size_t stride) noexcept {
+  auto& [places, block, found] = workspace;
+  const auto points = static_cast<std::int64_t>(end - begin);
+  const bool together = voxels_in(block.box) <= kVoxelsPerPoint * points;
+  block.rows = block.box.max.y - block.box.min.y + 1;
+  block.row = block.box.max.z - block.box.min.z + 1;
+  for (std::size_t c = 0; c < readers_.size(); ++c) {
+    if (together) {
+      fill_block(readers_[c], block);
+      interpolate(block, places, begin, end, found.data());
+    } else {
+      for (std::size_t i = begin; i < end; ++i) {
+        found[i - begin] = interpolate(readers_[c], places, i);
+      }
+    }
+    for (std::size_t i = begin; i < end; ++i) values[i * stride + c] = found[i - begin];
+  }
+}
+
+void PointSampler::sample(const Points& points,
+                          Workspace& workspace,
+                          float* values,
+                          std::size_t stride) noexcept {
+  auto& [places, block, found] = workspace;
+  if (points.count == 0) return;
+  locate(to_voxel_, points, places);
+  block.box = box_of(places, points.count);
+  if (voxels_in(block.box) <= Block::kMaxVoxels) {
+    return sample_run(0, points.count, workspace, values, stride);
+  }
+  for (std::size_t begin = 0; begin < points.count;) {
+    const std::size_t end = end_of_run(places, begin, points.count, block.box);
+    sample_run(begin, end, workspace, values, stride);
+    begin = end;
+  }
+}
+
+}  // namespace tet

@@ -1,0 +1,38 @@
+#include "core/volume/to_voxel.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+
+namespace tet {
+
+VoxelPoint to_voxel(const VoxelTransform& transform, const WorldPoint& p) noexcept {
+  const std::array<double, 3> from{p.x - transform.translation[0],
+                                   p.y - transform.translation[1],
+                                   p.z - transform.translation[2]};
+  // The transpose of a rotation is its inverse.
+  std::array<double, 3> at{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      at[axis] += transform.linear[row][axis] * from[row];
+    }
+    at[axis] /= transform.voxel_size * transform.voxel_size;
+  }
+  return {at[0], at[1], at[2]};
+}
+
+VoxelSpan to_voxel_span(const VoxelTransform& transform, const WorldBox& box) noexcept {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  VoxelSpan span{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto [x, y, z] = to_voxel(transform, {(corner & 1) != 0 ? box.max.x : box.min.x,
+                                                (corner & 2) != 0 ? box.max.y : box.min.y,
+                                                (corner & 4) != 0 ? box.max.z : box.min.z});
+    span.min = {std::min(span.min.x, x), std::min(span.min.y, y), std::min(span.min.z, z)};
+    span.max = {std::max(span.max.x, x), std::max(span.max.y, y), std::max(span.max.z, z)};
+  }
+  return span;
+}
+
+}  // namespace tet

@@ -1,0 +1,78 @@
+#include "proto/convert/box_request.h"
+
+#include <cmath>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "proto/convert/status.h"
+
+namespace tet {
+namespace {
+
+WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
+
+std::string text_of(const v1::Point& point) {
+  return absl::StrFormat("(%g, %g, %g)", point.x(), point.y(), point.z());
+}
+
+bool is_finite(const v1::Point& point) {
+  return std::isfinite(point.x()) && std::isfinite(point.y()) && std::isfinite(point.z());
+}
+
+absl::Status check_box(const v1::MeshRequest& request) {
+  const v1::Point &min = request.box().min(), &max = request.box().max();
+  const std::string what =
+      absl::StrCat("box from min ", text_of(min), " to max ", text_of(max));
+  if (!request.box().has_min() || !request.box().has_max()) {
+    return invalid_field("box must have both min and max");
+  }
+  if (!is_finite(min) || !is_finite(max)) {
+    return invalid_field(absl::StrCat(what, " is not finite"));
+  }
+  if (!(min.x() < max.x() && min.y() < max.y() && min.z() < max.z())) {
+    return invalid_field(absl::StrCat(what, " is empty: min must be below max on every axis"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::optional<WorldPoint>> parse_origin(const v1::MeshRequest& request) {
+  if (!request.has_origin()) return std::nullopt;
+  if (is_finite(request.origin())) return to_core(request.origin());
+  return invalid_field(absl::StrCat("origin ", text_of(request.origin()), " is not finite"));
+}
+
+absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request) {
+  if (!request.has_box()) return std::nullopt;
+  if (const auto status = check_box(request); !status.ok()) return status;
+  return WorldBox{to_core(request.box().min()), to_core(request.box().max())};
+}
+
+void set_point(const WorldPoint& point, v1::Point& message) {
+  message.set_x(point.x);
+  message.set_y(point.y);
+  message.set_z(point.z);
+}
+
+void set_box(const WorldBox& box, v1::Box& message) {
+  set_point(box.min, *message.mutable_min());
+  set_point(box.max, *message.mutable_max());
+}
+
+std::string exact_box(const v1::MeshRequest& request) {
+  if (!request.has_box()) return "";
+  const v1::Point &min = request.box().min(), &max = request.box().max();
+  return absl::StrFormat("%a %a %a %a %a %a", min.x(), min.y(), min.z(), max.x(), max.y(),
+                         max.z());
+}
+
+std::string exact_origin(const v1::MeshRequest& request) {
+  if (!request.has_origin()) return "";
+  const v1::Point& origin = request.origin();
+  return absl::StrFormat(" origin %a %a %a", origin.x(), origin.y(), origin.z());
+}
+
+}  // namespace tet

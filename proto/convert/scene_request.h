@@ -1,0 +1,24 @@
+// The scene of a request for a mesh.
+#pragma once
+
+#include <memory>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "proto/convert/request.h"
+
+namespace tet {
+
+/// What can be told of a scene before its grids are loaded. Errors: kInvalidArgument, with the
+/// field.
+absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order);
+
+/// An order's scene, once its grids are loaded, beside the order's box and spacing. Errors:
+/// kInvalidArgument, with the field.
+absl::StatusOr<std::shared_ptr<const Scene>> scene_of_order(const MeshOrder& order);
+
+/// Fills in what the scene's grids have by default; they are loaded.
+void set_canonical_scene(const MeshOrder& order, v1::MeshRequest& canonical);
+
+}  // namespace tet

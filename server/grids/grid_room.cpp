@@ -1,0 +1,182 @@
+// GridStore: room for uploads, and who has to go for it.
+#include <system_error>
+
+#include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+
+#include "proto/convert/status.h"
+#include "proto/wire/sha256.h"
+#include "server/grids/grid_store.h"
+
+namespace tet {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr absl::Duration kAskAgain = absl::Seconds(5);
+
+/// Jobs are asked once for at least so many grids, which may all be needed.
+constexpr std::size_t kFewGrids = 64;
+
+// How much the others use is not for everybody to know.
+absl::Status no_room(std::uint64_t size_bytes,
+                     std::uint64_t budget,
+                     const std::string& who,
+                     std::string_view reason) {
+  return with_retry(with_reason(absl::ResourceExhaustedError(absl::StrCat(
+                                    "no room for ", size_bytes, " bytes beside what ", who,
+                                    " use of the store's ", budget)),
+                                reason),
+                    kAskAgain);
+}
+
+}  // namespace
+
+void GridStore::ask_before_evicting(Needed needed) { needed_ = std::move(needed); }
+
+std::uint64_t GridStore::used_bytes() const {
+  std::uint64_t used = grids_.bytes();
+  for (const auto& [key, part] : parts_) used += part.size_bytes;
+  return used;
+}
+
+/// Marks the upload as under way, with room for all of it.
+absl::Status GridStore::reserve(const GridKey& key,
+                                std::uint64_t size_bytes,
+                                const Uploader& by) {
+  if (size_bytes > budget_bytes_)
+    return over_limit("grid file, bytes", size_bytes, budget_bytes_);
+  std::set<GridKey> needed;
+  while (true) {
+    Evictable evictable;
+    {
+      const std::lock_guard lock(mutex_);
+      if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+      if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
+      evictable = idle_grids(size_bytes, needed);
+    }
+    // Whoever submits a job holds its grid until the job is stored. So a grid that was idle
+    // before the jobs are asked, that none of them needs, and that nobody took since is needed
+    // by none.
+    const absl::Status asked = spare_needed(evictable, needed);
+    const std::lock_guard lock(mutex_);
+    if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+    while (!fits(key, size_bytes) && evict_oldest(key, evictable)) continue;
+    if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
+    if (!asked.ok()) return asked;
+    if (!evictable.all) continue;
+    if (needed.empty()) return no_room(size_bytes, budget_bytes_, "other calls", "STORE_BUSY");
+    return no_room(size_bytes, budget_bytes_, "other calls and jobs that are not finished",
+                   "STORE_HELD_BY_JOBS");
+  }
+}
+
+absl::Status GridStore::check_upload(const GridKey& key,
+                                     std::uint64_t size_bytes,
+                                     const Uploader& by) const {
+  if (grids_.contains(key)) {
+    return absl::AlreadyExistsError(absl::StrCat(name_of_grid(key.digest), " is stored"));
+  }
+  const auto found = parts_.find(key);
+  if (found != parts_.end() && found->second.busy) {
+    return with_retry(
+        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(key.digest),
+                                                    " is being uploaded by another call")),
+                    "UPLOAD_IN_PROGRESS"),
+        absl::Seconds(1));
+  }
+  return check_quota(key, size_bytes, by);
+}
+
+absl::Status GridStore::check_quota(const GridKey& key,
+                                    std::uint64_t size_bytes,
+                                    const Uploader& by) const {
+  std::uint64_t bytes = size_bytes;
+  for (const auto& [part_key, part] : parts_) {
+    if (part.sender == by.name && part_key != key) bytes += part.size_bytes;
+  }
+  if (bytes <= by.max_bytes) return absl::OkStatus();
+  return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
+}
+
+bool GridStore::fits(const GridKey& key, std::uint64_t size_bytes) const {
+  const auto found = parts_.find(key);
+  const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
+  return used_bytes() - held + size_bytes <= budget_bytes_;
+}
+
+absl::Status GridStore::take_place(const GridKey& key,
+                                   std::uint64_t size_bytes,
+                                   const Uploader& by) {
+  parts_[key] = Part{size_bytes, absl::Now(), true, by.name};
+  return absl::OkStatus();
+}
+
+/// Enough of them to make room for `bytes`, if there are.
+GridStore::Evictable GridStore::idle_grids(std::uint64_t bytes,
+                                           const std::set<GridKey>& needed) const {
+  Evictable idle{{}, absl::Now(), leases_, /*all=*/true};
+  std::uint64_t found_bytes = 0;
+  grids_.oldest_first([&](const StoredGridEntry& entry) {
+    if (entry.in_use() || needed.contains(entry.grid->key)) return true;
+    idle.grids.push_back(entry.grid->key);
+    found_bytes += entry.grid->size_bytes;
+    idle.all = idle.grids.size() < kFewGrids || found_bytes < bytes;
+    return idle.all;
+  });
+  return idle;
+}
+
+/// Takes away those that somebody needs who has no lease; all if that cannot be told.
+absl::Status GridStore::spare_needed(Evictable& evictable, std::set<GridKey>& needed) const {
+  if (!needed_ || evictable.grids.empty()) return absl::OkStatus();
+  auto told = needed_();
+  if (!told.ok()) {
+    evictable.grids.clear();
+    return told.status();
+  }
+  std::erase_if(evictable.grids, [&](const GridKey& key) {
+    return told->contains(key) && needed.insert(key).second;
+  });
+  return absl::OkStatus();
+}
+
+/// The first that is still there and that nobody has touched since; those before it are
+/// dropped.
+const StoredGridEntry* GridStore::oldest_of(Evictable& evictable) const {
+  for (; !evictable.grids.empty(); evictable.grids.pop_front()) {
+    const StoredGridEntry* const entry = grids_.find(evictable.grids.front());
+    if (entry == nullptr || entry->in_use()) continue;
+    if (entry->last_lease <= evictable.leases && entry->last_use <= evictable.time)
+      return entry;
+  }
+  return nullptr;
+}
+
+/// Removes what was used least of the grids that may be evicted and the uploads nobody sends.
+bool GridStore::evict_oldest(const GridKey& except_part, Evictable& evictable) {
+  const StoredGridEntry* const oldest_grid = oldest_of(evictable);
+  auto oldest_part = parts_.end();
+  for (auto it = parts_.begin(); it != parts_.end(); ++it) {
+    if (it->second.busy || it->first == except_part) continue;
+    if (oldest_part == parts_.end() || it->second.last_use < oldest_part->second.last_use) {
+      oldest_part = it;
+    }
+  }
+  std::error_code ignored;  // a file that is gone already has been evicted by someone else
+  if (oldest_part != parts_.end() &&
+      (oldest_grid == nullptr || oldest_part->second.last_use < oldest_grid->last_use)) {
+    fs::remove(part_path(oldest_part->first), ignored);
+    parts_.erase(oldest_part);
+    ++gone_.evicted_uploads;
+    return true;
+  }
+  if (oldest_grid == nullptr) return false;
+  fs::remove(oldest_grid->grid->path, ignored);
+  grids_.erase(GridKey(oldest_grid->grid->key));
+  ++gone_.evicted_files;
+  return true;
+}
+
+}  // namespace tet

@@ -1,0 +1,177 @@
+#include "server/grids/grid_service.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+
+#include "core/vdb/decode_file.h"
+#include "proto/convert/request.h"
+#include "proto/convert/status.h"
+#include "proto/wire/sha256.h"
+#include "server/grids/upload_stream.h"
+#include "server/grids/verify.h"
+#include "server/rpc/explain.h"
+
+namespace tet {
+
+namespace {
+
+constexpr int kMaxNames = 1000;
+constexpr int kDefaultPage = 100;
+constexpr int kMaxPage = 1000;
+
+/// Of the trees of a file without their values, which tell what its grids are.
+constexpr std::uint64_t kInfoBytes = std::uint64_t{1} << 30;
+
+void describe(const ListedGrid& listed, v1::GridFile& file) {
+  file.set_name(name_of_grid(listed.digest));
+  file.set_size_bytes(static_cast<std::int64_t>(listed.size_bytes));
+  const absl::Duration since_epoch = listed.last_use - absl::UnixEpoch();
+  absl::Duration rest;
+  file.mutable_last_use_time()->set_seconds(
+      absl::IDivDuration(since_epoch, absl::Seconds(1), &rest));
+  file.mutable_last_use_time()->set_nanos(static_cast<int>(absl::ToInt64Nanoseconds(rest)));
+}
+
+absl::Status find_missing(GridStore& store,
+                          const std::string& space,
+                          const v1::FindMissingGridsRequest& request,
+                          v1::FindMissingGridsResponse& response) {
+  if (request.names_size() > kMaxNames) {
+    return over_limit("names", static_cast<std::uint64_t>(request.names_size()), kMaxNames);
+  }
+  for (const std::string& name : request.names()) {
+    const auto digest = parse_grid_name(name);
+    if (!digest.ok()) return digest.status();
+    if (!store.touch({space, *digest})) response.add_missing_names(name);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status upload_status(const GridStore& store,
+                           const std::string& space,
+                           const std::string& name,
+                           v1::UploadStatus& response) {
+  const auto digest = parse_grid_name(name);
+  if (!digest.ok()) return digest.status();
+  const UploadState state = store.upload_state({space, *digest});
+  response.set_name(name);
+  response.set_committed_size(static_cast<std::int64_t>(state.committed_size));
+  response.set_complete(state.complete);
+  return absl::OkStatus();
+}
+
+// A page token is the digest of the last file of the page before.
+absl::Status list_page(const GridStore& store,
+                       const std::string& space,
+                       const v1::ListGridsRequest& request,
+                       v1::ListGridsResponse& response) {
+  if (request.page_size() < 0) {
+    return invalid_field(absl::StrCat("page_size ", request.page_size(), " is negative"));
+  }
+  if (!request.page_token().empty() && !is_sha256_hex(request.page_token())) {
+    return invalid_field("page_token is not one that this service gave");
+  }
+  const int wanted = request.page_size() == 0 ? kDefaultPage : request.page_size();
+  const auto size = static_cast<std::size_t>(std::min(wanted, kMaxPage));
+  const auto listed = store.list(space, request.page_token(), size + 1);
+  for (std::size_t i = 0; i < std::min(size, listed.size()); ++i) {
+    describe(listed[i], *response.add_files());
+  }
+  if (listed.size() > size) response.set_next_page_token(listed[size - 1].digest);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<GridLease> acquire(GridStore& store,
+                                  const std::string& space,
+                                  const std::string& name) {
+  const auto digest = parse_grid_name(name);
+  return digest.ok() ? store.acquire({space, *digest}) : digest.status();
+}
+
+/// Why a stored file cannot be read: it may not be what was stored.
+absl::Status unreadable(GridStore& store, const GridLease& stored, const absl::Status& why) {
+  const absl::Status intact = verify_stored(stored->path);
+  if (absl::IsDataLoss(intact)) store.set_aside(stored);
+  return intact.ok() ? about_file(why, stored->key.digest, stored->path.string()) : intact;
+}
+
+absl::Status fill_info(GridStore& store,
+                       const absl::StatusOr<std::vector<GridInfo>>& grids,
+                       const GridLease& stored,
+                       v1::GridFile& response) {
+  if (!grids.ok()) return unreadable(store, stored, grids.status());
+  describe({stored->key.digest, stored->size_bytes, absl::Now()}, response);
+  for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
+  return absl::OkStatus();
+}
+
+/// Has a decoder look at the file; the lease keeps it from being evicted meanwhile.
+void grid_info(GridStore& store,
+               DecoderPool& decoders,
+               const std::string& name,
+               v1::GridFile& response,
+               std::shared_ptr<PendingAnswer> pending) {
+  const auto lease = acquire(store, pending->call().space(), name);
+  if (!lease.ok()) return pending->finish(lease.status());
+  const FileRequest request{DecodeTask::kGridList, (*lease)->path.string(), name, "",
+                            kInfoBytes};
+  decoders.decode(
+      request, [pending] { return pending->cancelled(); },
+      [request, pending, stored = *lease, &store,
+       &response](const absl::StatusOr<SealedBlock>& block) {
+        pending->finish(fill_info(store, grid_list_of(block, request), stored, response));
+      });
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* GridService::FindMissingGrids(
+    grpc::CallbackServerContext* context,
+    const v1::FindMissingGridsRequest* request,
+    v1::FindMissingGridsResponse* response) {
+  return answer(calls_, disk_, *context, "FindMissingGrids",
+                [this, request, response](const Call& call) {
+                  return find_missing(store_, call.space(), *request, *response);
+                });
+}
+
+grpc::ServerReadReactor<grpc::ByteBuffer>* GridService::UploadGrid(
+    grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
+  return UploadStream::start({store_, calls_, disk_, stalls_}, *context, *response);
+}
+
+grpc::ServerUnaryReactor* GridService::GetUploadStatus(
+    grpc::CallbackServerContext* context,
+    const v1::GetUploadStatusRequest* request,
+    v1::UploadStatus* response) {
+  return answer(calls_, disk_, *context, "GetUploadStatus",
+                [this, request, response](const Call& call) {
+                  return upload_status(store_, call.space(), request->name(), *response);
+                });
+}
+
+grpc::ServerUnaryReactor* GridService::ListGrids(grpc::CallbackServerContext* context,
+                                                 const v1::ListGridsRequest* request,
+                                                 v1::ListGridsResponse* response) {
+  return answer(calls_, disk_, *context, "ListGrids",
+                [this, request, response](const Call& call) {
+                  return list_page(store_, call.space(), *request, *response);
+                });
+}
+
+grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* context,
+                                                   const v1::GetGridInfoRequest* request,
+                                                   v1::GridFile* response) {
+  return answer_later(calls_, disk_, *context, "GetGridInfo",
+                      [this, request, response](std::shared_ptr<PendingAnswer> pending) {
+                        grid_info(store_, decoders_, request->name(), *response,
+                                  std::move(pending));
+                      });
+}
+
+}  // namespace tet

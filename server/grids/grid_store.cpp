@@ -1,0 +1,240 @@
+#include "server/grids/grid_store.h"
+
+#include <fcntl.h>
+#include <optional>
+#include <sys/stat.h>
+#include <system_error>
+
+#include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+
+#include "proto/convert/status.h"
+#include "proto/wire/sha256.h"
+#include "server/grids/grid_upload.h"
+#include "server/ops/file.h"
+#include "server/ops/logging.h"
+
+namespace tet {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kPartSuffix = ".part";
+constexpr std::string_view kSpaces = "namespaces";
+
+struct FoundFile {
+  fs::path path;
+  std::uint64_t size_bytes = 0;
+  absl::Time last_use;
+};
+
+std::optional<FoundFile> inspect(const fs::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
+  return FoundFile{path, static_cast<std::uint64_t>(info.st_size),
+                   absl::TimeFromTimespec(info.st_mtim)};
+}
+
+/// Regular files below `folder`. Errors: kInternal.
+absl::StatusOr<std::vector<FoundFile>> files_below(const fs::path& folder) {
+  if (absl::Status made = make_folder(folder); !made.ok()) return made;
+  std::vector<FoundFile> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (auto file = inspect(it->path())) files.push_back(std::move(*file));
+  }
+  if (error) return absl::InternalError(absl::StrCat(folder.string(), ": ", error.message()));
+  return files;
+}
+
+absl::Status not_stored(std::string_view digest) {
+  return with_reason(absl::NotFoundError(absl::StrCat(name_of_grid(digest), " is not stored")),
+                     "GRID_NOT_FOUND");
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
+                                                           std::uint64_t budget_bytes) {
+  auto lock = StoreLock::take(root);
+  if (!lock.ok()) return lock.status();
+  std::unique_ptr<GridStore> store(new GridStore(root, *std::move(lock), budget_bytes));
+  const absl::Status status = store->scan();
+  if (!status.ok()) return status;
+  return store;
+}
+
+absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open_beside_server(const fs::path& root) {
+  std::error_code ignored;
+  if (fs::is_directory(root, ignored)) {
+    return std::unique_ptr<GridStore>(new GridStore(root, std::nullopt, 0));
+  }
+  return absl::NotFoundError(absl::StrCat("there is no store ", root.string(),
+                                          ": it is the folder of the server's --store"));
+}
+
+/// What the server has of a file now.
+void GridStore::look_again(const GridKey& key) {
+  const auto file = inspect(grid_path(key));
+  if (!file) {
+    grids_.erase(key);
+  } else if (!grids_.contains(key)) {
+    grids_.put({key, file->path, file->size_bytes}, file->last_use);
+  }
+}
+
+absl::Status GridStore::scan() {
+  absl::Status status = scan_space(std::string(kDefaultSpace));
+  std::error_code none;  // no such folder: no other namespaces
+  for (const auto& folder : fs::directory_iterator(root_ / kSpaces, none)) {
+    if (status.ok()) status = scan_space(folder.path().filename().string());
+  }
+  return status;
+}
+
+absl::Status GridStore::scan_space(const std::string& space) {
+  const auto grids = files_below(folder_of(space) / "grids");
+  if (!grids.ok()) return grids.status();
+  const auto parts = files_below(folder_of(space) / "uploads");
+  if (!parts.ok()) return parts.status();
+  for (const FoundFile& file : *grids) {
+    const GridKey key{space, file.path.filename().string()};
+    if (!is_sha256_hex(key.digest) || file.path != grid_path(key)) continue;
+    grids_.put({key, file.path, file.size_bytes}, file.last_use);
+  }
+  for (const FoundFile& file : *parts) {
+    const GridKey key{space, file.path.stem().string()};
+    if (!is_sha256_hex(key.digest) || file.path != part_path(key)) continue;
+    parts_[key] = Part{file.size_bytes, file.last_use};
+  }
+  return absl::OkStatus();
+}
+
+fs::path GridStore::folder_of(std::string_view space) const {
+  return space == kDefaultSpace ? root_ : root_ / kSpaces / space;
+}
+
+fs::path GridStore::grid_path(const GridKey& key) const {
+  return folder_of(key.space) / "grids" / key.digest.substr(0, 2) / key.digest;
+}
+
+fs::path GridStore::part_path(const GridKey& key) const {
+  return folder_of(key.space) / "uploads" / std::string(key.digest).append(kPartSuffix);
+}
+
+// The file's own time remembers the order of use across restarts; failing to set it costs only
+// that.
+void GridStore::use(const StoredGridEntry& entry) {
+  grids_.use(entry.grid->key);
+  ::utimensat(AT_FDCWD, entry.grid->path.c_str(), nullptr, 0);
+}
+
+bool GridStore::touch(const GridKey& key) {
+  const std::lock_guard lock(mutex_);
+  const StoredGridEntry* const found = grids_.find(key);
+  if (found == nullptr) return false;
+  use(*found);
+  return true;
+}
+
+absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
+  const std::lock_guard lock(mutex_);
+  if (!lock_) look_again(key);
+  const StoredGridEntry* const found = grids_.find(key);
+  if (found == nullptr) return not_stored(key.digest);
+  use(*found);
+  grids_.lease(key, ++leases_);
+  return found->grid;
+}
+
+UploadState GridStore::upload_state(const GridKey& key) const {
+  const std::lock_guard lock(mutex_);
+  if (const StoredGridEntry* const found = grids_.find(key)) {
+    return {found->grid->size_bytes, true};
+  }
+  const auto part = inspect(part_path(key));
+  return {part ? part->size_bytes : 0, false};
+}
+
+std::vector<ListedGrid> GridStore::list(const std::string& space,
+                                        const std::string& after,
+                                        std::size_t limit) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<ListedGrid> listed;
+  const StoredGrids::ByKey& grids = grids_.by_key();
+  for (auto it = grids.upper_bound({space, after});
+       it != grids.end() && it->first.space == space && listed.size() < limit; ++it) {
+    listed.push_back({it->first.digest, it->second.grid->size_bytes, it->second.last_use});
+  }
+  return listed;
+}
+
+StoreStats GridStore::stats() const {
+  const std::lock_guard lock(mutex_);
+  StoreStats stats = gone_;
+  stats.bytes = used_bytes();
+  stats.budget_bytes = budget_bytes_;
+  stats.files = grids_.by_key().size();
+  stats.uploads = parts_.size();
+  return stats;
+}
+
+absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKey& key,
+                                                                    std::uint64_t size_bytes,
+                                                                    const Uploader& by) {
+  const absl::Status reserved = reserve(key, size_bytes, by);
+  if (!reserved.ok()) return reserved;
+  const fs::path path = part_path(key);
+  std::error_code error;  // what it hinders fails by itself
+  fs::create_directories(path.parent_path(), error);
+  auto upload = GridUpload::open(*this, key, size_bytes, path);
+  if (!upload.ok()) {
+    const auto part = inspect(path);
+    end_upload(key, part ? part->size_bytes : 0);
+  }
+  return upload;
+}
+
+// Several calls may have found the damage: the first one moves the file.
+void GridStore::set_aside(const GridLease& grid) {
+  const std::lock_guard lock(mutex_);
+  const StoredGridEntry* const found = grids_.find(grid->key);
+  if (found == nullptr || found->grid != grid) return;
+  const fs::path aside = folder_of(grid->key.space) / "corrupt" / grid->key.digest;
+  absl::Status moved = make_folder(aside.parent_path());
+  if (moved.ok()) moved = move_file(grid->path, aside);
+  grids_.erase(grid->key);
+  ++gone_.corrupt_files;
+  nlohmann::ordered_json fields;
+  fields["grid"] = grid->key.digest;
+  fields["moved"] = moved.ok() ? aside.string() : std::string(moved.message());
+  log_event(spdlog::level::err, "stored_grid_corrupt", fields);
+}
+
+/// The upload is no longer under way; what was written of it (0: nothing) waits to be resumed.
+void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
+  const std::lock_guard lock(mutex_);
+  if (committed_size == 0) {
+    std::error_code ignored;
+    fs::remove(part_path(key), ignored);
+    parts_.erase(key);
+  } else {
+    parts_[key] = Part{committed_size, absl::Now(), false, parts_[key].sender};
+  }
+}
+
+/// A verified upload becomes a stored file.
+absl::Status GridStore::keep(const GridKey& key, std::uint64_t size_bytes) {
+  const fs::path path = grid_path(key);
+  absl::Status status = make_folder(path.parent_path());
+  const std::lock_guard lock(mutex_);
+  if (status.ok()) status = move_file(part_path(key), path);
+  if (!status.ok()) return status;
+  grids_.put({key, path, size_bytes}, absl::Now());
+  parts_.erase(key);
+  return absl::OkStatus();
+}
+
+}  // namespace tet

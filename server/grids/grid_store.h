@@ -1,0 +1,172 @@
+// Grid files on disk, named by their SHA-256, under a size budget.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/time/time.h>
+
+#include "server/grids/store_lock.h"
+#include "server/grids/stored_grids.h"
+#include "server/rpc/default_namespace.h"
+
+namespace tet {
+
+class GridUpload;
+
+/// What is there of one file.
+struct UploadState {
+  std::uint64_t committed_size = 0;
+  bool complete = false;
+};
+
+struct ListedGrid {
+  std::string digest;
+  std::uint64_t size_bytes = 0;
+  absl::Time last_use;
+};
+
+/// Who sends a file, and how much of what is not whole yet may be theirs.
+struct Uploader {
+  std::string name;
+  std::uint64_t max_bytes = ~std::uint64_t{0};
+};
+
+/// What a store holds, and what went since it was opened.
+struct StoreStats {
+  std::uint64_t bytes = 0, budget_bytes = 0;
+  std::uint64_t files = 0, uploads = 0;
+  std::uint64_t evicted_files = 0, evicted_uploads = 0;
+  std::uint64_t corrupt_files = 0;  ///< found damaged and set aside
+};
+
+/// A content-addressed directory: `grids/ab/{sha256}` for whole files and
+/// `uploads/{sha256}.part` for those under way; those of another namespace than the default one
+/// are below `namespaces/{name}`. All survive a restart; a whole file appears by an atomic
+/// rename only. The namespaces share the budget.
+///
+/// Digests are 64 lower-case hexadecimal digits, and namespaces fit to be folders; the caller
+/// has checked that. One process at a time may use a directory. Thread safety: every member may
+/// be called from any thread.
+class GridStore {
+ public:
+  /// Makes the directory when missing, locks it, and takes stock of it.
+  /// Errors: kFailedPrecondition (another process has it), kInternal (no directory can be made
+  /// or read there).
+  static absl::StatusOr<std::unique_ptr<GridStore>> open(const std::filesystem::path& root,
+                                                         std::uint64_t budget_bytes);
+
+  /// The directory of a server, perhaps on another host: to read from, and nothing else, but
+  /// for what is found damaged. Errors: kNotFound (no such directory).
+  static absl::StatusOr<std::unique_ptr<GridStore>> open_beside_server(
+      const std::filesystem::path& root);
+
+  /// Whether the file is stored; if so it counts as just used.
+  bool touch(const GridKey& key);
+
+  /// Errors: kNotFound.
+  absl::StatusOr<GridLease> acquire(const GridKey& key);
+
+  UploadState upload_state(const GridKey& key) const;
+
+  /// A namespace's whole files in the order of their digests, at most `limit`, from the first
+  /// after `after` on.
+  std::vector<ListedGrid> list(const std::string& space,
+                               const std::string& after,
+                               std::size_t limit) const;
+
+  StoreStats stats() const;
+
+  /// Grids that must stay though nobody holds a lease on them, by whoever knows: asked when
+  /// room is short, without any lock. To be set before uploads come. Where it fails nothing is
+  /// evicted but uploads, and an upload that finds no room fails with its error.
+  using Needed = std::function<absl::StatusOr<std::set<GridKey>>()>;
+  void ask_before_evicting(Needed needed);
+
+  /// Moves a file that was found damaged to `corrupt/`, out of the way of the next upload of
+  /// it.
+  void set_aside(const GridLease& grid);
+
+  /// Begins or resumes an upload, evicting what is least used to make room for all of it.
+  /// Whoever sent a part last is charged for it, as a whole while it is being sent; a restart
+  /// forgets that. Errors: kAlreadyExists (stored), kAborted (being uploaded),
+  /// kResourceExhausted (with numbers; STORE_BUSY: no room beside grids in use,
+  /// STORE_HELD_BY_JOBS: nor beside grids that are needed), those of `Needed`.
+  absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(const GridKey& key,
+                                                           std::uint64_t size_bytes,
+                                                           const Uploader& by = {});
+
+ private:
+  friend class GridUpload;
+  struct Part {
+    std::uint64_t size_bytes = 0;  ///< on disk, or all that was announced while it is busy
+    absl::Time last_use;
+    bool busy = false;
+    std::string sender = {};  ///< see Uploader; empty after a restart
+  };
+
+  GridStore(std::filesystem::path root,
+            std::optional<StoreLock> lock,
+            std::uint64_t budget_bytes)
+      : root_(std::move(root)), lock_(std::move(lock)), budget_bytes_(budget_bytes) {}
+
+  std::filesystem::path folder_of(std::string_view space) const;
+  std::filesystem::path grid_path(const GridKey& key) const;
+  std::filesystem::path part_path(const GridKey& key) const;
+  void look_again(const GridKey& key);
+  absl::Status scan();
+  absl::Status scan_space(const std::string& space);
+  void use(const StoredGridEntry& entry);
+
+  /// The idle grids that were used least, oldest first, when the store had given out so many
+  /// leases.
+  struct Evictable {
+    std::deque<GridKey> grids;
+    absl::Time time;
+    std::uint64_t leases = 0;
+    bool all = false;  ///< there is no other idle grid
+  };
+
+  std::uint64_t used_bytes() const;
+  absl::Status reserve(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
+  absl::Status check_upload(const GridKey& key,
+                            std::uint64_t size_bytes,
+                            const Uploader& by) const;
+  bool fits(const GridKey& key, std::uint64_t size_bytes) const;
+  absl::Status take_place(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
+  Evictable idle_grids(std::uint64_t bytes, const std::set<GridKey>& needed) const;
+  absl::Status spare_needed(Evictable& evictable, std::set<GridKey>& needed) const;
+  absl::Status check_quota(const GridKey& key,
+                           std::uint64_t size_bytes,
+                           const Uploader& by) const;
+  const StoredGridEntry* oldest_of(Evictable& evictable) const;
+  bool evict_oldest(const GridKey& except_part, Evictable& evictable);
+
+  void end_upload(const GridKey& key, std::uint64_t committed_size);
+  absl::Status keep(const GridKey& key, std::uint64_t size_bytes);
+
+  const std::filesystem::path root_;
+  const std::optional<StoreLock>
+      lock_;  ///< none beside a server, which comes and goes with files
+  const std::uint64_t budget_bytes_;
+  Needed needed_;
+  mutable std::mutex mutex_;
+  std::uint64_t leases_ = 0;  ///< given out so far
+  StoreStats gone_;           ///< only what is counted since the store was opened
+  StoredGrids grids_;
+  std::map<GridKey, Part> parts_;
+};
+
+}  // namespace tet

@@ -1,0 +1,68 @@
+// One upload on its way to the disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "proto/wire/sha256.h"
+#include "server/grids/grid_store.h"
+#include "server/ops/file.h"
+
+namespace tet {
+
+/// The only writer of a part file. Destroyed before `commit`, it leaves the part to be resumed.
+///
+/// Not thread-safe; the store outlives it.
+class GridUpload {
+ public:
+  /// Opens the part and digests again what it holds. The store has reserved the place.
+  static absl::StatusOr<std::unique_ptr<GridUpload>> open(GridStore& store,
+                                                          GridKey key,
+                                                          std::uint64_t size_bytes,
+                                                          const std::filesystem::path& path);
+  ~GridUpload();
+  GridUpload(const GridUpload&) = delete;
+  GridUpload& operator=(const GridUpload&) = delete;
+
+  std::uint64_t committed_size() const noexcept { return committed_size_; }
+  std::uint64_t size_bytes() const noexcept { return size_bytes_; }
+  bool has_all() const noexcept { return committed_size_ == size_bytes_; }
+
+  /// Errors: kOutOfRange (offset is not the committed size), kInvalidArgument (more than was
+  /// announced), kResourceExhausted (disk full). What was committed before stays.
+  absl::Status append(std::uint64_t offset, std::string_view bytes);
+
+  /// The parts of `append`, for a caller that writes and digests at the same time: first
+  /// whether `size` bytes may come at `offset`, last that they did. After an error nothing more
+  /// may come.
+  absl::Status check(std::uint64_t offset, std::uint64_t size) const;
+  absl::Status write(std::span<const std::string_view> bytes);
+  void digest(std::span<const std::string_view> bytes) noexcept;
+  void advance(std::uint64_t size) noexcept { committed_size_ += size; }
+
+  /// Stores the file, once `has_all`.
+  /// Errors: kInvalidArgument (other bytes than the digest says: they are thrown away).
+  absl::Status commit();
+
+ private:
+  GridUpload(GridStore& store, GridKey key, std::uint64_t size_bytes, File file)
+      : store_(store), key_(std::move(key)), size_bytes_(size_bytes), file_(std::move(file)) {}
+  absl::Status digest_what_is_there();
+
+  GridStore& store_;
+  const GridKey key_;
+  const std::uint64_t size_bytes_;
+  File file_;
+  Sha256 sha256_;
+  std::uint64_t committed_size_ = 0;
+  bool kept_ = false;
+};
+
+}  // namespace tet

@@ -1,0 +1,115 @@
+#include "server/grids/volume_cache.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "proto/convert/status.h"
+
+namespace tet {
+
+VolumeCache::VolumeCache(TaskPool& pool,
+                         std::uint64_t budget_bytes,
+                         Loader loader,
+                         std::function<void()> release)
+    : pool_(pool),
+      budget_bytes_(budget_bytes),
+      loader_(std::move(loader)),
+      release_(std::move(release)) {}
+
+void VolumeCache::get(const VolumeKey& key,
+                      const std::string& path,
+                      Cancelled cancelled,
+                      Answer answer) {
+  const std::lock_guard lock(mutex_);
+  const auto [it, is_new] = entries_.try_emplace(key);
+  Entry& entry = it->second;
+  entry.last_use = ++clock_;
+  if (entry.volume) {
+    pool_.post([answer = std::move(answer), volume = entry.volume] { answer(volume); });
+    return;
+  }
+  entry.waiting.push_back({std::move(cancelled), std::move(answer)});
+  if (is_new) load(key, path);
+}
+
+void VolumeCache::load(const VolumeKey& key, const std::string& path) {
+  loader_(
+      key, path, [this, key] { return is_abandoned(key); },
+      [this, key, path](absl::StatusOr<Volume> volume) {
+        finish_load(key, path, std::move(volume));
+      });
+}
+
+bool VolumeCache::is_abandoned(const VolumeKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto& waiting = entries_.find(key)->second.waiting;
+  return std::all_of(waiting.begin(), waiting.end(),
+                     [](const Request& request) { return request.cancelled(); });
+}
+
+void VolumeCache::finish_load(const VolumeKey& key,
+                              const std::string& path,
+                              absl::StatusOr<Volume> read) {
+  // Somebody may have come just when the others had gone.
+  if (absl::IsCancelled(read.status()) && !is_abandoned(key)) return load(key, path);
+  const Loaded loaded = read.ok() ? admit(key, std::make_shared<const Volume>(*std::move(read)))
+                                  : Loaded(read.status());
+
+  const std::lock_guard lock(mutex_);
+  const auto entry = entries_.find(key);
+  for (Request& request : entry->second.waiting) {
+    pool_.post([answer = std::move(request.answer), loaded] { answer(loaded); });
+  }
+  entry->second.waiting.clear();
+  if (!loaded.ok()) entries_.erase(entry);
+}
+
+/// Makes room for a volume that has just been read, and puts it there.
+VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key,
+                                       std::shared_ptr<const Volume> volume) {
+  const std::uint64_t size = volume->size_bytes();
+  const std::string what = absl::StrCat("grid \"", key.grid_name, "\" in memory, bytes");
+  if (size > budget_bytes_) return over_limit(what, size, budget_bytes_);
+  const auto fits = [&] {
+    const std::lock_guard lock(mutex_);
+    while (used_bytes() + size > budget_bytes_) {
+      if (!evict_oldest()) return false;
+    }
+    entries_[key].volume = volume;
+    return true;
+  };
+  if (fits()) return volume;
+  release_();
+  if (fits()) return volume;
+  return with_retry(over_limit(absl::StrCat(what, " beside those in use"), size, budget_bytes_),
+                    absl::Seconds(5));
+}
+
+CacheStats VolumeCache::stats() const {
+  const std::lock_guard lock(mutex_);
+  return {used_bytes(), budget_bytes_, entries_.size(), evicted_};
+}
+
+std::uint64_t VolumeCache::used_bytes() const {
+  std::uint64_t used = 0;
+  for (const auto& [key, entry] : entries_) {
+    if (entry.volume) used += entry.volume->size_bytes();
+  }
+  return used;
+}
+
+bool VolumeCache::evict_oldest() {
+  auto oldest = entries_.end();
+  for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+    if (it->second.volume.use_count() != 1) continue;
+    if (oldest == entries_.end() || it->second.last_use < oldest->second.last_use) oldest = it;
+  }
+  if (oldest == entries_.end()) return false;
+  entries_.erase(oldest);
+  ++evicted_;
+  return true;
+}
+
+}  // namespace tet

@@ -1,0 +1,95 @@
+// Grids in memory, ready to mesh, shared by all requests for them.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/parallel.h"
+#include "core/volume/volume.h"
+
+namespace tet {
+
+/// Which grid of which file, and what for; an empty grid name means the file's only one that
+/// will do. What one namespace has in memory is not found faster by another.
+struct VolumeKey {
+  std::string space;
+  std::string digest;
+  std::string grid_name;
+  std::optional<std::uint32_t> component = {};  ///< of a field; unset: to be meshed
+  friend auto operator<=>(const VolumeKey&, const VolumeKey&) = default;
+};
+
+/// What a cache holds, and what went since it was made.
+struct CacheStats {
+  std::uint64_t bytes = 0, budget_bytes = 0;
+  std::uint64_t grids = 0, evicted = 0;
+};
+
+/// Loads volumes once and keeps the most recently used under a byte budget.
+///
+/// Nobody waits: an answer comes as a task on the pool. Thread safety: any thread may call
+/// `get`.
+class VolumeCache {
+ public:
+  using Answer = std::function<void(const absl::StatusOr<std::shared_ptr<const Volume>>&)>;
+  using Cancelled = std::function<bool()>;
+  /// Has the volume read elsewhere, until nobody wants it any more; calls `done` on the pool.
+  using LoadDone = std::function<void(absl::StatusOr<Volume>)>;
+  using Loader = std::function<void(
+      const VolumeKey& key, const std::string& path, Cancelled abandoned, LoadDone done)>;
+
+  /// `release` is asked to let go of volumes held elsewhere before a request is refused for
+  /// room.
+  VolumeCache(TaskPool& pool,
+              std::uint64_t budget_bytes,
+              Loader loader,
+              std::function<void()> release);
+
+  /// Calls `answer` on the pool: with the volume, or the loader's error, or kResourceExhausted
+  /// when it does not fit beside the volumes in use. Requests that meet share one load, which
+  /// ends early once all of them are `cancelled`.
+  void get(const VolumeKey& key, const std::string& path, Cancelled cancelled, Answer answer);
+
+  CacheStats stats() const;
+
+ private:
+  using Loaded = absl::StatusOr<std::shared_ptr<const Volume>>;
+  struct Request {
+    Cancelled cancelled;
+    Answer answer;
+  };
+  struct Entry {
+    std::shared_ptr<const Volume> volume;  ///< null while it is loading
+    std::uint64_t last_use = 0;
+    std::vector<Request> waiting;
+  };
+
+  void load(const VolumeKey& key, const std::string& path);
+  void finish_load(const VolumeKey& key,
+                   const std::string& path,
+                   absl::StatusOr<Volume> volume);
+  bool is_abandoned(const VolumeKey& key);
+  Loaded admit(const VolumeKey& key, std::shared_ptr<const Volume> volume);
+  std::uint64_t used_bytes() const;
+  bool evict_oldest();
+
+  TaskPool& pool_;
+  const std::uint64_t budget_bytes_;
+  const Loader loader_;
+  const std::function<void()> release_;
+  mutable std::mutex mutex_;
+  std::uint64_t clock_ = 0;
+  std::uint64_t evicted_ = 0;
+  std::map<VolumeKey, Entry> entries_;
+};
+
+}  // namespace tet

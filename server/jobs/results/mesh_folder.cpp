@@ -1,0 +1,146 @@
+#include "server/jobs/results/mesh_folder.h"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include <absl/strings/escaping.h>
+#include <absl/strings/str_cat.h>
+
+#include "proto/convert/status.h"
+#include "server/jobs/results/whole_file.h"
+#include "server/ops/logging.h"
+
+namespace tet {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kDigestBytes = 32;
+constexpr char kDamaged[] = ".damaged";
+
+absl::Status chunk_damaged(const ChunkDigest& digest, std::string_view why) {
+  return with_reason(
+      absl::DataLossError(absl::StrCat("the stored chunk ", absl::BytesToHexString(digest), " ",
+                                       std::string(why), "; retry the job to make it again")),
+      "CHUNK_DAMAGED");
+}
+
+/// Out of the way of the next chunk of this name.
+void set_aside(const fs::path& path, const std::string& why) {
+  std::error_code error;
+  fs::rename(path, absl::StrCat(path.string(), kDamaged), error);
+  log_event(spdlog::level::err, "stored_chunk_damaged",
+            {{"chunk", path.filename().string()}, {"why", why}});
+}
+
+/// Whether the descriptor's file still is what `path` names: it may have been evicted.
+bool is_at(int descriptor, const fs::path& path) {
+  struct stat open {};
+  struct stat named {};
+  return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         open.st_ino == named.st_ino && open.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+bool is_set_aside(const fs::path& path) { return path.extension() == kDamaged; }
+
+absl::StatusOr<FolderLock> FolderLock::take(const fs::path& folder, Kind kind, bool make) {
+  const fs::path path = folder / "lock";
+  const int how = kind == Kind::kShared ? LOCK_SH : LOCK_EX | LOCK_NB;
+  while (true) {
+    if (make) {
+      if (auto made = make_folder(folder); !made.ok()) return made;
+    }
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
+    if (descriptor < 0 && errno == ENOENT && make) continue;
+    if (descriptor < 0) return disk_error("cannot open", path);
+    FolderLock lock(descriptor);
+    if (::flock(descriptor, how) != 0) {
+      if (errno == EINTR) continue;
+      return absl::AbortedError(absl::StrCat(folder.filename().string(), " is in use"));
+    }
+    // Its time says when it was used last.
+    if (is_at(descriptor, path)) {
+      if (kind == Kind::kShared) ::futimens(descriptor, nullptr);
+      return lock;
+    }
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+fs::path MeshFolder::chunk_path(const ChunkDigest& digest) const {
+  return path_ / absl::BytesToHexString(digest);
+}
+
+fs::path MeshFolder::shard_path(ChunkRange range) const {
+  return path_ / absl::StrCat("shard-", range.first, "-", range.end);
+}
+
+bool MeshFolder::has_chunk(const ChunkDigest& digest) const {
+  std::error_code ignored;
+  return fs::exists(chunk_path(digest), ignored);
+}
+
+absl::StatusOr<ChunkDigest> MeshFolder::put_chunk(const ChunkMessage& chunk) {
+  ChunkDigest digest = absl::HexStringToBytes(digest_of(chunk));
+  if (has_chunk(digest)) return digest;
+  const absl::Status status =
+      write_whole(chunk_path(digest), [&](File& file) { return write_chunk(chunk, file); });
+  if (!status.ok()) return status;
+  return digest;
+}
+
+absl::StatusOr<ChunkMessage> MeshFolder::get_chunk(
+    const ChunkDigest& digest,
+    BlockPool& blocks,
+    std::shared_ptr<SendBudget::Lease> held) const {
+  const fs::path path = chunk_path(digest);
+  const auto file = File::open(path, O_RDONLY);
+  if (absl::IsNotFound(file.status())) return chunk_damaged(digest, "is gone");
+  if (!file.ok()) return file.status();
+  auto chunk = read_chunk(*file, path.filename().string(), blocks, std::move(held));
+  if (!absl::IsDataLoss(chunk.status())) return chunk;
+  set_aside(path, std::string(chunk.status().message()));
+  return chunk_damaged(digest, "is damaged");
+}
+
+absl::Status MeshFolder::put_shard(ChunkRange range, const std::vector<ChunkDigest>& digests) {
+  std::string text;
+  for (const ChunkDigest& digest : digests) text += digest;
+  return write_checked(shard_path(range), text);
+}
+
+std::optional<std::vector<ChunkDigest>> MeshFolder::find_shard(ChunkRange range) const {
+  const auto text = read_checked(shard_path(range));
+  const auto count = static_cast<std::size_t>(range.size());
+  if (!text || text->size() != count * kDigestBytes) return std::nullopt;
+  std::vector<ChunkDigest> digests;
+  for (std::size_t i = 0; i < count; ++i) {
+    digests.push_back(text->substr(i * kDigestBytes, kDigestBytes));
+  }
+  return digests;
+}
+
+std::optional<std::vector<ChunkDigest>> MeshFolder::find_whole_shard(ChunkRange range) const {
+  auto digests = find_shard(range);
+  if (!digests) return std::nullopt;
+  for (const ChunkDigest& digest : *digests) {
+    if (!has_chunk(digest)) return std::nullopt;
+  }
+  return digests;
+}
+
+}  // namespace tet

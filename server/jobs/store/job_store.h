@@ -1,0 +1,180 @@
+// Where batch jobs are kept: one interface, engines for one machine (SQLite) and for many
+// (PostgreSQL), and one set of tests for both.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/time/time.h>
+
+#include "server/jobs/store/job.h"
+
+namespace tet {
+
+struct CreatedJob {
+  Job job;
+  bool existed = false;  ///< the same request had made it before
+};
+
+/// Everything that is set must hold.
+struct JobFilter {
+  std::string space = {};
+  std::set<JobState> states = {};
+  Labels labels = {};
+  std::string name_prefix = {};  ///< of display_name
+  absl::Time created_from = absl::InfinitePast();
+  absl::Time created_before = absl::InfiniteFuture();
+};
+
+struct ListJobs {
+  JobFilter filter = {};
+  std::int64_t page_size = 100;  ///< 1 to 1000
+  std::string page_token = {};
+};
+
+struct JobPage {
+  std::vector<Job> jobs;
+  std::string next_page_token;  ///< empty on the last page
+};
+
+struct WatchJobs {
+  std::int64_t after_revision = 0;
+  std::string space = {};                      ///< empty watches all namespaces
+  std::string job = {};                        ///< empty watches all
+  std::int64_t limit = 1000;                   ///< 1 to 10,000 events
+  absl::Duration wait = absl::ZeroDuration();  ///< for the first event
+};
+
+struct EventPage {
+  std::vector<JobEvent> events;
+  std::int64_t revision = 0;  ///< go on after this one, also when there were no events
+};
+
+struct ClaimShards {
+  std::string worker;           ///< 1 to 128 bytes
+  std::int64_t max_shards = 1;  ///< 1 to 1000
+  absl::Duration lease = absl::Seconds(30);
+};
+
+enum class LeaseState { kHeld, kLost };
+
+/// Numbers for metrics.
+struct StoreCounts {
+  std::map<JobState, std::int64_t> jobs;
+  std::int64_t ready_shards = 0;    ///< may be claimed now
+  std::int64_t leased_shards = 0;   ///< held by a worker
+  std::int64_t backing_off = 0;     ///< may be claimed again later
+  std::int64_t dead_shards = 0;     ///< dead letters
+  std::int64_t alarms = 0;          ///< determinism alarms
+  absl::Duration oldest_ready_age;  ///< since its job was created; 0 when none is ready
+};
+
+/// Jobs, their shards, leases and events.
+///
+/// Every time is the store's own clock's. Every call is one short transaction or a few; when it
+/// returns OK its effect survives a crash of this process, of the store's and of the machine. A
+/// call that fails with kUnavailable may have had its effect; every one of them may be made
+/// again.
+///
+/// Thread safety: every member may be called from any thread. Errors of all: kUnavailable
+/// (JOB_STORE_UNAVAILABLE: try again), kResourceExhausted (JOB_STORE_FULL), kInternal
+/// (JOB_STORE_BROKEN). Those that take a job: kNotFound (JOB_NOT_FOUND).
+class JobStore {
+ public:
+  virtual ~JobStore() = default;
+
+  // --- for clients ---
+
+  /// Errors: kInvalidArgument (INVALID_FIELD), kAlreadyExists (REQUEST_ID_REUSED: the namespace
+  /// made another job under this request_id), kResourceExhausted (QUOTA_EXCEEDED: too many jobs
+  /// of the namespace are not finished).
+  virtual absl::StatusOr<CreatedJob> create(const NewJob& job) = 0;
+  virtual absl::StatusOr<Job> get(const std::string& id) = 0;
+  /// The newest first. A job is on one page at most, and on one if it is there all the time.
+  /// Errors: kInvalidArgument (INVALID_FIELD: page size; a token of another filter).
+  virtual absl::StatusOr<JobPage> list(const ListJobs& query) = 0;
+  /// Jobs that come before it, counted up to `most` of them; 0 unless it is queued.
+  virtual absl::StatusOr<std::int64_t> queue_position(const std::string& id,
+                                                      std::int64_t most = INT64_MAX) = 0;
+  /// Events in the order of their revisions: whoever goes on after the last it saw misses none
+  /// and sees none twice. Waits as long as told while there are none. Errors: kOutOfRange
+  /// (REVISION_COMPACTED: events after this revision were purged; REVISION_UNKNOWN: it lies in
+  /// the future).
+  virtual absl::StatusOr<EventPage> watch(const WatchJobs& query) = 0;
+  /// The last revision: watch from here, then get, and no change is missed.
+  virtual absl::StatusOr<std::int64_t> revision() = 0;
+  /// Stops a job; one that is finished stays as it is.
+  virtual absl::StatusOr<Job> cancel(const std::string& id) = 0;
+  /// Tries dead letters again, and shards that are done but lost some of these chunks' bytes
+  /// since; with all their attempts, time to live and timeout anew. What else is done stays
+  /// done. Errors: kFailedPrecondition (JOB_ACTIVE; JOB_SUCCEEDED, and nothing of it was lost).
+  virtual absl::StatusOr<Job> retry(const std::string& id,
+                                    std::span<const std::int64_t> lost_chunks = {}) = 0;
+  /// Forgets a job. Errors: kFailedPrecondition (JOB_ACTIVE).
+  virtual absl::Status remove(const std::string& id) = 0;
+  /// Of the shards that are done, by chunk; fewer than asked for where a shard is not done yet.
+  /// Errors: kOutOfRange (RANGE_BEYOND_MESH).
+  virtual absl::StatusOr<std::map<std::int64_t, ChunkDigest>> chunk_digests(
+      const std::string& id, ChunkRange range) = 0;
+  /// What the count phase stored, in the order of its shards.
+  virtual absl::StatusOr<std::vector<ChunkDigest>> count_digests(const std::string& id) = 0;
+  virtual absl::StatusOr<std::vector<DeadLetter>> dead_letters(const std::string& id) = 0;
+
+  // --- for workers ---
+
+  /// The highest priority first; within it, namespaces get equal shares of the leases; within a
+  /// namespace the oldest job first. Errors: kInvalidArgument (INVALID_FIELD).
+  virtual absl::StatusOr<std::vector<ShardLease>> claim(const ClaimShards& request) = 0;
+  /// Grows with every commit that this process knows of.
+  virtual std::uint64_t signal() = 0;
+  /// Returns when `signal` is beyond `seen`, or at the timeout. An idle worker reads the
+  /// signal, claims, and if it got nothing waits for what came after it had read.
+  virtual void wait(std::uint64_t seen, absl::Duration timeout) = 0;
+  /// Extends leases that are still held; one answer for each. A lease past its time is held
+  /// until somebody else got the shard.
+  virtual absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
+                                                            absl::Duration lease) = 0;
+  /// Which leases are still held, without extending them; writes nothing.
+  virtual absl::StatusOr<std::vector<LeaseState>> look_at(std::span<const LeaseId> leases) = 0;
+  /// Ends a plan shard and begins the next phase; a plan without shards ends the job.
+  /// Errors: kInvalidArgument (INVALID_PLAN), and those of `complete`.
+  virtual absl::Status set_plan(const LeaseId& lease, const Plan& plan) = 0;
+  /// Commits a shard of the count or mesh phase: one digest a chunk. Committing again with the
+  /// same token is OK and changes nothing. Errors: kAborted (LEASE_LOST: somebody else has or
+  /// had the shard, or the job was stopped; throw the work away), kDataLoss (DETERMINISM_ALARM:
+  /// the shard is stored with other bytes), kInvalidArgument (INVALID_DIGESTS).
+  virtual absl::Status complete(const LeaseId& lease, std::span<const ChunkDigest> digests) = 0;
+  /// The shard is tried again later, if `retryable` and attempts are left; else it is a dead
+  /// letter that keeps `error`. Errors: kAborted (LEASE_LOST).
+  virtual absl::Status fail(const LeaseId& lease,
+                            const absl::Status& error,
+                            bool retryable) = 0;
+  /// Gives a shard back untouched: the attempt does not count. Errors: kAborted (LEASE_LOST).
+  virtual absl::Status release(const LeaseId& lease) = 0;
+
+  // --- for whoever keeps house; any number of processes may, at any time ---
+
+  /// Takes back shards whose lease is past its time, as if they had failed with kUnavailable
+  /// (LEASE_EXPIRED). Says how many.
+  virtual absl::StatusOr<std::int64_t> rescue() = 0;
+  /// Ends jobs past their time to live (EXPIRED, with JOB_EXPIRED) or their timeout (FAILED,
+  /// with JOB_TIMEOUT). Says how many.
+  virtual absl::StatusOr<std::int64_t> expire() = 0;
+  /// Forgets jobs that finished before, and their events; an engine may keep some of them
+  /// longer. Says how many.
+  virtual absl::StatusOr<std::int64_t> purge(absl::Time finished_before) = 0;
+  virtual absl::StatusOr<StoreCounts> counts() = 0;
+  /// OK if something can be written now.
+  virtual absl::Status probe() = 0;
+  /// What the jobs read that are not finished.
+  virtual absl::StatusOr<std::set<JobInput>> inputs() = 0;
+};
+
+}  // namespace tet

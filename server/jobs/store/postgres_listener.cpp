@@ -1,0 +1,117 @@
+#include "server/jobs/store/postgres_listener.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+#include <utility>
+
+namespace tet {
+
+namespace {
+
+// Notifications of a busy process are sent together.
+constexpr auto kBetweenNotifications = std::chrono::milliseconds(5);
+constexpr auto kBetweenConnects = std::chrono::milliseconds(200);
+
+}  // namespace
+
+PostgresListener::PostgresListener(std::string connection, absl::Duration poll)
+    : connection_string_(std::move(connection)), poll_(poll) {
+  std::array<int, 2> pipe{-1, -1};
+  if (::pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) == 0) {
+    wake_read_ = pipe[0];
+    wake_write_ = pipe[1];
+  }
+  thread_ = std::thread([this] { run(); });
+}
+
+PostgresListener::~PostgresListener() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake();
+  thread_.join();
+  ::close(wake_read_);
+  ::close(wake_write_);
+}
+
+void PostgresListener::wake() {
+  // A full pipe wakes just as well.
+  [[maybe_unused]] const auto written = ::write(wake_write_, "", 1);
+}
+
+void PostgresListener::announce() {
+  bool first = false;
+  {
+    const std::lock_guard lock(mutex_);
+    first = !std::exchange(pending_, true);
+    ++signal_;
+    raised_.notify_all();
+  }
+  if (first) wake();
+}
+
+std::uint64_t PostgresListener::signal() {
+  const std::lock_guard lock(mutex_);
+  return signal_;
+}
+
+void PostgresListener::raise() {
+  const std::lock_guard lock(mutex_);
+  ++signal_;
+  raised_.notify_all();
+}
+
+void PostgresListener::wait(std::uint64_t seen, absl::Duration timeout) {
+  const auto most = absl::ToChronoNanoseconds(std::min(timeout, poll_));
+  std::unique_lock lock(mutex_);
+  raised_.wait_for(lock, most, [&] { return signal_ != seen; });
+}
+
+bool PostgresListener::listen() {
+  if (connection_ && connection_->usable()) return true;
+  connection_.reset();
+  auto opened = PostgresConnection::open(connection_string_);
+  if (!opened.ok() || !(*opened)->run_script("LISTEN tetstream_jobs").ok()) return false;
+  connection_ = *std::move(opened);
+  raise();  // who knows what was missed
+  return true;
+}
+
+void PostgresListener::run() {
+  while (true) {
+    const bool listening = listen();
+    if (!listening) std::this_thread::sleep_for(kBetweenConnects);
+    bool tell = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      tell = listening && std::exchange(pending_, false);
+    }
+    if (tell && connection_->run_script("NOTIFY tetstream_jobs").ok()) {
+      std::this_thread::sleep_for(kBetweenNotifications);
+    }
+    if (listening) listen_once();
+  }
+}
+
+void PostgresListener::listen_once() {
+  std::array<pollfd, 2> sources{};
+  sources[0] = {connection_->socket(), POLLIN, 0};
+  sources[1] = {wake_read_, POLLIN, 0};
+  ::poll(sources.data(), sources.size(), static_cast<int>(absl::ToInt64Milliseconds(poll_)));
+  std::array<char, 64> drained{};
+  while (::read(wake_read_, drained.data(), drained.size()) > 0) continue;
+  const auto notified = connection_->take_notifications();
+  if (!notified.ok()) {
+    connection_.reset();
+  } else if (*notified) {
+    raise();
+  }
+}
+
+}  // namespace tet

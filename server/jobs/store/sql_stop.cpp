@@ -1,0 +1,210 @@
+// The store for whoever stops jobs: clients, the clock, and the broom. And for whoever counts
+// them.
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
+
+#include "proto/convert/status.h"
+#include "server/jobs/store/queue_rows.h"
+#include "server/jobs/store/sql_job_store.h"
+#include "server/jobs/store/store_errors.h"
+
+namespace tet {
+
+namespace {
+
+// Jobs ended by one look at the clock.
+constexpr std::int64_t kExpiredAtOnce = 500;
+
+/// What is left of the job becomes dead letters, so that it can be tried again.
+void stop(SqlTransaction& t, JobRow& row, JobState state, const absl::Status& why) {
+  row.job.dead_shards += bury_rest(t, row.job.id, why);
+  row.job.state = state;
+  row.job.error = why;
+  row.job.finish_time = from_us(t.now_us());
+  save_job(t, row, JobChange::kFinished);
+}
+
+absl::Status expired_error(const JobRow& row) {
+  return with_reason(absl::DeadlineExceededError(absl::StrCat(
+                         "job ", row.job.id, " was not finished within its ttl of ",
+                         absl::FormatDuration(row.ttl))),
+                     "JOB_EXPIRED");
+}
+
+absl::Status timeout_error(const JobRow& row) {
+  return with_reason(absl::DeadlineExceededError(absl::StrCat(
+                         "job ", row.job.id, " ran for longer than its timeout of ",
+                         absl::FormatDuration(row.timeout))),
+                     "JOB_TIMEOUT");
+}
+
+/// Whether the job's time was up.
+bool expire_job(SqlTransaction& t, const std::string& id) {
+  auto row = lock_job(t, id);
+  if (!row || is_finished(row->job.state)) return false;
+  if (to_us(row->job.stop_time) > t.now_us()) return false;
+  if (row->expire_us <= t.now_us()) {
+    stop(t, *row, JobState::kExpired, expired_error(*row));
+  } else {
+    stop(t, *row, JobState::kFailed, timeout_error(*row));
+  }
+  return true;
+}
+
+/// Makes dead letters of shards that are done, but of which such a chunk was lost.
+void bury_lost(SqlTransaction& t, JobRow& row, std::span<const std::int64_t> chunks) {
+  for (const std::int64_t chunk : chunks) {
+    const auto buried = t.run(
+        "UPDATE shards SET outcome = 2 WHERE job_id = $1 AND phase = $2 AND outcome = 1 AND "
+        "first_chunk <= $3 AND end_chunk > $3 RETURNING first_chunk, end_chunk",
+        {row.job.id, number_of(Phase::kMesh), chunk});
+    for (const SqlRow& shard : buried.rows) {
+      --row.job.done_shards;
+      ++row.job.dead_shards;
+      row.job.done_chunks -= shard.integer(1) - shard.integer(0);
+    }
+  }
+}
+
+/// Why a job cannot be tried again; OK if it can.
+absl::Status check_retry(const Job& job) {
+  if (job.state == JobState::kSucceeded && job.dead_shards == 0) {
+    return with_reason(
+        absl::FailedPreconditionError(absl::StrCat("job ", job.id, " has succeeded")),
+        "JOB_SUCCEEDED");
+  }
+  if (is_finished(job.state)) return absl::OkStatus();
+  return with_reason(
+      absl::FailedPreconditionError(absl::StrCat("job ", job.id, " is ", name_of(job.state))),
+      "JOB_ACTIVE");
+}
+
+void renew(JobRow& row, std::int64_t now_us) {
+  row.job.state = JobState::kQueued;
+  row.job.error = absl::OkStatus();
+  row.job.dead_shards = 0;
+  row.job.start_time = row.job.finish_time = absl::InfiniteFuture();
+  row.expire_us = after_us(now_us, row.ttl);
+  row.job.stop_time = from_us(row.expire_us);
+}
+
+void count_shards(SqlTransaction& t, StoreCounts& counts) {
+  counts.ready_shards = t.integer("SELECT count(*) FROM queue WHERE state = 0");
+  counts.leased_shards = t.integer("SELECT count(*) FROM queue WHERE state = 1");
+  counts.backing_off = t.integer("SELECT count(*) FROM queue WHERE state = 2");
+  const auto sums = t.run(
+      "SELECT CAST(COALESCE(sum(dead_shards), 0) AS BIGINT), CAST(COALESCE(sum(alarms), 0) AS "
+      "BIGINT) FROM jobs WHERE dead_shards + alarms > 0");
+  if (sums.rows.empty()) return;
+  counts.dead_shards = sums.rows[0].integer(0);
+  counts.alarms = sums.rows[0].integer(1);
+}
+
+}  // namespace
+
+absl::StatusOr<Job> SqlJobStore::cancel(const std::string& id) {
+  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
+    auto row = lock_job(t, id);
+    if (!row) return job_not_found(id);
+    if (is_finished(row->job.state)) return absl::OkStatus();
+    stop(t, *row, JobState::kCancelled,
+         with_reason(absl::CancelledError(absl::StrCat("job ", id, " was cancelled")),
+                     "JOB_CANCELLED"));
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return get(id);
+}
+
+absl::StatusOr<Job> SqlJobStore::retry(const std::string& id,
+                                       std::span<const std::int64_t> lost_chunks) {
+  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
+    auto row = lock_job(t, id);
+    if (!row) return job_not_found(id);
+    if (is_finished(row->job.state)) bury_lost(t, *row, lost_chunks);
+    if (auto wrong = check_retry(row->job); !wrong.ok()) return wrong;
+    revive(t, *row);
+    renew(*row, t.now_us());
+    save_job(t, *row, JobChange::kRetried);
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return get(id);
+}
+
+absl::StatusOr<std::int64_t> SqlJobStore::expire() {
+  std::vector<std::string> due;
+  auto status = transact(*database_, [&](SqlTransaction& t) {
+    due.clear();
+    const auto found = t.run(
+        "SELECT id FROM jobs WHERE state <= 2 AND stop_us <= $1 ORDER BY stop_us LIMIT $2",
+        {t.now_us(), kExpiredAtOnce});
+    for (const SqlRow& row : found.rows) due.push_back(row.text(0));
+    return absl::OkStatus();
+  });
+  std::int64_t expired = 0;
+  for (auto id = due.begin(); status.ok() && id != due.end(); ++id) {
+    bool mine = false;
+    status = transact(*database_, [&](SqlTransaction& t) {
+      mine = expire_job(t, *id);
+      return absl::OkStatus();
+    });
+    expired += status.ok() && mine ? 1 : 0;
+  }
+  if (!status.ok()) return status;
+  return expired;
+}
+
+absl::StatusOr<std::int64_t> SqlJobStore::purge(absl::Time finished_before) {
+  // Watchers are told of what they miss by its revision.
+  if (auto status = number_all_events(); !status.ok()) return status;
+  return database_->purge(to_us(finished_before));
+}
+
+absl::StatusOr<StoreCounts> SqlJobStore::counts() {
+  StoreCounts counts;
+  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
+    counts = {};
+    for (const SqlRow& row : t.run("SELECT state, count(*) FROM jobs GROUP BY state").rows) {
+      counts.jobs[static_cast<JobState>(row.integer(0))] = row.integer(1);
+    }
+    count_shards(t, counts);
+    const auto oldest = t.run(
+        "SELECT create_us FROM jobs WHERE id = (SELECT min(job_id) FROM queue WHERE state = "
+        "0)");
+    if (!oldest.rows.empty()) {
+      counts.oldest_ready_age = absl::Microseconds(t.now_us() - oldest.rows[0].integer(0));
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return counts;
+}
+
+absl::Status SqlJobStore::probe() {
+  return transact(*database_, [](SqlTransaction& t) {
+    t.run(
+        "INSERT INTO counters (name, value) VALUES ('probe', $1) ON CONFLICT (name) DO UPDATE "
+        "SET value = $1",
+        {t.now_us()});
+    return absl::OkStatus();
+  });
+}
+
+absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {
+  std::set<JobInput> inputs;
+  const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    const auto found =
+        t.run("SELECT DISTINCT space, input FROM jobs WHERE state <= 2 AND input <> ''");
+    for (const SqlRow& row : found.rows) {
+      for (const absl::string_view name : absl::StrSplit(row.text(1), ' ')) {
+        inputs.insert({row.text(0), std::string(name)});
+      }
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return inputs;
+}
+
+}  // namespace tet

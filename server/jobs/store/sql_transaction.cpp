@@ -1,0 +1,66 @@
+#include "server/jobs/store/sql_transaction.h"
+
+namespace tet {
+
+namespace {
+
+// Deadlocks are avoided by the order in which rows are locked, so that one try is the rule.
+constexpr int kMostTries = 10;
+
+absl::Status try_once(SqlDatabase& database, SqlBody body, bool& give_way) {
+  auto connection = database.writer();
+  if (!connection.ok()) return connection.status();
+  const auto now_us = (*connection)->begin();
+  if (!now_us.ok()) return now_us.status();
+  SqlTransaction transaction(**connection, database, *now_us);
+  const absl::Status outcome = body(transaction);
+  if (transaction.status().ok() && outcome.ok()) {
+    const absl::Status committed = (*connection)->commit();
+    // Who finds no work waits for news, and would be woken by its own search for ever.
+    if (committed.ok() && transaction.has_changed_rows()) database.announce();
+    give_way = absl::IsAborted(committed);
+    return committed;
+  }
+  (*connection)->roll_back();
+  give_way = absl::IsAborted(transaction.status());
+  return transaction.status().ok() ? outcome : transaction.status();
+}
+
+}  // namespace
+
+SqlResult SqlTransaction::run(std::string_view sql, std::span<const SqlValue> values) {
+  if (!status_.ok()) return {};
+  auto result = connection_.run(sql, values);
+  if (!result.ok()) {
+    status_ = result.status();
+    return {};
+  }
+  changed_ += result->changed;
+  return *std::move(result);
+}
+
+std::int64_t SqlTransaction::integer(std::string_view sql,
+                                     std::initializer_list<SqlValue> values) {
+  const SqlResult result = run(sql, values);
+  return result.rows.empty() ? 0 : result.rows[0].integer(0);
+}
+
+absl::Status transact(SqlDatabase& database, SqlBody body) {
+  absl::Status status;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    bool give_way = false;
+    status = try_once(database, body, give_way);
+    if (!give_way) return status;
+  }
+  return status;
+}
+
+absl::Status read(SqlDatabase& database, SqlBody body) {
+  auto connection = database.reader();
+  if (!connection.ok()) return connection.status();
+  SqlTransaction statements(**connection, database, 0);
+  const absl::Status outcome = body(statements);
+  return statements.status().ok() ? outcome : statements.status();
+}
+
+}  // namespace tet

@@ -1,0 +1,18 @@
+// What a server knows of jobs, as metrics.
+#pragma once
+
+#include <vector>
+
+#include "server/jobs/results/result_store.h"
+#include "server/jobs/store/job_store.h"
+#include "server/jobs/work/job_worker.h"
+#include "server/ops/metrics.h"
+
+namespace tet {
+
+/// Of a store that does not answer, nothing.
+std::vector<Reading> read_jobs(JobStore& jobs,
+                               const ResultStore& results,
+                               const JobWorker& worker);
+
+}  // namespace tet

@@ -1,0 +1,135 @@
+#include "server/meshing/chunk_maker.h"
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "proto/wire/checksum.h"
+#include "proto/wire/chunk_frame.h"
+#include "proto/wire/serialized.h"
+
+namespace tet {
+
+namespace {
+
+using Held = std::shared_ptr<SendBudget::Lease>;
+
+std::uint32_t checksum_of(const ChunkColumns& columns) {
+  const auto text = [](std::span<const std::byte> bytes) {
+    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  return chunk_checksum({text(columns.positions), text(columns.tets), text(columns.regions),
+                         text(columns.fields)});
+}
+
+ChunkNumbers numbers_of(std::uint64_t index,
+                        const ChunkExtent& extent,
+                        std::uint32_t checksum) {
+  return {index,   extent.first_vertex, extent.vertex_count, extent.first_tet, extent.tet_count,
+          checksum};
+}
+
+/// Columns as they are: each is sent from where it was made in `block`.
+grpc::ByteBuffer plain_event(const ChunkFrame& frame,
+                             const grpc::Slice& slice,
+                             std::byte* block,
+                             const ChunkNumbers& numbers) {
+  std::vector<grpc::Slice> slices;
+  for (const ChunkFrame::Part& part : frame.write(block, numbers)) {
+    if (part.end > part.begin) slices.push_back(slice.sub(part.begin, part.end));
+  }
+  return {slices.data(), slices.size()};
+}
+
+/// A chunk as protobuf writes it, without what it holds.
+v1::MeshChunk chunk_of(const ChunkNumbers& numbers) {
+  v1::MeshChunk chunk;
+  chunk.set_index(static_cast<std::int64_t>(numbers.index));
+  chunk.set_first_vertex(static_cast<std::int64_t>(numbers.first_vertex));
+  chunk.set_vertex_count(static_cast<std::int64_t>(numbers.vertex_count));
+  chunk.set_first_tet(static_cast<std::int64_t>(numbers.first_tet));
+  chunk.set_tet_count(static_cast<std::int64_t>(numbers.tet_count));
+  chunk.set_checksum(numbers.checksum);
+  return chunk;
+}
+
+/// `bytes` are in the chunk.
+grpc::ByteBuffer encoded_event(v1::MeshChunk chunk, std::size_t bytes, Held held) {
+  v1::MeshEvent event;
+  *event.mutable_chunk() = std::move(chunk);
+  held->shrink_to(bytes);
+  return serialized(event, std::move(held));
+}
+
+ChunkMessage make_columns(const ChunkSource& source,
+                          std::uint64_t index,
+                          ChunkMemory memory,
+                          const Held& held) {
+  const MeshPlan& plan = *source.plan;
+  const ChunkExtent extent = source.patch ? source.patch->extent(index) : plan.chunk(index);
+  const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
+  const ChunkFrame frame({size.positions, size.tets, size.regions, size.fields});
+  const grpc::Slice slice = memory.blocks.take(frame.block_bytes(), held);
+  auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));
+  const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block),
+                             frame.fields(block)};
+
+  ChunkMessage message;
+  message.tets = extent.tet_count;
+  {
+    const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
+    message.quality = source.patch ? source.patch->fill(index, *workspace, columns)
+                                   : plan.fill_chunk(index, *workspace, columns);
+  }
+  if (source.encoding == v1::ENCODING_PACKED) {
+    const ScratchPool<ChunkPacker>::Turn packer(memory.packers);
+    const auto packed = packer->pack(plan.header(), extent, columns);
+    if (!packed.empty()) {
+      v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, packed)));
+      chunk.set_packed(packed.data(), packed.size());
+      message.event = encoded_event(std::move(chunk), packed.size(), held);
+      message.bytes = packed.size();
+      return message;
+    }
+  }
+  message.event =
+      plain_event(frame, slice, block, numbers_of(index, extent, checksum_of(columns)));
+  message.bytes = size.total();
+  return message;
+}
+
+ChunkMessage make_compact(const MeshPlan& plan,
+                          std::uint64_t index,
+                          ChunkMemory memory,
+                          Held held) {
+  const ChunkExtent extent = plan.chunk(index);
+  std::vector<std::byte> bytes;
+  plan.encode_chunk(index, *ScratchPool<MeshWorkspace>::Turn(memory.workspaces), bytes);
+
+  v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, bytes)));
+  chunk.set_compact(bytes.data(), bytes.size());
+  ChunkMessage message;
+  message.event = encoded_event(std::move(chunk), bytes.size(), std::move(held));
+  message.tets = extent.tet_count;
+  message.bytes = bytes.size();
+  return message;
+}
+
+}  // namespace
+
+std::uint64_t ChunkSource::chunk_count() const {
+  return patch ? patch->patch_count() : plan->header().chunk_count;
+}
+
+ChunkMessage make_chunk(const ChunkSource& source,
+                        std::uint64_t index,
+                        ChunkMemory memory,
+                        std::shared_ptr<SendBudget::Lease> held) {
+  return source.encoding == v1::ENCODING_COMPACT
+             ? make_compact(*source.plan, index, memory, std::move(held))
+             : make_columns(source, index, memory, held);
+}
+
+}  // namespace tet

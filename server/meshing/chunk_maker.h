@@ -1,0 +1,52 @@
+// A chunk of a counted mesh, as the message that carries it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include "core/base/scratch_pool.h"
+#include "core/mesh/packed_chunk.h"
+#include "core/plan/mesh_plan.h"
+#include "core/transfer/mesh_patch.h"
+#include "proto/wire/block_pool.h"
+#include "server/meshing/send_budget.h"
+#include "tetstream/v1/meshes.pb.h"
+
+namespace tet {
+
+namespace v1 = ::tetstream::v1;
+
+/// What chunks are made from, and how they are written.
+struct ChunkSource {
+  std::shared_ptr<const MeshPlan> plan;
+  std::shared_ptr<const MeshPatch> patch;  ///< null: of the whole mesh
+  v1::Encoding encoding = v1::ENCODING_PLAIN;
+
+  std::uint64_t chunk_count() const;
+};
+
+struct ChunkMessage {
+  grpc::ByteBuffer event;  ///< a MeshEvent
+  QualityStats quality;    ///< nothing of a compact chunk
+  std::uint64_t tets = 0;
+  std::uint64_t bytes = 0;  ///< of its columns, or of what they are encoded as
+};
+
+/// Memory to make chunks with, and in.
+struct ChunkMemory {
+  ScratchPool<MeshWorkspace>& workspaces;
+  ScratchPool<ChunkPacker>& packers;
+  BlockPool& blocks;
+};
+
+/// Makes chunk `index` < chunk_count(). A plain chunk's columns are made in the memory they are
+/// sent from, within the protobuf bytes around them; packed ones are made there, too. `held`
+/// lives as long as the message's bytes.
+ChunkMessage make_chunk(const ChunkSource& source,
+                        std::uint64_t index,
+                        ChunkMemory memory,
+                        std::shared_ptr<SendBudget::Lease> held);
+
+}  // namespace tet

@@ -1,0 +1,59 @@
+// Counted meshes in memory: all that are in use, and the last few that were.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include <absl/status/statusor.h>
+
+#include "core/plan/mesh_plan.h"
+
+namespace tet {
+
+/// Holds the last few plans, so that a stream that comes back starts at once, and keeps all
+/// plans together, held or in use by streams, within a budget.
+///
+/// Thread safety: any thread may call any member. Plans may outlive the cache.
+class PlanCache {
+ public:
+  using Plan = std::shared_ptr<const MeshPlan>;
+
+  explicit PlanCache(std::uint64_t budget_bytes);
+
+  /// Null when it is not held.
+  Plan recall(const std::string& name);
+
+  /// Holds a plan, and lets go of others where room is short. Where somebody else has made the
+  /// same plan meanwhile, that one is returned.
+  /// Errors: kResourceExhausted (SERVER_BUSY: no room beside the plans in use; LIMIT_EXCEEDED:
+  /// not even alone).
+  absl::StatusOr<Plan> remember(const std::string& name, Plan plan);
+
+  /// Counts a plan that nobody else will ask for, and does not hold it. Errors: as above.
+  absl::StatusOr<Plan> admit(Plan plan);
+
+  void forget();
+
+  std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
+  /// Of all plans that are alive.
+  std::uint64_t bytes() const noexcept { return *alive_; }
+
+ private:
+  using NamedPlan = std::pair<std::string, Plan>;
+
+  Plan find(const std::string& name);
+  absl::Status make_room(std::uint64_t bytes, std::size_t most_held);
+  Plan counted(Plan plan);
+
+  const std::uint64_t budget_bytes_;
+  const std::shared_ptr<std::atomic<std::uint64_t>> alive_;  ///< bytes
+  std::mutex mutex_;
+  std::list<NamedPlan> recent_;  ///< most recently used first
+};
+
+}  // namespace tet

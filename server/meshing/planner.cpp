@@ -1,0 +1,266 @@
+#include "server/meshing/planner.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/plan/budget.h"
+#include "core/vdb/decode_file.h"
+#include "proto/convert/scene_request.h"
+#include "proto/convert/status.h"
+#include "proto/wire/sha256.h"
+#include "proto/wire/transport.h"
+#include "server/grids/verify.h"
+#include "server/rpc/explain.h"
+
+namespace tet {
+
+namespace {
+// A tenth of a second or so of one core.
+constexpr double kLargePlanBricks = 4096;
+
+/// Has a stored grid read by a decoder, and what it hands back checked by the pool.
+VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
+  return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
+                                       VolumeCache::Cancelled abandoned,
+                                       VolumeCache::LoadDone done) {
+    const FileRequest request{key.component ? DecodeTask::kField : DecodeTask::kVolume,
+                              path,
+                              name_of_grid(key.digest),
+                              key.grid_name,
+                              max_bytes,
+                              key.component.value_or(0)};
+    pool.post([&pool, &decoders, request, abandoned = std::move(abandoned),
+               done = std::move(done)]() mutable {
+      if (absl::Status intact = verify_stored(request.path); !intact.ok()) return done(intact);
+      decoders.decode(
+          request, std::move(abandoned),
+          [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+            auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
+            pool.post([request, done, block] { done(volume_of(*block, request)); });
+          });
+    });
+  };
+}
+
+/// Of a stored grid that could not be loaded.
+absl::Status explained(const absl::Status& status,
+                       const VolumeKey& key,
+                       const GridLease& grid) {
+  return about_file(status, key.digest, grid->path.string(),
+                    key.component ? GridUse::kField : GridUse::kSurface);
+}
+
+bool has_all_components(const VertexField& field) {
+  const auto& components = field.components;
+  return !components.empty() && components.size() >= components_of(components[0]->kind);
+}
+
+}  // namespace
+
+Planner::Planner(const PlannerThreads& threads,
+                 DecoderPool& decoders,
+                 GridStore& store,
+                 const PlannerMemory& memory,
+                 MeshLimits limits)
+    : threads_(threads),
+      store_(store),
+      limits_(limits),
+      plans_(memory.plan_bytes),
+      volumes_(threads.pool,
+               memory.volume_bytes,
+               loader(threads.pool, decoders, memory.volume_bytes),
+               [this] { plans_.forget(); }) {}
+
+void Planner::plan(const std::string& client,
+                   MeshOrder order,
+                   std::shared_ptr<PlanningWatch> watch,
+                   Done done,
+                   SurveyedBefore before) {
+  const auto then = [this, done = std::move(done), before = std::move(before)](
+                        const Job& job, const absl::Status& loaded) {
+    loaded.ok() ? plan_loaded(job, before, done) : done(loaded);
+  };
+  load_shape({client, std::move(order), std::move(watch), then});
+}
+
+void Planner::load(const std::string& client,
+                   MeshOrder order,
+                   std::shared_ptr<PlanningWatch> watch,
+                   Loaded done) {
+  const auto then = [done = std::move(done)](Job job, const absl::Status& loaded) {
+    if (!loaded.ok()) return done(loaded);
+    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grids)});
+  };
+  load_shape({client, std::move(order), std::move(watch), then});
+}
+
+void Planner::load_shape(Job job) {
+  if (job.order.is_scene()) {
+    threads_.pool.post([this, job = std::move(job)] { load_scene(job); });
+    return;
+  }
+  if (job.order.volume != nullptr) {
+    job.shape = job.order.volume;
+    threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
+    return;
+  }
+  if (!job.order.grid_names.empty()) return load_several(std::move(job));
+  const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    loaded.grids.push_back(std::move(grid));
+    loaded.shape = std::move(volume);
+    load_sizes(std::move(loaded));
+  });
+}
+
+/// One after another.
+void Planner::load_several(Job job) {
+  const auto& names = job.order.grid_names;
+  const std::size_t next = job.several.size();
+  if (next == names.size()) {
+    job.shape = std::exchange(job.several, {});
+    return load_sizes(std::move(job));
+  }
+  const VolumeKey key{job.order.space, job.order.digest, names[next]};
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    if (loaded.grids.empty()) loaded.grids.push_back(std::move(grid));  // all of one file
+    loaded.several.push_back(std::move(volume));
+    load_several(std::move(loaded));
+  });
+}
+
+void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
+  auto lease = store_.acquire({key.space, key.digest});
+  if (!lease.ok()) {
+    threads_.pool.post(
+        [job = std::move(job), key, status = lease.status()] { job.fail(key, status); });
+    return;
+  }
+  const std::string path = (*lease)->path.string();
+  const auto cancelled = [watch = job.watch] { return watch->cancellation.requested(); };
+  volumes_.get(key, path, cancelled,
+               [this, job = std::move(job), key, grid = *std::move(lease),
+                then = std::move(then)](const auto& volume) mutable {
+                 if (volume.ok()) return then(std::move(job), std::move(grid), *volume);
+                 if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
+                 job.fail(key, explained(volume.status(), key, grid));
+               });
+}
+
+void Planner::Job::fail(const VolumeKey& key, const absl::Status& status) const {
+  if (key.component) return then(*this, about_field(status, field));
+  const bool is_one_of_several = !order.grid_names.empty() && grids_of(shape) == nullptr;
+  then(*this, is_one_of_several ? about_grid(status, several.size()) : status);
+}
+
+/// On the pool; its grids one after another.
+void Planner::load_scene(Job job) {
+  if (job.order.made_scene != nullptr) {
+    job.shape = job.order.made_scene;
+    return load_sizes(std::move(job));
+  }
+  const auto grids = job.order.scene.grids();
+  const auto next = std::ranges::find_if(
+      grids, [](const scene::GridSolid* grid) { return grid->volume == nullptr; });
+  if (next == grids.end()) return make_scene(std::move(job));
+  const VolumeKey key{job.order.space, std::string(digest_of_name((*next)->file)),
+                      (*next)->name};
+  load_grid(std::move(job), key,
+            [this, file = (*next)->file, name = (*next)->name](Job loaded, GridLease lease,
+                                                               const auto& volume) {
+              loaded.grids.push_back(std::move(lease));
+              for (scene::GridSolid* grid : loaded.order.scene.grids()) {
+                if (grid->file == file && grid->name == name) grid->volume = volume;
+              }
+              load_scene(std::move(loaded));
+            });
+}
+
+/// On the pool.
+void Planner::make_scene(Job job) {
+  const auto scene = scene_of_order(job.order);
+  if (!scene.ok()) return job.then(job, within_field("mesh", scene.status()));
+  job.shape = *scene;
+  load_sizes(std::move(job));
+}
+
+/// On the pool.
+void Planner::load_sizes(Job job) {
+  const auto& grid = job.order.request.sizing.grid;
+  if (!grid) return load_fields(std::move(job));
+  const std::string digest =
+      grid->file.empty() ? job.order.digest : std::string(digest_of_name(grid->file));
+  const VolumeKey key{job.order.space, digest, grid->name};
+  load_grid(std::move(job), key, [this](Job loaded, const GridLease&, auto volume) {
+    loaded.order.request.sizing.grid->volume = std::move(volume);
+    load_fields(std::move(loaded));
+  });
+}
+
+/// On the pool. One component after the other: the first says how many there are.
+void Planner::load_fields(Job job) {
+  const auto& fields = job.order.request.fields;
+  while (job.field < fields.size() && has_all_components(fields[job.field])) ++job.field;
+  if (job.field == fields.size()) return job.then(job, absl::OkStatus());
+  const VertexField& field = fields[job.field];
+  const std::string digest =
+      field.file.empty() ? job.order.digest : std::string(digest_of_name(field.file));
+  const VolumeKey key{job.order.space, digest, field.grid,
+                      static_cast<std::uint32_t>(field.components.size())};
+  load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
+    loaded.grids.push_back(std::move(grid));
+    loaded.order.request.fields[loaded.field].components.push_back(std::move(volume));
+    load_fields(std::move(loaded));
+  });
+}
+
+/// On the pool.
+void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done) {
+  const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
+  std::string name = absl::StrCat(job.order.space, " ", mesh_id);
+  auto plan = plans_.recall(name);
+  if (plan == nullptr && job.order.request.skip_statistics) {
+    // A plan without them is for such requests only.
+    absl::StrAppend(&name, " without statistics");
+    plan = plans_.recall(name);
+  }
+  (plan == nullptr ? misses_ : hits_).fetch_add(1);
+  if (plan != nullptr) return done(job.planned(std::move(plan)));
+  auto work = [this, job, name, before, done] {
+    auto made = make_plan(job, name, before);
+    done(made.ok() ? job.planned(*std::move(made))
+                   : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
+  };
+  const bool large = estimate_bricks_to_plan(job.shape, job.order.request) > kLargePlanBricks;
+  large ? threads_.large.post(job.client, std::move(work)) : work();
+}
+
+PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
+  v1::MeshRequest canonical = canonical_request(order, shape, &plan->header());
+  std::string mesh_id = mesh_id_of(canonical);
+  return {std::move(plan), std::move(canonical), std::move(mesh_id), grids};
+}
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
+    const Job& job, const std::string& name, const SurveyedBefore& before) {
+  // Much may have happened while it waited.
+  if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
+  if (auto plan = plans_.recall(name)) return plan;
+  running_.fetch_add(1);
+  auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
+                        &job.watch->progress, before.blocks, before.earlier.get());
+  running_.fetch_sub(1);
+  give_back_free_memory();
+  if (!plan.ok()) return plan.status();
+  return job.order.is_frame ? plans_.admit(*std::move(plan))
+                            : plans_.remember(name, *std::move(plan));
+}
+
+PlannerStats Planner::stats() const {
+  return {volumes_.stats(), hits_.load(), misses_.load(), plans_.bytes(),
+          plans_.budget_bytes()};
+}
+
+}  // namespace tet

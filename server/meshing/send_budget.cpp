@@ -1,0 +1,117 @@
+#include "server/meshing/send_budget.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "server/rpc/fair_queue.h"
+
+namespace tet {
+
+struct SendBudget::State : std::enable_shared_from_this<State> {
+  struct Asked {
+    const void* who = nullptr;
+    std::string client;
+    Clock::time_point since;
+    Grant grant;
+  };
+  struct Granted {
+    Grant grant;
+    std::shared_ptr<Lease> lease;
+  };
+
+  State(std::uint64_t total, std::uint64_t block)
+      : bytes(std::max(total, 2 * block)), block_bytes(block) {}
+
+  bool is_within_share(const std::string& client) const {
+    const auto found = of_client.find(client);
+    return found == of_client.end() || found->second + block_bytes <= bytes / 2;
+  }
+
+  void give_back(const std::string& client, std::uint64_t given) {
+    std::vector<Granted> granted;
+    {
+      const std::lock_guard lock(mutex);
+      used -= given;
+      const auto found = of_client.find(client);
+      if ((found->second -= given) == 0) of_client.erase(found);
+      granted = grant_waiting();
+    }
+    for (Granted& next : granted) next.grant(std::move(next.lease));
+  }
+
+  std::vector<Granted> grant_waiting() {
+    std::vector<Granted> granted;
+    const auto may = [&](const std::string& client) {
+      return used + block_bytes <= bytes && is_within_share(client);
+    };
+    while (auto next = waiting.take(may)) {
+      used += block_bytes;
+      of_client[next->client] += block_bytes;
+      granted.push_back(
+          {std::move(next->grant),
+           std::make_shared<Lease>(shared_from_this(), next->client, block_bytes)});
+    }
+    return granted;
+  }
+
+  const std::uint64_t bytes, block_bytes;
+  mutable std::mutex mutex;  ///< guards all below; never held while somebody is granted
+  std::uint64_t used = 0;
+  std::map<std::string, std::uint64_t> of_client;  ///< none is 0
+  FairQueue<Asked> waiting;
+};
+
+SendBudget::SendBudget(std::uint64_t bytes, std::uint64_t block_bytes)
+    : state_(std::make_shared<State>(bytes, block_bytes)) {}
+
+void SendBudget::ask(const void* who, const std::string& client, Grant grant) {
+  std::vector<State::Granted> granted;
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->waiting.push(client, {who, client, Clock::now(), std::move(grant)});
+    granted = state_->grant_waiting();
+  }
+  for (State::Granted& next : granted) next.grant(std::move(next.lease));
+}
+
+void SendBudget::leave(const void* who) {
+  std::vector<State::Asked> gone;  // destroyed without the lock
+  const std::lock_guard lock(state_->mutex);
+  gone = state_->waiting.take_all(
+      [&](auto, const State::Asked& asked) { return asked.who == who; });
+}
+
+bool SendBudget::is_tight() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->used > state_->bytes / 2;
+}
+
+bool SendBudget::kept_waiting_since(Clock::time_point then) const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->waiting.any([&](const State::Asked& asked) {
+    return asked.since < then && state_->is_within_share(asked.client);
+  });
+}
+
+std::uint64_t SendBudget::used_bytes() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->used;
+}
+
+SendBudget::Lease::Lease(std::shared_ptr<State> state, std::string client, std::uint64_t bytes)
+    : state_(std::move(state)), client_(std::move(client)), bytes_(bytes) {}
+
+SendBudget::Lease::~Lease() {
+  if (bytes_ > 0) state_->give_back(client_, bytes_);
+}
+
+void SendBudget::Lease::shrink_to(std::uint64_t bytes) {
+  if (bytes >= bytes_) return;
+  state_->give_back(client_, bytes_ - bytes);
+  bytes_ = bytes;
+}
+
+}  // namespace tet

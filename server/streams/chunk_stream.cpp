@@ -1,0 +1,365 @@
+#include "server/streams/chunk_stream.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <grpc/grpc.h>
+
+#include "proto/convert/status.h"
+#include "proto/wire/serialized.h"
+#include "server/meshing/mesh_events.h"
+
+namespace tet {
+
+namespace {
+
+constexpr std::chrono::milliseconds kProgressInterval{200};
+
+}  // namespace
+
+ChunkStream::ChunkStream(MeshEngine& engine,
+                         grpc::CallbackServerContext& context,
+                         std::string method)
+    : engine_(engine),
+      context_(context),
+      call_(engine.calls, context, std::move(method)),
+      watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
+    const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed) {
+  using Reactor = ChunkReactorOf<grpc::ServerWriteReactor<grpc::ByteBuffer>>;
+  auto* const reactor = new Reactor(stream);  // ends itself
+  stream->begin(*reactor, parsed);
+  return reactor;
+}
+
+void ChunkStream::begin(ChunkReactor& reactor, const absl::Status& parsed) {
+  reactor_ = &reactor;
+  engine_.stalls.add(weak_from_this());
+  const absl::Status may_call = call_.admission();
+  const absl::Status status = may_call.ok() ? parsed : may_call;
+  if (!status.ok()) return close(status);
+  admitted();
+  call_.on_cut([weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->cut();
+  });
+  await();
+}
+
+void ChunkStream::queue() {
+  place_ = engine_.admit(call_, watch_->cancellation.deadline(),
+                         [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
+                           self->enter(std::move(ticket));
+                         });
+}
+
+void ChunkStream::close(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    end(status);
+  }
+  advance();
+}
+
+/// Whoever sees the stream's end, or its pause, may begin the next at once.
+void ChunkStream::give_turn_back() {
+  Ticket last;  // given back without the lock
+  const std::lock_guard lock(mutex_);
+  last.swap(ticket_);
+}
+
+bool ChunkStream::reopen() {
+  const std::lock_guard lock(mutex_);
+  if (phase_ == Phase::kEnded) return false;
+  phase_ = Phase::kOpening;
+  progress_due_ = false;
+  quality_ = {};
+  opening_since_ = call_.seconds();
+  watch_->progress.done = 0;
+  watch_->progress.total = 0;
+  return true;
+}
+
+/// That may bring events here and now, so not under the lock; and gRPC must not be done
+/// meanwhile.
+void ChunkStream::start_operation(const std::function<void()>& start) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::kEnded) return;
+    held_ = true;
+  }
+  start();
+  {
+    const std::lock_guard lock(mutex_);
+    held_ = false;
+  }
+  advance();
+}
+
+void ChunkStream::enter(absl::StatusOr<Ticket> ticket) {
+  if (!ticket.ok()) return begin_chunks(ticket.status(), 0, 0);
+  {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::kEnded) return;
+    ticket_ = *std::move(ticket);
+  }
+  open();
+}
+
+// Each interval has an alarm of its own: one cannot be set again from within its own callback.
+void ChunkStream::watch_progress() {
+  const std::lock_guard lock(mutex_);
+  if (phase_ != Phase::kOpening) return;
+  const auto next = std::chrono::system_clock::now() + kProgressInterval;
+  progress_timer_ = std::make_unique<grpc::Alarm>();
+  progress_timer_->Set(next, [self = shared_from_this()](bool fired) {
+    if (fired) self->report_progress();
+  });
+}
+
+void ChunkStream::report_progress() {
+  {
+    const std::lock_guard lock(mutex_);
+    progress_due_ = true;
+  }
+  advance();
+  watch_progress();
+}
+
+void ChunkStream::begin_chunks(const absl::Status& opened,
+                               std::uint64_t start,
+                               std::uint64_t end_chunk) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::kEnded) return;
+    note_opening();
+    const absl::Status status = opened.ok() ? set_range(start, end_chunk) : opened;
+    if (!status.ok()) {
+      end(status);
+    } else {
+      phase_ = Phase::kHeader;
+      const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
+      slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
+      post_chunks();
+    }
+  }
+  advance();
+}
+
+/// Settles which chunks to send.
+absl::Status ChunkStream::set_range(std::uint64_t start, std::uint64_t end_chunk) {
+  const std::uint64_t count = chunk_count();
+  end_ = end_chunk == 0 ? count : end_chunk;
+  first_ = next_ = posted_ = start;
+  if (next_ <= end_ && end_ <= count) return absl::OkStatus();
+  return with_reason(absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
+                                                        " are not within the mesh's ", count)),
+                     "CHUNK_RANGE");
+}
+
+/// Chunks made ahead: enough of all streams together to keep every thread busy, but two a
+/// stream; and one where blocks are scarce.
+std::uint64_t ChunkStream::window() const {
+  if (engine_.send_budget.is_tight()) return 1;
+  const auto streams = static_cast<std::uint64_t>(engine_.activity.meshes.load());
+  return std::clamp<std::uint64_t>(slots_.size() / std::max<std::uint64_t>(streams, 1),
+                                   std::min<std::uint64_t>(slots_.size(), 2), slots_.size());
+}
+
+/// Fills the window.
+void ChunkStream::post_chunks() {
+  const std::uint64_t ahead = window();
+  while (posted_ < end_ && posted_ < next_ + ahead) ask_for_block(posted_++);
+}
+
+void ChunkStream::ask_for_block(std::uint64_t index) {
+  engine_.send_budget.ask(
+      this, call_.client(), [self = shared_from_this(), index](const Block& block) {
+        self->engine_.activity.chunks_in_flight.fetch_add(1);
+        self->engine_.chunk_tasks.post(self->call_.client(),
+                                       [self, index, block] { self->fill_slot(index, block); });
+      });
+}
+
+// Only this task touches the slot until it is ready: nobody needs the lock while it is filled.
+void ChunkStream::fill_slot(std::uint64_t index, Block block) {
+  Slot& slot = slot_of(index);
+  absl::Status status = absl::OkStatus();
+  if (watch_->cancellation.requested()) {
+    status = client_gone(watch_->cancellation);
+  } else if (auto made = make(index, std::move(block)); made.ok()) {
+    slot.made = *std::move(made);
+  } else {
+    status = made.status();
+  }
+  engine_.activity.chunks_in_flight.fetch_sub(1);
+  {
+    const std::lock_guard lock(mutex_);
+    slot.ready = status.ok();
+    if (!status.ok()) end(status);
+  }
+  advance();
+}
+
+/// Takes one step if there is one to take. gRPC is called without the lock; `writing_` and
+/// `finished_` keep others out meanwhile.
+void ChunkStream::advance() {
+  switch (next_step()) {
+    case Step::kWait:
+      return;
+    case Step::kWrite:
+      return reactor_->write(&outgoing_);
+    case Step::kFinish:
+      give_turn_back();
+      return reactor_->finish(call_.finish(status_));
+  }
+}
+
+ChunkStream::Step ChunkStream::next_step() {
+  const std::lock_guard lock(mutex_);
+  if (writing_ || finished_ || held_) return Step::kWait;
+  if (phase_ == Phase::kEnded) {
+    finished_ = true;
+    progress_timer_.reset();
+    call_.note("tets", tets_written_);
+    call_.note("chunks", chunks_written_);
+    call_.note("bytes_out", bytes_written_);
+    return Step::kFinish;
+  }
+  if (!prepare_message()) return Step::kWait;
+  writing_ = true;
+  write_start_ = Stallable::Clock::now();
+  written_ = phase_;
+  return Step::kWrite;
+}
+
+/// The message to be written now, if there is one, becomes `outgoing_`.
+bool ChunkStream::prepare_message() {
+  switch (phase_) {
+    case Phase::kOpening:
+      if (!std::exchange(progress_due_, false)) return false;
+      outgoing_ = serialized(progress_event(watch_->progress));
+      return true;
+    case Phase::kHeader:
+      outgoing_ = serialized(header());
+      return true;
+    case Phase::kChunks:
+      if (!slot_of(next_).ready) return false;
+      outgoing_.Swap(&slot_of(next_).made.event);
+      return true;
+    case Phase::kTrailer:
+      outgoing_ = serialized(trailer(first_, end_, quality_));
+      return true;
+    case Phase::kSent:
+    case Phase::kEnded:
+      break;
+  }
+  return false;
+}
+
+void ChunkStream::written(bool ok) {
+  bool all = false;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    outgoing_.Clear();  // its block is gRPC's alone now
+    if (!ok) {
+      watch_->cancellation.cancel();
+      end(client_gone(watch_->cancellation));
+    }
+    if (phase_ != Phase::kEnded) all = after_write();
+  }
+  if (all) sent_all();
+  advance();
+}
+
+/// True after the last message there is.
+bool ChunkStream::after_write() {
+  if (written_ == Phase::kOpening) return false;
+  if (written_ == Phase::kChunks) after_chunk();
+  const bool sent_trailer = written_ == Phase::kTrailer;
+  if (next_ < end_) {
+    phase_ = Phase::kChunks;
+  } else if (end_ == chunk_count() && !sent_trailer) {
+    phase_ = Phase::kTrailer;
+  } else {
+    phase_ = Phase::kSent;
+  }
+  return phase_ == Phase::kSent;
+}
+
+/// Counts the chunk that was written and reuses its slot.
+void ChunkStream::after_chunk() {
+  Slot& slot = slot_of(next_);
+  if (next_ == first_) {
+    const double seconds = call_.seconds() - opening_since_;
+    engine_.calls.metrics().first_chunk(seconds);
+    call_.note("first_chunk_ms", 1e3 * seconds);
+  }
+  engine_.calls.metrics().chunk_sent(slot.made.tets, slot.made.bytes);
+  quality_.add(slot.made.quality);
+  tets_written_ += slot.made.tets;
+  bytes_written_ += slot.made.bytes;
+  slot.ready = false;
+  ++chunks_written_;
+  ++next_;
+  post_chunks();
+}
+
+/// The call ends with `status` as soon as nothing is being written; the first status counts.
+void ChunkStream::end(const absl::Status& status) {
+  if (phase_ == Phase::kEnded) return;
+  phase_ = Phase::kEnded;
+  status_ = status;
+  engine_.send_budget.leave(this);
+}
+
+std::optional<Stallable::Clock::time_point> ChunkStream::waiting_since() {
+  const std::lock_guard lock(mutex_);
+  if (!writing_ || phase_ == Phase::kEnded) return std::nullopt;
+  return write_start_;
+}
+
+/// The message being written bars the way to any status, so the call is cancelled with it. That
+/// may bring events here and now, so not under the lock; and gRPC must not be done meanwhile.
+void ChunkStream::give_up(std::chrono::seconds waited) {
+  const absl::Status status = client_stalled("took nothing", waited);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!writing_ || phase_ == Phase::kEnded) return;
+    end(status);
+    held_ = true;
+  }
+  watch_->cancellation.cancel();
+  grpc_call_cancel_with_status(context_.c_call(), GRPC_STATUS_ABORTED,
+                               std::string(status.message()).c_str(), nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    held_ = false;
+  }
+  advance();
+}
+
+/// The server stops: the client goes on elsewhere, with the chunks it has.
+void ChunkStream::cut() {
+  {
+    const std::lock_guard lock(mutex_);
+    end(shutting_down());
+  }
+  watch_->cancellation.cancel();
+  advance();
+}
+
+void ChunkStream::cancelled() {
+  watch_->cancellation.cancel();
+  engine_.calls.admission().leave(place_);
+  {
+    const std::lock_guard lock(mutex_);
+    end(client_gone(watch_->cancellation));
+  }
+  advance();
+}
+
+}  // namespace tet

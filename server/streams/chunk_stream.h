@@ -1,0 +1,178 @@
+// A call that sends a mesh's chunks in order, whatever they come from.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <grpcpp/alarm.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include "proto/convert/request.h"
+#include "server/meshing/chunk_maker.h"
+#include "server/streams/mesh_engine.h"
+
+namespace tet {
+
+class ChunkStream;
+
+/// gRPC's side of a stream of chunks, whichever kind of call it is. Owned by nobody: it ends
+/// itself when gRPC is done with it.
+class ChunkReactor {
+ public:
+  virtual ~ChunkReactor() = default;
+  virtual void write(grpc::ByteBuffer* message) = 0;
+  virtual void finish(const grpc::Status& status) = 0;
+};
+
+/// The logic of one stream: opens what it sends, then keeps a few chunks being made on the
+/// pool and writes them in order. It never waits: each event (opened, chunk made, message
+/// written, client gone) moves it one step, on whichever thread the event came.
+///
+/// At most `window` chunks are made and not yet taken by the transport, each in a block of the
+/// send budget, so a client that reads slowly holds that many blocks and nothing else. A client
+/// that reads nothing for too long loses its stream.
+///
+/// Lives until gRPC is done with it and the last task that refers to it has run.
+class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkStream> {
+ public:
+  // Events of gRPC's.
+  void written(bool ok);
+  void cancelled();
+
+ protected:
+  using Block = std::shared_ptr<SendBudget::Lease>;
+
+  ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context, std::string method);
+
+  /// Begins the call, whose request was read with `parsed`; what it returns is for gRPC.
+  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(
+      const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed);
+
+  /// Begins the call with gRPC's side of it, which lives until gRPC is done.
+  void begin(ChunkReactor& reactor, const absl::Status& parsed);
+
+  /// The call was admitted, and not yet as a mesh.
+  virtual void admitted() {}
+  /// The call waits for what it is to open; or queues for its turn at once.
+  virtual void await() { queue(); }
+  /// Waits for its turn to make a mesh, then opens it.
+  void queue();
+  /// Finds out what is sent, then calls `begin_chunks`, on any thread.
+  virtual void open() = 0;
+  /// Notes for the log how that ended; with the lock.
+  virtual void note_opening() {}
+
+  // Of a stream that is open; on any thread.
+  virtual std::uint64_t chunk_count() const = 0;
+  virtual v1::MeshEvent header() const = 0;
+  virtual absl::StatusOr<ChunkMessage> make(std::uint64_t index, Block block) = 0;
+  virtual v1::MeshEvent trailer(std::uint64_t first,
+                                std::uint64_t end,
+                                const QualityStats& quality) const = 0;
+
+  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  void give_up(std::chrono::seconds waited) override;
+
+  /// All was sent. Ends the call, or waits for more.
+  virtual void sent_all() { close(absl::OkStatus()); }
+  /// The call ends with `status`, as soon as nothing is being written.
+  void close(const absl::Status& status);
+  /// Makes room for others while this call waits for what is to be opened next.
+  void give_turn_back();
+  /// Begins to open that. False when the call ends.
+  bool reopen();
+  /// Calls `start`, which begins an operation of gRPC's, unless the call ends.
+  void start_operation(const std::function<void()>& start);
+
+  /// Sends chunks [start, end), or up to the last where `end` is 0; or ends the call.
+  void begin_chunks(const absl::Status& opened, std::uint64_t start, std::uint64_t end);
+  /// Tells the client every now and then how far opening is.
+  void watch_progress();
+
+  MeshEngine& engine_;
+  grpc::CallbackServerContext& context_;  ///< there until gRPC is done
+  Call call_;
+  std::shared_ptr<PlanningWatch> watch_;
+
+ private:
+  /// What is written next.
+  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kSent, kEnded };
+  enum class Step { kWait, kWrite, kFinish };
+
+  /// A chunk being made (`ready` is false) or waiting to be written.
+  struct Slot {
+    ChunkMessage made;
+    bool ready = false;
+  };
+
+  void enter(absl::StatusOr<Ticket> ticket);
+  void report_progress();
+  absl::Status set_range(std::uint64_t start, std::uint64_t end);
+  std::uint64_t window() const;
+  void post_chunks();
+  void ask_for_block(std::uint64_t index);
+  void fill_slot(std::uint64_t index, Block block);
+
+  void advance();
+  Step next_step();
+  bool prepare_message();
+  bool after_write();
+  void after_chunk();
+  void end(const absl::Status& status);
+  void cut();
+
+  Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
+
+  ChunkReactor* reactor_ = nullptr;         ///< there until the call is finished
+  std::atomic<Admission::Place> place_{0};  ///< in the queue; 0: in none
+
+  std::mutex mutex_;  ///< guards all below
+  std::unique_ptr<grpc::Alarm> progress_timer_;
+  Ticket ticket_;
+  Phase phase_ = Phase::kOpening;
+  Phase written_ = Phase::kOpening;  ///< phase of the message being written
+  bool writing_ = false;
+  Stallable::Clock::time_point write_start_{};
+  bool held_ = false;  ///< the call may not finish now
+  bool finished_ = false;
+  bool progress_due_ = false;
+  absl::Status status_;        ///< how the call ends
+  grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
+  std::vector<Slot> slots_;    ///< chunk i in slot i % size
+  std::uint64_t first_ = 0;    ///< chunk that the stream begins with
+  std::uint64_t next_ = 0;     ///< chunk to be written next
+  std::uint64_t posted_ = 0;   ///< chunk to be posted next
+  std::uint64_t end_ = 0;      ///< one past the last chunk
+  QualityStats quality_;       ///< of the chunks written, in their order
+  std::uint64_t tets_written_ = 0, bytes_written_ = 0, chunks_written_ = 0;
+  double opening_since_ = 0;  ///< seconds since the call arrived
+};
+
+/// Events of one kind of reactor become the stream's.
+template <class Reactor>
+class ChunkReactorOf : public Reactor, public ChunkReactor {
+ public:
+  explicit ChunkReactorOf(std::shared_ptr<ChunkStream> stream) : stream_(std::move(stream)) {}
+
+  void write(grpc::ByteBuffer* message) override { this->StartWrite(message); }
+  void finish(const grpc::Status& status) override { this->Finish(status); }
+
+ private:
+  void OnWriteDone(bool ok) override { stream_->written(ok); }
+  void OnCancel() override { stream_->cancelled(); }
+  void OnDone() override { delete this; }
+
+  const std::shared_ptr<ChunkStream> stream_;
+};
+
+}  // namespace tet

@@ -1,0 +1,84 @@
+#include "server/streams/mesh_engine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "proto/wire/chunk_frame.h"
+
+namespace tet {
+
+namespace {
+
+// Enough that one very large plan does not keep all other large ones waiting.
+constexpr std::size_t kLargePlansAtOnce = 2;
+
+// 32 MiB: more than one stream, or a few, ever hold.
+constexpr std::size_t kIdleBlocks = 64;
+constexpr std::size_t kBlockBytes = kChunkBytes + ChunkFrame::kMaxOverhead;
+
+/// Where others have waited this long for a block, whoever takes nothing of its own for so long
+/// loses it.
+constexpr std::chrono::seconds kKeptWaiting{1}, kPressedStall{5};
+
+/// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
+constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{12} << 20;
+
+MeshLimits mesh_limits(const Config& config) {
+  MeshLimits limits;
+  limits.max_tets = config.max_tets;
+  limits.max_plan_bytes = std::min(limits.max_plan_bytes, config.plan_bytes);
+  limits.kept_geometry_bytes = kKeptGeometryBytes;
+  return limits;
+}
+
+DecoderSettings decoder_settings(const Config& config) {
+  DecoderSettings settings;
+  settings.program = config.decoder;
+  settings.processes = static_cast<int>(config.decoders);
+  settings.max_time = std::chrono::seconds(config.decode_seconds);
+  return settings;
+}
+
+}  // namespace
+
+MeshEngine::MeshEngine(const Config& server_config,
+                       CallRegistry& call_registry,
+                       GridStore& store)
+    : config(server_config),
+      calls(call_registry),
+      blocks(kBlockBytes, kIdleBlocks),
+      send_budget(config.send_bytes, kBlockBytes),
+      planner({pool, large},
+              decoders,
+              store,
+              {config.resident_bytes, config.plan_bytes},
+              mesh_limits(config)),
+      pool(static_cast<int>(config.threads)),
+      large(static_cast<int>(config.threads), kLargePlansAtOnce),
+      decoders(decoder_settings(config)) {}
+
+Admission::Place MeshEngine::admit(const Call& call,
+                                   Cancellation::Clock::time_point deadline,
+                                   Admission::Answer answer) {
+  const auto count = [this, answer = std::move(answer)](absl::StatusOr<Ticket> ticket) {
+    if (!ticket.ok()) return answer(std::move(ticket));
+    activity.meshes.fetch_add(1);
+    answer(Ticket(this, [this, admitted = *std::move(ticket)](void*) mutable {
+      activity.meshes.fetch_sub(1);
+      admitted.reset();
+    }));
+  };
+  return calls.admission().queue_mesh(call.client(), deadline, count);
+}
+
+void MeshEngine::check_stalls() {
+  const auto now = Stallable::Clock::now();
+  std::chrono::seconds limit(config.stall_seconds);
+  if (send_budget.kept_waiting_since(now - kKeptWaiting)) {
+    limit = std::min(limit, kPressedStall);
+  }
+  stalls.check(now, limit);
+}
+
+}  // namespace tet

@@ -1,0 +1,68 @@
+// What all mesh calls share: the threads, the plans, the scratch memory, and the limits.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
+#include "core/plan/mesh_plan.h"
+#include "core/vdb/decoder_pool.h"
+#include "proto/wire/block_pool.h"
+#include "server/jobs/results/result_store.h"
+#include "server/meshing/chunk_maker.h"
+#include "server/meshing/large_plans.h"
+#include "server/meshing/planner.h"
+#include "server/meshing/send_budget.h"
+#include "server/ops/config.h"
+#include "server/rpc/calls.h"
+#include "server/rpc/stall_watch.h"
+
+namespace tet {
+
+/// What the server is doing, for logs and tests.
+struct Activity {
+  std::atomic<std::int64_t> meshes{0};            ///< streams and estimates that run
+  std::atomic<std::int64_t> chunks_in_flight{0};  ///< tasks posted and not done
+  std::atomic<std::int64_t> chunks_made{0};       ///< since the start
+  std::atomic<std::int64_t> cached_streams{0};    ///< served from results of jobs
+  /// Of grids that sessions have changed, in memory.
+  std::atomic<std::uint64_t> changed_grid_bytes{0};
+};
+
+struct MeshEngine {
+  MeshEngine(const Config& server_config, CallRegistry& call_registry, GridStore& store);
+
+  /// See Admission::queue_mesh: meshes that are admitted are counted as running, too.
+  Admission::Place admit(const Call& call,
+                         Cancellation::Clock::time_point deadline,
+                         Admission::Answer answer);
+
+  /// What chunks are made with.
+  ChunkMemory chunk_memory() noexcept { return {workspaces, packers, blocks}; }
+
+  /// Ends streams whose clients stopped reading: sooner where others wait for their blocks. To
+  /// be called every now and then.
+  void check_stalls();
+
+  const Config config;
+  CallRegistry& calls;
+  Activity activity;
+  ScratchPool<MeshWorkspace> workspaces;
+  ScratchPool<ChunkPacker> packers;
+  BlockPool blocks;
+  SendBudget send_budget;
+  StallWatch stalls;
+  const ResultStore* results = nullptr;  ///< set before the first call, where there are jobs
+  Planner planner;
+  // Last, so that their tasks end before what is above, which they use.
+  FairTasks chunk_tasks{pool};
+  TaskPool pool;         ///< chunks and short plans
+  LargePlans large;      ///< each on as many threads again: the system shares the cores
+  DecoderPool decoders;  ///< what it decodes becomes tasks
+};
+
+}  // namespace tet

@@ -1,0 +1,154 @@
+#include "server/streams/mesh_stream.h"
+
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "proto/convert/status.h"
+#include "proto/wire/serialized.h"
+#include "server/meshing/mesh_events.h"
+
+namespace tet {
+
+namespace {
+
+absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
+  v1::StreamMeshRequest message;
+  if (!deserialize(request, message)) {
+    return with_reason(absl::InvalidArgumentError("the request is not a StreamMeshRequest"),
+                       "MALFORMED");
+  }
+  return parse_stream_request(message);
+}
+
+}  // namespace
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
+    MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
+  const std::shared_ptr<MeshStream> stream(new MeshStream(engine, context));
+  auto order = parse(request);
+  if (order.ok()) stream->order_ = *std::move(order);
+  return ChunkStream::start(stream, order.status());
+}
+
+void MeshStream::admitted() {
+  if (!order_.mesh.digest.empty()) call_.note("grid", order_.mesh.digest);
+  order_.mesh.space = call_.space();
+  watch_progress();
+}
+
+void MeshStream::open() {
+  if (engine_.results == nullptr || order_.stored_name.empty()) return plan();
+  engine_.pool.post([self = self()] {
+    if (self->find_stored()) return self->begin(self->check_mesh());
+    self->plan();
+  });
+}
+
+/// By the request alone: neither the grid nor a plan is needed.
+bool MeshStream::find_stored() {
+  stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, order_.stored_name,
+                             order_.start_chunk, order_.end_chunk);
+  return stored_ != nullptr;
+}
+
+/// A base that is not what the client has, or not here any more, is no reason to fail.
+void MeshStream::plan() {
+  if (order_.base_digest.empty()) return plan_mesh(nullptr);
+  MeshOrder base = order_.mesh;
+  base.digest = order_.base_digest;
+  engine_.planner.plan(call_.client(), std::move(base), watch_,
+                       [self = self()](const absl::StatusOr<PlannedMesh>& planned) {
+                         const bool found =
+                             planned.ok() && planned->mesh_id == self->order_.base_mesh_id;
+                         self->plan_mesh(found ? planned->plan : nullptr);
+                       });
+}
+
+void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
+  engine_.planner.plan(call_.client(), order_.mesh, watch_,
+                       [self = self(), base](absl::StatusOr<PlannedMesh> planned) {
+                         if (!planned.ok()) return self->begin(planned.status());
+                         self->planned_ = *std::move(planned);
+                         self->find_patches(base);
+                       },
+                       {.earlier = base});
+}
+
+void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
+  source_ = {planned_.plan, nullptr, order_.encoding};
+  if (base != nullptr) source_.patch = MeshPatch::between(*base, planned_.plan);
+  // Asked for in other words than a job that has made it.
+  if (engine_.results != nullptr && !order_.stored_name.empty()) {
+    stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, plan_of(planned_),
+                               order_.start_chunk, order_.end_chunk);
+  }
+  begin(check_mesh());
+}
+
+const std::string& MeshStream::mesh_id() const {
+  return stored_ ? stored_->plan().header().mesh_id() : planned_.mesh_id;
+}
+
+absl::Status MeshStream::check_mesh() const {
+  if (order_.expected_mesh_id.empty() || order_.expected_mesh_id == mesh_id()) {
+    return absl::OkStatus();
+  }
+  return with_reason(
+      absl::FailedPreconditionError(absl::StrCat("expected_mesh_id ", order_.expected_mesh_id,
+                                                 " is not this mesh's, ", mesh_id())),
+      "OTHER_MESH");
+}
+
+void MeshStream::begin(const absl::Status& planned) {
+  begin_chunks(planned, order_.start_chunk, order_.end_chunk);
+}
+
+/// How long planning took, and what of.
+void MeshStream::note_opening() {
+  engine_.calls.metrics().planned(call_.seconds());
+  call_.note("plan_ms", 1e3 * call_.seconds());
+  if (!mesh_id().empty()) call_.note("mesh_id", mesh_id());
+  if (stored_ == nullptr) return;
+  call_.note("cached", true);
+  engine_.activity.cached_streams.fetch_add(1);
+}
+
+std::uint64_t MeshStream::chunk_count() const {
+  return stored_ ? stored_->chunk_count() : source_.chunk_count();
+}
+
+v1::MeshEvent MeshStream::header() const {
+  if (stored_ == nullptr) return header_event(planned_, source_);
+  v1::MeshEvent event;
+  *event.mutable_header() = stored_->plan().header();
+  event.mutable_header()->set_cached(true);
+  return event;
+}
+
+absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
+  if (stored_ != nullptr) return read(index, std::move(block));
+  ChunkMessage made = make_chunk(source_, index, engine_.chunk_memory(), std::move(block));
+  engine_.activity.chunks_made.fetch_add(1);
+  return made;
+}
+
+/// A chunk that turns out to be damaged is set aside: whoever comes back for it has it made.
+absl::StatusOr<ChunkMessage> MeshStream::read(std::uint64_t index, Block block) {
+  auto chunk = stored_->chunk(index, engine_.blocks, std::move(block));
+  if (!absl::IsDataLoss(chunk.status())) return chunk;
+  return with_retry(
+      with_reason(absl::UnavailableError(absl::StrCat(
+                      "chunk ", index, " was stored, and is damaged; resume there")),
+                  "CHUNK_DAMAGED"),
+      absl::ZeroDuration());
+}
+
+v1::MeshEvent MeshStream::trailer(std::uint64_t first,
+                                  std::uint64_t end,
+                                  const QualityStats& quality) const {
+  return stored_ ? trailer_event(stored_->plan(), first, end, quality)
+                 : trailer_event(source_, first, end, quality);
+}
+
+}  // namespace tet

@@ -1,0 +1,74 @@
+// One RemeshSession call: a mesh that follows its shape, frame by frame.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "server/streams/chunk_stream.h"
+
+namespace tet {
+
+/// Each frame is read, planned from the plan before it, and sent as what differs from it; then
+/// the next is read. While it waits for one it holds no turn to mesh.
+class RemeshStream final : public ChunkStream {
+ public:
+  using Reactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
+
+  /// Begins the call; what it returns is for gRPC.
+  static Reactor* start(MeshEngine& engine, grpc::CallbackServerContext& context);
+
+  /// gRPC has read a message; or there is none.
+  void read_done(bool ok);
+
+ private:
+  class Reads;
+
+  RemeshStream(MeshEngine& engine, grpc::CallbackServerContext& context)
+      : ChunkStream(engine, context, "RemeshSession") {}
+
+  void await() override { read(); }
+  void open() override;
+  void note_opening() override;
+  std::uint64_t chunk_count() const override { return source_.chunk_count(); }
+  v1::MeshEvent header() const override;
+  absl::StatusOr<ChunkMessage> make(std::uint64_t index, Block block) override;
+  v1::MeshEvent trailer(std::uint64_t first,
+                        std::uint64_t end,
+                        const QualityStats& quality) const override;
+  void sent_all() override;
+  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  void give_up(std::chrono::seconds waited) override;
+
+  void read();
+  void take_message();
+  absl::Status take(v1::RemeshRequest message);
+  absl::Status take_start(const v1::MeshRequest& request);
+  absl::Status take_frame(const v1::RemeshFrame& frame);
+  absl::Status take_scene(const v1::Scene& scene);
+  absl::Status take_leaves(const v1::RemeshFrame& frame);
+  absl::StatusOr<std::shared_ptr<const Volume>> hold(Volume volume);
+  void keep_lattice();
+  void planned(absl::StatusOr<PlannedMesh> planned);
+
+  std::shared_ptr<RemeshStream> self() {
+    return std::static_pointer_cast<RemeshStream>(shared_from_this());
+  }
+
+  Reads* reads_ = nullptr;     ///< there until the call is finished
+  grpc::ByteBuffer incoming_;  ///< the message being read
+  std::mutex read_mutex_;
+  std::optional<Stallable::Clock::time_point> read_start_;  ///< while a message is awaited
+
+  // Whoever has the frame touches these: from the message that was read to its last chunk.
+  bool started_ = false;
+  std::int64_t frames_ = 0;
+  v1::MeshRequest request_;  ///< with the last frame's scene
+  MeshOrder order_;
+  PlannedMesh planned_;
+  ChunkSource source_;
+};
+
+}  // namespace tet

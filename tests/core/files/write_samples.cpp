@@ -1,0 +1,113 @@
+// Writes known meshes in every format, with their contents as JSON beside them, for
+// read_back.py.
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "core/files/mesh_file.h"
+#include "tests/core/mesh/small_meshes.h"
+
+namespace tet {
+namespace {
+
+TetMesh with_bounds(TetMesh mesh) {
+  mesh.header.bounds = {mesh.vertex(0), mesh.vertex(0)};
+  for (std::uint64_t i = 1; i < mesh.header.vertex_count; ++i) {
+    const WorldPoint p = mesh.vertex(i);
+    WorldBox& box = mesh.header.bounds;
+    box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y), std::min(box.min.z, p.z)};
+    box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
+  }
+  return mesh;
+}
+
+/// Rows of numbers by the array's name.
+nlohmann::json fields_of(const TetMesh& mesh) {
+  nlohmann::json fields = nlohmann::json::object();
+  const auto* value = reinterpret_cast<const float*>(mesh.fields.bytes().data());
+  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
+    for (const FieldArray& field : mesh.header.fields) {
+      const std::vector<float> row(value, value + field.components);
+      fields[field.name].push_back(row);
+      value += field.components;
+    }
+  }
+  return fields;
+}
+
+/// Two grids' meshes: the first `tets` tets, and the rest.
+TetMesh in_two_parts(TetMesh mesh, std::uint64_t tets) {
+  const std::uint64_t rest = mesh.header.tet_count - tets;
+  mesh.header.parts = {{"femur \"left\"", 0, 1, 0, tets, 1, 0},
+                       {"a/b <c> & d", 1, mesh.header.vertex_count - 1, tets, rest, 1, 0}};
+  return mesh;
+}
+
+nlohmann::json contents_of(const TetMesh& mesh) {
+  nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
+  nlohmann::json parts = points;
+  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
+    const auto [x, y, z] = mesh.vertex(i);
+    points.push_back({x, y, z});
+  }
+  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    tets.push_back(mesh.tet(i));
+    if (mesh.header.has_regions) regions.push_back(mesh.region(i));
+    if (!mesh.header.parts.empty()) parts.push_back(i < mesh.header.parts[1].first_tet ? 1 : 2);
+  }
+  return {{"points", points},
+          {"tets", tets},
+          {"regions", regions},
+          {"parts", parts},
+          {"fields", fields_of(mesh)}};
+}
+
+absl::Status write_sample(const std::string& path, TetMesh unbounded) {
+  const TetMesh mesh = with_bounds(std::move(unbounded));
+  if (auto status = write_text_file(path + ".json", contents_of(mesh).dump()); !status.ok()) {
+    return status;
+  }
+  for (const char* ending : {".vtu", ".msh", ".vtkhdf"}) {
+    if (auto status = write_mesh_file(path + ending, mesh); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status write_samples(const std::string& directory) {
+  const auto all = [](int, int, int) { return true; };
+  const auto every_third = [](std::uint64_t tet) { return tet % 3 == 1; };
+  const auto none = [](std::uint64_t) { return false; };
+  const Storage far{.origin = {20000.4, -20000.1, 1e6}};
+  const Storage wide{.coordinates = CoordinateType::kFloat64,
+                     .ids = IndexType::kUint64,
+                     .origin = {0.1, 0, 0}};
+  absl::Status status;
+  status.Update(write_sample(directory + "/one", one_tet()));
+  status.Update(write_sample(directory + "/near", kuhn_mesh(6)));
+  status.Update(write_sample(directory + "/moved", kuhn_mesh(3, all, {.origin = {5, -7, 9}})));
+  status.Update(write_sample(directory + "/far", kuhn_mesh(5, all, far)));
+  status.Update(write_sample(directory + "/wide", kuhn_mesh(4, all, wide)));
+  // Larger than one block of the writer in every column, in rows that do not fill blocks
+  // evenly.
+  status.Update(write_sample(directory + "/blocks", kuhn_mesh(33, all, wide)));
+  status.Update(write_sample(directory + "/sides", with_regions(kuhn_mesh(33), every_third)));
+  status.Update(write_sample(directory + "/outside", with_regions(kuhn_mesh(2), none)));
+  const std::vector<FieldArray> fields{{"heat", 1}, {"flow <x> & co", 3}, {"Druck in MPa", 1}};
+  status.Update(write_sample(directory + "/field", with_fields(kuhn_mesh(4), {{"flow", 3}})));
+  status.Update(write_sample(directory + "/fields",
+                             with_fields(with_regions(kuhn_mesh(33), every_third), fields)));
+  status.Update(write_sample(directory + "/parts",
+                             with_fields(in_two_parts(kuhn_mesh(33), 100'001), fields)));
+  return status;
+}
+
+}  // namespace
+}  // namespace tet
+
+int main(int, char** arguments) {
+  const absl::Status status = tet::write_samples(arguments[1]);
+  if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  return status.ok() ? 0 : 1;
+}

@@ -1,0 +1,211 @@
+#include "core/transfer/compact_mesh.h"
+
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/plan/mesher.h"
+#include "tests/core/plan/meshing.h"
+#include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
+
+namespace tet {
+namespace {
+
+using test::same_bytes;
+using Bytes = std::vector<std::byte>;
+
+struct Encoded {
+  MeshHeader header;
+  CompactFrame frame;
+  std::vector<Bytes> chunks;
+
+  std::size_t size() const {
+    std::size_t bytes = 0;
+    for (const Bytes& chunk : chunks) bytes += chunk.size();
+    return bytes;
+  }
+};
+
+Encoded encode(const Volume& volume,
+               const MeshRequest& request,
+               const MeshLimits& limits = {}) {
+  const auto plan = plan_mesh(std::make_shared<const Volume>(volume), request, limits,
+                              Cancellation(), nullptr);
+  EXPECT_TRUE(plan.ok()) << plan.status();
+  if (!plan.ok()) return {};
+  Encoded encoded{(*plan)->header(), (*plan)->compact_frame(), {}};
+  MeshWorkspace workspace;
+  for (std::uint64_t i = 0; i < encoded.header.chunk_count; ++i) {
+    (*plan)->encode_chunk(i, workspace, encoded.chunks.emplace_back());
+  }
+  return encoded;
+}
+
+absl::StatusOr<FilledMesh> decode(const Encoded& encoded) {
+  CompactBricks bricks(encoded.frame.rules.both_sides);
+  for (const Bytes& chunk : encoded.chunks) {
+    if (absl::Status status = bricks.add(chunk); !status.ok()) return status;
+  }
+  return decode_mesh(std::move(bricks), encoded.header, encoded.frame, Cancellation());
+}
+
+struct Case {
+  std::string name;
+  Volume volume;
+  MeshRequest request;
+};
+
+/// Every way in which bricks, rules and numbers differ.
+std::vector<Case> cases() {
+  MeshRequest graded, uniform, manifold, both_sides, half, coarse, wide;
+  uniform.levels = 0;
+  manifold.manifold = true;
+  both_sides.preset = Preset::kBothSides;
+  half.preset = Preset::kBothSides;
+  half.box = WorldBox{WorldPoint{-40, -40, -40}, WorldPoint{40, 40, 8}};
+  coarse.spacing = 1.4;
+  wide.coordinates = CoordinateType::kFloat64;
+  wide.indices = IndexType::kUint64;
+  std::vector<Case> cases;
+  const auto add = [&](const char* name, Volume volume, const MeshRequest& request) {
+    cases.push_back({name, std::move(volume), request});
+  };
+  add("ball, graded", test::ball(30), graded);
+  add("ball, uniform", test::ball(20), uniform);
+  add("ball, wide", test::ball(20), wide);
+  add("ball, other steps", test::ball(20), coarse);
+  add("ball, both sides", test::ball(20), both_sides);
+  add("ball, cut", test::ball(20), half);
+  add("signs", test::random_signs(20, 3), graded);
+  add("signs, manifold", test::random_signs(20, 4), manifold);
+  add("signs, both sides", test::random_signs(16, 11), both_sides);
+  return cases;
+}
+
+TEST(CompactMesh, IsByteForByteThePlainMesh) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const absl::StatusOr<FilledMesh> decoded = decode(encode(c.volume, c.request));
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    const MeshResult plain = test::mesh(c.volume, c.request);
+    EXPECT_TRUE(same_bytes(decoded->mesh, plain.mesh));
+    EXPECT_EQ(decoded->quality.min_dihedral_deg, plain.quality.min_dihedral_deg);
+    EXPECT_EQ(decoded->quality.volume, plain.quality.volume);
+    EXPECT_TRUE(decoded->quality.histogram == plain.quality.histogram);
+  }
+}
+
+TEST(CompactMesh, HasTheSameChunksWhateverThePlanKept) {
+  MeshLimits nothing_kept;
+  nothing_kept.kept_geometry_bytes = 0;
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    EXPECT_TRUE(encode(c.volume, c.request).chunks ==
+                encode(c.volume, c.request, nothing_kept).chunks);
+  }
+}
+
+TEST(CompactMesh, TakesAtMostFourBytesATetWhereItIsGraded) {
+  for (const Volume& volume : {test::ball(60), test::ball(25), test::random_signs(24, 5)}) {
+    const Encoded encoded = encode(volume, {});
+    EXPECT_LT(static_cast<double>(encoded.size()),
+              4 * static_cast<double>(encoded.header.tet_count));
+  }
+}
+
+TEST(CompactMesh, RefusesEveryTruncation) {
+  Encoded encoded = encode(test::ball(6), {});
+  ASSERT_EQ(encoded.chunks.size(), 1U);
+  const Bytes whole = encoded.chunks[0];
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    encoded.chunks[0].assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(decode(encoded).status().code(), absl::StatusCode::kDataLoss) << size;
+  }
+}
+
+/// The totals that a server which means its bytes would send: what is left of them, if
+/// anything.
+bool count_again(Encoded& encoded) {
+  CompactBricks bricks(encoded.frame.rules.both_sides);
+  for (const Bytes& chunk : encoded.chunks) {
+    if (!bricks.add(chunk).ok()) return false;
+  }
+  const auto counted = std::move(bricks).count(encoded.frame.rules);
+  if (!counted.ok()) return false;
+  encoded.header.vertex_count = counted->first_vertex(counted->brick_count());
+  encoded.header.tet_count = counted->first_tet(counted->brick_count());
+  return true;
+}
+
+/// Appends little-endian numbers.
+template <class... Numbers>
+void append(Bytes& bytes, Numbers... numbers) {
+  const auto one = [&](auto number) {
+    const auto raw = std::as_bytes(std::span(&number, 1));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  };
+  (one(numbers), ...);
+}
+
+TEST(CompactMesh, RefusesLeavesWithGapsWhateverTheHeaderSays) {
+  constexpr std::uint8_t kAnywhere = 2, kHasLeaves = 16, kFirstSliceOnly = 0xfe;
+  Bytes chunk;
+  append(chunk, std::uint8_t{2});  // bricks: one of no use, and a coarse one
+  append(chunk, kAnywhere, std::uint8_t{0}, 100, 100, 100);
+  append(chunk, static_cast<std::uint8_t>(kAnywhere | kHasLeaves), std::uint8_t{1}, 0, 0, 0);
+  append(chunk, kFirstSliceOnly, std::uint8_t{0}, std::uint64_t{1});  // a leaf
+  append(chunk, kFirstSliceOnly, std::uint8_t{0},
+         std::uint64_t{1} << 8);  // a family never sent
+  Encoded gap = encode(test::ball(5), {});
+  gap.chunks = {chunk};
+  ASSERT_TRUE(count_again(gap));
+  ASSERT_GT(gap.header.tet_count, 0U);
+  EXPECT_EQ(decode(gap).status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(CompactMesh, RefusesFractionsThatAreNone) {
+  Encoded encoded = encode(test::ball(5), {});
+  Bytes& chunk = encoded.chunks[0];
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  int refused = 0;
+  for (std::size_t at = 0; at + sizeof(nothing) <= chunk.size(); at += 97) {
+    const Bytes before = chunk;
+    std::memcpy(&chunk[at], &nothing, sizeof(nothing));
+    const auto decoded = decode(encoded);
+    refused += !decoded.ok();
+    chunk = before;
+  }
+  EXPECT_GT(refused, 0);
+}
+
+TEST(CompactMesh, RefusesOrSurvivesAnyWrongByte) {
+  for (const bool both_sides : {false, true}) {
+    MeshRequest request;
+    if (both_sides) request.preset = Preset::kBothSides;
+    Encoded encoded = encode(test::ball(5), request);
+    std::mt19937 random(7);
+    for (int i = 0; i < 300; ++i) {
+      Bytes& chunk = encoded.chunks[random() % encoded.chunks.size()];
+      std::byte& byte = chunk[random() % chunk.size()];
+      const std::byte before = byte;
+      byte ^= std::byte{1} << random() % 8;
+      const auto decoded = decode(encoded);  // a flipped fraction bit makes another mesh
+      if (!decoded.ok()) {
+        EXPECT_EQ(decoded.status().code(), absl::StatusCode::kDataLoss);
+      }
+      byte = before;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tet

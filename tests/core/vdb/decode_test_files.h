@@ -1,0 +1,44 @@
+// Files to decode, and decoders that do not.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "core/base/failure_name.h"
+#include "core/vdb/decode_file.h"
+#include "tests/support/test_directory.h"
+#include "tests/support/vdb_fixtures.h"
+
+namespace tet::test {
+
+class DecodeTest : public ::testing::Test {
+ protected:
+  DecodeTest() { write_fixture("sphere", 0.1, path_); }
+
+  /// The program of hostile_decoder.cpp that does what `deed` says.
+  std::string hostile(const std::string& deed) {
+    const std::string link = directory_.file("decoder." + deed);
+    std::filesystem::create_symlink(HOSTILE_DECODER_PATH, link);
+    return link;
+  }
+
+  FileRequest request(const std::string& grid_name = "") const {
+    return {DecodeTask::kVolume, path_, "grids/abc", grid_name, std::uint64_t{64} << 20};
+  }
+
+  /// What the request gets from a decoder that does `deed`.
+  absl::Status outcome(const std::string& deed) {
+    DecoderSettings settings;
+    settings.program = hostile(deed);
+    return volume_of(decode_once(request(), settings, nullptr), request()).status();
+  }
+
+  TestDirectory directory_;
+  std::string path_ = directory_.file("sphere.vdb");
+};
+
+}  // namespace tet::test

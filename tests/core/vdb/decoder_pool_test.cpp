@@ -1,0 +1,144 @@
+#include "core/vdb/decoder_pool.h"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <future>
+#include <memory>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/core/vdb/decode_test_files.h"
+
+namespace tet {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// This process's children, of all its threads.
+std::vector<pid_t> children() {
+  std::vector<pid_t> pids;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream list(task.path() / "children");
+    for (pid_t pid = 0; list >> pid;) pids.push_back(pid);
+  }
+  return pids;
+}
+
+class DecoderPoolTest : public test::DecodeTest {
+ protected:
+  static DecoderSettings settings(const std::string& program = "", int processes = 2) {
+    DecoderSettings settings;
+    settings.program = program;
+    settings.processes = processes;
+    return settings;
+  }
+
+  static std::future<absl::Status> ask(DecoderPool& pool,
+                                       const FileRequest& request,
+                                       std::function<bool()> cancelled = nullptr) {
+    auto promise = std::make_shared<std::promise<absl::Status>>();
+    pool.decode(request, std::move(cancelled),
+                [promise, request](const absl::StatusOr<SealedBlock>& block) {
+                  promise->set_value(volume_of(block, request).status());
+                });
+    return promise->get_future();
+  }
+
+  /// Kills every child that there is, once there are `count`.
+  static void kill_children(std::size_t count) {
+    while (children().size() < count) std::this_thread::sleep_for(1ms);
+    for (const pid_t pid : children()) ::kill(pid, SIGKILL);
+    std::this_thread::sleep_for(100ms);  // a signal takes its time
+  }
+};
+
+TEST_F(DecoderPoolTest, DecodesManyFilesWithFewProcesses) {
+  DecoderPool pool(settings());
+  std::vector<std::future<absl::Status>> answers;
+  for (int i = 0; i < 10; ++i) answers.push_back(ask(pool, request()));
+  for (auto& answer : answers) EXPECT_TRUE(answer.get().ok());
+  EXPECT_LE(children().size(), 4U);  // of each original a copy stands ready
+}
+
+TEST_F(DecoderPoolTest, GivesHealthyFilesTheirsWhileOthersCrash) {
+  DecoderPool pool(settings(hostile("decode_but_for")));
+  std::vector<std::future<absl::Status>> healthy, crashed;
+  for (int i = 0; i < 20; ++i) {
+    crashed.push_back(ask(pool, request("crash")));
+    healthy.push_back(ask(pool, request()));
+  }
+  for (auto& answer : healthy) EXPECT_TRUE(answer.get().ok());
+  for (auto& answer : crashed) EXPECT_EQ(failure_name(answer.get()), "DECODER_CRASHED");
+}
+
+TEST_F(DecoderPoolTest, ReplacesDecodersThatDieWhileTheyWait) {
+  DecoderPool pool(settings());
+  ASSERT_TRUE(ask(pool, request()).get().ok());
+  for (int i = 0; i < 5; ++i) {
+    kill_children(4);
+    const absl::Status status = ask(pool, request()).get();
+    EXPECT_TRUE(status.ok()) << status;
+  }
+}
+
+TEST_F(DecoderPoolTest, KeepsItsDecoderWhenAFileIsRefusedWithoutIt) {
+  DecoderPool pool(settings("", 1));
+  FileRequest broken = request();
+  broken.path = directory_.file("broken.vdb");
+  std::ofstream(broken.path) << "no volume at all";
+  while (children().size() < 2) std::this_thread::sleep_for(1ms);
+  const std::vector<pid_t> before = children();
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(ask(pool, broken).get().ok());
+  EXPECT_EQ(children(), before);
+  EXPECT_TRUE(ask(pool, request()).get().ok());
+  EXPECT_NE(children(), before);
+}
+
+TEST_F(DecoderPoolTest, TellsTheRequestWhoseDecoderIsKilledAtWork) {
+  DecoderPool pool(settings(hostile("decode_but_for"), 1));
+  auto hanging = ask(pool, request("hang"));
+  auto waiting = ask(pool, request());
+  std::this_thread::sleep_for(300ms);
+  kill_children(2);
+  EXPECT_EQ(failure_name(hanging.get()), "DECODER_CRASHED");
+  EXPECT_TRUE(waiting.get().ok());
+}
+
+TEST_F(DecoderPoolTest, ForgetsRequestsThatNobodyWantsAnyMore) {
+  DecoderPool pool(settings(hostile("decode_but_for"), 1));
+  std::atomic<bool> cancelled{false};
+  auto hanging = ask(pool, request("hang"), [&] { return cancelled.load(); });
+  auto queued = ask(pool, request("hang"), [&] { return cancelled.load(); });
+  cancelled = true;
+  EXPECT_TRUE(absl::IsCancelled(hanging.get()));
+  EXPECT_TRUE(absl::IsCancelled(queued.get()));
+}
+
+TEST_F(DecoderPoolTest, EndsAtOnceWhateverRuns) {
+  auto pool = std::make_unique<DecoderPool>(settings(hostile("decode_but_for"), 1));
+  auto hanging = ask(*pool, request("hang"));
+  auto queued = ask(*pool, request());
+  std::this_thread::sleep_for(100ms);
+  const auto start = std::chrono::steady_clock::now();
+  pool.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 200ms);
+  EXPECT_EQ(failure_name(hanging.get()), "SHUTTING_DOWN");
+  EXPECT_EQ(failure_name(queued.get()), "SHUTTING_DOWN");
+  EXPECT_TRUE(children().empty());
+}
+
+TEST_F(DecoderPoolTest, SaysThatThereIsNoProgram) {
+  DecoderPool pool(settings("/no/such/program"));
+  const absl::Status status = ask(pool, request()).get();
+  EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+  EXPECT_EQ(failure_name(status), "DECODER_UNAVAILABLE");
+}
+
+}  // namespace
+}  // namespace tet

@@ -1,0 +1,197 @@
+#include "core/vdb/decoder.h"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <fcntl.h>
+#include <future>
+#include <sys/stat.h>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/vdb/load.h"
+#include "tests/core/vdb/decode_test_files.h"
+
+namespace tet {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::Not;
+using Clock = std::chrono::steady_clock;
+
+class DecoderTest : public test::DecodeTest {
+ protected:
+  absl::Status decode_with(Decoder& decoder) const {
+    const auto checked = check_request(request(), 10s);
+    if (!checked.ok()) return checked.status();
+    return decoder.decode(checked->order, checked->file.number(), {10s, nullptr}).status();
+  }
+  void expect_crash(const std::string& deed, const std::string& why) {
+    expect_failure(deed, "DECODER_CRASHED", why);
+  }
+  void expect_failure(const std::string& deed,
+                      const std::string& name,
+                      const std::string& why) {
+    const absl::Status status = outcome(deed);
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << deed << ": " << status;
+    EXPECT_EQ(failure_name(status), name) << deed << ": " << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(why)) << deed;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("'grids/abc'")) << deed;
+  }
+};
+
+TEST_F(DecoderTest, HandsBackWhatThisProcessWouldRead) {
+  const absl::StatusOr<Volume> there =
+      volume_of(decode_once(request(), {}, nullptr), request());
+  const absl::StatusOr<Volume> here = load_volume(path_, "");
+  ASSERT_TRUE(there.ok()) << there.status();
+  EXPECT_EQ(there->name, here->name);
+  EXPECT_EQ(there->bricks, here->bricks);
+  EXPECT_EQ(there->values, here->values);
+  EXPECT_EQ(there->kind, here->kind);
+}
+
+TEST_F(DecoderTest, ListsWhatThisProcessWouldList) {
+  FileRequest list = request();
+  list.task = DecodeTask::kGridList;
+  const auto there = grid_list_of(decode_once(list, {}, nullptr), list);
+  ASSERT_TRUE(there.ok()) << there.status();
+  ASSERT_EQ(there->size(), 1U);
+  EXPECT_EQ(there->front().name, "sphere");
+  EXPECT_EQ(there->front().active_voxels, list_grids(path_)->front().active_voxels);
+}
+
+TEST_F(DecoderTest, HandsBackEachComponentOfAField) {
+  test::write_fixture("vec3", 0.1, path_);
+  FileRequest field = request("vec3");
+  field.task = DecodeTask::kField;
+  for (field.component = 0; field.component < 3; ++field.component) {
+    const auto there = volume_of(decode_once(field, {}, nullptr), field);
+    ASSERT_TRUE(there.ok()) << there.status();
+    EXPECT_EQ(there->kind, VolumeKind::kVectorField);
+    EXPECT_EQ(there->values, load_field(path_, "vec3", field.component)->values);
+  }
+  EXPECT_TRUE(
+      absl::IsInvalidArgument(volume_of(decode_once(field, {}, nullptr), field).status()));
+}
+
+TEST_F(DecoderTest, IsNotBelievedToHaveReadAFieldForASurface) {
+  FileRequest field = request();
+  field.task = DecodeTask::kField;
+  for (const auto& [asked, read] : {std::pair(field, request()), std::pair(request(), field)}) {
+    const absl::Status status = volume_of(decode_once(read, {}, nullptr), asked).status();
+    EXPECT_EQ(failure_name(status), "DECODER_RESULT") << status;
+  }
+}
+
+TEST_F(DecoderTest, PassesOnWhatTheReaderSaysOfTheFile) {
+  const FileRequest other = request("other");
+  const absl::Status status = volume_of(decode_once(other, {}, nullptr), other).status();
+  EXPECT_TRUE(absl::IsNotFound(status)) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("no grid 'other'"));
+  EXPECT_THAT(std::string(status.message()), Not(HasSubstr(path_)));
+}
+
+TEST_F(DecoderTest, CostsOnlyItsRequestWhenItEndsBadly) {
+  expect_crash("segfault", "signal 11");
+  expect_crash("exit", "ended with 5");
+  expect_crash("close", "did not answer");  // and had to be killed
+}
+
+TEST_F(DecoderTest, IsNotBelievedWhatItSays) {
+  expect_crash("nonsense", "ended with 6 and no answer");
+  expect_crash("lies", "ended with 6 and no answer");
+  const absl::Status loud = outcome("shouts");
+  EXPECT_TRUE(absl::IsInvalidArgument(loud));
+  EXPECT_EQ(failure_name(loud), "");
+  EXPECT_EQ(loud.message().size(), 500U);
+  EXPECT_THAT(std::string(loud.message()), testing::StartsWith("?[2J?AAA"));
+}
+
+TEST_F(DecoderTest, IsNotBelievedWhatItHandsBack) {
+  expect_failure("unsealed", "DECODER_RESULT", "not sealed");
+  expect_failure("empty", "DECODER_RESULT", "0 bytes");
+  expect_failure("short", "DECODER_RESULT", "hold no header");
+  expect_failure("holes", "DECODER_RESULT", "holes");
+  expect_failure("corrupt", "DECODER_RESULT", "not valid");
+}
+
+TEST_F(DecoderTest, IsUnavailableWhenNoProgramStarts) {
+  for (const char* deed : {"stillborn", "no/such/program"}) {
+    DecoderSettings settings;
+    settings.program = deed == std::string("stillborn") ? hostile(deed) : deed;
+    const absl::Status status = decode_once(request(), settings, nullptr).status();
+    EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+    EXPECT_EQ(failure_name(status), "DECODER_UNAVAILABLE");
+  }
+}
+
+TEST_F(DecoderTest, IsKilledWhenItTakesTooLong) {
+  DecoderSettings settings;
+  settings.program = hostile("hang");
+  settings.max_time = 200ms;
+  const Clock::time_point start = Clock::now();
+  const absl::Status status = decode_once(request(), settings, nullptr).status();
+  EXPECT_EQ(failure_name(status), "DECODER_TIMEOUT") << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("longer than 0.2 s"));
+  EXPECT_LT(Clock::now() - start, 1s);
+}
+
+TEST_F(DecoderTest, IsKilledAtOnceWhenNobodyWantsItsResult) {
+  DecoderSettings settings;
+  settings.program = hostile("hang");
+  std::atomic<bool> cancelled{false};
+  auto decoding = std::async(std::launch::async, [&] {
+    return decode_once(request(), settings, [&] { return cancelled.load(); }).status();
+  });
+  std::this_thread::sleep_for(100ms);
+  cancelled = true;
+  EXPECT_EQ(decoding.wait_for(100ms), std::future_status::ready);
+  EXPECT_TRUE(absl::IsCancelled(decoding.get()));
+}
+
+TEST_F(DecoderTest, CopiesItselfForOneFileAfterAnother) {
+  absl::StatusOr<Decoder> original = Decoder::start({});
+  ASSERT_TRUE(original.ok()) << original.status();
+  ASSERT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
+  for (int i = 0; i < 3; ++i) {
+    absl::StatusOr<Decoder> copy = original->copy(nullptr);
+    ASSERT_TRUE(copy.ok()) << copy.status();
+    EXPECT_NE(copy->pid(), original->pid());
+    EXPECT_EQ(copy->wait_until_ready(nullptr), absl::OkStatus());
+    EXPECT_TRUE(decode_with(*copy).ok());
+    EXPECT_EQ(::kill(original->pid(), 0), 0);
+  }
+  EXPECT_TRUE(decode_with(*original).ok());
+  EXPECT_TRUE(absl::IsUnavailable(original->copy(nullptr).status()));
+}
+
+TEST_F(DecoderTest, LeavesNoProcessBehind) {
+  pid_t pid = 0;
+  {
+    const absl::StatusOr<Decoder> decoder = Decoder::start({hostile("asleep"), {}});
+    ASSERT_TRUE(decoder.ok()) << decoder.status();
+    pid = decoder->pid();
+    EXPECT_EQ(::kill(pid, 0), 0);
+  }
+  EXPECT_EQ(::kill(pid, 0), -1);  // not even as a zombie
+}
+
+TEST_F(DecoderTest, EndsWithTheThreadThatStartedIt) {
+  std::optional<absl::StatusOr<Decoder>> decoder;
+  std::thread([&] {
+    absl::StatusOr<Decoder> original = Decoder::start({});
+    EXPECT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
+    decoder.emplace(original->copy(nullptr));
+    EXPECT_EQ((*decoder)->wait_until_ready(nullptr), absl::OkStatus());
+  }).join();
+  const Clock::time_point start = Clock::now();
+  EXPECT_FALSE(decode_with(**decoder).ok());
+  EXPECT_LT(Clock::now() - start, 5s);
+}
+
+}  // namespace
+}  // namespace tet

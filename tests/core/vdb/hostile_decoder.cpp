@@ -1,0 +1,176 @@
+// A decoder that a hostile file has taken over. What it does is its name's ending:
+//   decoder.segfault, decoder.hang, ...
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <fcntl.h>
+#include <string>
+#include <string_view>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include "core/base/failure_name.h"
+#include "core/vdb/await_order.h"
+#include "core/vdb/decode_order.h"
+#include "core/vdb/decoder_protocol.h"
+#include "core/vdb/sandbox.h"
+#include "core/vdb/sealed_block.h"
+
+namespace tet {
+namespace {
+
+/// An order, and what came with it.
+struct Taken {
+  const ReceivedOrder& received;
+
+  int result() const { return received.result.number(); }
+  int file() const { return received.file.number(); }
+  void write(std::string_view bytes) const {
+    if (::write(result(), bytes.data(), bytes.size()) < 0) ::_exit(9);
+  }
+  void answer(const absl::Status& status = absl::OkStatus()) const {
+    send_answer(kDecoderSocket, status);
+  }
+  void sandbox() const {
+    const absl::Status safe =
+        enter_sandbox(received.order.limits, kDecoderSocket, file(), result());
+    if (!safe.ok()) ::_exit(8);
+  }
+  absl::Status decode() const { return carry_out(received.order, file(), result()); }
+};
+
+[[noreturn]] void hang() {
+  while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+[[noreturn]] void crash() {
+  std::signal(SIGSEGV, SIG_DFL);  // a sanitizer would make an exit code of it
+  ::kill(::getpid(), SIGSEGV);
+  ::_exit(7);
+}
+
+void spin() {
+  while (true) asm volatile("");
+}
+
+/// Memory until there is no more.
+void grow() {
+  std::vector<std::vector<char>> hoard;
+  while (true) hoard.emplace_back(std::size_t{1} << 20, 'x');
+}
+
+void write_without_end(const Taken& taken) {
+  const std::string piece(1 << 16, 'x');
+  while (true) taken.write(piece);
+}
+
+/// Seals what a decoder would not write.
+void hand_back(const Taken& taken, std::string_view bytes) {
+  taken.write(bytes);
+  if (!seal_memory(taken.result()).ok()) ::_exit(9);
+  taken.answer();
+}
+
+/// Decodes as it should, then changes one byte of the result.
+void corrupt(const Taken& taken) {
+  const int honest = ::memfd_create("honest", MFD_ALLOW_SEALING);
+  if (!carry_out(taken.received.order, taken.file(), honest).ok()) ::_exit(9);
+  std::string bytes(static_cast<std::size_t>(::lseek(honest, 0, SEEK_END)), '\0');
+  if (::pread(honest, bytes.data(), bytes.size(), 0) < 0) ::_exit(9);
+  bytes[32] = static_cast<char>(bytes[32] ^ 0x55);  // of the number of bricks
+  hand_back(taken, bytes);
+}
+
+void leave_holes(const Taken& taken) {
+  if (::ftruncate(taken.result(), 1 << 20) != 0) ::_exit(9);
+  hand_back(taken, "");
+}
+
+/// As a grid's name says, so that one server can have requests of both kinds.
+void decode_but_for(const Taken& taken) {
+  if (taken.received.order.grid_name == "crash") crash();
+  if (taken.received.order.grid_name == "hang") hang();
+  taken.sandbox();
+  taken.answer(taken.decode());
+  ::_exit(0);
+}
+
+void speak(std::string_view deed, const Taken& taken) {
+  if (deed == "nonsense") ::send(kDecoderSocket, "nonsense", 8, MSG_NOSIGNAL);
+  if (deed == "lies") taken.answer(absl::UnauthenticatedError("log in again"));
+  if (deed == "shouts") {
+    taken.answer(named_failure(
+        "GOVERNMENT_SECRET", absl::InvalidArgumentError("\x1b[2J\n" + std::string(2000, 'A'))));
+  }
+}
+
+void hand_back_nonsense(std::string_view deed, const Taken& taken) {
+  if (deed == "unsealed") {
+    taken.write("data");
+    taken.answer();
+  }
+  if (deed == "empty") hand_back(taken, "");
+  if (deed == "short") hand_back(taken, "tet-vol\n");
+  if (deed == "holes") leave_holes(taken);
+  if (deed == "corrupt") corrupt(taken);
+}
+
+void end_badly(std::string_view deed) {
+  if (deed == "segfault") crash();
+  if (deed == "hang") hang();
+  if (deed == "exit") ::_exit(5);
+  if (deed == "close") {
+    ::close(kDecoderSocket);
+    hang();
+  }
+}
+
+void take_too_much(std::string_view deed, const Taken& taken) {
+  taken.sandbox();
+  if (deed == "spin") spin();
+  if (deed == "grow") grow();
+  if (deed == "fill") write_without_end(taken);
+  if (deed == "open") ::open("/etc/passwd", O_RDONLY);
+  if (deed == "socket") ::socket(AF_INET, SOCK_STREAM, 0);
+  if (deed == "exec") ::execl("/bin/true", "true", nullptr);
+  if (deed == "fork") ::fork();
+  if (deed == "thread") std::thread([] {}).join();
+  if (deed == "kill") ::kill(::getppid(), 0);
+  if (deed == "execute") {
+    ::mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  }
+  if (deed == "map") {
+    ::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, taken.file(), 0);
+  }
+  if (deed == "limits") ::syscall(SYS_prlimit64, 0, RLIMIT_AS, nullptr, nullptr);
+}
+
+void act(std::string_view deed, const Taken& taken) {
+  if (deed == "decode_but_for") decode_but_for(taken);
+  speak(deed, taken);
+  hand_back_nonsense(deed, taken);
+  end_badly(deed);
+  take_too_much(deed, taken);
+  ::_exit(6);  // whatever it was, it was allowed
+}
+
+}  // namespace
+}  // namespace tet
+
+int main(int, char** argv) {
+  const std::string_view name = argv[0];
+  const std::string_view deed = name.substr(name.rfind('.') + 1);
+  if (deed == "stillborn") return 1;
+  if (deed == "asleep") tet::hang();
+  tet::prepare_to_carry_out();
+  tet::send_ready(tet::kDecoderSocket);
+  const auto received = tet::await_order(tet::kDecoderSocket);
+  if (received) tet::act(deed, {*received});
+  return 0;
+}

@@ -1,0 +1,40 @@
+// What a decoder can no longer do; not in builds with a sanitizer, which keep no sandbox.
+#include "core/vdb/sandbox.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/core/vdb/decode_test_files.h"
+
+namespace tet {
+namespace {
+
+using testing::HasSubstr;
+
+class SandboxTest : public test::DecodeTest {};
+
+TEST_F(SandboxTest, KillsWhoeverDoesMoreThanDecode) {
+  for (const char* deed :
+       {"open", "socket", "exec", "fork", "thread", "kill", "execute", "map", "limits"}) {
+    const absl::Status status = outcome(deed);
+    EXPECT_EQ(failure_name(status), "DECODER_CRASHED") << deed;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("signal 31")) << deed;  // SIGSYS
+  }
+}
+
+TEST_F(SandboxTest, EndsWhatGrows) {
+  EXPECT_EQ(failure_name(outcome("grow")), "DECODER_CRASHED");  // nobody caught std::bad_alloc
+  const absl::Status full = outcome("fill");
+  EXPECT_EQ(failure_name(full), "DECODER_MEMORY") << full;
+}
+
+TEST_F(SandboxTest, EndsWhatSpins) {
+  DecoderSettings settings;
+  settings.program = hostile("spin");
+  settings.max_time = std::chrono::milliseconds(200);
+  const absl::Status status = decode_once(request(), settings, nullptr).status();
+  EXPECT_EQ(failure_name(status), "DECODER_TIMEOUT") << status;
+}
+
+}  // namespace
+}  // namespace tet

@@ -1,0 +1,342 @@
+#include "proto/convert/request.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/scene.h"
+#include "proto/wire/sha256.h"
+
+namespace tet {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+v1::MeshRequest valid_request() {
+  v1::MeshRequest request;
+  request.set_name(name_of_grid(std::string(64, 'a')));
+  return request;
+}
+
+void set_point(double x, double y, double z, v1::Point& point) {
+  point.set_x(x);
+  point.set_y(y);
+  point.set_z(z);
+}
+
+/// A valid request for both sides within the unit cube.
+v1::MeshRequest boxed_request() {
+  v1::MeshRequest request = valid_request();
+  request.set_preset(v1::PRESET_BOTH_SIDES);
+  set_point(0, 0, 0, *request.mutable_box()->mutable_min());
+  set_point(1, 1, 1, *request.mutable_box()->mutable_max());
+  return request;
+}
+
+std::string refusal(const v1::MeshRequest& request) {
+  const auto order = parse_mesh_request(request);
+  EXPECT_EQ(order.status().code(), absl::StatusCode::kInvalidArgument);
+  return std::string(order.status().message());
+}
+
+TEST(Request, TakesTheMeshersDefaults) {
+  const auto order = parse_mesh_request(valid_request());
+  ASSERT_TRUE(order.ok());
+  EXPECT_FALSE(order->request.spacing);
+  EXPECT_FALSE(order->request.iso);
+  EXPECT_EQ(order->request.levels, kMaxLevels);
+}
+
+TEST(Request, TellsZeroFromUnset) {
+  v1::MeshRequest request = valid_request();
+  request.set_iso(0);
+  request.set_levels(0);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok());
+  EXPECT_EQ(order->request.iso, 0.0);
+  EXPECT_EQ(order->request.levels, 0);
+}
+
+TEST(Request, NamesTheFieldAndItsValue) {
+  v1::MeshRequest request = valid_request();
+  request.set_spacing(0);
+  EXPECT_THAT(refusal(request), HasSubstr("spacing 0 is not positive"));
+  request = valid_request();
+  request.set_spacing(std::numeric_limits<double>::infinity());
+  EXPECT_THAT(refusal(request), HasSubstr("spacing inf"));
+  request = valid_request();
+  request.set_iso(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(refusal(request), HasSubstr("iso nan is not finite"));
+  request = valid_request();
+  request.set_levels(25);
+  EXPECT_THAT(refusal(request), HasSubstr("levels 25 is not from 0 to 24"));
+  request = valid_request();
+  request.set_preset(static_cast<v1::Preset>(9));
+  EXPECT_THAT(refusal(request), HasSubstr("preset 9"));
+  request = valid_request();
+  request.set_name("grids/ABC");
+  EXPECT_THAT(refusal(request), HasSubstr("\"grids/ABC\""));
+}
+
+TEST(Request, TakesABoxAndAManifold) {
+  v1::MeshRequest request = boxed_request();
+  request.mutable_box()->mutable_min()->set_z(-2.5);
+  request.set_manifold(true);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_TRUE(order->request.manifold);
+  ASSERT_TRUE(order->request.box);
+  EXPECT_EQ(order->request.box->min.z, -2.5);
+  EXPECT_EQ(order->request.box->max.x, 1);
+  const auto plain = parse_mesh_request(valid_request());
+  EXPECT_FALSE(plain->request.manifold);
+  EXPECT_FALSE(plain->request.box);
+}
+
+TEST(Request, RefusesABoxThatIsNone) {
+  v1::MeshRequest request = boxed_request();
+  request.mutable_box()->clear_max();
+  EXPECT_THAT(refusal(request), HasSubstr("box must have both min and max"));
+  request = boxed_request();
+  request.mutable_box()->mutable_max()->set_y(0);
+  EXPECT_THAT(refusal(request), HasSubstr("max (1, 0, 1) is empty"));
+  for (const double wrong :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    request = boxed_request();
+    request.mutable_box()->mutable_max()->set_y(wrong);
+    EXPECT_THAT(refusal(request), HasSubstr("is not finite"));
+  }
+}
+
+TEST(Request, TakesABoxThatCutsTheInside) {
+  v1::MeshRequest request = boxed_request();
+  request.set_preset(v1::PRESET_MIN_ANGLE);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_TRUE(has_cut(order->request));
+  request.set_manifold(true);
+  EXPECT_THAT(refusal(request), HasSubstr("manifold does not go with a box"));
+  request.clear_manifold();
+  v1::StreamMeshRequest compact;
+  *compact.mutable_mesh() = request;
+  compact.set_encoding(v1::ENCODING_COMPACT);
+  EXPECT_THAT(parse_stream_request(compact).status().message(),
+              HasSubstr("ENCODING_COMPACT cannot carry a mesh that a box cuts"));
+}
+
+TEST(Request, RefusesARangeThatRunsBackwards) {
+  v1::StreamMeshRequest request;
+  *request.mutable_mesh() = valid_request();
+  request.set_start_chunk(3);
+  request.set_end_chunk(2);
+  EXPECT_FALSE(parse_stream_request(request).ok());
+  request.set_start_chunk(-1);
+  request.set_end_chunk(0);
+  EXPECT_FALSE(parse_stream_request(request).ok());
+}
+
+TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
+  const auto fog = std::make_shared<Volume>();
+  fog->name = "density";
+  fog->kind = VolumeKind::kFogVolume;
+  fog->transform.voxel_size = 0.25;
+  v1::MeshRequest spelled = valid_request();
+  spelled.set_spacing(0.25);
+  spelled.set_iso(0.5);
+  spelled.set_levels(kMaxLevels);
+  spelled.set_preset(v1::PRESET_DEFAULT);
+  const auto id = [&](const v1::MeshRequest& request) {
+    return mesh_id_of(canonical_request(*parse_mesh_request(request), fog, nullptr));
+  };
+  EXPECT_EQ(id(valid_request()), id(spelled));
+  spelled.set_iso(0.25);
+  EXPECT_NE(id(valid_request()), id(spelled));
+  v1::MeshRequest improved = valid_request();
+  improved.set_improve(true);
+  EXPECT_NE(id(valid_request()), id(improved));
+}
+
+TEST(MeshId, IsTheSameWithoutStatistics) {
+  const auto volume = std::make_shared<Volume>();
+  v1::MeshRequest only = valid_request();
+  only.set_skip_statistics(true);
+  const auto canonical = [&](const v1::MeshRequest& request) {
+    return canonical_request(*parse_mesh_request(request), volume, nullptr);
+  };
+  EXPECT_EQ(mesh_id_of(canonical(only)), mesh_id_of(canonical(valid_request())));
+  EXPECT_EQ(name_of_request(only), name_of_request(valid_request()));
+  EXPECT_TRUE(canonical(only).skip_statistics());
+  EXPECT_FALSE(canonical(valid_request()).skip_statistics());
+}
+
+TEST(MeshId, TellsEveryBoxAndManifoldsApart) {
+  const auto volume = std::make_shared<Volume>();
+  volume->name = "sphere";
+  const auto id = [&](const v1::MeshRequest& request) {
+    return mesh_id_of(canonical_request(*parse_mesh_request(request), volume, nullptr));
+  };
+  const v1::MeshRequest boxed = boxed_request();
+  EXPECT_EQ(id(boxed), id(boxed_request()));
+  v1::MeshRequest other = boxed;
+  other.clear_box();
+  EXPECT_NE(id(other), id(boxed));
+  other = boxed;
+  other.mutable_box()->mutable_max()->set_z(std::nextafter(1.0, 2.0));
+  EXPECT_NE(id(other), id(boxed));
+  other = boxed;
+  other.set_manifold(true);
+  EXPECT_NE(id(other), id(boxed));
+}
+
+v1::MeshRequest scene_request() {
+  v1::MeshRequest request;
+  v1::SceneNode& node = *request.mutable_scene()->add_nodes();
+  node.mutable_sphere()->set_radius(2);
+  return request;
+}
+
+TEST(Request, TakesASceneInPlaceOfAGrid) {
+  const auto order = parse_mesh_request(scene_request());
+  ASSERT_TRUE(order.ok()) << order.status();
+  ASSERT_NE(order->made_scene, nullptr);
+  EXPECT_EQ(order->made_scene->extent.max.x, 2);
+  EXPECT_EQ(order->digest, "");
+}
+
+TEST(Request, RefusesWhatScenesHaveNot) {
+  v1::MeshRequest request = scene_request();
+  request.set_name(valid_request().name());
+  EXPECT_EQ(refusal(request), "name is set beside scene: mesh one or the other");
+  request = scene_request();
+  request.set_grid_name("density");
+  EXPECT_EQ(refusal(request), "grid_name is set, but a scene has no grids");
+  request = scene_request();
+  request.set_iso(0);
+  EXPECT_THAT(refusal(request), HasSubstr("iso 0 is for grids"));
+  request = boxed_request();
+  request.clear_name();
+  request.mutable_scene()->add_nodes()->mutable_gyroid()->set_period(1);
+  EXPECT_EQ(refusal(request), "spacing must be set where the scene has no end");
+  request.set_spacing(0.1);
+  EXPECT_TRUE(parse_mesh_request(request).ok());
+  v1::StreamMeshRequest stream;
+  *stream.mutable_mesh() = scene_request();
+  stream.set_base_mesh_id("a");
+  stream.set_base_name(valid_request().name());
+  EXPECT_EQ(parse_stream_request(stream).status().message(),
+            "base_name is for grids: a scene's mesh is sent whole");
+}
+
+TEST(Request, NamesAMeshByItsScene) {
+  const auto id_of = [](const v1::MeshRequest& request) {
+    const auto order = parse_mesh_request(request);
+    return mesh_id_of(canonical_request(*order, order->made_scene, nullptr));
+  };
+  v1::MeshRequest request = scene_request();
+  const std::string id = id_of(request);
+  request.set_spacing(4.0 / 128);
+  EXPECT_EQ(id_of(request), id) << "its default";
+  request.mutable_scene()->mutable_nodes(0)->mutable_sphere()->set_radius(2.5);
+  EXPECT_NE(id_of(request), id);
+}
+
+TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
+  const auto file = [](char digit) { return std::string(64, digit); };
+  v1::MeshRequest request;
+  for (const char digit : {'b', 'a', 'b'}) {
+    v1::SceneNode& node = *request.mutable_scene()->add_nodes();
+    node.set_name(std::to_string(request.scene().nodes_size()));
+    node.mutable_grid()->set_name("grids/" + file(digit));
+  }
+  auto& all = *request.mutable_scene()->add_nodes()->mutable_union_();
+  for (const char* name : {"1", "2", "3"}) all.add_of(name);
+  request.mutable_sizing()->mutable_grid()->set_name("grids/" + file('c'));
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->made_scene, nullptr) << "its grids are not loaded";
+  EXPECT_THAT(files_of(*order), ElementsAre(file('a'), file('b'), file('c')));
+  request.mutable_scene()->mutable_nodes(1)->mutable_grid()->set_name("b.vdb");
+  EXPECT_THAT(refusal(request), StartsWith("nodes[1].grid.name \"b.vdb\" is not grids/"));
+}
+
+v1::MeshRequest sized_request() {
+  v1::MeshRequest request = scene_request();
+  v1::SizingRegion& region = *request.mutable_sizing()->add_regions();
+  region.set_size(0.5);
+  region.mutable_ball()->set_radius(1);
+  return request;
+}
+
+TEST(Request, TakesASizing) {
+  v1::MeshRequest request = sized_request();
+  request.mutable_sizing()->set_coarsest(2);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->request.sizing.coarsest, 2);
+  EXPECT_EQ(order->request.sizing.growth, 1);
+  ASSERT_EQ(order->request.sizing.regions.size(), 1U);
+  EXPECT_EQ(order->request.sizing.regions[0].size, 0.5);
+}
+
+TEST(Request, NamesTheFieldOfASizing) {
+  v1::MeshRequest request = sized_request();
+  request.mutable_sizing()->mutable_regions(0)->mutable_ball()->add_centre(1);
+  EXPECT_EQ(refusal(request), "regions[0].ball.centre has 1 numbers, not 3");
+  request = sized_request();
+  request.set_spacing(0.6);
+  EXPECT_EQ(refusal(request), "regions[0].size 0.5 is below the spacing 0.6, which no leaf is");
+  request = sized_request();
+  request.mutable_sizing()->set_grade_surface(true);
+  EXPECT_EQ(refusal(request),
+            "coarsest must be set where grade_surface is: leaves at the surface are as long");
+  request.mutable_sizing()->set_coarsest(2);
+  request.set_manifold(true);
+  EXPECT_EQ(refusal(request), "grade_surface does not go with manifold: set one of them");
+}
+
+TEST(Request, TakesFieldsAndTheFilesThatTheyAreIn) {
+  v1::MeshRequest request = valid_request();
+  request.mutable_sizing()->mutable_grid()->set_name(name_of_grid(std::string(64, 'b')));
+  for (const char digit : {'c', 'b', 'c'}) {
+    v1::Field& field = *request.add_fields();
+    field.set_name(std::string(1, static_cast<char>('w' + request.fields_size())));
+    field.set_grid(name_of_grid(std::string(64, digit)));
+  }
+  request.add_fields()->set_grid_name("heat");
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_EQ(order->request.fields[3].grid, "heat");
+  const std::vector<std::string> files{std::string(digest_of_name(request.name())),
+                                       std::string(64, 'b'), std::string(64, 'c')};
+  EXPECT_EQ(files_of(*order), files);
+}
+
+TEST(MeshId, TellsEverySizingApart) {
+  const auto id = [](const v1::MeshRequest& request) {
+    const auto order = parse_mesh_request(request);
+    return mesh_id_of(canonical_request(*order, order->made_scene, nullptr));
+  };
+  const v1::MeshRequest sized = sized_request();
+  EXPECT_NE(id(sized), id(scene_request()));
+  v1::MeshRequest other = sized;
+  other.mutable_sizing()->mutable_regions(0)->set_size(std::nextafter(0.5, 1.0));
+  EXPECT_NE(id(other), id(sized));
+  other = sized;
+  other.mutable_sizing()->set_growth(1);
+  EXPECT_EQ(id(other), id(sized)) << "its default";
+  other.mutable_sizing()->set_coarsest(2);
+  const std::string coarse = id(other);
+  other.mutable_sizing()->set_grade_surface(true);
+  EXPECT_NE(id(other), coarse);
+  other = scene_request();
+  other.mutable_sizing();
+  EXPECT_EQ(id(other), id(scene_request())) << "one that asks for nothing";
+}
+
+}  // namespace
+}  // namespace tet

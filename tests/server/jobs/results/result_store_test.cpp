@@ -1,0 +1,164 @@
+#include "server/jobs/results/result_store.h"
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+
+#include <absl/strings/escaping.h>
+#include <gtest/gtest.h>
+
+#include "proto/convert/status.h"
+#include "server/ops/logging.h"
+#include "tests/server/test_folder.h"
+
+namespace tet::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMesh[] = "aa00", kOther[] = "bb00";
+const std::string kLongId(64, 'a');
+
+/// Makes a file look as if it had lain there for two hours.
+void age(const fs::path& file) {
+  fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(2));
+}
+
+ChunkMessage chunk_of(const std::string& bytes) {
+  const grpc::Slice slices[] = {grpc::Slice(bytes.substr(0, 3)), grpc::Slice(bytes.substr(3))};
+  ChunkMessage chunk;
+  chunk.event = grpc::ByteBuffer(slices, 2);
+  chunk.tets = 7;
+  chunk.bytes = bytes.size();
+  chunk.quality.min_dihedral_deg = 12.5;
+  chunk.quality.histogram[12] = 6;
+  return chunk;
+}
+
+std::string bytes_of(const ChunkMessage& chunk) {
+  grpc::Slice slice;
+  EXPECT_TRUE(chunk.event.DumpToSingleSlice(&slice).ok());
+  return {reinterpret_cast<const char*>(slice.begin()), slice.size()};
+}
+
+class ResultStoreTest : public testing::Test {
+ protected:
+  ResultStoreTest() { start_logging("off"); }
+
+  std::unique_ptr<ResultStore> open(std::uint64_t budget = 1 << 20,
+                                    absl::Duration keep_damaged = absl::Hours(1)) {
+    return ResultStore::open(folder_.path(), budget, keep_damaged).value();
+  }
+  static std::shared_ptr<MeshFolder> use(ResultStore& store, const std::string& mesh) {
+    return store.make({"default", mesh}).value();
+  }
+  absl::StatusOr<ChunkMessage> get(const MeshFolder& mesh, const ChunkDigest& digest) {
+    return mesh.get_chunk(digest, blocks_, nullptr);
+  }
+  fs::path file_of(const ChunkDigest& digest) const {
+    return folder_.path() / "default/meshes/aa" / kMesh / absl::BytesToHexString(digest);
+  }
+
+  TestFolder folder_;
+  BlockPool blocks_{4096, 1};
+};
+
+TEST_F(ResultStoreTest, GivesBackWhatWasPut) {
+  const auto store = open();
+  const auto mesh = use(*store, kMesh);
+  const ChunkDigest digest = mesh->put_chunk(chunk_of("some bytes")).value();
+  EXPECT_EQ(mesh->put_chunk(chunk_of("some bytes")).value(), digest);
+  const ChunkMessage chunk = get(*mesh, digest).value();
+  EXPECT_EQ(bytes_of(chunk), "some bytes");
+  EXPECT_EQ(chunk.tets, 7U);
+  EXPECT_EQ(chunk.quality.min_dihedral_deg, 12.5);
+  EXPECT_EQ(chunk.quality.histogram[12], 6U);
+}
+
+TEST_F(ResultStoreTest, NoticesEachDamageOfAChunk) {
+  const auto store = open();
+  const auto mesh = use(*store, kMesh);
+  const auto damage = [&](const std::function<void(const fs::path&)>& how) {
+    const ChunkDigest digest = mesh->put_chunk(chunk_of("some bytes")).value();
+    how(file_of(digest));
+    EXPECT_EQ(reason_of(get(*mesh, digest).status()), "CHUNK_DAMAGED");
+    EXPECT_FALSE(mesh->has_chunk(digest));
+  };
+  damage([](const fs::path& file) { fs::remove(file); });
+  damage([](const fs::path& file) { fs::resize_file(file, 5); });
+  damage([](const fs::path& file) { fs::resize_file(file, fs::file_size(file) - 1); });
+  damage([](const fs::path& file) { fs::resize_file(file, fs::file_size(file) + 1); });
+  damage([](const fs::path& file) {
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(3) << '!';
+  });
+}
+
+TEST_F(ResultStoreTest, KnowsTheShardsThatAreWhole) {
+  const auto store = open();
+  const auto mesh = use(*store, kMesh);
+  const std::vector<ChunkDigest> digests = {mesh->put_chunk(chunk_of("first")).value(),
+                                            mesh->put_chunk(chunk_of("second")).value()};
+  const ChunkRange range{4, 6};
+  EXPECT_FALSE(mesh->find_shard(range));
+  ASSERT_TRUE(mesh->put_shard(range, digests).ok());
+  EXPECT_EQ(mesh->find_whole_shard(range), digests);
+  fs::remove(file_of(digests[1]));
+  EXPECT_FALSE(mesh->find_whole_shard(range));
+  EXPECT_EQ(mesh->find_shard(range), digests);
+}
+
+TEST_F(ResultStoreTest, EvictsWhatWasUsedLeastAndNothingInUse) {
+  constexpr std::uint64_t kBudget = 10'000;
+  const auto store = open(kBudget);
+  const std::string large(6000, 'x');
+  ASSERT_TRUE(store->reserve(large.size()).ok());
+  ASSERT_TRUE(use(*store, kMesh)->put_chunk(chunk_of(large)).ok());
+  const auto used = use(*store, kOther);
+  ASSERT_TRUE(used->put_chunk(chunk_of("small")).ok());
+  EXPECT_TRUE(store->reserve(6000).ok());
+  EXPECT_EQ(store->stats().evicted, 1U);
+  EXPECT_TRUE(absl::IsNotFound(store->find({"default", kMesh}).status()));
+  EXPECT_TRUE(store->find({"default", kOther}).ok());
+  const absl::Status full = store->reserve(kBudget);
+  EXPECT_EQ(reason_of(full), "RESULTS_FULL");
+}
+
+TEST_F(ResultStoreTest, TakesADamagedPlanForNone) {
+  const auto store = open();
+  const std::string name(64, 'a');
+  EXPECT_FALSE(store->find_plan("default", name));
+  ASSERT_TRUE(store->put_plan({"default", kLongId}, name, "a plan").ok());
+  EXPECT_EQ(store->find_plan("default", name), "a plan");
+  fs::resize_file(folder_.path() / "default/plans" / name, 130);
+  EXPECT_FALSE(store->find_plan("default", name));
+}
+
+TEST_F(ResultStoreTest, KeepsPlansAsLongAsTheirMeshes) {
+  const auto store = open();
+  const std::string kept(64, 'b'), stale(64, 'c');
+  use(*store, kLongId);
+  ASSERT_TRUE(store->put_plan({"default", kLongId}, kept, "a plan").ok());
+  ASSERT_TRUE(store->put_plan({"default", std::string(64, 'd')}, stale, "a plan").ok());
+  store->sweep();
+  EXPECT_TRUE(store->find_plan("default", stale));  // its mesh may be about to be made
+  for (const std::string& name : {kept, stale}) age(folder_.path() / "default/plans" / name);
+  store->sweep();
+  EXPECT_EQ(store->find_plan("default", kept), "a plan");
+  EXPECT_FALSE(store->find_plan("default", stale));
+}
+
+TEST_F(ResultStoreTest, KeepsDamagedChunksForAWhile) {
+  const auto store = open();
+  const auto mesh = use(*store, kMesh);
+  const ChunkDigest digest = mesh->put_chunk(chunk_of("some bytes")).value();
+  fs::resize_file(file_of(digest), 5);
+  EXPECT_FALSE(get(*mesh, digest).ok());
+  const fs::path damaged = file_of(digest).string() + ".damaged";
+  store->sweep();
+  EXPECT_TRUE(fs::exists(damaged));
+  open(1 << 20, absl::ZeroDuration())->sweep();
+  EXPECT_FALSE(fs::exists(damaged));
+}
+
+}  // namespace
+}  // namespace tet::test

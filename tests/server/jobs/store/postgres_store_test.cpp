@@ -1,0 +1,125 @@
+// Every promise of the job store, held by the engine for many machines; and those that are its
+// own.
+#include <libpq-fe.h>
+#include <thread>
+
+#include "server/jobs/store/postgres_connection.h"
+#include "tests/server/jobs/store/job_store_fixture.h"
+#include "tests/server/jobs/store/postgres_home.h"
+
+namespace tet::test {
+namespace {
+
+INSTANTIATE_TEST_SUITE_P(Postgres, JobStoreTest, testing::Values(&make_postgres_home));
+
+NewJob wanted() {
+  NewJob job;
+  job.space = "ana";
+  return job;
+}
+
+/// The first column of the first row.
+std::string query(const std::string& connection, const std::string& sql) {
+  PGconn* connected = PQconnectdb(connection.c_str());
+  PGresult* result = PQexec(connected, sql.c_str());
+  const std::string found = PQntuples(result) > 0 ? PQgetvalue(result, 0, 0) : "";
+  PQclear(result);
+  PQfinish(connected);
+  return found;
+}
+
+TEST(PostgresJobStore, SaysWhyThereIsNoConnection) {
+  const absl::Status status =
+      open_postgres_job_store({.connection = "host=/nowhere user=x"}).status();
+  EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+  EXPECT_EQ(reason_of(status), "JOB_STORE_UNAVAILABLE");
+  EXPECT_THAT(std::string(status.message()), testing::HasSubstr("/nowhere"));
+}
+
+TEST(PostgresJobStore, ManyMayOpenANewStoreAtOnce) {
+  const PostgresHome home;
+  open_at_once(home);
+}
+
+TEST(PostgresJobStore, RefusesTheSchemaOfALaterVersion) {
+  const PostgresHome home;
+  home.open({});
+  query(home.connection(), "UPDATE schema_version SET version = 99");
+  const absl::Status status =
+      open_postgres_job_store({.connection = home.connection()}).status();
+  EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW") << status;
+}
+
+TEST(PostgresJobStore, BringsTheFirstVersionUpToDate) {
+  const PostgresHome home;
+  const Job job = home.open({})->create(wanted()).value().job;
+  query(home.connection(),
+        "DROP INDEX jobs_inputs; ALTER TABLE jobs DROP COLUMN input; UPDATE schema_version SET "
+        "version = 1");
+  const auto store = home.open({});
+  EXPECT_EQ(store->get(job.id).value().space, "ana");
+  NewJob asked = wanted();
+  asked.input = "a";
+  EXPECT_TRUE(store->create(asked).ok());
+  EXPECT_EQ(store->inputs().value().size(), 1U);
+}
+
+TEST(PostgresJobStore, ForgetsOldJobsByDroppingTheirPartitions) {
+  const PostgresHome home;
+  const auto store =
+      home.open_with({.connection = home.connection(), .partition = absl::Milliseconds(500)});
+  const Job old = store->create(wanted()).value().job;
+  store->cancel(old.id).value();
+  EXPECT_EQ(query(home.connection(), "SELECT count(*) FROM jobs_default"), "0");
+  sleep(absl::Milliseconds(600));
+  const Job active = store->create(wanted()).value().job;
+  const std::int64_t revision = store->revision().value();
+  EXPECT_EQ(store->purge(absl::Now()).value(), 1);
+  EXPECT_TRUE(absl::IsNotFound(store->get(old.id).status()));
+  EXPECT_TRUE(store->get(active.id).ok());
+  EXPECT_EQ(reason_of(store->watch({}).status()), "REVISION_COMPACTED");
+  EXPECT_TRUE(store->watch({.after_revision = revision}).ok());
+}
+
+TEST(PostgresJobStore, KeepsJobsOfSpansThatHaveNoPartition) {
+  const PostgresHome home;
+  const auto store =
+      home.open_with({.connection = home.connection(), .partition = absl::Milliseconds(1)});
+  sleep(absl::Milliseconds(20));
+  const Job job = store->create(wanted()).value().job;
+  EXPECT_EQ(query(home.connection(), "SELECT count(*) FROM jobs_default"), "1");
+  store->cancel(job.id).value();
+  EXPECT_EQ(store->purge(absl::Now() + absl::Hours(1)).value(), 1);
+  EXPECT_TRUE(absl::IsNotFound(store->get(job.id).status()));
+}
+
+TEST(PostgresJobStore, IsNotHeldUpByAProcessThatStoppedInTheMiddleOfATransaction) {
+  const PostgresHome home;
+  const auto store = home.open({});
+  const Job job = store->create(wanted()).value().job;
+  const auto stopped = PostgresConnection::open(home.connection()).value();
+  ASSERT_TRUE(stopped->begin().ok());
+  ASSERT_TRUE(stopped->run("SELECT id FROM jobs WHERE id = $1 FOR UPDATE", {{job.id}}).ok());
+  EXPECT_EQ(store->cancel(job.id).value().state, JobState::kCancelled);
+  EXPECT_TRUE(absl::IsUnavailable(stopped->commit()));
+}
+
+TEST(PostgresJobStore, FindsChangesWithoutNotifications) {
+  const PostgresHome home;
+  const auto store =
+      home.open_with({.connection = home.connection(), .poll = absl::Milliseconds(50)});
+  store->create(wanted()).value();
+  const std::int64_t revision = store->revision().value();
+  std::thread silent([&] {
+    sleep(absl::Milliseconds(100));
+    query(home.connection(),
+          "INSERT INTO events SELECT nextval('event_ids'), 0, job_id, space, 2, 9, 1, 0, 0, 0, "
+          "0, 0, 0 FROM events");
+  });
+  const auto page = store->watch({.after_revision = revision, .wait = absl::Seconds(10)});
+  EXPECT_EQ(page.value().events.size(), 1U);
+  silent.join();
+}
+
+}  // namespace
+}  // namespace tet::test

@@ -1,0 +1,75 @@
+// Every promise of the job store, held by the embedded engine; and those that are its own.
+#include <filesystem>
+#include <sqlite3.h>
+
+#include "tests/server/jobs/store/job_store_fixture.h"
+#include "tests/server/jobs/store/sqlite_home.h"
+
+namespace tet::test {
+namespace {
+
+INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreTest, testing::Values(&make_sqlite_home));
+
+TEST(SqliteJobStore, ManyMayOpenANewStoreAtOnce) {
+  const SqliteHome home;
+  open_at_once(home);
+}
+
+TEST(SqliteJobStore, RefusesAFileOfALaterVersion) {
+  const SqliteHome home;
+  home.open({});
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(home.path().c_str(), &database), SQLITE_OK);
+  sqlite3_exec(database, "PRAGMA user_version = 99", nullptr, nullptr, nullptr);
+  sqlite3_close(database);
+  const absl::Status status = open_sqlite_job_store({.path = home.path()}).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
+  EXPECT_EQ(reason_of(status), "JOB_STORE_TOO_NEW");
+}
+
+TEST(SqliteJobStore, BringsTheFirstVersionUpToDate) {
+  const SqliteHome home;
+  NewJob asked;
+  asked.space = "ana";
+  const Job job = home.open({})->create(asked).value().job;
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(home.path().c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database,
+                         "DROP INDEX jobs_inputs; ALTER TABLE jobs DROP COLUMN input; PRAGMA "
+                         "user_version = 1",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  const auto store = home.open({});
+  EXPECT_EQ(store->get(job.id).value().space, "ana");
+  asked.input = "a";
+  EXPECT_TRUE(store->create(asked).ok());
+  EXPECT_EQ(store->inputs().value().size(), 1U);
+}
+
+TEST(SqliteJobStore, RefusesAFileThatIsNoDatabase) {
+  const TestFolder folder;
+  const std::string path = folder.write("jobs.db", std::string(4096, 'x'));
+  const absl::Status status = open_sqlite_job_store({.path = path}).status();
+  EXPECT_EQ(reason_of(status), "JOB_STORE_BROKEN");
+}
+
+TEST(SqliteJobStore, PurgesWhatFinishedLongAgo) {
+  const SqliteHome home;
+  const auto store = home.open({});
+  NewJob asked;
+  asked.space = "ana";
+  const Job old = store->create(asked).value().job;
+  store->cancel(old.id).value();
+  const Job active = store->create(asked).value().job;
+  const std::int64_t revision = store->revision().value();
+  EXPECT_EQ(store->purge(absl::Now() - absl::Hours(1)).value(), 0);
+  EXPECT_EQ(store->purge(absl::Now() + absl::Hours(1)).value(), 1);
+  EXPECT_TRUE(absl::IsNotFound(store->get(old.id).status()));
+  EXPECT_TRUE(store->get(active.id).ok());
+  EXPECT_EQ(reason_of(store->watch({}).status()), "REVISION_COMPACTED");
+  EXPECT_TRUE(store->watch({.after_revision = revision}).ok());
+}
+
+}  // namespace
+}  // namespace tet::test

@@ -1,0 +1,26 @@
+// Where a test's job store lives: opened as often as the test likes, by this process and
+// others.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/jobs/store/job_store.h"
+#include "server/jobs/store/sql_job_store.h"
+
+namespace tet::test {
+
+class StoreHome {
+ public:
+  virtual ~StoreHome() = default;
+  /// Fails the test, and gives nothing, if the store cannot be opened.
+  virtual std::unique_ptr<JobStore> open(const SqlJobStore::Options& rules) const = 0;
+  /// How the worker program opens it.
+  virtual std::vector<std::string> worker_arguments() const = 0;
+};
+
+/// A new home, empty.
+using MakeHome = std::unique_ptr<StoreHome> (*)();
+
+}  // namespace tet::test

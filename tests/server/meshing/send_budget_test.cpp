@@ -1,0 +1,115 @@
+#include "server/meshing/send_budget.h"
+
+#include <deque>
+
+#include <gtest/gtest.h>
+
+namespace tet {
+namespace {
+
+using namespace std::chrono_literals;
+using Leases = std::deque<std::shared_ptr<SendBudget::Lease>>;
+
+constexpr std::uint64_t kBlock = 100;
+const int kWho = 0, kOther = 0;
+
+void ask(SendBudget& budget,
+         const std::string& client,
+         Leases& leases,
+         const void* who = &kWho) {
+  budget.ask(who, client, [&](auto lease) { leases.push_back(std::move(lease)); });
+}
+
+/// Nobody waits any more when the test ends: what then comes back is given to nobody.
+struct Departure {
+  SendBudget& budget;
+  ~Departure() {
+    budget.leave(&kWho);
+    budget.leave(&kOther);
+  }
+};
+
+TEST(SendBudget, GrantsUntilItIsUsedUpAndThenWhatComesBack) {
+  SendBudget budget(4 * kBlock, kBlock);
+  Leases a, b, c;
+  const Departure departure{budget};
+  for (int i = 0; i < 2; ++i) ask(budget, "a", a), ask(budget, "b", b);
+  ask(budget, "c", c);
+  EXPECT_EQ(budget.used_bytes(), 4 * kBlock);
+  EXPECT_TRUE(c.empty());
+  a.pop_back();
+  EXPECT_EQ(c.size(), 1U);
+}
+
+TEST(SendBudget, LeavesHalfOfItToOtherClients) {
+  SendBudget budget(8 * kBlock, kBlock);
+  Leases greedy, modest;
+  const Departure departure{budget};
+  for (int i = 0; i < 100; ++i) ask(budget, "greedy", greedy);
+  EXPECT_EQ(greedy.size(), 4U);
+  for (int i = 0; i < 4; ++i) ask(budget, "modest", modest);
+  EXPECT_EQ(modest.size(), 4U);
+  budget.leave(&kWho);
+}
+
+TEST(SendBudget, ClientsTakeTurns) {
+  SendBudget budget(2 * kBlock, kBlock);
+  Leases a, b, c;
+  const Departure departure{budget};
+  ask(budget, "a", a);
+  ask(budget, "b", b);
+  for (int i = 0; i < 50; ++i) ask(budget, "a", a);
+  ask(budget, "c", c);
+  a.pop_front();
+  EXPECT_TRUE(a.empty());
+  EXPECT_EQ(c.size(), 1U);
+  budget.leave(&kWho);
+}
+
+TEST(SendBudget, KeepsOnlyWhatIsNeeded) {
+  SendBudget budget(2 * kBlock, kBlock);
+  Leases a;
+  const Departure departure{budget};
+  ask(budget, "a", a);
+  a.front()->shrink_to(10);
+  EXPECT_EQ(budget.used_bytes(), 10U);
+  a.clear();
+  EXPECT_EQ(budget.used_bytes(), 0U);
+}
+
+TEST(SendBudget, ForgetsWhoeverLeaves) {
+  SendBudget budget(2 * kBlock, kBlock);
+  Leases a, gone;
+  const Departure departure{budget};
+  ask(budget, "a", a);
+  ask(budget, "a", gone, &kOther);
+  budget.leave(&kOther);
+  a.clear();
+  EXPECT_TRUE(gone.empty());
+  EXPECT_EQ(budget.used_bytes(), 0U);
+}
+
+TEST(SendBudget, TellsThatSomebodyIsKeptWaitingUnlessByItsOwnShare) {
+  SendBudget budget(4 * kBlock, kBlock);
+  const auto soon = SendBudget::Clock::now() + 1h;
+  Leases a, b, c;
+  const Departure departure{budget};
+  for (int i = 0; i < 3; ++i) ask(budget, "a", a);
+  EXPECT_FALSE(budget.kept_waiting_since(soon)) << "a has its half";
+  for (int i = 0; i < 2; ++i) ask(budget, "b", b);
+  ask(budget, "c", c);
+  EXPECT_TRUE(budget.kept_waiting_since(soon));
+  EXPECT_FALSE(budget.kept_waiting_since(soon - 2h)) << "not for so long";
+}
+
+TEST(SendBudget, IsOutlivedByWhatItGranted) {
+  Leases a;
+  {
+    SendBudget budget(4 * kBlock, kBlock);
+    ask(budget, "a", a);
+  }
+  a.clear();
+}
+
+}  // namespace
+}  // namespace tet
