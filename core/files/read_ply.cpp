@@ -147,15 +147,15 @@ absl::Status read_row(PlyBody& body, const PlyElement& element, PlyRow& row) {
 
 /// Where x, y and z are among a vertex's properties.
 absl::StatusOr<std::array<std::size_t, 3>> find_axes(const PlyElement& element) {
-  constexpr std::array<std::string_view, 3> kNames{"x", "y", "z"};
+  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
   std::array<std::size_t, 3> axes{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto found = std::find_if(
         element.properties.begin(), element.properties.end(),
-        [&](const PlyProperty& p) { return p.name == kNames[axis] && !p.count_type; });
+        [&](const PlyProperty& p) { return p.name == kAxes[axis] && !p.count_type; });
     if (found == element.properties.end()) {
       return absl::InvalidArgumentError(
-          absl::StrFormat("its vertices have no property '%s'", kNames[axis]));
+          absl::StrFormat("its vertices have no property '%s'", kAxes[axis]));
     }
     axes[axis] = static_cast<std::size_t>(found - element.properties.begin());
   }

@@ -21,7 +21,7 @@ template <class T>
 concept PlainRow =
     std::is_trivially_copyable_v<T> && std::has_unique_object_representations_v<T>;
 
-class Writer {
+class SurveyWriter {
  public:
   template <PlainRow T>
   void row(const T& value) {
@@ -66,9 +66,9 @@ class Writer {
 };
 
 /// After the first thing that is not there, nothing is.
-class Reader {
+class SurveyReader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+  explicit SurveyReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
   template <PlainRow T>
   T row() {
@@ -129,7 +129,7 @@ struct LinkRow {
   std::uint16_t element, part;
 };
 
-void write_parts(const PartsOfBrick& brick, Writer& out) {
+void write_parts(const PartsOfBrick& brick, SurveyWriter& out) {
   const SurfaceParts& parts = brick.parts;
   std::vector<LinkRow> links;
   for (const SurfaceLink& link : parts.links) {
@@ -148,7 +148,7 @@ constexpr int kBricksAround = 27, kLaterBricks = 13;
 bool is_beside(std::int32_t step) { return step >= -1 && step <= 1; }
 
 /// Nothing where a part or a brick is named that there is not.
-std::optional<PartsOfBrick> read_parts(Reader& in, std::size_t bricks) {
+std::optional<PartsOfBrick> read_parts(SurveyReader& in, std::size_t bricks) {
   PartsOfBrick brick;
   brick.brick = in.row<std::uint32_t>();
   SurfaceParts& parts = brick.parts;
@@ -221,7 +221,7 @@ bool is_of(const Survey& survey, const std::vector<BrickCoord>& candidates, bool
 std::vector<std::byte> write_survey(const Survey& survey,
                                     const std::vector<BrickCoord>& candidates) {
   TET_CHECK(survey.restored == nullptr && survey.has_topology);
-  Writer out;
+  SurveyWriter out;
   out.row(range_of(candidates));
   out.column(survey.bricks);
   out.sparse_column(survey.stuffed);
@@ -239,7 +239,7 @@ std::vector<std::byte> write_survey(const Survey& survey,
 std::optional<Survey> read_survey(std::span<const std::byte> bytes,
                                   const std::vector<BrickCoord>& candidates,
                                   bool both_sides) {
-  Reader in(bytes);
+  SurveyReader in(bytes);
   if (in.row<CandidateRange>() != range_of(candidates)) return std::nullopt;
   Survey survey;
   survey.has_topology = true;
