@@ -26,7 +26,7 @@ function(tet_package)
   cmake_parse_arguments(ARG "" "COMPONENT;NAME;SECTION;SUMMARY" "DEPENDS;TEXT" ${ARGN})
   string(TOUPPER ${ARG_COMPONENT} component)
   list(JOIN ARG_DEPENDS ", " depends)
-  string(CONCAT text ${ARG_TEXT})
+  list(JOIN ARG_TEXT "\n" text)
   set(CPACK_DEBIAN_${component}_PACKAGE_NAME ${ARG_NAME} PARENT_SCOPE)
   set(CPACK_DEBIAN_${component}_PACKAGE_SECTION ${ARG_SECTION} PARENT_SCOPE)
   set(CPACK_DEBIAN_${component}_PACKAGE_DEPENDS "${depends}" PARENT_SCOPE)
@@ -37,17 +37,19 @@ endfunction()
 set(same_version "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 tet_package(COMPONENT common NAME tetstream-common SECTION science
   SUMMARY "meshes OpenVDB volumes: what command and server share"
-  TEXT "The program that reads grid files where it can do nothing else, and tetstream's documents.")
+  TEXT "The program that reads grid files where it can do nothing else, and"
+       "tetstream's documents.")
 tet_package(COMPONENT command NAME tetstream SECTION science
   DEPENDS "tetstream-common ${same_version}"
   SUMMARY "meshes OpenVDB volumes: the command"
-  TEXT "Turns OpenVDB volumes and closed surfaces into tetrahedral meshes with guaranteed angles, "
-       "here or on a server, and writes them for ParaView and Gmsh.")
+  TEXT "Turns OpenVDB volumes and closed surfaces into tetrahedral meshes with"
+       "guaranteed angles, here or on a server, and writes them for ParaView and"
+       "Gmsh.")
 tet_package(COMPONENT server NAME tetstream-server SECTION science
   DEPENDS "tetstream-common ${same_version}" "systemd | systemd-standalone-sysusers" passwd
   SUMMARY "meshes OpenVDB volumes: the server"
-  TEXT "Stores OpenVDB grids, turns them into tetrahedral meshes, and streams these over gRPC while "
-       "they are made. Runs as a systemd service.")
+  TEXT "Stores OpenVDB grids, turns them into tetrahedral meshes, and streams these"
+       "over gRPC while they are made. Runs as a systemd service.")
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   ${debian}/conffiles ${debian}/postinst ${debian}/prerm ${debian}/postrm)

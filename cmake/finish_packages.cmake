@@ -11,7 +11,7 @@ function(finish_package root package)
   file(WRITE ${doc}/copyright "${copyright}")
   file(WRITE ${doc}/changelog.Debian
     "tetstream (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) bookworm; urgency=medium\n\n"
-    "  * Version ${CPACK_PACKAGE_VERSION}; /usr/share/doc/tetstream/changelog.gz says what is new.\n\n"
+    "  * Version ${CPACK_PACKAGE_VERSION}: see /usr/share/doc/tetstream-common/changelog.gz\n\n"
     " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${CPACK_TET_RELEASE_DAY}\n")
   compress(${doc}/changelog.Debian)
   file(REMOVE ${root}/usr/share/doc/tetstream/LICENSE)  # it is among Debian's common licences
@@ -25,6 +25,9 @@ function(finish_package root package)
   endif()
 endfunction()
 
+configure_file(${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md
+  ${CPACK_TEMPORARY_DIRECTORY}/common/usr/share/doc/tetstream-common/changelog COPYONLY)
+compress(${CPACK_TEMPORARY_DIRECTORY}/common/usr/share/doc/tetstream-common/changelog)
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} COMPONENT)
   finish_package(${CPACK_TEMPORARY_DIRECTORY}/${component}

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
@@ -17,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 void write_page(const fs::path& path, const std::string& text) {
-  fs::create_directories(path.parent_path());
+  std::error_code failed;  // then the file cannot be opened
+  fs::create_directories(path.parent_path(), failed);
   std::ofstream file(path);
   file << text;
   if (!file.flush()) throw CLI::FileError(path.string() + " cannot be written");
