@@ -41,7 +41,7 @@ struct Options {
 
 using Stores = std::vector<std::unique_ptr<JobStore>>;
 
-/// As so many processes would open one place; workers share them evenly.
+/// Opens one store as many times as that many processes would; workers share these evenly.
 class Place {
  public:
   explicit Place(const Options& options) : options_(options) {

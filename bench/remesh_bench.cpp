@@ -61,7 +61,7 @@ struct Parts {
   double plan = 0, compare = 0, fill = 0, splice = 0, whole = 0;
 };
 
-/// As a session does it: `updated` becomes the new mesh, in the memory of the one it was.
+/// Updates as a session does: `updated` becomes the new mesh, in the memory of the one it was.
 void update_once(const Plan& earlier,
                  const TetMesh& mesh,
                  const std::shared_ptr<const Volume>& volume,

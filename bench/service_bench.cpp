@@ -73,7 +73,8 @@ void stream(benchmark::State& state,
   delivered.report(state);
 }
 
-/// The same without a wire: into the memory of the mesh before too, the grid being there.
+/// Makes the mesh in this process, to compare with: the grid is loaded, and the memory is that
+/// of the mesh before.
 void make_here(benchmark::State& state, const BenchMesh& mesh, Planning planning) {
   const std::string path = std::filesystem::temp_directory_path() / "tet-bench-solid.vdb";
   test::write_fixture(mesh.solid, mesh.voxel_size, path);

@@ -101,8 +101,8 @@ absl::Status write_port(const std::string& path, int port) {
   return tet::move_file(unfinished, path);
 }
 
-/// As many files and connections as the system lets us have: gRPC does not survive a lack of
-/// them.
+/// Takes as many files and connections as the system lets us have: gRPC does not survive a lack
+/// of them.
 void raise_file_limit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -134,7 +134,7 @@ int serve(const tet::Config& config) {
   tet::log_grpc_messages();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
-  // Of a server that was killed: whoever waits for ours must not read it.
+  // A server that was killed may have left its file: whoever waits for ours must not read that.
   if (!config.port_file.empty()) std::remove(config.port_file.c_str());
   auto server = tet::Server::start(config);
   if (!server.ok()) return cannot_start(server.status());

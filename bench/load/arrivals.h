@@ -63,7 +63,7 @@ class Arrivals {
            std::uint64_t seed,
            std::size_t burst = 1);
 
-  /// Nothing once the profile is over.
+  /// The next arrival; std::nullopt once the profile is over.
   std::optional<Arrival> next();
 
  private:

@@ -25,7 +25,7 @@ struct LatencyGoal {
 /// Errors: kInvalidArgument, naming the text.
 absl::StatusOr<LatencyGoal> parse_goal(absl::string_view text);
 
-/// As parse_goal reads it.
+/// Writes a goal as parse_goal reads it.
 std::string show_goal(const LatencyGoal& goal);
 
 /// "header", "first chunk" or "whole".

@@ -13,7 +13,7 @@ std::string live_screen(const std::string& title,
                         const LoadMoment& previous,
                         const LoadMoment& moment);
 
-/// The same in one line, for logs.
+/// Tells the moment in one line, for logs.
 std::string live_line(const LoadMoment& previous, const LoadMoment& moment);
 
 /// Draws on stderr: a screen that is redrawn in place when that is a terminal, else a line now

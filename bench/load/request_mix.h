@@ -42,7 +42,7 @@ class RequestMix {
     std::size_t entry = 0;
     tetstream::v1::MeshRequest message;
   };
-  /// The same state of `random` draws the same entry and iso value.
+  /// Draws an entry and an iso value, which depend on the state of `random` alone.
   Drawn draw(std::mt19937_64& random);
 
  private:

@@ -14,7 +14,8 @@
 
 namespace tet::load {
 
-/// Of all that have ended, offered = done + failed + unfinished + dropped.
+/// How many requests ended how. Once all have ended, offered = done + failed + unfinished +
+/// dropped.
 struct Tally {
   std::uint64_t offered = 0;     ///< fell due
   std::uint64_t done = 0;        ///< got their whole mesh
@@ -32,15 +33,15 @@ struct Tally {
   /// own delay.
   LatencyHistogram lateness;
 
-  /// Of those done and those unfinished, whose part is a lower bound.
+  /// Latencies of the done and the unfinished; for the latter they are lower bounds.
   LatencyHistogram latency(LatencyKind kind) const;
 
   void add_done(const LoadRequest& request, const Outcome& outcome);
   void add_failed(const absl::Status& status);
   void add_unfinished(const LoadRequest& request, const Outcome& outcome);
 
-  /// Of those offered, how many did not come within the goal's limit: the slow, and all that
-  /// failed, were given up or dropped.
+  /// How many of those offered did not come within the goal's limit: the slow ones, and all
+  /// that failed, were given up or dropped.
   std::uint64_t missed(const LatencyGoal& goal) const;
   bool holds(const LatencyGoal& goal) const;
 };

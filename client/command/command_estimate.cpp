@@ -33,7 +33,7 @@ struct EstimateArguments {
   bool json = false;
 };
 
-/// Of a mesh that was counted; bytes as its columns take in memory.
+/// What counting a mesh told; `bytes` is what its columns take in memory.
 struct MeshEstimate {
   std::uint64_t vertices = 0, tets = 0, bytes = 0;
   double count_seconds = 0;  ///< that it took

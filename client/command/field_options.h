@@ -28,7 +28,7 @@ absl::StatusOr<std::vector<VertexField>> understand_fields(
 /// kInvalidArgument.
 absl::Status check_field_files(std::span<const VertexField> fields, const std::string& input);
 
-/// The same for a server, where files are stored.
+/// Adds the fields to a server's request, where each `file` is the name of a stored file.
 void add_wire_fields(std::span<const VertexField> fields,
                      ::tetstream::v1::MeshRequest& message);
 

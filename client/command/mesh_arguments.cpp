@@ -28,7 +28,7 @@ absl::Status check_sizing_grid(const MeshOptions& options) {
       absl::StrCat(file, " has no grids: name the .vdb of the sizing's with --sizing-grid"));
 }
 
-/// As far as the grids are not known.
+/// Checks --all-grids as far as that is possible while the grids are not known.
 absl::Status check_all_grids(const MeshOptions& options) {
   if (!options.all_grids) return absl::OkStatus();
   if (!options.grids.empty()) {

@@ -1,4 +1,4 @@
-// The two ways to make a mesh: in this process, or on a server. The same bytes either way.
+// The two ways to make a mesh: in this process, or on a server. Both make the same bytes.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ struct Stage {
 struct MadeMesh {
   TetMesh mesh;
   QualityStats quality;  ///< empty where the request skips statistics
-  /// Of the inside, if it was counted with the mesh; else to be measured.
+  /// The boundary of the inside, if it was counted with the mesh; else it has to be measured.
   std::optional<BoundaryTopology> boundary;
   std::optional<Improvement> improvement;  ///< where the request asked for it
   ThinWalls thin_walls;

@@ -74,7 +74,7 @@ std::string tets_of_each_side(const TetMesh& mesh) {
                          count_tets(mesh, MeshRegion::kOutside));
 }
 
-/// As if there were no other tets.
+/// Reports on one part as if there were no other tets.
 Json json_of(const MeshPart& part, const TetMesh& mesh) {
   MeshView view = mesh.view();
   view.tets = view.tets.subspan(ChunkSizes(mesh.header, 0, part.first_tet).tets,
@@ -106,7 +106,7 @@ std::string tets_of_each_part(const TetMesh& mesh) {
   return absl::StrCat(" (", absl::StrJoin(parts, ", "), ")");
 }
 
-/// Nothing where nothing was measured.
+/// Tells the angles; empty where they were not measured.
 std::string angles_of(const QualityStats& quality) {
   if (quality.empty()) return "";
   return absl::StrFormat(", dihedral angles %.2f to %.2f degrees", quality.min_dihedral_deg,

@@ -46,8 +46,8 @@ absl::Status check_grids(const std::vector<std::string>& grids, const MeshReques
 /// the two.
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
 
-/// The same for a server, which stores the file under `name`, and those of its fields as they
-/// say. One grid is meshed alone, several together.
+/// Makes the request that a server understands, which stores the input under `name` and the
+/// files of fields under the names that these have. One grid is meshed alone, several together.
 v1::MeshRequest wire_request(const MeshRequest& request,
                              const std::string& name,
                              const std::vector<std::string>& grids);

@@ -34,7 +34,7 @@ std::string path_of_grid(const std::string& scene, const std::string& name) {
   return std::filesystem::exists(beside, ignored) ? beside.string() : name;
 }
 
-/// Of node `node` of a scene file.
+/// Checks the name of the grid in node `node` of a scene file.
 absl::Status check_name(const std::string& scene, int node, const std::string& name) {
   if (absl::EndsWith(absl::AsciiStrToLower(name), ".vdb")) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
@@ -102,7 +102,7 @@ absl::StatusOr<Scene> read_scene(const std::string& path, const ReadGrid& read) 
 absl::StatusOr<v1::Scene> read_scene_message(const std::string& path, const StoreFile& store) {
   absl::StatusOr<v1::Scene> message = read_message(path);
   if (!message.ok()) return message.status();
-  // Nothing is stored for a scene that is refused anyway.
+  // The scene is checked before its grids are stored: it may be refused.
   if (auto status = description_of_message(*message).status(); !status.ok()) {
     return about(path, status);
   }

@@ -11,7 +11,7 @@ namespace tet {
 /// Errors: kNotFound, with the path.
 absl::StatusOr<std::string> read_text_file(const std::string& path);
 
-/// The same failure, with the path of the file that it is about.
+/// Puts the path of the file that a failure is about in front of its message.
 absl::Status about(const std::string& path, const absl::Status& status);
 
 }  // namespace tet

@@ -25,7 +25,7 @@ struct ReceivedChunk {
   std::array<Column, ChunkFrame::kColumns> columns;  ///< positions, tets, regions, fields
 };
 
-/// The same of a chunk that protobuf has read.
+/// The numbers of a chunk that protobuf has read.
 ChunkNumbers numbers_of(const tetstream::v1::MeshChunk& chunk);
 
 /// Copies a column that has the size of its place.

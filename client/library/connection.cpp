@@ -23,7 +23,7 @@ bool Connection::again(Retries& retries,
                        const absl::Status& status,
                        std::uint64_t progress) {
   const bool elsewhere = servers_.size() > 1 && absl::IsUnavailable(status);
-  // Of several calls that failed at one server only the first turns to the next.
+  // When several calls failed at one server, only the first of them turns to the next.
   if (std::size_t now = turn_.load();
       elsewhere && &servers_[now % servers_.size()] == &failed) {
     turn_.compare_exchange_strong(now, now + 1);

@@ -18,7 +18,7 @@ namespace tet {
 /// has ended.
 absl::Status to_absl(const grpc::Status& status, const grpc::ClientContext& context);
 
-/// The same of a failure that is part of an answer.
+/// Converts a failure that is part of an answer, with its details.
 absl::Status to_absl(const google::rpc::Status& status);
 
 /// The ErrorInfo's reason; empty when the server gave none.

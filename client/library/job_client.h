@@ -38,7 +38,7 @@ class JobClient {
   absl::StatusOr<v1::ListJobsResponse> list(const v1::ListJobsRequest& request,
                                             const Cancellation& cancellation);
 
-  /// All of them, by their first chunk.
+  /// All dead shards of a job, by their first chunk.
   absl::StatusOr<std::vector<v1::DeadShard>> dead_shards(const std::string& name,
                                                          const Cancellation& cancellation);
 
@@ -55,9 +55,9 @@ class JobClient {
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation);
 
-  /// The same in parts, none of which is kept: up to `streams` ranges of chunks are read side
-  /// by side, each in its order. `sink` is called by one thread at a time. `job` is as `get`
-  /// told it.
+  /// Reads the mesh in parts, none of which is kept: up to `streams` ranges of chunks are read
+  /// side by side, each in its order. `sink` is called by one thread at a time. `job` is as
+  /// `get` told it.
   absl::Status read_parts(const v1::Job& job,
                           int streams,
                           const PartSink& sink,

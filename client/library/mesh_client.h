@@ -81,7 +81,7 @@ class MeshClient {
   /// first call tells whether it is there.
   static std::unique_ptr<MeshClient> connect(const std::string& address,
                                              RetryPolicy retry = {});
-  /// The same over TLS, or with a token. Errors: those of open_channel.
+  /// Connects over TLS, or with a token. Errors: those of open_channel.
   static absl::StatusOr<std::unique_ptr<MeshClient>> connect(const std::string& address,
                                                              const ChannelOptions& options,
                                                              RetryPolicy retry = {});
@@ -118,10 +118,11 @@ class MeshClient {
                                            const Cancellation& cancellation,
                                            StreamOptions options = {});
 
-  /// As stream_mesh, and the same bytes, where `earlier` was made by the same request of
-  /// another grid: what did not change is taken from it, and only the rest is sent, if the
-  /// server still has the earlier grid. Where parts were kept, `quality` is that of the rest
-  /// alone. Errors also: kInvalidArgument (ENCODING_COMPACT, which carries whole meshes).
+  /// Receives the mesh that stream_mesh would, byte for byte, where `earlier` was made by the
+  /// same request of another grid: what did not change is taken from it, and only the rest is
+  /// sent, if the server still has the earlier grid. Where parts were kept, `quality` is that
+  /// of the rest alone. Errors also: kInvalidArgument (ENCODING_COMPACT, which carries whole
+  /// meshes).
   absl::StatusOr<StreamedMesh> update_mesh(const v1::MeshRequest& request,
                                            const StreamedMesh& earlier,
                                            const ClientProgress& progress,

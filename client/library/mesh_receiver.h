@@ -31,7 +31,7 @@ class MeshReceiver {
 
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
   absl::Status take(const v1::MeshEvent& event);
-  /// The same for an event as it came: a chunk goes into the mesh without another copy.
+  /// Takes an event as it came: a chunk goes into the mesh without another copy.
   absl::Status take(grpc::ByteBuffer& event);
 
   /// How far planning is, if the last event said that.
@@ -41,7 +41,7 @@ class MeshReceiver {
   std::uint64_t next_chunk() const noexcept { return next_chunk_; }
   const std::string& mesh_id() const noexcept { return received_.mesh_id; }
   std::uint64_t tets_received() const noexcept { return next_tet_; }
-  /// Of the chunks that came, without those kept.
+  /// Tets of the chunks that came, without those kept from the base.
   std::uint64_t tets_sent() const noexcept { return tets_sent_; }
   std::uint64_t tet_count() const noexcept { return received_.mesh.header.tet_count; }
   /// Every chunk is here and the server has said that there are no more.

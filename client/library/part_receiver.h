@@ -25,7 +25,7 @@ using PartSink = std::function<absl::Status(const TetMesh& part, const ChunkExte
 /// none. What it hands on was checked as MeshReceiver checks it. Not thread-safe.
 class PartReceiver {
  public:
-  /// Of the mesh whose header this is; `mesh_id` is the header's.
+  /// Receives chunks of the mesh that `header` and `mesh_id` belong to.
   PartReceiver(const MeshHeader& header,
                std::string mesh_id,
                std::uint64_t first,

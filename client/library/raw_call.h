@@ -30,7 +30,7 @@ class RawCall {
 
   /// False when the server takes no more; `finish` tells why.
   bool write(const grpc::ByteBuffer& message);
-  /// The same for the last message there is.
+  /// Writes the last message that there is. False when the server takes no more.
   bool write_last(const grpc::ByteBuffer& message);
   bool writes_done();
 

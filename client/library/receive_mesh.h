@@ -24,13 +24,13 @@ struct StreamCall {
   std::function<std::uint64_t()> next_chunk;  ///< the first that is missing
 };
 
-/// Until it is complete; a stream that breaks is resumed at the first chunk that is missing.
-/// Errors: the server's own, and those of `take`.
+/// Receives until the call is complete; a stream that breaks is resumed at the first chunk that
+/// is missing. Errors: the server's own, and those of `take`.
 absl::Status receive_stream(Connection& connection,
                             const StreamCall& call,
                             const Cancellation& cancellation);
 
-/// The same where a mesh is received.
+/// A call whose events are a mesh, which a MeshReceiver takes.
 struct MeshCall {
   std::string service, method;  ///< as in their .proto file
   /// The request for what `receiver` lacks.

@@ -32,7 +32,7 @@ bool is_valid(const v1::FieldArray& field) {
   return is_array_name(field.name()) && (field.components() == 1 || field.components() == 3);
 }
 
-/// Nothing where a name or a count cannot be.
+/// Converts the header's fields; std::nullopt where a name or a count cannot be right.
 std::optional<std::vector<FieldArray>> to_core(
     const google::protobuf::RepeatedPtrField<v1::FieldArray>& messages) {
   std::set<std::string> names;
@@ -52,7 +52,8 @@ bool is_part_name(const std::string& name) {
                       [](unsigned char c) { return absl::ascii_iscntrl(c); });
 }
 
-/// Nothing where they are not all of the mesh, one behind the other.
+/// Converts the header's parts; std::nullopt where they are not all of the mesh, one behind the
+/// other.
 std::optional<std::vector<MeshPart>> parts_of(const v1::MeshHeader& header) {
   if (header.parts().size() > int{kMaxMeshParts}) return std::nullopt;
   std::vector<MeshPart> parts;

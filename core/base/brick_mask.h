@@ -79,7 +79,7 @@ constexpr BrickMask next_along(int axis,
   return next;
 }
 
-/// The same one step down: `beyond` is the lower neighbour.
+/// Moves every cell one step down instead; `beyond` is the lower neighbour.
 constexpr BrickMask previous_along(int axis,
                                    const BrickMask& mask,
                                    const BrickMask& beyond) noexcept {
@@ -238,8 +238,8 @@ void for_each_bit(const HaloSet& set, const Visit& visit) {
 
 /// Copies the cells of the brick itself, [0, 8)^3, out of a halo set.
 BrickMask brick_part(const HaloSet& set) noexcept;
-/// The same seen from (dx, dy, dz), each in -1..1: cell (x, y, z) of the result is the set's
-/// (x + dx, y + dy, z + dz).
+/// Copies the 8^3 cells that begin at (dx, dy, dz), each in -1..1: cell (x, y, z) of the result
+/// is the set's (x + dx, y + dy, z + dz).
 BrickMask brick_part(const HaloSet& set, int dx, int dy, int dz) noexcept;
 
 /// Adds what `mask` says of the neighbour brick at (bx, by, bz), each in -1..1, where it lies

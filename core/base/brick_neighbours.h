@@ -16,7 +16,7 @@ using PlacesAround = std::array<std::uint32_t, 27>;
 
 inline constexpr std::size_t kItself = 13;
 
-/// Of a brick that is looked at alone; it need not be in the index.
+/// Looks up one brick and those around it. The brick need not be in the index.
 PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept;
 
 /// Walks along a sorted list of bricks: nine places move through it, one for each row of three

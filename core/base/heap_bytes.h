@@ -12,7 +12,7 @@ std::uint64_t heap_bytes(const std::vector<Value>& values) noexcept {
   return values.capacity() * sizeof(Value);
 }
 
-/// The same of several vectors.
+/// Adds up the heap bytes of several vectors.
 template <class... Vectors>
 std::uint64_t all_heap_bytes(const Vectors&... vectors) noexcept {
   return (heap_bytes(vectors) + ...);

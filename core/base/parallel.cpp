@@ -160,7 +160,7 @@ void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body
 
 }  // namespace internal
 
-#else  // The same contract on std::thread: Debian's oneTBB is opaque to ThreadSanitizer.
+#else  // This keeps the contract on std::thread: Debian's oneTBB is opaque to ThreadSanitizer.
 
 struct TaskPool::Impl {
   explicit Impl(int threads) {

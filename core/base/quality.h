@@ -26,7 +26,7 @@ struct QualityStats {
   /// Dihedral angles (six a tet) by whole degrees: bin d counts [d, d+1).
   std::array<std::uint64_t, kBins> histogram{};
 
-  /// Nothing was measured.
+  /// True when nothing was measured.
   bool empty() const noexcept { return min_dihedral_deg > max_dihedral_deg; }
 
   void add(const QualityStats& other) noexcept;

@@ -8,8 +8,8 @@
 
 namespace tet {
 
-/// As much scratch memory as there are tasks at a time, whatever their number: none is made
-/// while one lies idle. Thread-safe.
+/// Keeps scratch memory for as many tasks as run at a time, however many there are in all: a
+/// new piece is made only when none lies idle. Thread-safe.
 template <class Scratch>
 class ScratchPool {
  public:

@@ -16,8 +16,8 @@ namespace tet {
 /// FieldDifference::Asker.
 class FieldDifference {
  public:
-  /// Null where next to nothing can be the same: other lattices, a volume beside a scene. Of
-  /// volumes every value is looked at. Parallel.
+  /// Null where next to nothing can be the same: other lattices, a volume beside a scene. All
+  /// values of two volumes are compared. Parallel.
   static std::unique_ptr<const FieldDifference> between(const PhiField& earlier,
                                                         const PhiField& now);
 
@@ -39,7 +39,7 @@ class FieldDifference {
       : earlier_(earlier), now_(now) {}
 
   PhiField earlier_, now_;
-  // Of volumes: lattice bricks that read a voxel that changed; sorted.
+  // Lattice bricks that read a voxel that changed, sorted; filled for volumes only.
   std::vector<BrickCoord> touched_;
   BrickIndex touched_index_;
 };

@@ -47,9 +47,9 @@ struct FoundBricks {
 /// A brick near the surface costs about 2 KiB until the mesh is made.
 inline constexpr std::size_t kMaxSurfaceBricks = std::size_t{1} << 23;
 
-/// Of a volume. Looks at value ranges only, brick by brick; reads no samples. Parallel.
-/// Errors: kResourceExhausted (more than `most_bricks` near the surface), kFailedPrecondition
-/// (more space than can be looked at), kCancelled, kDeadlineExceeded.
+/// Finds the bricks of a volume. It looks at value ranges only, brick by brick, and reads no
+/// samples. Parallel. Errors: kResourceExhausted (more than `most_bricks` near the surface),
+/// kFailedPrecondition (more space than can be looked at), kCancelled, kDeadlineExceeded.
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
                                         std::size_t most_bricks = kMaxSurfaceBricks,
                                         const Cancellation& cancellation = {});

@@ -62,7 +62,8 @@ class CubeScan {
   }
 
  private:
-  /// Of 4^3 parts of `part_edge` cells, `step` apart, that begin where `all` begins.
+  /// Tells on which side each of 4^3 parts lies. Parts have edges of `part_edge` cells, are
+  /// `step` apart, and begin where `all` begins.
   std::array<Side, 64> sides(const CellCube& all, double step, double part_edge) {
     const double half = 0.5 * all.edge;
     evaluator_.focus(

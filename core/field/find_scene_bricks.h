@@ -12,12 +12,11 @@
 
 namespace tet {
 
-/// As find_bricks, from bounds alone: cubes of bricks are looked at 64 parts at a time, coarse
-/// ones first, and only those that may hold both signs are looked into. Within `domain`, or all
-/// that the scene reaches. Parallel.
-/// Errors: kInvalidArgument (beyond index space), kResourceExhausted (more than `most_bricks`
-/// near the surface),
-/// kCancelled, kDeadlineExceeded.
+/// Finds the bricks of a scene within `domain`, or within all that the scene reaches, from
+/// bounds alone: cubes of bricks are looked at 64 parts at a time, coarse ones first, and only
+/// those that may hold both signs are looked into. Parallel. Errors: kInvalidArgument (beyond
+/// index space), kResourceExhausted (more than `most_bricks` near the surface), kCancelled,
+/// kDeadlineExceeded.
 absl::StatusOr<FoundBricks> find_scene_bricks(const PhiField& field,
                                               const std::optional<BrickBox>& domain,
                                               std::size_t most_bricks,

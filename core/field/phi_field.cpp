@@ -22,7 +22,7 @@ struct Part {
 };
 constexpr std::array<Part, 3> kHaloParts{{{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}};
 
-/// Of the 27 bricks at and around a brick, the one at 9*(x+1) + 3*(y+1) + z+1.
+/// Returns one of the 27 bricks at and around a brick: `i` is 9*(x+1) + 3*(y+1) + z+1.
 BrickCoord brick_around(BrickCoord brick, int i) noexcept {
   return {brick.x + i / 9 - 1, brick.y + i / 3 % 3 - 1, brick.z + i % 3 - 1};
 }
@@ -38,7 +38,7 @@ struct Sides {
   }
 };
 
-/// Of the values in a part of a brick.
+/// Tells on which sides the values in a part of a brick lie.
 Sides sides_of(const InsideTestOfValue& inside,
                const VolumeReader::Brick& brick,
                const Part& x,

@@ -103,7 +103,7 @@ class PhiSampler {
   /// phi at a lattice point (units of the spacing): trilinear, or the scene's.
   float at(double x, double y, double z) noexcept;
 
-  /// Of a scene, focused on the brick that was sampled last and its halo.
+  /// The evaluator of a scene, focused on the brick that was sampled last and its halo.
   SceneEvaluator& scene() noexcept { return *scene_; }
 
  private:

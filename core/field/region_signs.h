@@ -21,7 +21,7 @@ using RegionRows = std::array<std::uint16_t, 256>;
 struct RegionSigns {
   RegionRows inside{}, outside{};
 
-  /// Of a region without bricks of its own.
+  /// The signs of a region that has no bricks of its own, so that one value fills it.
   static RegionSigns of_constant(bool is_inside) noexcept;
 };
 

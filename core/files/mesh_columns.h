@@ -46,7 +46,8 @@ ColumnSizes column_sizes(const MeshHeader& header,
 void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type);
 /// The values of field number `field`, float32, 1 or 3 a vertex.
 void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
-/// The same as doubles, each vertex's behind its number, which counts from 1, as an int32.
+/// Writes a field as doubles, with each vertex's number in front of its values: an int32 that
+/// counts from 1.
 void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
 /// Four vertex ids a tet.
 void write_connectivity(BlockWriter& writer, const TetMesh& mesh, IndexType type);

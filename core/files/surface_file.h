@@ -18,7 +18,7 @@ namespace tet {
 /// file that is malformed, truncated or without triangles: with its line or byte).
 absl::StatusOr<TriangleSurface> read_surface(const std::string& path);
 
-/// The same for a file's bytes. Errors: kInvalidArgument, with the line or byte.
+/// These read a file's bytes. Errors: kInvalidArgument, with the line or byte.
 absl::StatusOr<TriangleSurface> read_obj(std::string_view text);
 absl::StatusOr<TriangleSurface> read_stl(
     std::string_view bytes);  ///< vertices of equal bits are one

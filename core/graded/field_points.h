@@ -35,8 +35,8 @@ class LatticeSampler {
  public:
   explicit LatticeSampler(const PhiField& field) : sampler_(field) {}
 
-  /// Of a scene only what matters within `bounds` will be looked at: all points until the next
-  /// focus lie there.
+  /// Has a scene evaluate only what matters within `bounds`: all points until the next focus
+  /// lie there.
   void focus(const NodeBounds& bounds) noexcept;
 
   /// Exactly what the field says, before it is stored as a float.

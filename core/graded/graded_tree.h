@@ -44,7 +44,7 @@ struct GradedCover {
   bool finest_at_surface = false;  ///< they are leaves
 };
 
-/// Of no use once it is cancelled.
+/// Grows the tree. If cancelled, discard the result.
 GradedTree grow_graded_tree(const GradedCover& cover,
                             const LeafRules& rules,
                             const Cancellation& cancellation);

@@ -20,7 +20,7 @@ struct EdgeEnd {
 /// How near to a node a cut point violates it, as a part of their edge: by what the edge joins,
 /// for either end. docs/algorithm.md says how these were found.
 struct GradedLimits {
-  // Of a corner.
+  // These are near a corner.
   double corner_to_corner = 0;       ///< along an edge of its smallest leaves
   double corner_to_far_corner = 0;   ///< along an edge of a leaf twice as long
   double corner_across_face = 0;     ///< between a face's centre and its corner
@@ -28,12 +28,12 @@ struct GradedLimits {
   double corner_to_far_centre = 0;   ///< of a leaf twice as long
   double face_centre_to_centre = 0;  ///< of the leaf whose face it is in the middle of
   double edge_middle_to_centre = 0;  ///< of a leaf whose edge it is in the middle of
-  // Of a leaf's centre.
+  // These are near a leaf's centre.
   double centre_to_centre = 0;
   double centre_to_corner = 0;
   double centre_to_face_centre = 0;
   double centre_to_edge_middle = 0;
-  // In a face of the box, between the middle of a leaf's face and its corner.
+  // This one is in a face of the box, between the middle of a leaf's face and its corner.
   double across_cut_face = 0;
 
   double part(const EdgeEnd& end) const noexcept;
@@ -63,10 +63,10 @@ inline constexpr double kLeastCutAngleDeg = 4, kGreatestCutAngleDeg = 175;
 /// Instead of an edge: the node counts as one on the surface where it is.
 inline constexpr std::uint32_t kInPlace = SurfaceEdges::kNone - 1;
 
-/// Of each node the edge whose cut point it moves onto, or SurfaceEdges::kNone: the nearest of
-/// those that violate it, the first one of equally near ones. A node in faces of the mesh's box
-/// stays in all of them: it moves along edges that do, and is kInPlace where only others
-/// violate it. Reads original samples only.
+/// Finds for each node the edge whose cut point it moves onto, or SurfaceEdges::kNone: the
+/// nearest of those that violate it, and the first one of equally near ones. A node in faces of
+/// the mesh's box stays in all of them: it moves along edges that do, and is kInPlace where
+/// only others violate it. Reads original samples only.
 std::vector<std::uint32_t> warp_nodes(const BackgroundMesh& mesh,
                                       const SurfaceEdges& edges,
                                       const GradedLimits& limits);

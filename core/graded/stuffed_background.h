@@ -23,7 +23,7 @@ namespace tet {
 /// background's. Refers to what it is made of, which must outlive it.
 class StuffedBackground {
  public:
-  /// Parallel. Of no use once it is cancelled.
+  /// Parallel. If cancelled, discard the object.
   StuffedBackground(const BackgroundMesh& mesh,
                     const SurfaceEdges& edges,
                     const GradedLimits& limits,
@@ -43,9 +43,9 @@ class StuffedBackground {
             const Cancellation& cancellation,
             TetMesh& mesh) const;
 
-  /// Of each vertex, the octree level of the smallest leaves around it.
+  /// The octree level of the smallest leaves around each vertex.
   std::vector<std::uint8_t> vertex_levels() const;
-  /// Of each vertex, the faces of the mesh's box that it lies in.
+  /// The faces of the mesh's box that each vertex lies in.
   std::vector<CutFaces> vertex_faces() const;
 
  private:

@@ -19,7 +19,7 @@ namespace tet {
 enum NodeKind : std::uint8_t { kCorner = 0, kCentre = 1 };
 inline constexpr int kNodeKinds = 2;
 
-/// Of a brick's own nodes, those of each kind.
+/// Some of a brick's own nodes, by kind.
 using NodeMasks = std::array<BrickMask, kNodeKinds>;
 
 /// Doubled lattice coordinates, or an offset between two of them.
@@ -94,7 +94,7 @@ constexpr int end_offset(NodeKind kind, int direction) noexcept {
   return offset_index(step.x, step.y, step.z);
 }
 
-/// Of a set of nodes those that are a step on from each of the brick's own.
+/// Says for each of the brick's own nodes whether the node a step on from it is in the set.
 inline BrickMask brick_part(const HaloSet& nodes, LatticeCoord step) noexcept {
   return brick_part(nodes, step.x, step.y, step.z);
 }

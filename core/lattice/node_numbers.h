@@ -57,7 +57,7 @@ class NearbyBricks {
  public:
   explicit NearbyBricks(const BrickIndex& index) noexcept : index_(&index) {}
 
-  /// As BrickIndex::find.
+  /// Finds a brick as BrickIndex::find does.
   std::uint32_t find(BrickCoord brick) noexcept;
 
  private:
@@ -107,7 +107,8 @@ class NodeNumbers {
  private:
   bool used(int level, BrickCoord brick, int x, int y, int z) noexcept;
 
-  /// Of the corners that a level owns, those of a cube of `edge` bricks, upper faces included.
+  /// Visits those of a level's own corners that lie in a cube of `edge` bricks, upper faces
+  /// included.
   template <class Visit>
   void for_each_owned(int level, BrickCoord low, int edge, const Visit& visit) noexcept;
 
@@ -129,7 +130,7 @@ void NodeNumbers::for_each_owned(int level,
   for_each_brick(bricks, [&](BrickCoord o) {
     const std::uint32_t at = bricks_[l].find({low.x + o.x, low.y + o.y, low.z + o.z});
     if (at == kNoBrick) return;
-    // Of bricks beyond an upper face, the corners on it.
+    // Bricks beyond an upper face contribute only the corners on it.
     const int x = o.x / edge, y = o.y / edge, z = o.z / edge;
     const auto beyond = static_cast<std::size_t>(4 * x + 2 * y + z);
     for_each_in_reach(nodes.corner[at], beyond,

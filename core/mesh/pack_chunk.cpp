@@ -104,7 +104,8 @@ CoordinateKind kind_of(Word word, const std::array<Word, 4>& before) noexcept {
   return kind;
 }
 
-/// What is said of a coordinate of a kind; of its higher bytes nothing.
+/// The bytes that a coordinate of a kind is written as; higher bytes of the result are not
+/// written.
 template <class Word>
 Word said_of(Word word, CoordinateKind kind, Word before) noexcept {
   constexpr auto kRules = coordinate_rules<Word>();
@@ -124,7 +125,8 @@ constexpr std::uint16_t kWholeVertex = kVertexPatterns - 1;
 /// kNear, kBack and kFar of each corner.
 constexpr std::size_t kWideTetPatterns = 3 * 3 * 3 * 3;
 
-/// The same with all that is short said.
+/// Replaces a pattern's kinds without bytes of their own by kNear, which has one and says the
+/// same.
 std::uint16_t widened_tet(std::uint16_t pattern) noexcept {
   unsigned widened = 0;
   for (unsigned weight = 1; weight < kTetPatterns; weight *= kCornerKinds) {

@@ -103,7 +103,7 @@ struct IdRange {
   Index least, most;
 };
 
-/// Of at least one id.
+/// Finds the least and the most of at least one id.
 template <class Index>
 IdRange<Index> range_of(std::span<const Index> ids) {
   IdRange<Index> range{ids[0], ids[0]};

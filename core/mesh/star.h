@@ -19,7 +19,8 @@ namespace tet {
 struct AngleGoal {
   AngleRange good;
 
-  /// The same for angles at either end of the good ones, and more beyond.
+  /// How bad a star's angles are: equal for angles at either end of the good ones, and more
+  /// beyond.
   double cost(const AngleRange& angles) const noexcept {
     const double obtuse_weight = good.largest_cosine / good.smallest_cosine;
     return std::max(angles.largest_cosine, obtuse_weight * angles.smallest_cosine);

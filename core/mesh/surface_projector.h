@@ -47,7 +47,7 @@ class SurfaceProjector {
   /// tells how steep phi is; nothing when a few secants find none within reach.
   std::optional<WorldPoint> project(const WorldPoint& p, const Vector& slope) noexcept;
 
-  /// As the mesh would store it.
+  /// Rounds a position as the mesh would store it.
   WorldPoint rounded(const WorldPoint& p) const noexcept;
 
  private:

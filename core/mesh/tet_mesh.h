@@ -56,8 +56,8 @@ struct MeshHeader {
   double spacing = 0;        ///< lattice spacing h of the finest leaves, world units
   int levels = 0;            ///< coarser octree levels that the mesh really uses
   std::vector<FieldArray> fields;  ///< that every vertex has values of
-  /// Of a mesh of several grids, one behind the other; `spacing` is then the smallest of
-  /// theirs, and `levels` the most. Else empty.
+  /// The grids' parts of a mesh of several grids, one behind the other; `spacing` is then the
+  /// smallest of theirs, and `levels` the most. Empty for a mesh of one grid.
   std::vector<MeshPart> parts = {};
 
   /// float32 values that a vertex has, of all fields together.
@@ -106,7 +106,7 @@ struct MeshView {
   std::span<const std::byte> tets;
 
   std::uint64_t tet_count() const noexcept { return tets.size() / 4 / size_of(index_type); }
-  /// As stored, relative to the mesh's origin.
+  /// The position as it is stored, relative to the mesh's origin.
   WorldPoint stored_position(std::uint64_t i) const noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
   /// Stored positions of a tet's corners.
@@ -159,12 +159,14 @@ struct TetMesh {
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.
   explicit TetMesh(const MeshHeader& mesh_header);
-  /// The same in the memory of a mesh that is no longer needed, as far as that is enough.
+  /// Takes the memory of a mesh that is no longer needed for its columns, as far as that is
+  /// enough.
   TetMesh(const MeshHeader& mesh_header, TetMesh&& used);
 
   /// World coordinates, in double whatever the storage.
   WorldPoint vertex(std::uint64_t i) const noexcept;
-  /// As stored: relative to `header.origin`, so that angles far from it keep every bit.
+  /// The position as it is stored, relative to `header.origin`: angles keep every bit however
+  /// far that is from zero.
   WorldPoint stored_position(std::uint64_t i) const noexcept;
   /// Moves a vertex; `position` is relative to `header.origin` and rounded as it is stored.
   void store_position(std::uint64_t i, const WorldPoint& position) noexcept;

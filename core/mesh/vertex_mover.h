@@ -60,7 +60,7 @@ class VertexMover {
   SurfaceProjector projector_;
   Star star_;
 
-  // Of the vertex that is being moved.
+  // These belong to the vertex that is being moved.
   double leaf_ = 0;  // world units
   WorldPoint home_, place_;
   Freedom freedom_ = Freedom::kAnywhere;

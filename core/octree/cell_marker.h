@@ -10,8 +10,8 @@
 
 namespace tet {
 
-/// Of one region. Looks at large boxes of cells first, and divides those that it lies partly
-/// in.
+/// Marks the cells that one region asks for. It looks at large boxes of cells first, and
+/// divides those that the region covers in part.
 class CellMarker {
  public:
   /// Stops once it has marked more than `most` cells. Both references must outlive it.

@@ -48,7 +48,7 @@ HaloSet parents(const HaloSet& cells, BrickCoord brick) noexcept {
   return out;
 }
 
-/// The same of a brick's own cells alone: an eighth of the parent's brick.
+/// Finds the parents of a brick's own cells alone: they fill an eighth of the parent's brick.
 BrickMask parents(const BrickMask& cells, BrickCoord brick) noexcept {
   const auto ox = static_cast<std::size_t>((brick.x & 1) * 4);
   const int oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;

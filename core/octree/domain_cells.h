@@ -26,18 +26,18 @@ class DomainCells {
              range(domain.min.z, domain.max.z)};
   }
 
-  /// Those that lie in it whole.
+  /// The cells that lie in the domain whole.
   BrickMask whole(BrickCoord brick) const noexcept {
     return mask(brick, [](const Range& r, std::int64_t i) {
       return i >= r.first_whole && i <= r.last_whole;
     });
   }
-  /// Those that it reaches into.
+  /// The cells that the domain reaches into.
   BrickMask touched(BrickCoord brick) const noexcept {
     return mask(brick,
                 [](const Range& r, std::int64_t i) { return i >= r.first && i <= r.last; });
   }
-  /// None sticks out of it.
+  /// True when no cell sticks out of the domain.
   bool all_whole() const noexcept {
     return std::ranges::all_of(axis_, [](const Range& r) {
       return r.first == r.first_whole && r.last == r.last_whole;

@@ -37,7 +37,7 @@ CellSet all_cells_of(std::vector<BrickCoord> bricks) {
   return {std::move(bricks), std::move(all)};
 }
 
-/// Of a scene only what matters to a brick's corners is asked.
+/// Focuses a scene on a brick, so that only what matters to its corners is evaluated.
 void focus_on(PhiSampler& sampler, BrickCoord brick, int level) {
   if (sampler.field().scene == nullptr) return;
   const double half_edge = std::ldexp(sampler.field().spacing_voxels, level) * kBrickEdge / 2;
@@ -45,7 +45,8 @@ void focus_on(PhiSampler& sampler, BrickCoord brick, int level) {
   sampler.scene().focus({middle(brick.x), middle(brick.y), middle(brick.z)}, half_edge);
 }
 
-/// Of `cells`, those that a chain of cells with a common node leads to from its first one.
+/// Returns those of `cells` that its first one is connected to by a chain of cells with common
+/// nodes.
 BrickMask first_part(const BrickMask& cells) noexcept {
   BrickMask part;
   for (std::size_t x = 0; x < 8 && !part.any(); ++x) {
@@ -211,7 +212,7 @@ Octree build_octree(CellSet finest,
                     const Cancellation& cancellation) {
   Octree tree;
   if (rules.max_levels == 0) {
-    // Beyond a domain there is nothing, near the surface or not.
+    // There are no leaves beyond a domain, near the surface or not.
     const auto also = cover.domain ? std::vector<BrickCoord>{} : std::move(finest.bricks);
     finest = {};
     std::vector<BrickCoord> bricks = bricks_covering(cover.boxes, 0, also);

@@ -9,8 +9,8 @@
 
 namespace tet {
 
-/// Refined cells, level by level. Refers to all that it is made of, which must outlive it. Of
-/// no use once it is cancelled.
+/// Refined cells, level by level. Refers to all that it is made of, which must outlive it. If
+/// cancelled, discard it.
 class RefinedCells {
  public:
   /// `at_surface` are the finest cells.
@@ -19,9 +19,9 @@ class RefinedCells {
                const LeafRules& rules,
                const Cancellation& cancellation);
 
-  /// Of level 1.
+  /// Returns the refined cells of level 1.
   CellSet first(const CellSet& at_surface) const;
-  /// Of the level above `level`, which has `refined`.
+  /// Returns the refined cells of the level above `level`, whose own are `refined`.
   CellSet above(const CellSet& refined, int level) const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kBricksPerRange = 8;
 
-/// Of a brick whose nodes were sampled: cells whose corners are not all on one side.
+/// Returns the cells of a sampled brick whose corners are not all on one side.
 BrickMask cells_at_surface(const BrickSamples& samples) noexcept {
   BrickMask cells;
   for_each_bit(BrickMask::all(), [&](int x, int y, int z) {

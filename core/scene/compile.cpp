@@ -80,7 +80,7 @@ Frame unscaled(const Frame& frame, const Triple& scale) {
   return out;
 }
 
-/// On to a grid's index space. The transpose of a rotation is its inverse.
+/// Extends a frame to a grid's index space. The transpose of a rotation is its inverse.
 Frame to_voxels(const Frame& frame, const VoxelTransform& transform) {
   const double per_square = 1 / (transform.voxel_size * transform.voxel_size);
   Matrix linear{};
@@ -107,7 +107,7 @@ class Compiler {
   void leaf(std::uint32_t node, Op op, const Frame& frame, const Triple& size = {}) {
     program_.push_back({op, next(), node, frame, size, 0});
   }
-  /// Of what was written since `first`.
+  /// Appends an operator whose operands are the instructions since `first`.
   void operate(std::uint32_t node, Op op, std::uint32_t first, double size = 0) {
     program_.push_back({op, first, node, {}, {size, 0, 0}, 0});
   }

@@ -100,7 +100,8 @@ Extent own_extent(const Instruction& leaf, double level) {
   return {{-half[0], -half[1], -half[2]}, half};
 }
 
-/// The same of a grid, in its index space: no zero is a voxel away from all that is inside.
+/// Where a grid's phi is below `level`, in its index space: no zero is more than a voxel away
+/// from all that is inside.
 Extent own_extent(const Instruction& leaf, double level, const Volume& volume) {
   const auto& [iso, sign, unused] = leaf.size;
   const WantedValues wanted =
@@ -127,7 +128,7 @@ Extent to_world(const Frame& frame, const Extent& own) {
   return out;
 }
 
-/// Of many leaves; what is found in a grid is found once for all copies of it.
+/// Finds the extents of many leaves. A grid is searched once for all of its copies.
 class LeafExtents {
  public:
   explicit LeafExtents(std::span<const GridSource> grids) : grids_(grids) {}

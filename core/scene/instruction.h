@@ -21,11 +21,11 @@ enum class Op : std::uint8_t {
   kSchwarzP,
   kDiamond,
   kGrid,
-  // Of one column.
+  // These take one column.
   kNegate,
   kOffset,
   kShell,
-  // Of two.
+  // These take two columns.
   kMin,
   kMax,
 };
@@ -51,8 +51,8 @@ struct Instruction {
   std::uint32_t first = 0;
   std::uint32_t node = 0;  ///< of the description
   Frame frame;             ///< leaves only
-  /// Of a leaf, in its own units: see primitives.cpp and grid_sampler.cpp; of an operator, in
-  /// world units: the distance, half the thickness, or the smoothing.
+  /// What a leaf needs, in its own units: see primitives.cpp and grid_sampler.cpp. An operator
+  /// has its distance, half its thickness, or its smoothing here, in world units.
   std::array<double, 3> size{};
   std::uint32_t grid = 0;  ///< of the scene's, which a kGrid samples
 };

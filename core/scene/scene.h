@@ -22,7 +22,7 @@ namespace tet {
 /// of grids: those lie between the values of the voxels around. From either follow bounds for a
 /// neighbourhood (SceneEvaluator::bounds).
 struct Scene {
-  /// In postfix order: the last instruction's value is phi.
+  /// Instructions in postfix order: the last one's value is phi.
   std::vector<scene::Instruction> program;
   std::vector<scene::GridSource> grids;  ///< by the numbers in instructions
   std::size_t stack_depth = 0;           ///< columns that evaluation needs at most
@@ -44,9 +44,9 @@ struct Scene {
 /// What can be wrong with a scene before its grids are loaded. Error: that of make_scene.
 absl::Status check_scene(const scene::Description& description);
 
-/// Of a description whose grids are loaded. Errors: kInvalidArgument; the message begins with
-/// the field that is wrong, as `nodes[3].torus.minor_radius`, and says its value and what it
-/// may be.
+/// Compiles a description whose grids are loaded. Errors: kInvalidArgument; the message begins
+/// with the field that is wrong, as `nodes[3].torus.minor_radius`, and says its value and what
+/// it may be.
 absl::StatusOr<Scene> make_scene(const scene::Description& description);
 
 /// OK where the scene has an end. Error: kInvalidArgument, as those of make_scene.

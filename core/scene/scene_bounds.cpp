@@ -10,7 +10,7 @@
 namespace tet::scene {
 namespace {
 
-/// Of the distances from a surface, whichever side they are on.
+/// Replaces bounds of phi by bounds of its magnitude, which is the same on both sides.
 void bound_sizes(std::size_t count, PhiBounds& bounds) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     const double low = bounds.low.at[i], high = bounds.high.at[i];

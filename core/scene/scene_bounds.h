@@ -13,7 +13,7 @@ struct PhiBounds {
   Values low, high;
 };
 
-/// Of a primitive's values at the middle of cubes.
+/// Widens a primitive's values at the middle of cubes to bounds within the cubes.
 void bound_primitive(double half_edge, std::size_t count, PhiBounds& bounds) noexcept;
 
 void bound_unary(const Instruction& op, std::size_t count, PhiBounds& bounds) noexcept;

@@ -51,7 +51,7 @@ class SceneEvaluator {
   std::vector<scene::GridSampler> grids_;  ///< of the scene's, by their numbers
   std::vector<scene::Values> stack_;
   std::vector<scene::PhiBounds> bounds_stack_;
-  /// Of each instruction where it is focused.
+  /// Bounds of one instruction's values within the focus.
   struct Interval {
     double low = 0, high = 0;
   };

@@ -55,7 +55,7 @@ struct PeriodicSurface {
 };
 
 enum class Combine : std::uint8_t { kUnion, kIntersection, kDifference };
-/// Of nodes, by name; the difference takes all others off the first.
+/// Combines nodes, given by name. A difference takes all others off the first.
 struct Combination {
   Combine how = Combine::kUnion;
   std::vector<std::string> of;

@@ -33,8 +33,8 @@ std::byte* pack_geometry(const StuffedLattice& lattice,
                          const StuffedBrick& brick,
                          std::byte* out) noexcept;
 
-/// The same of brick `o` of the eight around the lattice's own (see reach.h), as far as the
-/// latter's tets reach; the rest of `out` stays as it is.
+/// Writes the geometry of brick `o` of the eight around the lattice's own (see reach.h), as far
+/// as the latter's tets reach. The rest of `out` stays as it is.
 std::byte* pack_geometry_in_reach(const StuffedLattice& lattice,
                                   const StuffedBrick& brick,
                                   std::size_t o,
@@ -57,7 +57,7 @@ class PackedGeometry {
     std::memcpy(&fraction, fractions_ + i * sizeof(float), sizeof(float));
     return fraction;
   }
-  /// Of a zero node: where it moved, or kUnmoved.
+  /// The direction in which a zero node moved, or kUnmoved.
   std::uint8_t direction(std::size_t i) const noexcept {
     return static_cast<std::uint8_t>(directions_[i]);
   }

@@ -31,16 +31,16 @@ struct CellNodes {
   MeshRegion region = MeshRegion::kInside;
 };
 
-/// As the inside sees them.
+/// Gathers the nodes around the cells of a brick as the inside sees them.
 CellNodes nodes_around_cells(const BrickNeighbourhood& bricks,
                              const LeavesAround& leaves) noexcept;
 
-/// As the inside sees them where every cell is a leaf; `plus` and `zero` are valid for nodes in
-/// [0, 8]^3.
+/// Gathers them as the inside sees them where every cell is a leaf. `plus` and `zero` are valid
+/// for nodes in [0, 8]^3.
 CellNodes nodes_around_cells(const std::array<HaloSet, kNodeKinds>& plus,
                              const std::array<HaloSet, kNodeKinds>& zero) noexcept;
 
-/// The same as the outside sees them.
+/// Turns nodes as the inside sees them into nodes as the outside does.
 void see_from_outside(CellNodes& nodes) noexcept;
 
 /// Which of the eight a node of a tet shape is.

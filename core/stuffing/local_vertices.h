@@ -43,7 +43,8 @@ static_assert(kSlots <= 1 << 16);
 
 /// A node's place among those of its kind; neighbours are a constant away.
 constexpr int node_slot(int x, int y, int z) noexcept { return (x * 9 + y) * 9 + z; }
-/// The same of the lowest corner, or the centre, of the cell at a bit of a mask's slice.
+/// The place of a cell's lowest corner, or of its centre, where the cell is a bit of a mask's
+/// slice.
 constexpr int cell_slot(int x, int bit) noexcept { return x * 81 + bit + (bit >> 3); }
 
 /// What a corner of a stencil is: a node is its own slot, a cut point is looked up by its edge.
@@ -71,7 +72,7 @@ struct OwnPlaces {
     y[count] = place.y;
     z[count++] = place.z;
   }
-  /// The same, of `from` + `step`.
+  /// Adds the place `from` + `step`.
   void add(const LocalPoint& from, const LocalPoint& step) noexcept;
 };
 

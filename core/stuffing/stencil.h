@@ -37,7 +37,8 @@ struct TetList {
 
 /// The tets that stand for the inside part of a lattice tet.
 using Stencil = TetList<3>;
-/// The same part of `++--` around the middle of its surface quad, which is left undivided.
+/// The tets that stand for the inside part of `++--` when its surface quad is left undivided:
+/// they meet in the quad's middle.
 using Fan = TetList<6>;
 
 /// What the signs leave open is told by three bits, 0 for the first of each pair:

@@ -52,7 +52,8 @@ struct AroundFace {
   }
 };
 
-/// Where the tets around the upper face across `axis` of the cell a step on are mixed.
+/// The cells for which a tet around the upper face across `axis` of the cell a step on is
+/// mixed.
 BrickMask mixed_faces(const WarpedLattice& lattice,
                       const StuffingRules& rules,
                       int axis,
@@ -159,7 +160,7 @@ void mark_half_pyramids(const FinestNodes& nodes,
 
 namespace {
 
-/// Of a brick's signs those of its own nodes, or of what lies a step on from them.
+/// Reads the signs of a brick's own nodes, or of the nodes that lie a step on from them.
 class SignsBeside {
  public:
   explicit SignsBeside(const BrickSurroundings& bricks) noexcept : bricks_(bricks) {}

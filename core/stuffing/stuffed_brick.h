@@ -64,7 +64,7 @@ struct FinestNodes {
 /// The nodes as the inside sees them.
 FinestNodes gather_nodes(const BrickNeighbourhood& bricks, const HaloSet& leaf) noexcept;
 
-/// The same nodes as the outside sees them. Tets with four zeros are the outside's.
+/// The nodes as the outside sees them. Tets with four zeros are the outside's.
 FinestNodes seen_from_outside(const FinestNodes& inside) noexcept;
 
 /// Nodes of the brick that are vertices of a one-sided mesh: used zeros, and `+` nodes of

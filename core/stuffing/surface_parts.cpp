@@ -38,7 +38,7 @@ void find_cuts_between(const NodeSets& plus,
   }
 }
 
-/// Of an index within [-1, 8] the brick: 0, 1 or 2 along an axis.
+/// Says which brick an index within [-1, 8] lies in: 0, 1 or 2 along an axis.
 constexpr unsigned brick_along(int i) noexcept { return i < 0 ? 0 : (i < 8 ? 1 : 2); }
 
 /// The bricks that have one of these nodes.
@@ -65,7 +65,7 @@ PartVertices vertices_between(const NodeRegion& inside,
                               const NodeRegion& other,
                               const SurfaceRegions& signs) noexcept {
   PartVertices part;
-  // Of each region, the nodes at the surface.
+  // Only nodes at the surface matter, of either region.
   const NodePlanes plus = inside.nodes & signs.plus & other.beside;
   const NodePlanes rest = other.nodes & nodes_beside(plus);
   find_cuts_between(plus.sets(), (rest & signs.minus).sets(), part.slot);
@@ -81,7 +81,7 @@ bool has_own_vertex(const PartVertices& part) noexcept {
 }
 
 constexpr HaloSet kOtherNodes = halo_cube(NodePlanes::kMin, NodePlanes::kMax) - kOwnNodes;
-/// Those of later bricks.
+/// The nodes that belong to later bricks.
 constexpr HaloSet kLaterNodes = [] {
   HaloSet later;
   for (int index = 0; index < kHaloNodes; ++index) {

@@ -31,14 +31,16 @@ inline constexpr BricksAround kOwnBrick = 1U << 13;
 /// node's place in the brick, (x*8 + y)*8 + z.
 struct SurfaceParts {
   std::uint16_t count = 0;
-  /// To later bricks (in 13 directions); of a part without an own vertex, to all.
+  /// Links to later bricks (in 13 directions); a part without an own vertex has links to all
+  /// bricks.
   std::vector<SurfaceLink> links;
-  /// Where there are several parts: that of each element, sorted by element.
+  /// The part of each element, sorted by element; filled only where there are several parts.
   std::vector<std::array<std::uint16_t, 2>> part_of;
-  /// Of each part, other bricks with a node that has an edge to or through it.
+  /// For each part, the other bricks with a node that has an edge to or through it.
   std::vector<BricksAround> beside;
 
-  /// Nothing of a vertex that is not listed: what another process counted may lack any.
+  /// The part of a vertex; std::nullopt when it is not listed, as what another process counted
+  /// may lack any.
   std::optional<std::uint16_t> part(std::uint16_t element) const noexcept;
 };
 
@@ -56,7 +58,8 @@ struct VertexOwner {
 };
 inline constexpr std::size_t kVertexSlots = kNodeKinds + kEdgeFamilies;
 
-/// Nothing where there are very many regions: then the surface has to be walked.
+/// Finds the parts of the surface between regions; std::nullopt where there are very many
+/// regions, so that the surface has to be walked.
 std::optional<SurfaceParts> parts_between_regions(const SurfaceRegions& regions);
 
 }  // namespace tet

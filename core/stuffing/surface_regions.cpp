@@ -22,8 +22,8 @@ NodePlanes beside_minus(const WarpedLattice& lattice) noexcept {
   return nodes_beside(NodePlanes(minus));
 }
 
-/// Of some zeros without a `-` beside them those in no tet of zeros: all tets around them that
-/// can be seen have a `+`.
+/// Returns those of some zeros without a `-` beside them that are in no tet of zeros: all tets
+/// around them that can be seen have a `+`.
 NodePlanes in_no_tet_of_zeros(const NodePlanes& zeros, const WarpedLattice& lattice) noexcept {
   if (!zeros.any()) return zeros;
   NodeSets inner = zeros.sets();

@@ -10,8 +10,8 @@
 namespace tet {
 namespace {
 
-/// Of the tets `+000`, those whose three zeros are a triangle of the boundary: the tet behind
-/// them is not inside too.
+/// Counts the tets `+000` whose three zeros are a triangle of the boundary: the tet behind them
+/// is not inside, too.
 std::uint64_t count_zero_triangles(const WarpedLattice& lattice,
                                    const ThreeZeros& three_zeros) noexcept {
   std::uint64_t count = 0;
@@ -48,7 +48,7 @@ void count_zero(const NodeLink& link, SurfaceCounts& counts) noexcept {
   counts.non_manifold_vertices += surface.manifold ? 0 : 1;
 }
 
-/// The same of all of the brick's own.
+/// Counts what the surface has at all of the brick's own zero nodes.
 void count_zeros(const WarpedLattice& lattice,
                  const StuffedBrick& kept,
                  SurfaceCounts& counts) noexcept {

@@ -46,7 +46,7 @@ inline void write_transposed(const std::uint64_t* a,
 
 }  // namespace internal
 
-/// Of a slice's 64 cells: fewer are written one by one, as their rows are short.
+/// Fewer than this many of a slice's 64 cells are written one by one, as their rows are short.
 inline constexpr int kFewCells = 48;
 
 /// Writes the tets of `cells` and returns their end: `corner` are the slots of the tet in the

@@ -20,8 +20,9 @@ class ByteSource {
 
   std::uint64_t size() const noexcept { return size_; }
 
-  /// As many bytes from `offset` on as are at hand: all of them in memory, at most
-  /// `window_bytes` of a file, read into `buffer`. Empty at the end, and when reading fails.
+  /// Returns as many bytes from `offset` on as are at hand: all of them when they are in
+  /// memory, and of a file at most `window_bytes`, which are read into `buffer`. Empty at the
+  /// end, and when reading fails.
   std::span<const std::byte> window(std::uint64_t offset,
                                     std::size_t window_bytes,
                                     std::vector<std::byte>& buffer) const;

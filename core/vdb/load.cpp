@@ -23,7 +23,7 @@
 namespace tet {
 namespace {
 
-/// The same error, told of `what`.
+/// Puts what the error is about in front of its message.
 absl::Status told_of(const std::string& what, const absl::Status& error) {
   return {error.code(), absl::StrCat(what, ": ", error.message())};
 }

@@ -19,7 +19,7 @@ constexpr std::uint64_t kRootEntryBytes = 112;
 /// Vectors double as they grow, and for a moment there are both.
 constexpr std::uint64_t kGrowth = 3;
 
-/// Of an inner node; its table holds values or pointers.
+/// Bytes of an inner node. Its table holds values or pointers.
 template <class Mask>
 std::uint64_t node_bytes(const TreeType& type) {
   const std::uint64_t entry =

@@ -93,7 +93,7 @@ scmp_arg_cmp argument_is(unsigned index, int descriptor) {
   return argument_is(index, static_cast<std::uint64_t>(descriptor));
 }
 
-/// Of the bits in `mask` exactly those in `value` are set.
+/// Matches an argument that has exactly the bits of `value` set among those in `mask`.
 scmp_arg_cmp argument_has(unsigned index, std::uint64_t mask, std::uint64_t value) {
   return scmp_arg_cmp{index, SCMP_CMP_MASKED_EQ, mask, value};
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSeals = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
 
-/// Of st_blocks, whatever the file system's own block is.
+/// st_blocks counts in these units, whatever the file system's own block is.
 constexpr std::uint64_t kStatBlock = 512;
 
 absl::Status wrong(const std::string& what) {

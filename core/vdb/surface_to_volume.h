@@ -19,7 +19,7 @@ struct ConversionReport {
   bool closed = false;                   ///< no open edge: inside is what the surface encloses
   std::uint64_t active_voxels = 0;
 
-  /// For the user to read: one sentence that says which, and what was done.
+  /// Tells the user in one sentence which it was, and what was done.
   std::string text() const;
 };
 
@@ -39,8 +39,8 @@ struct SurfaceVolume {
 absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
                                                 double voxel_size);
 
-/// The same, written to `path` as a .vdb file: whole and on disk, or not there at all.
-/// Errors: also kUnavailable (the file cannot be written).
+/// Converts a surface and writes the volume to `path` as a .vdb file, which is whole and on
+/// disk, or not there at all. Errors: also kUnavailable (the file cannot be written).
 absl::StatusOr<ConversionReport> surface_to_vdb(const TriangleSurface& surface,
                                                 double voxel_size,
                                                 const std::string& path);

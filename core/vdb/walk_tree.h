@@ -11,7 +11,7 @@
 
 namespace tet {
 
-/// Of a leaf, in voxels.
+/// The edge of a leaf, in voxels.
 inline constexpr std::int32_t kLeafEdge = 8;
 
 /// The leaves below one lower node: their masks lie one after the other.

@@ -28,16 +28,16 @@ struct WalkLimits {
 /// agree with the rest. Values are not decompressed: what a frame of the right lengths holds is
 /// for the decoder to find.
 ///
-/// Nothing is allocated by what the file claims: memory stays below a sixteenth of its size and
-/// a few hundred kilobytes, whatever is in it. Takes about as long as reading the file from the
-/// page cache.
-/// Errors: kInvalidArgument (says what, and at which byte), kResourceExhausted (over `limits`),
-/// kNotFound, kPermissionDenied. At most 300 characters; of the file's own bytes only names,
-/// escaped and cut. A path is given only where the file cannot be opened.
+/// What the file claims never decides how much is allocated: memory stays below a sixteenth of
+/// its size and a few hundred kilobytes, whatever is in it. Takes about as long as reading the
+/// file from the page cache. Errors: kInvalidArgument (says what, and at which byte),
+/// kResourceExhausted (over `limits`), kNotFound, kPermissionDenied. At most 300 characters; of
+/// the file's own bytes only names, escaped and cut. A path is given only where the file cannot
+/// be opened.
 absl::StatusOr<VdbOutline> walk_vdb(const std::string& path, const WalkLimits& limits = {});
 
-/// The same for bytes anywhere. With `fields`, tells all that was looked at, in order, up to
-/// the place of a refusal.
+/// Walks over bytes that may be anywhere. With `fields`, it lists all that was looked at, in
+/// order, up to the place of a refusal.
 absl::StatusOr<VdbOutline> walk_vdb(const ByteSource& source,
                                     const WalkLimits& limits = {},
                                     std::vector<VdbField>* fields = nullptr);

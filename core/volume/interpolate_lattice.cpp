@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kEdge = kBrickEdge;
 constexpr std::size_t kMaxVoxels = 2 * AxisPoints::kMax;  // along an axis
 
-/// Of two values; never beyond them, and of one sign if they are.
+/// Blends two values. The result never lies beyond them, and has their sign if they have one.
 inline float blend(float low, float high, float weight) noexcept {
   return (1 - weight) * low + weight * high;
 }

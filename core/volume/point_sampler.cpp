@@ -71,7 +71,7 @@ void locate(const VoxelTransform& to_voxel,
   }
 }
 
-/// Of points whose voxels are all in the block.
+/// Interpolates at points whose voxels are all in the block.
 TET_VECTOR_CLONES
 void interpolate(const Block& __restrict block,
                  const Places& __restrict places,
@@ -93,7 +93,7 @@ void interpolate(const Block& __restrict block,
   }
 }
 
-/// The same of one point, wherever its voxels are.
+/// Interpolates at one point, wherever its voxels are.
 float interpolate(VolumeReader& reader, const Places& places, std::size_t i) noexcept {
   const VolumeReader::Cell v =
       reader.cell({places.voxel[0][i], places.voxel[1][i], places.voxel[2][i]});

@@ -20,7 +20,7 @@ namespace tet {
 /// Not thread-safe: one per task. The volumes must outlive it.
 class PointSampler {
  public:
-  /// At least one, all with the transform of the first.
+  /// There is at least one component, and all have the transform of the first.
   explicit PointSampler(std::span<const std::shared_ptr<const Volume>> components);
 
   std::size_t components() const noexcept { return readers_.size(); }
@@ -37,7 +37,8 @@ class PointSampler {
     std::array<Column<double>, 3> at;
   };
 
-  /// Of each point: the lowest of its eight voxels, and how far from it, in [0, 1).
+  /// Says for each point which of its eight voxels is the lowest, and how far the point is from
+  /// it, in [0, 1).
   struct Places {
     std::array<Column<std::int32_t>, 3> voxel;
     std::array<Column<double>, 3> weight;

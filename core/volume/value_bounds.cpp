@@ -66,7 +66,7 @@ ValueRange range_of(const Volume& volume, const Region& region) {
   return range;
 }
 
-/// Of a brick's values, those in the box.
+/// Returns the range of those of a brick's values that lie in the box.
 ValueRange range_of(const float* values, const BrickCoord& brick, const VoxelBox& box) {
   const auto first = [](std::int32_t at, std::int32_t min) {
     return std::max(min - kBrickEdge * at, 0);

@@ -13,10 +13,10 @@ namespace tet {
 /// it. Immutable once made.
 class ValueBounds {
  public:
-  /// Of a volume that may go when this is made. Parallel.
+  /// Reads the whole volume, which may go afterwards. Parallel.
   explicit ValueBounds(const Volume& volume);
 
-  /// Of all values, the background included.
+  /// The range of all values, the background included.
   const ValueRange& all() const noexcept { return all_; }
 
   /// Holds every value in the box, of any size, in a time that does not depend on it; exact for

@@ -19,7 +19,7 @@ grpc::ByteBuffer serialized(const Message& message) {
   return bytes;
 }
 
-/// The same, and `held` until the last of the bytes is let go of.
+/// Serializes a message, and holds `held` until the last of the bytes is let go of.
 template <class Message>
 grpc::ByteBuffer serialized(const Message& message, std::shared_ptr<void> held) {
   struct Bytes {

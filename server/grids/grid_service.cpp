@@ -24,7 +24,7 @@ constexpr int kMaxNames = 1000;
 constexpr int kDefaultPage = 100;
 constexpr int kMaxPage = 1000;
 
-/// Of the trees of a file without their values, which tell what its grids are.
+/// Memory for the trees of a file without their values, which tell what its grids are.
 constexpr std::uint64_t kInfoBytes = std::uint64_t{1} << 30;
 
 void describe(const ListedGrid& listed, v1::GridFile& file) {

@@ -152,8 +152,7 @@ absl::Status UploadStream::take_piece(UploadPiece piece) {
   return absl::OkStatus();
 }
 
-// Nothing of this call may be touched after its last event was awaited: `go_on` may run
-// already.
+// Do not touch this call after its last event was awaited: `go_on` may run already.
 void UploadStream::begin_work() {
   const bool has_piece = piece_.size > 0;
   const bool last =

@@ -14,8 +14,8 @@ namespace {
 
 constexpr auto kAnyone = [](const std::string&) { return true; };
 
-/// The same work on threads of a lower priority: the pool's, which waits for them, has that of
-/// all pools.
+/// Does the work on threads of a lower priority, while the pool's own thread waits for them and
+/// keeps the priority of all pools.
 std::function<void()> politely(int threads, std::function<void()> work) {
   return [threads, work = std::move(work)] {
     std::jthread([&] {

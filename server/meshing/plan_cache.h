@@ -40,7 +40,7 @@ class PlanCache {
   void forget();
 
   std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
-  /// Of all plans that are alive.
+  /// Bytes of all plans that are alive.
   std::uint64_t bytes() const noexcept { return *alive_; }
 
  private:

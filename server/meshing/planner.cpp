@@ -44,7 +44,7 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
   };
 }
 
-/// Of a stored grid that could not be loaded.
+/// Says why a stored grid could not be loaded.
 absl::Status explained(const absl::Status& status,
                        const VolumeKey& key,
                        const GridLease& grid) {

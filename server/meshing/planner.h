@@ -101,7 +101,7 @@ class Planner {
             std::shared_ptr<PlanningWatch> watch,
             Loaded done);
 
-  /// Of each mesh.
+  /// The limits that hold for each mesh.
   const MeshLimits& limits() const noexcept { return limits_; }
 
   /// Plans being made now.

@@ -32,7 +32,7 @@ class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Both outlive the registry.
+  /// Both references must outlive the registry.
   CallRegistry(Access& access, Admission& admission) : access_(access), admission_(admission) {}
 
   Access& access() const { return access_; }
@@ -146,8 +146,8 @@ class PendingAnswer {
   grpc::ServerUnaryReactor& reactor_;
 };
 
-/// As `answer`, for work that waits: `begin` runs on `disk` and sees to it that somebody
-/// finishes the call.
+/// Answers a call whose work waits, unlike that of `answer`: `begin` runs on `disk` and sees to
+/// it that somebody finishes the call.
 grpc::ServerUnaryReactor* answer_later(
     CallRegistry& registry,
     TaskPool& disk,

@@ -17,7 +17,7 @@ namespace tet {
 
 namespace {
 
-/// The same failure in other words; its details stay.
+/// Tells a failure in other words; its details stay.
 absl::Status retold(const absl::Status& status, std::string_view message) {
   absl::Status other(status.code(), absl::string_view(message.data(), message.size()));
   status.ForEachPayload(

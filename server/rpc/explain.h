@@ -10,21 +10,22 @@
 
 namespace tet {
 
-/// Of reading the stored file `digest`, which lies at `path`, for `use`. What has a reason
-/// keeps it.
+/// Explains why the stored file `digest`, which lies at `path`, could not be read for `use`. A
+/// failure that has a reason keeps it.
 absl::Status about_file(const absl::Status& status,
                         std::string_view digest,
                         std::string_view path,
                         GridUse use = GridUse::kSurface);
 
-/// Of reading the grid of field number `i` of a mesh's request: names that.
+/// Explains why the grid of field number `i` of a mesh's request could not be read, naming the
+/// field.
 absl::Status about_field(const absl::Status& status, std::size_t i);
 
-/// Of reading the grid that a request for several names in place `i`: names that, unless it is
-/// the file that cannot be read.
+/// Explains why a grid of a request for several could not be read, naming its place `i`, unless
+/// it is the file that cannot be read.
 absl::Status about_grid(const absl::Status& status, std::size_t i);
 
-/// Of counting a mesh. What has a reason keeps it.
+/// Explains why a mesh could not be counted. A failure that has a reason keeps it.
 absl::Status about_mesh(const absl::Status& status);
 
 }  // namespace tet

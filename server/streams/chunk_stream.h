@@ -72,7 +72,7 @@ class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkS
   /// Notes for the log how that ended; with the lock.
   virtual void note_opening() {}
 
-  // Of a stream that is open; on any thread.
+  // These are asked of a stream that is open, on any thread.
   virtual std::uint64_t chunk_count() const = 0;
   virtual v1::MeshEvent header() const = 0;
   virtual absl::StatusOr<ChunkMessage> make(std::uint64_t index, Block block) = 0;

@@ -29,7 +29,7 @@ struct Activity {
   std::atomic<std::int64_t> chunks_in_flight{0};  ///< tasks posted and not done
   std::atomic<std::int64_t> chunks_made{0};       ///< since the start
   std::atomic<std::int64_t> cached_streams{0};    ///< served from results of jobs
-  /// Of grids that sessions have changed, in memory.
+  /// Memory of grids that sessions have changed.
   std::atomic<std::uint64_t> changed_grid_bytes{0};
 };
 

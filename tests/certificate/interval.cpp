@@ -31,7 +31,7 @@ SineCosine sine_cosine(const Interval& x) {
 constexpr double kStep = 1000;    // of printed angles, a degree
 constexpr double kNearly = 1e-6;  // so that 11.3 is not taken for 11.299
 
-/// As it is written in decimals, whatever the rounding mode.
+/// Converts steps to degrees as they are written in decimals, whatever the rounding mode.
 double degrees_of(double steps) {
   const int mode = std::fegetround();
   std::fesetround(FE_TONEAREST);

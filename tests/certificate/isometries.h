@@ -1,4 +1,4 @@
-// The same geometry under another turn, reflection or numbering is proven only once.
+// Geometry that differs by a turn, a reflection or a numbering only is proven once.
 #pragma once
 
 #include <vector>

@@ -25,7 +25,7 @@ Place quarter_sum(const std::vector<Place>& places) {
 
 NodeSign opposite(NodeSign sign) { return static_cast<NodeSign>(2 - static_cast<int>(sign)); }
 
-/// The same tet as the outside sees it.
+/// Returns the tet as the outside sees it.
 SlidingTet flipped(SlidingTet tet) {
   for (NodeSign& sign : tet.sign) sign = opposite(sign);
   return tet;
@@ -322,8 +322,8 @@ class Cases {
     add_tets(outside_, stencil_of(outside_, outside.choice() | bit), orders);
   }
 
-  /// Of the tets at the surface quad, those of the better diagonal are taken; the others do not
-  /// depend on it.
+  /// Adds the tets at the surface quad with the better diagonal; the other tets do not depend
+  /// on it.
   void add_better_diagonal(const Prism& inside,
                            const Prism& outside,
                            bool diagonal,

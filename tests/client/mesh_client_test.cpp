@@ -80,7 +80,7 @@ TEST_F(MeshClientTest, ReceivesBothSidesAndTheirRegions) {
   EXPECT_TRUE(streamed->boundary == here.boundary);
 }
 
-/// As measured on what was received.
+/// The boundary as it is measured on the mesh that was received.
 BoundaryTopology measured(const StreamedMesh& streamed) {
   BoundaryTopology boundary = measure_inside_boundary(streamed.mesh);
   boundary.restored_nodes = streamed.boundary ? streamed.boundary->restored_nodes : 0;

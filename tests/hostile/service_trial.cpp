@@ -53,7 +53,7 @@ absl::Status ServiceTrial::run(std::string_view file) {
   digest.add(file);
   const std::string name = name_of_grid(digest.finish_hex());
   grpc::Status uploaded = upload(name, file);
-  // Of two clients that bring the same bytes at the same time one is told to try again.
+  // When two clients bring the same bytes at the same time, one is told to try again.
   const auto give_up = std::chrono::steady_clock::now() + patience_;
   while (uploaded.error_code() == grpc::StatusCode::ABORTED &&
          std::chrono::steady_clock::now() < give_up) {

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Checks that relative links in Markdown files, and their #anchors, lead somewhere.
+"""Checks Markdown files: relative links, their #anchors and the `paths` of our folders lead somewhere, nothing
+is left to be filled in, docs/README.md lists every page beside it, and CHANGELOG.md begins with the newest version.
 
     check_docs.py [ROOT]
 """
@@ -12,6 +13,13 @@ FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`\n]*`")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*?) *$", re.MULTILINE)
+PLACEHOLDER = re.compile(r"\b(XX+|TBD|FIXME)\b")
+# A file or folder of the tree in backticks; a placeholder in capitals, as in `tests/fuzz/corpus/TARGET`, is none.
+PATH = re.compile(r"`((?:core|server|client|proto|bench|tests|scripts|docs|deploy|docker|cmake)/[\w./-]+)`")
+CAPITALS = re.compile(r"/[A-Z]+(/|$)")
+INDEX, CHANGELOG = "docs/README.md", "CHANGELOG.md"
+SECTION = re.compile(r"^## (.*?) *$", re.MULTILINE)
+VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+) \((\d{4}-\d\d-\d\d|unreleased)\)")
 
 
 def markdown_files(root):
@@ -38,17 +46,62 @@ def broken_links(path):
             yield f"{link}: no such heading"
 
 
+def placeholders(path):
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        for word in PLACEHOLDER.findall(line):
+            yield f"line {number}: {word} is left to be filled in"
+
+
+def lost_paths(root, path):
+    """Paths that the text names and the tree does not have. A header may be named without its ending."""
+    if path.name == CHANGELOG:  # it may tell of files that have gone since
+        return
+    for name in dict.fromkeys(PATH.findall(path.read_text(encoding="utf-8"))):
+        is_there = (root / name).exists() or (root / f"{name}.h").exists()
+        if not is_there and not CAPITALS.search(name):
+            yield f"there is no {name}"
+
+
+def pages_not_listed(root):
+    """Pages of the folder docs that its index does not link to."""
+    index = root / INDEX
+    if not index.exists():
+        return
+    listed = {link.partition("#")[0] for link in LINK.findall(index.read_text(encoding="utf-8"))}
+    for page in sorted(index.parent.glob("*.md")):
+        if page != index and page.name not in listed:
+            yield f"{INDEX}: {page.name} is not listed"
+
+
+def changelog_errors(root):
+    """The sections' titles are "1.2.3 (2026-01-31)" or "1.2.3 (unreleased)", the newest first."""
+    path, newer = root / CHANGELOG, None
+    if not path.exists():
+        return
+    for title in SECTION.findall(path.read_text(encoding="utf-8")):
+        match = VERSION.fullmatch(title)
+        if not match:
+            yield f'{CHANGELOG}: "{title}" is not "1.2.3 (2026-01-31)" or "1.2.3 (unreleased)"'
+            continue
+        # "unreleased" sorts behind every date, as a release that is still to come.
+        version = (tuple(int(number) for number in match.groups()[:3]), match[4])
+        if newer and not (version[0] < newer[0] and version[1] <= newer[1]):
+            yield f"{CHANGELOG}: {title} stands below an older version or date"
+        newer = version
+
+
 def find_errors(root):
     files = markdown_files(root)
     errors = [] if files else [f"there is no Markdown under {root}"]
-    return errors + [f"{path.relative_to(root)}: {error}"
-                     for path in files for error in broken_links(path)]
+    errors += [f"{path.relative_to(root)}: {error}" for path in files
+               for error in [*broken_links(path), *placeholders(path), *lost_paths(root, path)]]
+    return [*errors, *pages_not_listed(root), *changelog_errors(root)]
 
 
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
     errors = find_errors(root)
-    print("\n".join(errors) or "every link leads somewhere")
+    print("\n".join(errors) or "every link leads somewhere, and every page is complete and listed")
     sys.exit(1 if errors else 0)
 
 

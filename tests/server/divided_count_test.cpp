@@ -29,7 +29,7 @@ class DividedCountTest : public testing::Test {
     return plans;
   }
 
-  /// Of chunks, and of blocks of surveys.
+  /// The stored files of chunks and of blocks of surveys.
   std::vector<fs::path> stored_files() const {
     std::vector<fs::path> files;
     for (const auto& file : fs::recursive_directory_iterator(

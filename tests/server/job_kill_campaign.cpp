@@ -24,7 +24,7 @@ constexpr int kRadii[] = {8, 16, 24};
 const std::vector<std::string> kOptions{"--job-count-bricks", "64"};
 constexpr int kJobs = 3, kMostKills = 3, kMostMs = 700;
 
-/// Of all runs of a campaign.
+/// What came of all runs of a campaign.
 struct Tally {
   int failed = 0, server_kills = 0, worker_kills = 0;
   absl::Duration slowest;  ///< from a run's last kill until all of its jobs were done

@@ -123,14 +123,14 @@ class JobServer {
     return messages(jobs->ReadJobResult(&context, request));
   }
 
-  /// The same of a stream of the mesh, made anew, but for progress.
+  /// The messages of a stream of the mesh, made anew, without progress.
   std::vector<std::string> stream(const v1::Job& job,
                                   std::int64_t start = 0,
                                   std::int64_t end = 0) {
     return stream(job, start, end, true);
   }
 
-  /// The same of a stream that may come from a stored result.
+  /// The messages of a stream that may come from a stored result.
   std::vector<std::string> any_stream(const v1::Job& job,
                                       std::int64_t start = 0,
                                       std::int64_t end = 0) {

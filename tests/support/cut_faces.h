@@ -14,7 +14,7 @@
 
 namespace tet::test {
 
-/// Of each vertex: the last of its values. Nothing of a mesh without the array.
+/// Reads each vertex's faces, the last of its values. Empty for a mesh without the array.
 inline std::vector<CutFaces> cut_faces(const TetMesh& mesh) {
   const auto& arrays = mesh.header.fields;
   if (arrays.empty() || arrays.back().name != kCutFaceArray) return {};

@@ -32,7 +32,7 @@ struct Input {
   double surface_phi = 0;  ///< how far from zero phi may be on the boundary; 0: anything
 };
 
-/// Of all that a random scene may reach.
+/// A random scene reaches no further than this.
 constexpr double kSceneReach = 4;
 
 Sizing graded_sizing(std::uint32_t seed, const WorldBox& box, double spacing) {

@@ -27,11 +27,11 @@
 namespace tet::test {
 namespace {
 
-/// Of three seeds one asks for a manifold, of eight one for better angles.
+/// One seed in three asks for a manifold, and one in eight for better angles.
 bool is_manifold(const FieldCase& given) { return given.seed % 3 == 2; }
 bool is_improved(const FieldCase& given) { return given.seed % 8 == 4; }
 
-/// Of three seeds two ask for sizes, in the graded mesh.
+/// Two seeds in three ask for sizes, in the graded mesh.
 bool is_sized(const FieldCase& given) { return given.seed % 3 != 2; }
 
 /// What the lattice says of the place where a vertex lies.

@@ -44,7 +44,7 @@ struct Outcome {
 ///   topology (the third guarantee); where a manifold was asked for it is one on any field; and
 ///   it is the topology that was counted with the mesh.
 ///
-/// Of three seeds two give the graded mesh a random sizing. Every third seed asks for a
+/// Two seeds in three give the graded mesh a random sizing. Every third seed asks for a
 /// manifold, every eighth for improved angles, which takes vertices off the lattice: what is
 /// said of their places is then not checked. Every fourth seed's graded mesh is made anew with
 /// other numbers of threads and another chunk size: the columns must be equal byte by byte. A

@@ -26,7 +26,7 @@ openvdb::FloatGrid::Ptr small_ball(const std::string& name) {
   return grid;
 }
 
-/// Of no class, so that zlib is used where it is asked for.
+/// The grid has no class, so that zlib is used where it is asked for.
 std::string small_file(std::uint32_t compression, bool half, bool offsets) {
   const auto grid = small_ball("ball");
   grid->setGridClass(openvdb::GRID_UNKNOWN);

@@ -30,7 +30,7 @@ absl::StatusOr<VdbOutline> walk_bytes(const std::string& bytes,
 /// The `nth` field of that name.
 VdbField find_field(const std::string& bytes, const std::string& what, std::size_t nth);
 
-/// The same bytes, but that the `nth` field of that name has this value (little-endian).
+/// Gives the `nth` field of that name this value (little-endian), and leaves all other bytes.
 std::string with_lie(std::string bytes,
                      const std::string& what,
                      std::size_t nth,

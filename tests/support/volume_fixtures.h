@@ -18,9 +18,9 @@ Volume dense_volume(const VoxelBox& box,
                     const VoxelFunction& value,
                     const VoxelTransform& transform = {});
 
-/// The same as OpenVDB would store it: values cut to [-background, background], and bricks that
-/// are +background or -background throughout left out or kept as constants. Constant bricks
-/// that fill an aligned 128-voxel cube become one cube.
+/// Makes the volume as OpenVDB would store it: values cut to [-background, background], and
+/// bricks that are +background or -background throughout left out or kept as constants.
+/// Constant bricks that fill an aligned 128-voxel cube become one cube.
 Volume narrow_band_volume(const VoxelBox& box,
                           float background,
                           const VoxelFunction& value,

@@ -66,7 +66,7 @@ void describe_options(CLI::App& app, FetchArguments& arguments) {
   describe_session(app, arguments.session);
 }
 
-/// Nothing that a file's name cannot hold, and no hidden file.
+/// Names the file of a job: without what a file's name cannot hold, and not hidden.
 std::string file_stem(const v1::Job& job) {
   std::string name = job.display_name().substr(0, 100);
   std::replace_if(
@@ -180,7 +180,7 @@ absl::Status prepare(const FetchArguments& arguments) {
     return status.ok() ? check_can_create(arguments.output) : status;
   }
   if (arguments.folder.empty())
-    return absl::InvalidArgumentError("where to? -o FILE for one job, or --into FOLDER");
+    return absl::InvalidArgumentError("say where to: -o FILE for one job, or --into FOLDER");
   std::error_code error;
   fs::create_directories(arguments.folder, error);
   if (!error) return absl::OkStatus();

@@ -19,7 +19,7 @@ struct FollowWatch {
   /// A job is in a final state, as the server gave it after that; or it was deleted meanwhile,
   /// then only its name is set.
   std::function<void(const v1::Job&)> finished;
-  /// Of all jobs: those finished, and parts of those that run.
+  /// How many of all jobs are done: those finished, and the finished parts of those that run.
   std::function<void(double jobs)> progress;
 };
 

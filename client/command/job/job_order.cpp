@@ -65,8 +65,8 @@ std::string default_name(const std::string& input) {
   return stored_grid_name(input).empty() ? fs::path(input).stem().string() : "";
 }
 
-/// The same wherever the command is run: a stored file's name, or where the file lies; nothing
-/// for none.
+/// Names a file so that it does not matter where the command is run: by a stored file's name,
+/// or by where the file lies. An empty path stays empty.
 std::string place_of(const std::string& path) {
   if (path.empty()) return path;
   const std::string stored = stored_grid_name(path);

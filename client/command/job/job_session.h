@@ -60,7 +60,7 @@ absl::Status for_each_of(JobSession& session,
                          const std::function<absl::Status(const std::string&)>& act,
                          const Cancellation& cancellation);
 
-/// The same for the jobs that are selected.
+/// Calls `act` with the name of each job that is selected, as for_each_of does.
 absl::Status for_each_selected(JobSession& session,
                                const SelectionArguments& selection,
                                const std::function<absl::Status(const std::string&)>& act,

@@ -48,7 +48,7 @@ absl::Status store_input(const MeshInput& input, const Store& store, v1::MeshReq
   return name.status();
 }
 
-/// The same of its fields, which have paths so far.
+/// Replaces the paths of the request's fields by the names of the stored files.
 template <class Store>
 absl::Status store_fields(const Store& store, v1::MeshRequest& mesh) {
   for (v1::Field& field : *mesh.mutable_fields()) {

@@ -30,10 +30,10 @@ v1::MeshEvent trailer_event(const stored::JobPlan& plan,
                             std::uint64_t end,
                             const QualityStats& quality);
 
-/// Contiguous, and the same for every mesh of so many chunks.
+/// Cuts a mesh into shards: contiguous, and by the number of its chunks alone.
 std::vector<ChunkRange> shards_of(std::int64_t chunk_count);
 
-/// The same for a survey of so many blocks: one each, unless there are more than a job is to
+/// Cuts a survey into shards: one for each block, unless there are more blocks than a job is to
 /// have shards.
 std::vector<ChunkRange> count_shards_of(std::int64_t block_count);
 

@@ -44,11 +44,12 @@ class ResultStore {
 
   /// Opens a mesh's folder to add to it: it is not evicted while anyone holds it.
   absl::StatusOr<std::shared_ptr<MeshFolder>> make(const ResultKey& key);
-  /// The same for what is there. Errors: kNotFound.
+  /// Opens a folder that is there already. Errors: kNotFound.
   absl::StatusOr<std::shared_ptr<MeshFolder>> find(const ResultKey& key) const;
 
-  /// To be asked before `bytes` are added: evicts what was used least if that takes it.
-  /// Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest is in use).
+  /// Makes room for `bytes`, and is asked before they are added: evicts what was used least
+  /// recently if need be. Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest
+  /// is in use).
   absl::Status reserve(std::uint64_t bytes);
 
   /// What counting found for a request of this name, 64 hexadecimal digits: of use as long as

@@ -23,7 +23,7 @@ class StoredMesh {
                                                 stored::JobPlan plan,
                                                 std::uint64_t first = 0,
                                                 std::uint64_t end = 0);
-  /// The same where nobody has counted the mesh, by the name of its request: see
+  /// Finds a mesh that nobody has counted here by the name of its request: see
   /// ResultStore::put_plan.
   static std::shared_ptr<const StoredMesh> find(const ResultStore& results,
                                                 const std::string& space,

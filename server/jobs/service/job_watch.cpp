@@ -131,7 +131,7 @@ JobWatch::Step JobWatch::next_step() {
   return Step::kRead;
 }
 
-/// With the lock. The first status counts.
+/// Ends the watch. Called with the lock held; only the first status counts.
 void JobWatch::end(const absl::Status& status) {
   if (std::exchange(ended_, true)) return;
   status_ = status;
@@ -161,7 +161,7 @@ std::optional<Stallable::Clock::time_point> JobWatch::waiting_since() {
   return write_start_;
 }
 
-/// As ChunkStream::give_up.
+/// Ends the call of a client that took nothing for too long, as ChunkStream::give_up does.
 void JobWatch::give_up(std::chrono::seconds waited) {
   const absl::Status status = client_stalled("took nothing", waited);
   {

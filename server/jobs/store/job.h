@@ -70,7 +70,8 @@ struct Job {
   absl::Time stop_time =
       absl::InfiniteFuture();  ///< when it expires or times out, what is sooner
   std::int64_t chunk_count = 0, done_chunks = 0;  ///< of the mesh; 0 before the plan
-  /// Of the present phase: the others of shard_count wait or back off.
+  /// Shards of the present phase; those of shard_count that are in none of the others wait or
+  /// back off.
   std::int64_t shard_count = 0, done_shards = 0, dead_shards = 0, leased_shards = 0;
   std::int64_t alarms = 0;  ///< shards that were made again with other bytes
 };

@@ -119,8 +119,8 @@ class JobStore {
                                     std::span<const std::int64_t> lost_chunks = {}) = 0;
   /// Forgets a job. Errors: kFailedPrecondition (JOB_ACTIVE).
   virtual absl::Status remove(const std::string& id) = 0;
-  /// Of the shards that are done, by chunk; fewer than asked for where a shard is not done yet.
-  /// Errors: kOutOfRange (RANGE_BEYOND_MESH).
+  /// Digests of the chunks of shards that are done, by chunk: fewer than asked for where a
+  /// shard is not done yet. Errors: kOutOfRange (RANGE_BEYOND_MESH).
   virtual absl::StatusOr<std::map<std::int64_t, ChunkDigest>> chunk_digests(
       const std::string& id, ChunkRange range) = 0;
   /// What the count phase stored, in the order of its shards.

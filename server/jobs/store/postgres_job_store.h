@@ -12,7 +12,8 @@
 namespace tet {
 
 struct PostgresOptions {
-  /// As libpq takes it: "host=db dbname=tetstream user=tetstream", or a postgresql:// address.
+  /// What libpq is given: "host=db dbname=tetstream user=tetstream", or a postgresql://
+  /// address.
   std::string connection = {};
   int max_connections = 8;  ///< of this process, beside the one that listens
   /// How often to look for changes whether notified or not.

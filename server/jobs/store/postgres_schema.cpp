@@ -16,9 +16,10 @@ namespace tet {
 
 namespace {
 
-// As the embedded engine's; jobs, shards and events are divided by the job's id, which begins
-// with the time of its creation, so that forgetting old jobs is dropping tables. Text sorts by
-// its bytes. `queue` churns: it is vacuumed long before a fifth of it is dead.
+// The tables are those of the embedded engine, but jobs, shards and events are divided by the
+// job's id, which begins with the time of its creation, so that forgetting old jobs is dropping
+// tables. Text sorts by its bytes. `queue` churns: it is vacuumed long before a fifth of it is
+// dead.
 constexpr char kFirstVersion[] = R"sql(
 CREATE SEQUENCE tokens;
 CREATE SEQUENCE event_ids;

@@ -10,7 +10,7 @@ namespace tet {
 /// The database does not answer or is busy: worth trying again.
 absl::Status store_unavailable(const std::string& message);
 absl::Status store_full(const std::string& message);
-/// Nothing that a caller can do.
+/// The database is damaged or is none: no caller can mend that.
 absl::Status store_broken(const std::string& message);
 
 /// Whether a failure is the database's, and may pass: it does not answer, is busy or full.

@@ -16,10 +16,10 @@ namespace tet {
 /// begins to fail and when it works again. Thread-safe.
 class JobHealth {
  public:
-  /// Both outlive it.
+  /// Both references must outlive it.
   JobHealth(JobStore& jobs, const ResultStore& results);
 
-  /// As it was lately. Errors: those of JobStore::probe and ResultStore::probe.
+  /// How writing went the last time. Errors: those of JobStore::probe and ResultStore::probe.
   absl::Status status() const;
 
  private:

@@ -10,7 +10,7 @@
 
 namespace tet {
 
-/// Of a store that does not answer, nothing.
+/// Reads the metrics of jobs; a store that does not answer contributes none.
 std::vector<Reading> read_jobs(JobStore& jobs,
                                const ResultStore& results,
                                const JobWorker& worker);

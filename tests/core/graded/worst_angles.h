@@ -14,9 +14,9 @@ struct WorstAngles {
   std::string min_signs;  ///< of the tet, sorted
 };
 
-/// Of one tet, over all signs of its nodes, all edges along which its `0` nodes may have moved,
-/// and cut points and moves at the ends of their ranges and in the middle; then downhill from
-/// the worst ones. Stops where an angle is below `enough_deg`.
+/// Searches the worst angles of one tet: over all signs of its nodes, all edges along which its
+/// `0` nodes may have moved, and cut points and moves at the ends of their ranges and in the
+/// middle; then downhill from the worst ones. Stops where an angle is below `enough_deg`.
 WorstAngles worst_angles(const PlacedTet& tet, const GradedLimits& limits, double enough_deg);
 
 }  // namespace tet::test

@@ -60,7 +60,7 @@ inline TetMesh make_mesh(const std::vector<WorldPoint>& positions,
   return mesh;
 }
 
-/// The same tets on both sides of a surface: tet i lies inside where `is_inside(i)`.
+/// Gives the mesh's tets regions: tet i lies inside where `is_inside(i)`.
 template <class IsInside>
 TetMesh with_regions(TetMesh mesh, const IsInside& is_inside) {
   mesh.header.has_regions = true;
@@ -130,7 +130,7 @@ inline TetMesh kuhn_mesh(int n) {
   return kuhn_mesh(n, [](int, int, int) { return true; });
 }
 
-/// The same mesh with fields, whose values all differ.
+/// Gives the mesh fields, whose values all differ.
 inline TetMesh with_fields(TetMesh mesh, const std::vector<FieldArray>& fields) {
   mesh.header.fields = fields;
   const std::size_t row = mesh.header.field_values();

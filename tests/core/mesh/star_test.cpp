@@ -31,7 +31,7 @@ VertexStars star_of_origin(const TetMesh& mesh) {
   return {mesh, std::vector<std::uint64_t>{0}};
 }
 
-/// Nothing is refused for its angles within this.
+/// This bound refuses no angles.
 constexpr StarBound kNoBound{{2, -2}, 2};
 
 TEST(Star, HasTheAnglesOfTheMeshWhereverItsMiddleIs) {

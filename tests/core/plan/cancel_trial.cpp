@@ -28,7 +28,7 @@ struct Options {
   int threads = 2;
 };
 
-/// Of this process, in milliseconds.
+/// The processor time of this process, in milliseconds.
 double processor_time() {
   timespec time{};
   ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

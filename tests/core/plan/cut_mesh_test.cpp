@@ -68,7 +68,7 @@ double area(const TetMesh& mesh, const Triangle& triangle) {
   return std::sqrt(dot(normal, normal)) / 2;
 }
 
-/// Of the boundary's triangles in one face of the box.
+/// The area of the boundary's triangles in one face of the box.
 double area_of_face(const TetMesh& mesh, CutFace face) {
   const auto faces = cut_faces(mesh);
   double sum = 0;

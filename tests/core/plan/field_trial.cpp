@@ -54,13 +54,13 @@ class Cases {
     field_case.seed = options_.seed + static_cast<std::uint32_t>(turn / presets_.size());
     field_case.spacing = options_.spacing > 0 ? options_.spacing : spacing_of(field_case.seed);
     field_case.edge = options_.edge;
-    // As many tets as on the voxels.
+    // The edge is chosen so that there are as many tets as on the voxels.
     if (options_.spacing == 0) field_case.edge = edge_of(field_case.spacing);
     return field_case;
   }
 
  private:
-  /// Of 16 seeds, two on a lattice that is not the voxels': its samples take long.
+  /// Two of 16 seeds take a lattice that is not the voxels': its samples take long.
   static double spacing_of(std::uint32_t seed) {
     return seed % 16 == 3 ? 0.7 : seed % 16 == 11 ? 1.4 : 1;
   }

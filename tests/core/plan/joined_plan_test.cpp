@@ -71,7 +71,7 @@ TetMesh alone(const std::shared_ptr<const Volume>& grid, const MeshRequest& requ
   return filled(*plan_mesh(grid, request, {}, Cancellation(), nullptr).value());
 }
 
-/// As a part stores it: the position of a mesh alone, which has another origin.
+/// Where a part stores a vertex of a mesh that, made alone, has another origin.
 WorldPoint stored(const TetMesh& one, std::uint64_t vertex, const MeshHeader& joined) {
   const WorldPoint p = one.stored_position(vertex);
   const WorldPoint &from = one.header.origin, &to = joined.origin;

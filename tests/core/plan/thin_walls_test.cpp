@@ -96,7 +96,8 @@ TEST(ThinWalls, SuggestASpacingThatResolvesThem) {
       ASSERT_TRUE(coarse.walls.any());
       const double finer = coarse.walls.suggested_spacing;
       EXPECT_GT(finer, thickness / 10) << "no finer than it has to be";
-      // The same plate, but for its width, sampled anew with voxels of that size.
+      // A plate of the same thickness, but of another width, is sampled anew with voxels of
+      // that size.
       const Meshed fine = mesh(
           test::plate({.thickness = thickness / finer, .radius = 4 / finer, .normal = normal},
                       test::scaled(finer)));

@@ -88,7 +88,7 @@ void expect_linear_values(const TetMesh& mesh) {
   const std::vector<FieldArray> arrays{{"heat", 1}, {"flow", 3}};
   ASSERT_EQ(mesh.header.fields, arrays);
   const std::array<WorldFunction, 4> functions{heat, along_x, along_y, along_z};
-  // Of the largest voxel, rounded when it was stored, and of the result.
+  // Two roundings add up: that of the largest voxel when it was stored, and that of the result.
   const double rounding = 100 * std::numeric_limits<float>::epsilon();
   for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
     for (std::size_t column = 0; column < functions.size(); ++column) {

@@ -91,7 +91,7 @@ class Surface {
     for (const auto& [vertex, parent] : parent_) roots.insert(root(vertex));
     return roots.size();
   }
-  /// Of each tet with one of the brick's own nodes, its vertices.
+  /// The vertices of each tet that has one of the brick's own nodes.
   const std::vector<std::vector<Vertex>>& at_own_nodes() const { return at_own_nodes_; }
 
  private:

@@ -92,7 +92,7 @@ void leave_holes(const Taken& taken) {
   hand_back(taken, "");
 }
 
-/// As a grid's name says, so that one server can have requests of both kinds.
+/// Does what the grid's name says, so that one server can have requests of both kinds.
 void decode_but_for(const Taken& taken) {
   if (taken.received.order.grid_name == "crash") crash();
   if (taken.received.order.grid_name == "hang") hang();

@@ -38,7 +38,7 @@ openvdb::FloatGrid::Ptr lie_ball() {
   return grid;
 }
 
-/// Of no class: OpenVDB does not use zlib for level sets.
+/// The grid has no class, as OpenVDB does not use zlib for level sets.
 openvdb::FloatGrid::Ptr unknown_ball() {
   const openvdb::FloatGrid::Ptr grid = lie_ball();
   grid->setGridClass(openvdb::GRID_UNKNOWN);

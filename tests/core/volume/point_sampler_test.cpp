@@ -67,7 +67,7 @@ TEST(PointSampler, InterpolatesBetweenEightVoxelsAsAReaderDoes) {
   for (int i = 0; i < 3000; ++i) {
     points.push_back({any(random) / 8, any(random) / 8, any(random) / 8});
   }
-  // As those of a mesh follow each other; beyond the bricks with values, too.
+  // Points follow each other as those of a mesh do, and go beyond the bricks with values.
   for (int i = 0; i < 4096; ++i) {
     points.push_back({18.3 + 0.7 * (i / 256), -4.1 + 0.7 * (i / 16 % 16), 0.7 * (i % 16)});
   }

@@ -1,0 +1,121 @@
+"""Runs the commands of README.md and docs/*.md as they are written, on small stand-ins for their files.
+
+    TETSTREAM_BIN=build/release/bin PYTHONPATH=tests/client python3 tests/docs/commands_test.py
+"""
+
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import unittest
+
+from command_case import ServerTest, binaries, unused_port
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# These pages' commands need a certificate authority: tests/client/cli_secure_test.py makes one.
+SKIPPED = {"security.md"}
+
+BLOCK = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+ADDRESS = re.compile(r"\b[\w.-]+:7447\b")
+# A page's file: the fixture that takes its place, and its voxel size.
+FILES = {"scan.vdb": ("torus", 0.1), "walls.vdb": ("random-signs", 0.1), "fire.vdb": ("fields", 0.1),
+         "flow.vdb": ("fields", 0.1), "body.vdb": ("parts", 0.1),
+         "scans/monday.vdb": ("sphere", 0.1), "scans/tuesday.vdb": ("torus", 0.1)}
+# A page's grid: the fixture's grid that takes its place.
+GRIDS = {"density": "sphere", "temperature": "heat", "femur": "ball", "tibia": "ring"}
+
+
+def is_whole(command):
+    try:
+        shlex.split(command, comments=True)
+        return True
+    except ValueError:  # a quotation goes on in the next line
+        return False
+
+
+def commands_of(text):
+    """The calls of tetstream and tetstreamd in the blocks of a page that name no language."""
+    commands, begun = [], ""
+    for line in "".join(BLOCK.findall(text)).splitlines():
+        begun += line
+        if not begun.startswith(("tetstream ", "tetstreamd --listen ")):
+            begun = ""
+        elif is_whole(begun):
+            commands.append(begun)
+            begun = ""
+        else:
+            begun += "\n"
+    return commands
+
+
+def octahedron(path):
+    """A closed surface in an .obj file: small, but sixty voxels of 0.02 across."""
+    r = 0.6
+    corners = [(r, 0, 0), (-r, 0, 0), (0, r, 0), (0, -r, 0), (0, 0, r), (0, 0, -r)]
+    faces = [(1, 3, 5), (3, 2, 5), (2, 4, 5), (4, 1, 5), (3, 1, 6), (2, 3, 6), (4, 2, 6), (1, 4, 6)]
+    path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) +
+                    "".join(f"f {a} {b} {c}\n" for a, b, c in faces))
+
+
+class Commands(ServerTest):
+    volumes = {}
+
+    def setUp(self):
+        super().setUp()
+        (self.out / "docs").symlink_to(ROOT / "docs")
+        (self.out / "scans").mkdir()
+        octahedron(self.out / "bunny.obj")
+        for name, (kind, voxel) in FILES.items():
+            subprocess.run([binaries() / "make_fixture", kind, str(voxel), self.out / name],
+                           check=True)
+        self.assert_done(self.tetstream("convert", self.out / "bunny.obj", self.out / "bunny.vdb",
+                                        "--voxel", 0.02))
+        self.environment = {**os.environ, "PATH": f"{binaries().resolve()}:{os.environ['PATH']}",
+                            "XDG_STATE_HOME": str(self.out / "state")}
+
+    def run_here(self, command):
+        for name, grid in GRIDS.items():
+            command = re.sub(rf"\b{name}\b", grid, command)
+        starts_server = command.startswith("tetstreamd")
+        address = f"127.0.0.1:{unused_port()}" if starts_server else self.address
+        command = ADDRESS.sub(address, command)
+        if starts_server:  # it stays until it is stopped: here it begins, and stops at once
+            command += f"""
+                tries=0
+                until tetstream health --server {address}; do ((++tries < 200)); sleep 0.05; done
+                kill $!; wait $!"""
+        return subprocess.run(["bash", "-ec", command], cwd=self.out, env=self.environment,
+                              capture_output=True, text=True, timeout=120, check=False)
+
+    def check_page(self, page):
+        for command in commands_of(page.read_text(encoding="utf-8")):
+            with self.subTest(page=page.name, command=command):
+                done = self.run_here(command)
+                self.assertEqual(done.returncode, 0, done.stderr)
+
+
+def add_test(page):
+    name = page.stem.lower()
+    setattr(Commands, f"test_of_{name}_do_what_they_say", lambda self: self.check_page(page))
+
+
+for each in PAGES:
+    if each.name not in SKIPPED and commands_of(each.read_text(encoding="utf-8")):
+        add_test(each)
+
+
+class Extraction(unittest.TestCase):
+    def test_takes_calls_from_blocks_without_a_language(self):
+        text = ("```\ntetstream info a.vdb  # why\nls\ntetstream mesh a '{\n}'\n```\n"
+                "tetstream in prose\n```cpp\ntetstream x\n```\n")
+        self.assertEqual(commands_of(text),
+                         ["tetstream info a.vdb  # why", "tetstream mesh a '{\n}'"])
+
+    def test_finds_the_cookbook(self):
+        self.assertGreater(len(commands_of((ROOT / "docs/cookbook.md").read_text())), 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
