@@ -50,6 +50,20 @@ tet_package(COMPONENT server NAME tetstream-server SECTION science
   SUMMARY "meshes OpenVDB volumes: the server"
   TEXT "Stores OpenVDB grids, turns them into tetrahedral meshes, and streams these"
        "over gRPC while they are made. Runs as a systemd service.")
+
+# Static libraries: what they are linked with is not for dpkg-shlibdeps to find.
+get_cmake_property(components COMPONENTS)
+if(dev IN_LIST components)
+  list(APPEND CPACK_COMPONENTS_ALL dev)
+  tet_package(COMPONENT dev NAME libtetstream-dev SECTION libdevel
+    DEPENDS "tetstream-common ${same_version}" libabsl-dev libboost-dev libboost-iostreams-dev libgrpc++-dev
+      libhdf5-dev libisal-dev libopenvdb-dev libprotobuf-dev libssl-dev libtbb-dev
+    SUMMARY "meshes OpenVDB volumes: the C++ library"
+    TEXT "Headers and static libraries with which programs turn volumes into"
+         "tetrahedral meshes, or take these from a server.")
+  set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+endif()
+
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   ${debian}/conffiles ${debian}/postinst ${debian}/prerm ${debian}/postrm)

@@ -58,7 +58,7 @@ class Pages(ManualTest):
         pages = set()
         for command, page in self.each_page():
             pages.add(page)
-            rendered = run("groff", "-man", "-Tascii", "-P-cbou", "-rHY=0", page).stdout
+            rendered = run("groff", "-man", "-Tascii", "-P-cbou", "-rHY=0", "-rLL=200n", page).stdout
             described = set(re.findall(r"^ {7}(?:-\w, )?(--[\w-]+)", rendered, re.MULTILINE))
             self.assertEqual(described, options_in_help(command), page.name)
             self.assertTrue(described)
