@@ -1,4 +1,4 @@
-// The two ways to make a mesh: in this process, or on a server. The same bytes either way.
+// The two ways to make a mesh: in this process, or on a server. Both make the same bytes.
 #pragma once
 
 #include <optional>

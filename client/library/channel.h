@@ -31,7 +31,7 @@ class ServerChannel {
   /// somebody waits for it, and else looks every five seconds.
   void seek(std::chrono::milliseconds time) const;
 
-  /// To be done for each call, before it starts.
+  /// Gives a call the token. Do this for each call before it starts.
   void authorize(grpc::ClientContext& context) const;
 
   /// A call's status, with a message that says what to do where the two ends do not speak the

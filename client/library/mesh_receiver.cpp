@@ -164,7 +164,8 @@ absl::Status MeshReceiver::allocate(const MeshHeader& header) {
 }
 
 absl::Status MeshReceiver::take_kept(const v1::MeshHeader& header, const MeshHeader& checked) {
-  if (base_ == nullptr) return bad_stream("parts of a mesh that nobody named");
+  if (base_ == nullptr)
+    return bad_stream("it keeps parts of a mesh that the request does not name");
   if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
   kept_ = {to_core(header.kept().vertices()), to_core(header.kept().tets())};
   absl::StatusOr<TetMesh> mesh = absl::InternalError("not made");
@@ -246,7 +247,8 @@ absl::Status MeshReceiver::advance(const ChunkNumbers& chunk, std::uint32_t chec
   if (absl::Status status = verify_checksum(chunk, checksum); !status.ok()) return status;
   const ChunkColumns columns = received_.mesh.columns_of(extent_of(chunk));
   if (!ids_are_within(columns.tets, received_.mesh.header)) {
-    return bad_stream(absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
+    return bad_stream(
+        absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
   }
   count(chunk);
   return absl::OkStatus();

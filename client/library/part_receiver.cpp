@@ -91,7 +91,8 @@ absl::Status PartReceiver::hand_on(const ChunkNumbers& chunk, std::uint32_t chec
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
   }
   if (!ids_are_within(part_.tets.bytes(), header_)) {
-    return bad_stream(absl::StrCat("chunk ", chunk.index, " refers to vertices there are not"));
+    return bad_stream(
+        absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
   }
   const ChunkExtent place{chunk.first_vertex, chunk.vertex_count, chunk.first_tet,
                           chunk.tet_count};

@@ -49,8 +49,8 @@ std::vector<ConstantCube> unlike_cubes(const Volume& a, const Volume& b) {
   return unlike;
 }
 
-/// The regions in which anything may differ, by their lowest bricks. Nothing where they are too
-/// many to look at.
+/// The regions in which anything may differ, by their lowest bricks; std::nullopt when they are
+/// too many to look at.
 std::optional<std::vector<BrickCoord>> regions_to_compare(const Volume& a, const Volume& b) {
   std::vector<BrickCoord> regions;
   for (const Volume* volume : {&a, &b}) {

@@ -16,8 +16,8 @@ namespace tet {
 /// FieldDifference::Asker.
 class FieldDifference {
  public:
-  /// Null where next to nothing can be the same: other lattices, a volume beside a scene. Of
-  /// volumes every value is looked at. Parallel.
+  /// Null where next to nothing can be the same: other lattices, a volume beside a scene. All
+  /// values of two volumes are compared. Parallel.
   static std::unique_ptr<const FieldDifference> between(const PhiField& earlier,
                                                         const PhiField& now);
 

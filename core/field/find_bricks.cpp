@@ -42,11 +42,13 @@ struct RegionCube {
         edge(cube.edge / (kRegionBricks * kBrickEdge)) {}
 
   bool single() const noexcept { return edge == 1; }
-  /// Its outermost regions and all that touch one, but for what touches a single region.
+  /// How many regions there are in and around its outermost layer; a single region counts
+  /// alone.
   double regions_around() const noexcept {
     return single() ? 1 : std::pow(edge + 2, 3) - std::pow(edge - 2, 3);
   }
-  /// Those that touch nothing beyond the cube; where there are none its ends are crossed.
+  /// The regions that touch none beyond the cube; if there are none, the box's ends are
+  /// crossed.
   BrickBox deep() const noexcept {
     const BrickCoord last = steps_from(min, {edge - 1, edge - 1, edge - 1});
     return {steps_from(min, {1, 1, 1}), {last.x - 1, last.y - 1, last.z - 1}};
@@ -344,7 +346,8 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
                                         const Cancellation& cancellation) {
   const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
   if (!regions.ok()) return regions.status();
-  // At other spacings, a brick found is as many as it meets at most: too many to refuse by.
+  // At other spacings a brick is counted as all lattice bricks that it may meet. These are more
+  // than it does meet, so only the hard limit refuses by them.
   const std::size_t most_seen = field.at_voxels() ? most_bricks : kMaxSurfaceBricks;
   ScannedRegions scanned = scan_regions(field, *regions, most_seen, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;

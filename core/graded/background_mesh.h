@@ -42,7 +42,7 @@ struct BackgroundMesh {
 std::uint64_t background_bytes(std::uint64_t nodes, std::uint64_t tets) noexcept;
 
 /// Samples phi at every node, and keeps the tets with a node inside. The tree has fewer than
-/// 2^32 nodes. Parallel. Of no use once it is cancelled.
+/// 2^32 nodes. Parallel. If cancelled, discard the result.
 BackgroundMesh make_background(const GradedTree& graded,
                                const PhiField& field,
                                const Cancellation& cancellation);

@@ -31,8 +31,8 @@ CellSet root_cells(const FoundBricks& found, int level, const Cancellation& canc
   return grown(builder.take(), 2, cancellation);
 }
 
-/// Cells of one level and those of them that are refined, as leaves. Of a box only whole cells
-/// are: what sticks out of it is refined.
+/// Makes a level of its cells and of those of them that are refined; the others are leaves.
+/// With a box only whole cells can be leaves: a cell that sticks out of it is refined.
 OctreeLevel level_of(CellSet cells,
                      CellSet refined,
                      const std::optional<BrickBox>& box,

@@ -15,7 +15,7 @@ WorldPoint SplitTet::cut(std::size_t a, std::size_t b) const noexcept {
           from.z + t * (to.z - from.z)};
 }
 
-/// On the surface quad of `++--`.
+/// Chooses the diagonal of the surface quad of `++--`.
 bool SplitTet::takes_second_diagonal(const ColumnRule& columns) const noexcept {
   const auto& [plus, zero, minus, plus_count, zero_count, minus_count] = columns.nodes();
   if (const auto forced = columns.forced_split(plus, minus)) {

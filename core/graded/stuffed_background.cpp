@@ -48,7 +48,7 @@ StuffedBackground::StuffedBackground(const BackgroundMesh& mesh,
   count_tets(cancellation);
 }
 
-/// Those of tets with a `+` node that are not `-` themselves: a stencil has all of these.
+/// Marks the nodes that are not `-` of tets with a `+` node: a stencil has all of these.
 void StuffedBackground::find_used_nodes() {
   used_.resize(mesh_.node.size());
   for (std::size_t i = 0; i < mesh_.tets.size(); i += 4) {

@@ -23,7 +23,7 @@ namespace tet {
 /// background's. Refers to what it is made of, which must outlive it.
 class StuffedBackground {
  public:
-  /// Parallel. Of no use once it is cancelled.
+  /// Parallel. If cancelled, discard the object.
   StuffedBackground(const BackgroundMesh& mesh,
                     const SurfaceEdges& edges,
                     const GradedLimits& limits,

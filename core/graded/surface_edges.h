@@ -25,10 +25,11 @@ struct SurfaceEdges {
   std::uint32_t find(NodeId low, NodeId high_node) const noexcept;
 };
 
-/// Without fractions. Of no use once it is cancelled.
+/// Finds the edges that the surface crosses, without their fractions. If cancelled, discard the
+/// result.
 SurfaceEdges find_surface_edges(const BackgroundMesh& mesh, const Cancellation& cancellation);
 
-/// Fractions within kZeroTolerance of a zero of the field. Parallel.
+/// Finds fractions that are within kZeroTolerance of a zero of the field. Parallel.
 void find_zeros(const BackgroundMesh& mesh,
                 const PhiField& field,
                 const Cancellation& cancellation,

@@ -61,7 +61,7 @@ Index* fill_background(const BackgroundCells& cells,
 
 /// A cell's faces are numbered by direction: +x, +y, +z, -x, -y, -z.
 inline constexpr int kFaceDirections = 6;
-/// From a cell to the one across a face.
+/// The step from a cell to the one across a face.
 constexpr LatticeCoord face_step(int direction) noexcept {
   const int sign = direction < 3 ? 1 : -1;
   return {direction % 3 == 0 ? sign : 0, direction % 3 == 1 ? sign : 0,

@@ -10,7 +10,8 @@
 namespace tet {
 namespace internal {
 
-/// To the two other cells around edge `turn` of a cell's upper face across `axis`.
+/// The step to the other two cells around edge `turn` of a cell's upper face across `axis`:
+/// from the cell, and from the one across that face.
 constexpr LatticeCoord beside_edge(int axis, int turn) noexcept {
   // Edges run from corner `turn` to the next: they lie low in v, high in u, high in v, low in
   // u.
@@ -20,12 +21,13 @@ constexpr LatticeCoord beside_edge(int axis, int turn) noexcept {
   return face_step(is_up ? along : along + 3);
 }
 
-/// Same-size leaves across the upper face of an axis.
+/// The leaves that have a leaf of their size across the upper face of an axis.
 inline BrickMask pairs_across(const BackgroundCells& cells, int axis) noexcept {
   return brick_part(cells.leaf) & brick_part(cells.leaf, face_step(axis)) & cells.own;
 }
 
-/// Where edge `turn` of the face has a midpoint: a cell around it is refined.
+/// The cells where edge `turn` of the face has a midpoint, as a cell around the edge is
+/// refined.
 inline BrickMask midpoints(const BackgroundCells& cells, int axis, int turn) noexcept {
   const LatticeCoord beside = beside_edge(axis, turn);
   return brick_part(cells.refined, beside) |

@@ -26,8 +26,8 @@ struct BoundaryTopology {
 /// The boundary triangles, counter-clockwise seen from outside, sorted by their smallest
 /// vertex.
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh);
-/// Those of the tets in `region` alone, as if there were no others: the surface, and what of
-/// the box's faces the region reaches.
+/// The boundary triangles of the tets in `region` alone, as if there were no others: the
+/// surface, and what of the box's faces the region reaches.
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh, MeshRegion region);
 
 /// Topology of triangles whose vertex ids are below `vertex_count`.

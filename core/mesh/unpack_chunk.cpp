@@ -29,7 +29,8 @@ struct Rows {
 /// More than any chunk has: what a row takes whose pattern is not listed.
 constexpr std::uint64_t kImpossible = std::uint64_t{1} << 40;
 
-/// Reads `count` rows, of patterns below `patterns`. Nothing where the bytes are none.
+/// Reads `count` rows, of patterns below `patterns`; std::nullopt when the bytes are no such
+/// rows.
 template <class BytesOf>
 std::optional<Rows> read_rows(ByteReader& reader,
                               std::size_t count,
@@ -235,7 +236,7 @@ absl::Status ChunkUnpacker::unpack(std::span<const std::byte> bytes,
   ByteReader reader(bytes.first(bytes.size() - kPackedPadding));
   const auto local_vertices = wide_ids ? read_ids(reader, header, extent, wide_ids_)
                                        : read_ids(reader, header, extent, ids_);
-  if (!local_vertices) return broken("it names vertices there are not");
+  if (!local_vertices) return broken("it names vertices that do not exist");
 
   const auto vertices = doubles ? read_vertex_rows<std::uint64_t>(reader, extent.vertex_count)
                                 : read_vertex_rows<std::uint32_t>(reader, extent.vertex_count);

@@ -19,9 +19,9 @@ namespace tet {
 /// Parallel.
 class GridMarker {
  public:
-  /// For a lattice of finest cells, within `bounds`, boxes of finest bricks, and at most
-  /// `levels` levels. Stops once it has marked more than `most` cells. The cancellation must
-  /// outlive it.
+  /// Marks cells of a lattice of finest cells within `bounds`, boxes of finest bricks, on at
+  /// most `levels` levels. Stops once it has marked more than `most` cells. The cancellation
+  /// must outlive it.
   GridMarker(const VoxelTransform& lattice,
              const BrickBox& bounds,
              int levels,
@@ -32,7 +32,7 @@ class GridMarker {
 
   /// Cells, some of them more than once.
   double marked() const noexcept { return marked_; }
-  /// By level.
+  /// The marked cells, by level.
   std::vector<CellSetBuilder>& cells() noexcept { return of_level_; }
   /// Constants that hold very many cells, as regions.
   const std::vector<SizingRegion>& large() const noexcept { return large_; }

@@ -212,7 +212,7 @@ Octree build_octree(CellSet finest,
                     const Cancellation& cancellation) {
   Octree tree;
   if (rules.max_levels == 0) {
-    // Beyond a domain there is nothing, near the surface or not.
+    // There are no leaves beyond a domain, near the surface or not.
     const auto also = cover.domain ? std::vector<BrickCoord>{} : std::move(finest.bricks);
     finest = {};
     std::vector<BrickCoord> bricks = bricks_covering(cover.boxes, 0, also);

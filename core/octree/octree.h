@@ -60,7 +60,7 @@ using InsideTest =
     std::function<bool(PhiSampler& sampler, std::int64_t x, std::int64_t y, std::int64_t z)>;
 
 /// Grows an octree above the finest leaves. Cells that are not `finest` have all their nodes on
-/// one side, which `is_inside` tells. Of no use once it is cancelled.
+/// one side, which `is_inside` tells. If cancelled, discard the result.
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,

@@ -56,7 +56,7 @@ Reach RegionShape::reach(const LatticeSpan& span) const noexcept {
   return std::visit([&](const auto& shape) { return reach(shape, span); }, shape_);
 }
 
-/// By the world's box around the span, which is the span itself where the lattice is not
+/// Compares the world's box around the span, which is the span itself where the lattice is not
 /// turned.
 Reach RegionShape::reach(const Box& box, const LatticeSpan& span) noexcept {
   const auto& [x, y, z] = span.centre;
@@ -77,7 +77,7 @@ Reach RegionShape::reach(const Box& box, const LatticeSpan& span) noexcept {
   return all ? Reach::kAll : Reach::kPart;
 }
 
-/// By the ball around the span.
+/// Compares the ball around the span.
 Reach RegionShape::reach(const Capsule& capsule, const LatticeSpan& span) noexcept {
   const double away = distance_from_segment(span.centre, capsule.start, capsule.along);
   const double around = std::sqrt(dot(span.half, span.half));

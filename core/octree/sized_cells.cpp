@@ -20,7 +20,7 @@ constexpr double kChildren = 8;
 
 absl::Status too_many_leaves(const std::string& who, double most) {
   return absl::ResourceExhaustedError(absl::StrFormat(
-      "%s asks for more than %.3g leaves, as many as there may be. Use a larger size or a "
+      "%s asks for more than %.3g leaves, the most there may be: use a larger size or a "
       "smaller region",
       who, most));
 }

@@ -77,7 +77,9 @@ void check(const ShellRegion& shell, Complaints& is) {
 bool is_below(double size, double spacing) { return size < spacing * (1 - kSameSize); }
 
 std::string below_spacing(double size, double spacing) {
-  return absl::StrFormat("%g is below the spacing %g, which no leaf is", size, spacing);
+  return absl::StrFormat(
+      "%g is below the spacing %g, the size of the smallest leaves: use a larger one", size,
+      spacing);
 }
 
 }  // namespace

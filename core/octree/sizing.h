@@ -61,7 +61,7 @@ struct Sizing {
   static constexpr std::size_t kMaxRegions = 256;
   static constexpr double kMinGrowth = 0.0625;
 
-  /// By its shape.
+  /// True when the surface's shape decides how large leaves are.
   bool sizes_surface() const noexcept { return chord_error || leaves_across > 0; }
   bool any() const noexcept {
     return coarsest || growth != 1 || !regions.empty() || grid || grade_surface ||

@@ -12,9 +12,9 @@
 
 namespace tet {
 
-/// By level, from 1 to `levels`: cells that are no leaves for a sizing's chord_error and
-/// leaves_across. Every finest cell whose corners are not all on one side is asked, in `bricks`
-/// near the surface. Parallel. Of no use once it is cancelled.
+/// Finds the cells, by level from 1 to `levels`, that must not be leaves because of a sizing's
+/// chord_error and leaves_across. Every finest cell in `bricks` near the surface is looked at
+/// whose corners are not all on one side. Parallel. If cancelled, discard the result.
 std::vector<CellSet> surface_cells_to_refine(const Sizing& sizing,
                                              const PhiField& field,
                                              const std::vector<BrickCoord>& bricks,

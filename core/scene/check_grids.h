@@ -14,7 +14,7 @@ namespace tet::scene {
 
 // What is wrong is kInvalidArgument, and the message begins with the field.
 
-/// At most Scene::kMaxGrids different ones, however often they are used.
+/// Checks that there are at most Scene::kMaxGrids different grids, however often they are used.
 absl::Status check_grid_count(const Description& description);
 
 absl::Status check_loaded(const Description& description);

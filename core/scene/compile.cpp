@@ -80,7 +80,7 @@ Frame unscaled(const Frame& frame, const Triple& scale) {
   return out;
 }
 
-/// On to a grid's index space. The transpose of a rotation is its inverse.
+/// Extends a frame to a grid's index space. The transpose of a rotation is its inverse.
 Frame to_voxels(const Frame& frame, const VoxelTransform& transform) {
   const double per_square = 1 / (transform.voxel_size * transform.voxel_size);
   Matrix linear{};

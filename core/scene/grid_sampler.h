@@ -39,7 +39,7 @@ class GridSampler {
   struct Places {
     alignas(64) std::array<std::int32_t, kMaxPoints> cell_x, cell_y, cell_z;
     alignas(64) std::array<double, kMaxPoints> x, y, z;  ///< in [0, 1]
-    /// At 4*x + 2*y + z.
+    /// Values of the eight voxels around each point; that of (x, y, z) is at 4*x + 2*y + z.
     alignas(64) std::array<std::array<float, kMaxPoints>, 8> corner;
   };
 

@@ -22,7 +22,7 @@ namespace tet {
 /// of grids: those lie between the values of the voxels around. From either follow bounds for a
 /// neighbourhood (SceneEvaluator::bounds).
 struct Scene {
-  /// In postfix order: the last instruction's value is phi.
+  /// Instructions in postfix order: the last one's value is phi.
   std::vector<scene::Instruction> program;
   std::vector<scene::GridSource> grids;  ///< by the numbers in instructions
   std::size_t stack_depth = 0;           ///< columns that evaluation needs at most

@@ -31,7 +31,7 @@ struct Brackets {
     for (std::size_t i = 0; i < kEdgeLanes; ++i) t[i] = linear_zero(a[i], b[i]);
   }
 
-  /// Where the function at `t` is `value`.
+  /// Narrows bracket `i`, given that the function at `t` is `value`.
   void narrow(std::size_t i, float value) noexcept {
     const bool beyond = ((value < 0) == (a[i] < 0)) & (value != 0);
     const float new_low = beyond ? t[i] : low[i], new_a = beyond ? value : a[i];

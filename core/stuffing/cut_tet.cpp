@@ -39,7 +39,8 @@ QuadSplit CutTet::quad_split() const noexcept {
   return second ? QuadSplit::kSecondDiagonal : QuadSplit::kFirstDiagonal;
 }
 
-/// In spacings from the cell's lowest corner; a node of a quad's tet has not moved.
+/// Returns the place in spacings from the cell's lowest corner; a node of a quad's tet has not
+/// moved.
 WorldPoint CutTet::place_of_node(std::size_t node) const noexcept {
   return lattice_place(shape_.kind[node], halo_index(0, 0, 0) + shape_.offset[node]);
 }

@@ -45,7 +45,7 @@ struct NodePlanes {
   NodePlanes() noexcept = default;
   /// `nodes` has nodes of the box only.
   explicit NodePlanes(const NodeSets& nodes) noexcept;
-  /// Those of some nodes that are in the brick's star.
+  /// Keeps those of some nodes that are in the brick's star.
   static NodePlanes in_star(const NodeSets& nodes) noexcept;
   NodeSets sets() const noexcept;
 
@@ -70,7 +70,7 @@ bool meet(const NodePlanes& a, const NodePlanes& b) noexcept;
 NodePlanes nodes_beside(const NodePlanes& nodes) noexcept;
 
 /// The first of some nodes, and those that edges within the set connect to it; no edge between
-/// two of `zero` is followed. Nothing where there is no node.
+/// two of `zero` is followed. Empty when there is no node.
 NodePlanes first_region(const NodePlanes& nodes, const NodePlanes& zero) noexcept;
 
 }  // namespace tet

@@ -24,7 +24,7 @@ class RestoredNodes {
   RestoredNodes& operator=(RestoredNodes&&) = default;
 
   std::uint64_t count() const noexcept;
-  /// Those of a brick and its halo.
+  /// The restored nodes of a brick and its halo.
   std::array<HaloSet, kNodeKinds> around(BrickCoord brick) const noexcept;
 
  private:

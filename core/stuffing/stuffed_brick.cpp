@@ -52,7 +52,8 @@ struct AroundFace {
   }
 };
 
-/// Where the tets around the upper face across `axis` of the cell a step on are mixed.
+/// The cells for which a tet around the upper face across `axis` of the cell a step on is
+/// mixed.
 BrickMask mixed_faces(const WarpedLattice& lattice,
                       const StuffingRules& rules,
                       int axis,

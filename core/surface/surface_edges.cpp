@@ -11,7 +11,7 @@
 namespace tet {
 namespace {
 
-/// For each vertex the first in order of those that lie where it does.
+/// Maps each vertex to the first of those that lie where it does.
 std::vector<std::uint32_t> weld(const std::vector<WorldPoint>& vertices) {
   const auto key = [&](std::uint32_t i) {
     return std::tie(vertices[i].x, vertices[i].y, vertices[i].z);

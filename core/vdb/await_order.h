@@ -9,7 +9,7 @@ namespace tet {
 
 /// Waits for an order on `socket`, in the process that was asked to copy itself as in its
 /// copies, which find their own sockets under the same number. Call it with one thread, before
-/// a byte of any file was read. Nothing when the process has no more to do.
+/// a byte of any file was read. Returns std::nullopt when the process has no more to do.
 std::optional<ReceivedOrder> await_order(int socket);
 
 }  // namespace tet

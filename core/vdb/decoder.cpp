@@ -117,7 +117,7 @@ absl::StatusOr<Decoder> Decoder::copy(const std::function<bool()>& cancelled) {
 
 /// Takes over a child of this thread.
 absl::StatusOr<Decoder> Decoder::watch(pid_t pid, Descriptor socket) {
-  // By number, since the header of glibc 2.36 for this is for C only.
+  // The system call is made by its number, as glibc 2.36's header for it is for C only.
   Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
   if (process.is_open()) return Decoder(pid, std::move(process), std::move(socket));
   const std::string error = std::strerror(errno);

@@ -54,7 +54,7 @@ class Decoder {
   /// kUnavailable (it was gone before it had the order: another one may do it).
   absl::StatusOr<SealedBlock> decode(const DecodeOrder& order, int file, const DecodeEnd& end);
 
-  /// For tests that do it harm.
+  /// The decoder's process, for tests that do it harm.
   pid_t pid() const noexcept { return pid_; }
 
  private:

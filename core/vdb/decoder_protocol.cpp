@@ -100,7 +100,7 @@ struct Frame {
     std::memcpy(CMSG_DATA(first), descriptors.data(), descriptors.size_bytes());
   }
 
-  /// Those that came; the rest are closed.
+  /// Takes the descriptors that came; the rest are closed.
   std::array<Descriptor, kMostDescriptors> descriptors() const {
     std::array<Descriptor, kMostDescriptors> came;
     const cmsghdr* const first = CMSG_FIRSTHDR(&header);

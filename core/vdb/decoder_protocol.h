@@ -56,7 +56,7 @@ struct ReceivedOrder {
   Descriptor file, result;
 };
 
-/// To become two, of which one answers on this socket.
+/// The wish that the process becomes two, of which one answers on this socket.
 struct ReceivedCopyWish {
   Descriptor socket;
 };
@@ -64,7 +64,7 @@ struct ReceivedCopyWish {
 /// What the parent asks for; std::monostate when it is gone or says something else.
 using ReceivedWish = std::variant<std::monostate, ReceivedCopyWish, ReceivedOrder>;
 
-/// Both sides; false when the other one is gone.
+/// Both sides send with these; false when the other side is gone.
 bool send_ready(int socket);
 bool send_copy_wish(int socket, int socket_of_copy);
 bool send_copied(int socket, pid_t copy);

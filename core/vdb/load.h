@@ -46,9 +46,9 @@ absl::StatusOr<Volume> load_volume(const OpenGridFile& file,
                                    const LoadLimits& limits = {});
 
 /// Reads one component of a float, double, vec3s or vec3d grid: values to be looked up. An
-/// empty `grid_name` takes the only such grid of the file. Of VolumeKind::kVectorField where
-/// there are two more; it may be empty. Errors: those of load_volume, where it is no field;
-/// kInvalidArgument (no such component).
+/// empty `grid_name` takes the only such grid of the file. The volume's kind is
+/// VolumeKind::kVectorField where there are two more components; it may be empty. Errors: those
+/// of load_volume, where it is no field; kInvalidArgument (no such component).
 absl::StatusOr<Volume> load_field(const std::string& path,
                                   const std::string& grid_name,
                                   std::uint32_t component,

@@ -19,7 +19,7 @@ struct ConversionReport {
   bool closed = false;                   ///< no open edge: inside is what the surface encloses
   std::uint64_t active_voxels = 0;
 
-  /// For the user to read: one sentence that says which, and what was done.
+  /// Tells the user in one sentence which it was, and what was done.
   std::string text() const;
 };
 

@@ -15,7 +15,8 @@ std::size_t length_of(std::uint8_t lead) noexcept {
   return ones >= 2 && ones <= 4 && lead >= 0xc2 ? static_cast<std::size_t>(ones) : 0;
 }
 
-/// Not overlong, no surrogate, not beyond the last character: the second byte decides.
+/// The second byte decides whether a character is overlong, a surrogate, or beyond the last
+/// one.
 bool is_in_range(std::uint8_t lead, std::uint8_t second) noexcept {
   switch (lead) {
     case 0xe0:

@@ -20,7 +20,7 @@ namespace tet {
 /// Not thread-safe: one per task. The volumes must outlive it.
 class PointSampler {
  public:
-  /// At least one, all with the transform of the first.
+  /// There is at least one component, and all have the transform of the first.
   explicit PointSampler(std::span<const std::shared_ptr<const Volume>> components);
 
   std::size_t components() const noexcept { return readers_.size(); }

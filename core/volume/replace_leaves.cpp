@@ -85,7 +85,8 @@ class Remainder {
     return std::move(constants_);
   }
 
-  /// Those without a leaf in them; the others become smaller ones, or constant bricks.
+  /// The constant cubes that have no replaced leaf in them; the others become smaller cubes, or
+  /// constant bricks.
   std::vector<ConstantCube> cubes() {
     for (const ConstantCube& cube : volume_.cubes) add_cube(cube);
     return std::move(cubes_);

@@ -17,7 +17,7 @@ namespace tet {
 absl::StatusOr<scene::Description> description_of_message(
     const ::tetstream::v1::Scene& message);
 
-/// From protobuf's JSON mapping; field names may be as in the .proto file, or in camelCase.
+/// Reads protobuf's JSON mapping; field names may be as in the .proto file, or in camelCase.
 /// Errors: kInvalidArgument (no such JSON; says where).
 absl::StatusOr<::tetstream::v1::Scene> scene_from_json(const std::string& json);
 

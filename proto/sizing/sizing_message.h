@@ -17,7 +17,7 @@ absl::StatusOr<Sizing> sizing_of_message(const ::tetstream::v1::Sizing& message)
 /// The message that means this sizing, with every default filled in.
 ::tetstream::v1::Sizing message_of_sizing(const Sizing& sizing);
 
-/// From protobuf's JSON mapping; field names may be as in the .proto file, or in camelCase.
+/// Reads protobuf's JSON mapping; field names may be as in the .proto file, or in camelCase.
 /// Errors: kInvalidArgument (no such JSON; says where).
 absl::StatusOr<::tetstream::v1::Sizing> sizing_from_json(const std::string& json);
 

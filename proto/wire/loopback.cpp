@@ -7,7 +7,7 @@ namespace tet {
 
 namespace {
 
-/// Without the port, and without the brackets of an IPv6 address.
+/// Removes the port, and the brackets of an IPv6 address.
 std::string host_of(std::string_view address) {
   if (address.starts_with('[')) return std::string(address.substr(1, address.find(']') - 1));
   return std::string(address.substr(0, address.rfind(':')));

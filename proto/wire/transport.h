@@ -31,9 +31,9 @@ inline constexpr TransportSetting kTransportSettings[] = {
     {"grpc.http2.min_ping_interval_without_data_ms", 30000},
 };
 
-/// For a program that serves or receives meshes, once, before it starts threads: blocks that
-/// gRPC reads into are kept when they are freed. Giving each back to the system and faulting
-/// its pages in again would cost as much as all else that the wire does.
+/// Keeps the blocks that gRPC reads into when they are freed. A program that serves or receives
+/// meshes calls this once, before it starts threads. Giving each back to the system and
+/// faulting its pages in again would cost as much as all else that the wire does.
 void keep_read_blocks() noexcept;
 
 /// Keeps gRPC from writing to stderr what the status of a call tells as well; GRPC_VERBOSITY in

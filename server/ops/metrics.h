@@ -55,7 +55,7 @@ class Metrics {
                   std::string_view reason,
                   double seconds);
   void planned(double seconds);
-  /// From the arrival of the call until the transport took its first chunk.
+  /// Counts the time from a call's arrival until the transport took its first chunk.
   void first_chunk(double seconds);
 
   void chunk_sent(std::uint64_t tets, std::uint64_t bytes) noexcept;

@@ -54,7 +54,7 @@ absl::StatusOr<Address> parse_address(const std::string& listen) {
       absl::StrFormat("metrics_listen \"%s\" is not host:port", listen));
 }
 
-/// Without brackets, which only the text of an address with a port needs.
+/// Removes brackets, which only the text of an address with a port needs.
 std::string bare(const std::string& host) {
   return host.size() > 2 && host.front() == '[' ? host.substr(1, host.size() - 2) : host;
 }

@@ -38,7 +38,7 @@ class Access {
   static absl::StatusOr<std::unique_ptr<Access>> open(const std::string& token_file);
 
   /// Errors: kUnauthenticated (TOKEN_MISSING, TOKEN_UNKNOWN, TOKEN_EXPIRED), kPermissionDenied
-  /// (SCOPE_MISSING). Nothing of what the caller sent is quoted.
+  /// (SCOPE_MISSING). Messages quote none of what the caller sent.
   absl::StatusOr<Caller> admit(const grpc::ServerContextBase& context, std::string_view method);
 
   bool needs_token() const noexcept { return !path_.empty(); }

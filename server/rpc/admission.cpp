@@ -10,10 +10,10 @@ namespace tet {
 
 namespace {
 
-constexpr absl::Duration kRetryDelay = absl::Seconds(1);
+constexpr absl::Duration kBusyRetryDelay = absl::Seconds(1);
 
 absl::Status busy(const std::string& what, std::uint64_t value, std::uint64_t limit) {
-  return with_retry(over_limit(what, value, limit, "SERVER_BUSY"), kRetryDelay);
+  return with_retry(over_limit(what, value, limit, "SERVER_BUSY"), kBusyRetryDelay);
 }
 
 }  // namespace
@@ -21,7 +21,7 @@ absl::Status busy(const std::string& what, std::uint64_t value, std::uint64_t li
 absl::Status shutting_down() {
   return with_retry(
       with_reason(absl::UnavailableError("the server is shutting down"), "SHUTTING_DOWN"),
-      kRetryDelay);
+      kBusyRetryDelay);
 }
 
 absl::Status Tally::check(const std::string& client) const {
@@ -158,7 +158,7 @@ absl::Status Admission::why_expired(const Waiting& waiting, Clock::time_point no
   const absl::Status status = absl::ResourceExhaustedError(absl::StrCat(
       "it was not this mesh's turn within ", limits_.queue_time.count(), " s: ", meshes_.all(),
       " are being made, and ", queue_.size(), " more wait"));
-  return with_retry(with_reason(status, "SERVER_BUSY"), kRetryDelay);
+  return with_retry(with_reason(status, "SERVER_BUSY"), kBusyRetryDelay);
 }
 
 void Admission::drain() {

@@ -32,7 +32,7 @@ class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Both outlive the registry.
+  /// Both references must outlive the registry.
   CallRegistry(Access& access, Admission& admission) : access_(access), admission_(admission) {}
 
   Access& access() const { return access_; }

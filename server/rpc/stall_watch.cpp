@@ -18,7 +18,7 @@ void StallWatch::check(Stallable::Clock::time_point now, std::chrono::seconds li
   }
 }
 
-/// Those that are still there.
+/// Returns the calls that still exist, and forgets the others.
 std::vector<std::shared_ptr<Stallable>> StallWatch::calls() {
   std::vector<std::shared_ptr<Stallable>> there;
   const std::lock_guard lock(mutex_);

@@ -36,7 +36,8 @@ struct RandomField {
 /// - "shapes": balls, tori and hollow balls apart from each other, of known topology.
 std::span<const std::string_view> field_families();
 
-/// A field of about `edge` voxels cubed; outside beyond them. The same for the same arguments.
+/// A field of about `edge` voxels cubed; outside beyond them. Equal arguments give equal
+/// fields.
 RandomField random_field(std::string_view family, std::uint32_t seed, int edge);
 
 }  // namespace tet::test

@@ -8,7 +8,8 @@
 
 namespace tet::test {
 
-/// A valid sizing for leaves of `spacing` and more in `box`. The same for the same arguments.
+/// A valid sizing for leaves of `spacing` and more in `box`. Equal arguments give equal
+/// sizings.
 Sizing random_sizing(std::uint32_t seed, const WorldBox& box, double spacing);
 
 }  // namespace tet::test

@@ -180,7 +180,7 @@ absl::Status prepare(const FetchArguments& arguments) {
     return status.ok() ? check_can_create(arguments.output) : status;
   }
   if (arguments.folder.empty())
-    return absl::InvalidArgumentError("where to? -o FILE for one job, or --into FOLDER");
+    return absl::InvalidArgumentError("say where to: -o FILE for one job, or --into FOLDER");
   std::error_code error;
   fs::create_directories(arguments.folder, error);
   if (!error) return absl::OkStatus();

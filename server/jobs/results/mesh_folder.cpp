@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kDigestBytes = 32;
 constexpr char kDamaged[] = ".damaged";
 
 absl::Status chunk_damaged(const ChunkDigest& digest, std::string_view why) {

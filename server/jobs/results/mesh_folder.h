@@ -1,6 +1,7 @@
 // The folder of one stored mesh, held against eviction while it is used.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -15,6 +16,9 @@
 #include "server/jobs/store/job.h"
 
 namespace tet {
+
+/// A chunk's SHA-256, as the file of its shard lists it.
+inline constexpr std::size_t kDigestBytes = 32;
 
 /// A lock on a folder among all processes that may see it, by its file `lock`.
 class FolderLock {

@@ -47,8 +47,9 @@ class ResultStore {
   /// Opens a folder that is there already. Errors: kNotFound.
   absl::StatusOr<std::shared_ptr<MeshFolder>> find(const ResultKey& key) const;
 
-  /// To be asked before `bytes` are added: evicts what was used least if that takes it.
-  /// Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest is in use).
+  /// Makes room for `bytes`, and is asked before they are added: evicts what was used least
+  /// recently if need be. Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest
+  /// is in use).
   absl::Status reserve(std::uint64_t bytes);
 
   /// What counting found for a request of this name, 64 hexadecimal digits: of use as long as

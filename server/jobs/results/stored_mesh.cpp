@@ -5,11 +5,7 @@
 
 namespace tet {
 
-namespace {
-
-constexpr std::size_t kDigestBytes = 32;
-
-}  // namespace
+namespace {}  // namespace
 
 std::shared_ptr<const StoredMesh> StoredMesh::find(const ResultStore& results,
                                                    const std::string& space,

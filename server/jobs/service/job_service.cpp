@@ -18,7 +18,7 @@ namespace tet {
 
 namespace {
 
-// By then it may be known that there is room again.
+// After this time the server may know that there is room again.
 constexpr absl::Duration kAskAgain = absl::Seconds(2);
 
 // Counting takes as long as the queue: whoever submits thousands does not wait for it.

@@ -131,7 +131,7 @@ JobWatch::Step JobWatch::next_step() {
   return Step::kRead;
 }
 
-/// With the lock. The first status counts.
+/// Ends the watch. Called with the lock held; only the first status counts.
 void JobWatch::end(const absl::Status& status) {
   if (std::exchange(ended_, true)) return;
   status_ = status;

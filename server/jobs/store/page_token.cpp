@@ -35,7 +35,8 @@ absl::StatusOr<std::string> job_after_token(const std::string& token, const JobF
   if (token.empty()) return std::string();
   if (token.size() != kIdDigits + 8) {
     return invalid_field(
-        absl::StrCat("page_token '", absl::CHexEscape(token), "' is not one of ours"));
+        absl::StrCat("page_token '", absl::CHexEscape(token),
+                     "' was not given by this server: begin at the first page"));
   }
   if (token.substr(kIdDigits) != digest_of(filter)) {
     return invalid_field(

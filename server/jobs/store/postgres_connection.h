@@ -34,7 +34,7 @@ class PostgresConnection final : public SqlConnection {
   absl::StatusOr<SqlResult> run_script(const std::string& sql);
   /// Drops what was notified; says whether there was anything. Errors: kUnavailable.
   absl::StatusOr<bool> take_notifications();
-  /// To poll for what the server sends.
+  /// The socket, on which to poll for what the server sends.
   int socket() const { return PQsocket(connection_.get()); }
 
  private:

@@ -87,7 +87,8 @@ void settle(SqlTransaction& t,
 }
 
 std::int64_t bury_rest(SqlTransaction& t, const std::string& job, const absl::Status& error) {
-  // By key, as everybody locks them; whoever claims one of them just now is waited for.
+  // Rows are locked in the order of their keys, as everybody locks them. This waits for whoever
+  // is claiming one of them.
   t.run(
       absl::StrCat("SELECT count(*) FROM (SELECT number FROM queue WHERE job_id = $1 ORDER BY "
                    "phase, number",

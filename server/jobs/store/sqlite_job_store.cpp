@@ -25,11 +25,12 @@ constexpr std::int64_t kPurgedAtOnce = 500;
 
 bool is_in_memory(const SqliteOptions& options) { return options.path == ":memory:"; }
 
-/// Tells of commits: of this process at once, of others by looking.
+/// Tells when something was committed: at once when this process did it, and by looking when
+/// another did.
 class CommitSignal {
  public:
   using Open = std::function<absl::StatusOr<std::unique_ptr<SqliteConnection>>()>;
-  /// Without `open` there are no other processes.
+  /// An empty `open` says that there are no other processes.
   explicit CommitSignal(Open open) : open_(std::move(open)) {}
 
   void raise() {

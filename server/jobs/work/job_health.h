@@ -16,7 +16,7 @@ namespace tet {
 /// begins to fail and when it works again. Thread-safe.
 class JobHealth {
  public:
-  /// Both outlive it.
+  /// Both references must outlive it.
   JobHealth(JobStore& jobs, const ResultStore& results);
 
   /// How writing went the last time. Errors: those of JobStore::probe and ResultStore::probe.

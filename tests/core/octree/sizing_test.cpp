@@ -54,9 +54,11 @@ TEST(Sizing, IsRefusedBelowTheSpacing) {
     return std::string(check_sizing(sizing, 0.1).message());
   };
   EXPECT_EQ(refused({.coarsest = 0.05}),
-            "coarsest 0.05 is below the spacing 0.1, which no leaf is");
+            "coarsest 0.05 is below the spacing 0.1, the size of the smallest leaves: use a "
+            "larger one");
   EXPECT_EQ(refused({.regions = {{0.09, ShellRegion{1}}}}),
-            "regions[0].size 0.09 is below the spacing 0.1, which no leaf is");
+            "regions[0].size 0.09 is below the spacing 0.1, the size of the smallest leaves: "
+            "use a larger one");
   EXPECT_EQ(refused({.coarsest = 0.1, .regions = {{0.1, ShellRegion{1}}}}), "");
 }
 
@@ -203,10 +205,9 @@ TEST(Sizing, RefusesMoreLeavesThanThereMayBe) {
         .status();
   };
   EXPECT_TRUE(leaves(100).ok());
-  EXPECT_EQ(
-      leaves(1e7).message(),
-      "sizing.regions[1].size 1 asks for more than 1e+07 leaves, as many as there may be. "
-      "Use a larger size or a smaller region");
+  EXPECT_EQ(leaves(1e7).message(),
+            "sizing.regions[1].size 1 asks for more than 1e+07 leaves, the most there may be: "
+            "use a larger size or a smaller region");
 }
 
 }  // namespace

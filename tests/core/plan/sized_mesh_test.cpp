@@ -122,9 +122,11 @@ TEST(SizedMesh, IsRefusedWithTheFieldThatIsFinerThanTheVoxels) {
     return std::string(try_to_plan(volume, sized(sizing)).status().message());
   };
   EXPECT_EQ(refusal({.coarsest = 0.5}),
-            "sizing.coarsest 0.5 is below the spacing 1, which no leaf is");
+            "sizing.coarsest 0.5 is below the spacing 1, the size of the smallest leaves: use "
+            "a larger one");
   EXPECT_EQ(refusal({.regions = {{0.5, ShellRegion{1}}}}),
-            "sizing.regions[0].size 0.5 is below the spacing 1, which no leaf is");
+            "sizing.regions[0].size 0.5 is below the spacing 1, the size of the smallest "
+            "leaves: use a larger one");
 }
 
 TEST(SizedMesh, IsRefusedWhereItWouldBeTooLarge) {

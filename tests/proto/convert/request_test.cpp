@@ -289,7 +289,9 @@ TEST(Request, NamesTheFieldOfASizing) {
   EXPECT_EQ(refusal(request), "regions[0].ball.centre has 1 numbers, not 3");
   request = sized_request();
   request.set_spacing(0.6);
-  EXPECT_EQ(refusal(request), "regions[0].size 0.5 is below the spacing 0.6, which no leaf is");
+  EXPECT_EQ(refusal(request),
+            "regions[0].size 0.5 is below the spacing 0.6, the size of the smallest leaves: "
+            "use a larger one");
   request = sized_request();
   request.mutable_sizing()->set_grade_surface(true);
   EXPECT_EQ(refusal(request),
