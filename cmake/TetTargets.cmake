@@ -1,6 +1,7 @@
 # How a target of ours is made: flags, sanitizers, ccache, and the three helpers every folder uses.
 #   tet_library(name SOURCES ... DEPENDS ...)     a static library; DEPENDS are public
 #   tet_executable(name SOURCES ... DEPENDS ...)  a program in build/<preset>/bin
+#   tet_on_demand(TARGET...)                      what only `everything` or its own name builds
 #   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
 include(CheckCXXCompilerFlag)
 include(GoogleTest)
@@ -16,6 +17,9 @@ find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
+
+# All that compiles, the trials, campaigns and benches too, which are not built unless asked for.
+add_custom_target(everything)
 
 add_library(tet_flags INTERFACE)
 # Shards must agree on every bit: a fused multiply-add in one of them would be another number.
@@ -55,6 +59,7 @@ function(tet_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC ${ARG_DEPENDS} PRIVATE tet_flags ${ARG_PRIVATE_DEPENDS})
+  add_dependencies(everything ${name})
 endfunction()
 
 function(tet_executable name)
@@ -62,6 +67,12 @@ function(tet_executable name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE tet_flags ${ARG_DEPENDS})
+  add_dependencies(everything ${name})
+endfunction()
+
+# For what no test runs: trials, campaigns, searches, and libraries that only these use.
+function(tet_on_demand)
+  set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)
 endfunction()
 
 # OpenVDB's templates take minutes under sanitizers. What only makes files for tests, or is for the

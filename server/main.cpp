@@ -14,6 +14,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/parallel.h"
+#include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 #include "server/ops/config.h"
 #include "server/ops/file.h"
@@ -48,6 +49,7 @@ struct CommandLine {
 
 void declare_options(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", "tetstreamd " TETSTREAM_VERSION);
+  tet::add_manual_option(app, "8", "tetstream " TETSTREAM_VERSION);
   app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
       ->envname("TETSTREAM_CONFIG");
   app.add_subcommand("worker", "do batch jobs for servers that share --store and --jobs")

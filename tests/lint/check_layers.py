@@ -10,7 +10,7 @@ import sys
 # A request passes through these in order; a folder includes itself and those before it.
 CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
         "core/octree", "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/plan",
-        "core/transfer", "core/files"]
+        "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
