@@ -20,7 +20,7 @@
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
 #include "core/base/parallel.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 

@@ -9,7 +9,7 @@
 
 #include <openvdb/openvdb.h>
 
-#include "core/base/descriptor.h"
+#include "core/base/posix/descriptor.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"
 

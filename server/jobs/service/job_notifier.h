@@ -18,15 +18,15 @@ namespace tet {
 /// some.
 ///
 /// Thread safety: any thread may call any member.
-class JobNews {
+class JobNotifier {
  public:
-  explicit JobNews(JobStore& jobs);
+  explicit JobNotifier(JobStore& jobs);
 
   /// What a call waits for; no more once it is destroyed, but for what is being told.
   class Subscription;
 
   /// Calls `tell` whenever there is an event of the job, or of any in the namespace where `job`
-  /// is empty, and sometimes when there is none; on the thread of the news, so it should not
+  /// is empty, and sometimes when there is none; on the notifier's thread, so it should not
   /// take long. Whoever reads the store after subscribing misses nothing.
   std::unique_ptr<Subscription> subscribe(const std::string& space,
                                           const std::string& job,
@@ -53,15 +53,16 @@ class JobNews {
   std::jthread thread_;
 };
 
-class JobNews::Subscription {
+class JobNotifier::Subscription {
  public:
-  Subscription(JobNews& news, std::uint64_t number) : news_(news), number_(number) {}
-  ~Subscription() { news_.leave(number_); }
+  Subscription(JobNotifier& notifier, std::uint64_t number)
+      : notifier_(notifier), number_(number) {}
+  ~Subscription() { notifier_.leave(number_); }
   Subscription(const Subscription&) = delete;
   Subscription& operator=(const Subscription&) = delete;
 
  private:
-  JobNews& news_;
+  JobNotifier& notifier_;
   const std::uint64_t number_;
 };
 

@@ -1,5 +1,5 @@
-// Keeps the house of jobs: leases that are over, jobs whose time is up, jobs long finished,
-// results over the budget.
+// Clears away what is over: leases, jobs whose time is up, jobs long finished, results over the
+// budget.
 #pragma once
 
 #include <atomic>
@@ -14,12 +14,13 @@
 
 namespace tet {
 
-/// Any number of processes may keep one house. Both outlive it.
-class JobHouse {
+/// Any number of processes may have one for the same store. The store and the results outlive
+/// it.
+class JobJanitor {
  public:
   /// Jobs that have been finished for `keep` are forgotten. Workers whose leases last as long
   /// as `lease` are given so much time to be heard of again after the store did not answer.
-  JobHouse(JobStore& jobs, ResultStore& results, absl::Duration keep, absl::Duration lease);
+  JobJanitor(JobStore& jobs, ResultStore& results, absl::Duration keep, absl::Duration lease);
 
  private:
   void look_after_jobs();

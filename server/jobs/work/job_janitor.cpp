@@ -1,4 +1,4 @@
-#include "server/jobs/work/job_house.h"
+#include "server/jobs/work/job_janitor.h"
 
 #include <chrono>
 
@@ -15,10 +15,10 @@ constexpr std::chrono::minutes kSeldom{10};
 
 }  // namespace
 
-JobHouse::JobHouse(JobStore& jobs,
-                   ResultStore& results,
-                   absl::Duration keep,
-                   absl::Duration lease)
+JobJanitor::JobJanitor(JobStore& jobs,
+                       ResultStore& results,
+                       absl::Duration keep,
+                       absl::Duration lease)
     : jobs_(jobs),
       results_(results),
       keep_(keep),
@@ -26,7 +26,7 @@ JobHouse::JobHouse(JobStore& jobs,
       often_(kOften, [this] { look_after_jobs(); }),
       seldom_(kSeldom, [this] { tidy_up(); }) {}
 
-void JobHouse::look_after_jobs() {
+void JobJanitor::look_after_jobs() {
   const auto expired = jobs_.expire();
   tell("jobs_expired", expired);
   const bool in_time = absl::Now() >= rescue_from_;
@@ -36,7 +36,7 @@ void JobHouse::look_after_jobs() {
 }
 
 /// A store that fails is told of once.
-void JobHouse::tell(const char* event, const absl::StatusOr<std::int64_t>& count) {
+void JobJanitor::tell(const char* event, const absl::StatusOr<std::int64_t>& count) {
   const bool failed_before = failing_.exchange(!count.ok());
   nlohmann::ordered_json fields;
   if (!count.ok()) {
@@ -49,7 +49,7 @@ void JobHouse::tell(const char* event, const absl::StatusOr<std::int64_t>& count
   }
 }
 
-void JobHouse::tidy_up() {
+void JobJanitor::tidy_up() {
   tell("jobs_purged", jobs_.purge(absl::Now() - keep_));
   results_.sweep();
 }

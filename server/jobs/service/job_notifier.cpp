@@ -1,4 +1,4 @@
-#include "server/jobs/service/job_news.h"
+#include "server/jobs/service/job_notifier.h"
 
 #include <algorithm>
 #include <utility>
@@ -19,26 +19,26 @@ bool concerns(const JobEvent& event, const std::string& space, const std::string
 
 }  // namespace
 
-JobNews::JobNews(JobStore& jobs)
+JobNotifier::JobNotifier(JobStore& jobs)
     : jobs_(jobs), thread_([this](const std::stop_token& stopping) { run(stopping); }) {}
 
-std::unique_ptr<JobNews::Subscription> JobNews::subscribe(const std::string& space,
-                                                          const std::string& job,
-                                                          std::function<void()> tell) {
+std::unique_ptr<JobNotifier::Subscription> JobNotifier::subscribe(const std::string& space,
+                                                                  const std::string& job,
+                                                                  std::function<void()> tell) {
   const std::lock_guard lock(mutex_);
   listeners_[++last_number_] = {space, job, std::move(tell)};
   changed_.notify_all();
   return std::make_unique<Subscription>(*this, last_number_);
 }
 
-void JobNews::leave(std::uint64_t number) {
+void JobNotifier::leave(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   listeners_.erase(number);
 }
 
 // Everyone is told once after the revision was read from which on there will be events: what
 // happened before has no other messenger.
-void JobNews::run(const std::stop_token& stopping) {
+void JobNotifier::run(const std::stop_token& stopping) {
   while (wait_for_listeners(stopping)) {
     const auto last = jobs_.revision();
     if (!last.ok()) {
@@ -50,7 +50,7 @@ void JobNews::run(const std::stop_token& stopping) {
   }
 }
 
-bool JobNews::wait_for_listeners(const std::stop_token& stopping) {
+bool JobNotifier::wait_for_listeners(const std::stop_token& stopping) {
   std::unique_lock lock(mutex_);
   return changed_.wait(lock, stopping, [&] { return !listeners_.empty(); }) &&
          !stopping.stop_requested();
@@ -58,7 +58,7 @@ bool JobNews::wait_for_listeners(const std::stop_token& stopping) {
 
 /// Until nobody listens any more, or the store does not tell what happened: then all begin
 /// anew.
-void JobNews::read_on(std::int64_t revision, const std::stop_token& stopping) {
+void JobNotifier::read_on(std::int64_t revision, const std::stop_token& stopping) {
   while (!stopping.stop_requested()) {
     WatchJobs query;
     query.after_revision = revision;
@@ -71,7 +71,7 @@ void JobNews::read_on(std::int64_t revision, const std::stop_token& stopping) {
 }
 
 /// False when nobody listens.
-bool JobNews::tell(const EventPage& page) {
+bool JobNotifier::tell(const EventPage& page) {
   std::vector<std::function<void()>> concerned;
   {
     const std::lock_guard lock(mutex_);
@@ -87,7 +87,7 @@ bool JobNews::tell(const EventPage& page) {
   return true;
 }
 
-void JobNews::tell_all() {
+void JobNotifier::tell_all() {
   std::vector<std::function<void()>> all;
   {
     const std::lock_guard lock(mutex_);

@@ -9,18 +9,18 @@
 
 #include "core/base/parallel.h"
 #include "server/jobs/results/result_store.h"
-#include "server/jobs/service/job_news.h"
+#include "server/jobs/service/job_notifier.h"
 #include "server/jobs/store/job_store.h"
 #include "server/jobs/work/job_health.h"
 #include "server/streams/mesh_engine.h"
 
 namespace tet {
 
-struct JobDesk {
-  JobDesk(MeshEngine& mesh_engine,
-          JobStore& store,
-          ResultStore& stored,
-          const JobHealth& job_health)
+struct JobContext {
+  JobContext(MeshEngine& mesh_engine,
+             JobStore& store,
+             ResultStore& stored,
+             const JobHealth& job_health)
       : engine(mesh_engine), jobs(store), results(stored), health(job_health) {}
 
   /// The job of that name, if it is in the namespace. Errors: kInvalidArgument (its name),
@@ -34,7 +34,7 @@ struct JobDesk {
   JobStore& jobs;
   ResultStore& results;
   const JobHealth& health;
-  JobNews news{jobs};
+  JobNotifier notifier{jobs};
   TaskPool threads{4};  ///< they wait for the store, not for cores
 };
 

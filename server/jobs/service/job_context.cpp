@@ -1,4 +1,4 @@
-#include "server/jobs/service/job_desk.h"
+#include "server/jobs/service/job_context.h"
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ constexpr std::int64_t kPage = 4096;
 
 }  // namespace
 
-absl::StatusOr<Job> JobDesk::find(const std::string& space, const std::string& name) const {
+absl::StatusOr<Job> JobContext::find(const std::string& space, const std::string& name) const {
   const auto id = parse_job_name(name);
   if (!id.ok()) return id.status();
   auto job = jobs.get(*id);
@@ -23,7 +23,7 @@ absl::StatusOr<Job> JobDesk::find(const std::string& space, const std::string& n
   return job;
 }
 
-absl::StatusOr<std::vector<std::int64_t>> JobDesk::lost_chunks(const Job& job) const {
+absl::StatusOr<std::vector<std::int64_t>> JobContext::lost_chunks(const Job& job) const {
   std::vector<std::int64_t> lost;
   if (job.chunk_count == 0) return lost;
   const auto plan = plan_of(job);

@@ -1,6 +1,8 @@
 // A file descriptor that closes itself.
 #pragma once
 
+#include <filesystem>
+#include <sys/types.h>
 #include <unistd.h>
 #include <utility>
 
@@ -22,12 +24,21 @@ class Descriptor {
 
   bool is_open() const noexcept { return number_ >= 0; }
   int number() const noexcept { return number_; }
-  void close() noexcept {
-    if (is_open()) ::close(std::exchange(number_, -1));
-  }
+
+  /// False when the system reports a failure, which `errno` then tells; some file systems tell
+  /// only here that earlier writes were lost. Linux closes the descriptor in any case, so this
+  /// is never tried again.
+  bool close() noexcept { return !is_open() || ::close(std::exchange(number_, -1)) == 0; }
 
  private:
   int number_ = -1;
 };
+
+/// open(2), tried again when a signal interrupts it. Programs that this process starts do not
+/// inherit the descriptor. On failure none is open, and `errno` tells why. `mode` is for files
+/// that it makes.
+Descriptor open_descriptor(const std::filesystem::path& path,
+                           int flags,
+                           mode_t mode = 0666) noexcept;
 
 }  // namespace tet
