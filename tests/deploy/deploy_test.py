@@ -21,7 +21,7 @@ def tetstreamd():
 
 
 def run(*command, **options):
-    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60,
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300,
                           check=False, **options)
 
 
