@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/transfer/mesh_patch.h"
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
@@ -77,7 +78,7 @@ void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
 
 void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
   source_ = {planned_.plan, nullptr, order_.encoding};
-  if (base != nullptr) source_.patch = MeshPatch::between(*base, planned_.plan);
+  source_.patch = MeshPatch::between(as_bricks(base), as_bricks(planned_.plan));
   // Asked for in other words than a job that has made it.
   if (engine_.results != nullptr && !order_.stored_name.empty()) {
     stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, plan_of(planned_),

@@ -10,6 +10,7 @@ import sys
 # A request passes through these in order; a folder includes itself and those before it.
 CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
         "core/octree", "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/plan",
+        "core/plan/brick", "core/plan/whole", "core/plan/joined", "core/plan/make",
         "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
@@ -23,10 +24,8 @@ def in_order(folders, before):
     return {folder: [*before, *folders[:i + 1]] for i, folder in enumerate(folders)}
 
 
-# A folder within another one comes first: a file belongs to the first that it lies in.
 LAYERS = {**in_order(CORE, []), **in_order(PROTO, CORE), **in_order(SERVER, [*CORE, *PROTO]),
           **in_order(CLIENT, [*CORE, *PROTO])}
-LAYERS["core/plan"].append("core/transfer")  # until the plan of bricks no longer encodes its chunks
 
 # Outside library -> (how its includes look, the folders that may use it).
 NETWORK = ["proto", "server", "client", "tests/proto", "tests/server", "tests/client",
@@ -68,12 +67,17 @@ def read_includes(root):
     return dict(sorted(includes.items()))
 
 
+def layer_of(path):
+    """The innermost layer that a file lies in; None where it lies in none."""
+    return max((f for f in LAYERS if is_inside(path, f)), key=len, default=None)
+
+
 def layer_errors(file, included):
     """Ours including ours: only its own layer and those before it."""
-    layer = next((f for f in LAYERS if is_inside(file, f)), None)
+    layer = layer_of(file)
     if layer is None or included.split("/")[0] not in SOURCE_FOLDERS:
         return
-    if not any(is_inside(included, allowed) for allowed in LAYERS[layer]):
+    if layer_of(included) not in LAYERS[layer]:
         yield f"{file}: {layer} must not include {included}"
 
 

@@ -1,4 +1,4 @@
-// All chunks of a plan, each where it belongs in the mesh.
+// Makes all chunks of a plan, each where it belongs in the mesh.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ struct FilledMesh {
 };
 
 /// Whether a mesh gets the values of its fields as it is filled, or when its vertices have been
-/// moved: see MeshPlan::add_fields.
+/// moved: see LatticePlan::add_fields.
 enum class FieldValues : std::uint8_t { kNow, kLater };
 
 /// Parallel; run it on a TaskPool. `progress` may be null. `used` is a mesh that is no longer
@@ -32,7 +32,8 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
                                      TetMesh used = {},
                                      FieldValues fields = FieldValues::kNow);
 
-/// The same statistics as those of the chunks together; for positions that moved since.
+/// Measures a mesh whose positions moved since as its chunks would have been: the statistics
+/// are the same to the last bit.
 QualityStats measure_chunks(const MeshPlan& plan, const TetMesh& mesh);
 
 }  // namespace tet

@@ -1,4 +1,4 @@
-#include "core/transfer/survey_bytes.h"
+#include "core/plan/brick/survey_bytes.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kWordsOfGroup = 64;
 
-/// Without padding: the same values are the same bytes.
+/// A row has no padding: the same values are the same bytes.
 template <class T>
 concept PlainRow =
     std::is_trivially_copyable_v<T> && std::has_unique_object_representations_v<T>;
@@ -147,7 +147,7 @@ constexpr int kBricksAround = 27, kLaterBricks = 13;
 
 bool is_beside(std::int32_t step) { return step >= -1 && step <= 1; }
 
-/// Nothing where a part or a brick is named that there is not.
+/// Returns nothing where a part or a brick is named that there is not.
 std::optional<PartsOfBrick> read_parts(SurveyReader& in, std::size_t bricks) {
   PartsOfBrick brick;
   brick.brick = in.row<std::uint32_t>();

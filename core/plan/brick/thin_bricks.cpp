@@ -1,4 +1,4 @@
-#include "core/plan/thin_walls.h"
+#include "core/plan/brick/thin_bricks.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,7 @@
 
 #include "core/base/brick_index.h"
 #include "core/field/find_bricks.h"
+#include "core/volume/volume.h"
 
 namespace tet {
 namespace {
@@ -76,7 +77,7 @@ std::vector<Group> gather_groups(const std::vector<ThinBrick>& bricks) {
   return groups;
 }
 
-/// In spacings: the chord that a quarter of the spots do not reach.
+/// Finds the chord that a quarter of the spots do not reach, in spacings.
 double lower_quartile(const std::vector<ThinBrick>& bricks) {
   std::array<std::uint64_t, ThinSpots::kBins> chords{};
   std::uint64_t spots = 0;

@@ -1,16 +1,16 @@
-#include "core/plan/fill_mesh.h"
+#include "core/plan/make/fill_mesh.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
+#include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/fill_brick.h"
-#include "core/plan/brick/survey.h"
+#include "core/plan/mesh_workspace.h"
 
 namespace tet {
 namespace {
@@ -24,35 +24,46 @@ QualityStats sum_of(const std::vector<QualityStats>& chunks) {
 /// What one thread fills at a time: a run of a chunk's bricks where a chunk is made of bricks
 /// alone, and a chunk otherwise. There are often few chunks for many threads.
 struct PartOfChunk {
-  std::uint64_t chunk;
-  std::optional<BrickRange> bricks;
+  std::uint64_t chunk = 0;
+  BrickRange bricks = {};
 };
 
-std::vector<PartOfChunk> parts_of(const MeshPlan& plan, const MeshHeader& header) {
-  const bool bricks_alone = plan.has_bricks() && !plan.improvement() && header.fields.empty();
-  std::vector<PartOfChunk> parts;
-  for (std::uint64_t chunk = 0; chunk < plan.header().chunk_count; ++chunk) {
-    if (!bricks_alone) {
-      parts.push_back({chunk, std::nullopt});
-      continue;
-    }
-    const auto [begin, end] = plan.bricks_of_chunk(chunk);
-    for (std::size_t brick = begin; brick < end; brick += kBricksPerRun) {
-      parts.push_back({chunk, BrickRange{brick, std::min(end, brick + kBricksPerRun)}});
-    }
-  }
-  return parts;
-}
+/// Fills a mesh part by part.
+class PartFiller {
+ public:
+  PartFiller(const MeshPlan& plan, TetMesh& mesh)
+      : plan_(plan),
+        bricks_(mesh.header.fields.empty() ? as_bricks(plan) : nullptr),
+        mesh_(mesh) {}
 
-QualityStats fill_part(const MeshPlan& plan,
-                       const PartOfChunk& part,
-                       MeshWorkspace& workspace,
-                       TetMesh& mesh) {
-  if (!part.bricks) {
-    return plan.fill_chunk(part.chunk, workspace, mesh.columns_of(plan.chunk(part.chunk)));
+  std::vector<PartOfChunk> parts() const {
+    std::vector<PartOfChunk> parts;
+    for (std::uint64_t chunk = 0; chunk < plan_.header().chunk_count; ++chunk) {
+      bricks_ == nullptr ? parts.push_back({chunk}) : add_runs(chunk, parts);
+    }
+    return parts;
   }
-  return plan.fill_bricks(*part.bricks, workspace, mesh.columns_of(plan.bricks(*part.bricks)));
-}
+
+  QualityStats fill(const PartOfChunk& part, MeshWorkspace& workspace) {
+    if (bricks_ == nullptr) {
+      return plan_.fill_chunk(part.chunk, workspace, mesh_.columns_of(plan_.chunk(part.chunk)));
+    }
+    return bricks_->fill_bricks(part.bricks, workspace,
+                                mesh_.columns_of(bricks_->bricks(part.bricks)));
+  }
+
+ private:
+  void add_runs(std::uint64_t chunk, std::vector<PartOfChunk>& parts) const {
+    const auto [begin, end] = bricks_->bricks_of_chunk(chunk);
+    for (std::size_t brick = begin; brick < end; brick += kBricksPerRun) {
+      parts.push_back({chunk, {brick, std::min(end, brick + kBricksPerRun)}});
+    }
+  }
+
+  const MeshPlan& plan_;
+  const BrickPlan* const bricks_;  // null where chunks are filled whole
+  TetMesh& mesh_;
+};
 
 /// The sums of chunks, as each says of itself, one after the other.
 QualityStats sum_of(const std::vector<PartOfChunk>& parts,
@@ -76,14 +87,15 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
   MeshHeader header = plan.header();
   if (fields == FieldValues::kLater) header.fields.clear();
   TetMesh mesh(header, std::move(used));
-  const std::vector<PartOfChunk> parts = parts_of(plan, header);
+  PartFiller filler(plan, mesh);
+  const std::vector<PartOfChunk> parts = filler.parts();
   std::vector<QualityStats> stats(parts.size());
   ScratchPool<MeshWorkspace> workspaces;
   std::atomic<std::uint64_t> done{0};
   for_each_range(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
-      stats[i] = fill_part(plan, parts[i], *workspace, mesh);
+      stats[i] = filler.fill(parts[i], *workspace);
       if (progress) progress(static_cast<double>(++done) / static_cast<double>(parts.size()));
     }
   });

@@ -6,10 +6,22 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/parallel.h"
-#include "core/plan/fill_mesh.h"
+#include "core/plan/make/fill_mesh.h"
 #include "core/plan/mesh_plan.h"
+#include "core/plan/mesh_request.h"
 
 namespace tet {
+
+/// What a whole mesh is made from.
+struct MeshJob {
+  Shape shape = {};
+  MeshRequest request = {};
+  MeshLimits limits = {};
+  ProgressFunction progress = nullptr;  ///< may be null
+  /// A mesh that is no longer needed: whoever makes one mesh after another in the same memory
+  /// saves the first touch of its pages, up to a third of the time.
+  TetMesh used = {};
+};
 
 struct MeshResult {
   TetMesh mesh;
@@ -22,15 +34,10 @@ struct MeshResult {
   double improve_seconds = 0;  ///< and to measure what it improved
 };
 
-/// Plans and fills a mesh on `pool`, and improves it where the request asks for it. `used` is a
-/// mesh that is no longer needed: whoever makes one mesh after another in the same memory saves
-/// the first touch of its pages, up to a third of the time. Errors: those of plan_mesh.
+/// Plans and fills a mesh on `pool`, and improves it where the request asks for it. Errors:
+/// those of plan_mesh.
 absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
-                                       Shape shape,
-                                       const MeshRequest& request,
-                                       const MeshLimits& limits,
-                                       const Cancellation& cancellation,
-                                       const ProgressFunction& progress,
-                                       TetMesh used = {});
+                                       MeshJob job,
+                                       const Cancellation& cancellation = {});
 
 }  // namespace tet

@@ -1,4 +1,4 @@
-#include "core/plan/fill_estimate.h"
+#include "core/plan/make/fill_estimate.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +9,7 @@
 #include "core/base/byte_buffer.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
+#include "core/plan/mesh_workspace.h"
 
 namespace tet {
 namespace {
@@ -30,7 +31,7 @@ ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
   return {plan.header(), extent.vertex_count, extent.tet_count};
 }
 
-/// In memory of its own, as chunks that are sent are made: there is one a thread at a time.
+/// Makes a chunk in memory of its own, as those that are sent are made: one a thread at a time.
 void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspace) {
   const ChunkSizes size = sizes_of(plan, chunk);
   ByteBuffer memory(size.total());
