@@ -1,7 +1,6 @@
 // A real tetstreamd that does jobs, for whoever kills it.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -9,12 +8,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <grpcpp/create_channel.h>
 
 #include "client/library/mesh_client.h"
+#include "tests/server/port_file.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"
@@ -39,13 +38,8 @@ class JobServer {
     const std::string port_file = folder.file("port");
     std::filesystem::remove(port_file);
     process = run({"--listen", "127.0.0.1:0", "--port-file", port_file}, options);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!std::filesystem::exists(port_file) && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    std::string port = read_text(port_file);
+    const std::string port = port_in(port_file);
     if (port.empty()) throw std::runtime_error("no server: " + process->err());
-    port.pop_back();
     connect("127.0.0.1:" + port);
   }
 

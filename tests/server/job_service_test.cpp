@@ -1,4 +1,5 @@
 // Batch jobs as clients meet them: a real tetstreamd, killed and started again.
+#include <chrono>
 #include <filesystem>
 #include <thread>
 
@@ -86,7 +87,8 @@ TEST_F(JobServiceTest, FinishesAJobAlthoughItIsKilledInTheMiddle) {
 }
 
 TEST_F(JobServiceTest, GivesItsShardsBackWhenItIsStopped) {
-  server_.start({"--job-workers", "1", "--job-lease-seconds", "600"});
+  server_.start({"--job-workers", "1", "--job-lease-seconds", "600", "--job-count-bricks",
+                 "8388608"});  // all of it is one shard
   const v1::Job job = server_.create(server_.ball(24));
   server_.watch(job, JobServer::has_a_shard);
   server_.process->send(SIGTERM);
@@ -302,13 +304,14 @@ TEST_F(JobServiceTest, ListsJobsPageByPage) {
   EXPECT_EQ(listed, created);
 }
 
-// Counting this mesh takes longer than the test waits, and the worker's next heartbeat is
-// minutes away.
+// Counting this mesh takes minutes, and the worker's next heartbeat is as far away: another job
+// is done sooner only if the work stops.
 TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
-  server_.start({"--job-workers", "1", "--job-lease-seconds", "600"});
+  server_.start({"--job-workers", "1", "--job-lease-seconds", "600", "--job-count-bricks",
+                 "8388608"});  // all of it is one shard
   v1::Job endless = server_.ball(16);
   endless.mutable_mesh()->clear_levels();
-  endless.mutable_mesh()->set_spacing(1.0 / 300);
+  endless.mutable_mesh()->set_spacing(1.0 / 1500);
   const v1::Job job = server_.create(endless);
   server_.watch(
       job, [](const v1::JobEvent& event) { return event.change() == v1::JOB_CHANGE_STARTED; });
@@ -316,7 +319,7 @@ TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
   const auto cancelled = std::chrono::steady_clock::now();
   ASSERT_EQ(server_.cancel(job).state(), v1::JOB_STATE_CANCELLED);
   EXPECT_EQ(server_.wait(next).state(), v1::JOB_STATE_SUCCEEDED);
-  EXPECT_LT(std::chrono::steady_clock::now() - cancelled, std::chrono::seconds(5));
+  EXPECT_LT(std::chrono::steady_clock::now() - cancelled, std::chrono::minutes(1));
 }
 
 TEST_F(JobServiceTest, LetsWorkersDoItAlthoughOneIsKilled) {

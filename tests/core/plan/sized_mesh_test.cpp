@@ -137,9 +137,10 @@ TEST(SizedMesh, IsRefusedWhereItWouldBeTooLarge) {
   test::SceneWriter writer;
   writer.add(scene::Sphere{2e-4});
   const auto plan = try_to_plan(std::make_shared<const Scene>(writer.scene()), request);
-  EXPECT_EQ(plan.status().message(),
-            "sizing.regions[1].size 1e-05 asks for more than 2.67e+09 leaves, as many as there "
-            "may be. Use a larger size or a smaller region");
+  EXPECT_EQ(
+      plan.status().message(),
+      "sizing.regions[1].size 1e-05 asks for more than 2.67e+09 leaves, the most there may be: "
+      "use a larger size or a smaller region");
 }
 
 }  // namespace
