@@ -44,7 +44,7 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGri
   return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
 }
 
-/// Of a processor.
+/// Returns how long a processor may work on the file.
 std::chrono::milliseconds time_for(std::int64_t file_bytes, const MemoryCharge& charge) {
   const std::uint64_t seconds = static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond +
                                 charge.reading / kMemoryBytesPerSecond;
@@ -84,22 +84,11 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
   const OpenGridFile file{checked.file.number(), file_bytes, request.file_name};
   const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
   if (!charge.ok()) return charge.status();
-<<<<<<< HEAD
-  checked.limit = time_for(file_bytes, *charge, max_time);
-  checked.order = {
-    request.task,
-    limits_of(*charge, checked.limit),
-    file_bytes,
-    request.file_name,
-=======
-  const std::chrono::milliseconds time = time_for(facts.st_size, *charge);
+  const std::chrono::milliseconds time = time_for(file_bytes, *charge);
   checked.limit = std::min(kClockFactor * time, max_time);
   checked.order = {request.task,      limits_of(*charge, std::min(time, max_time)),
-                   facts.st_size,     request.file_name,
->>>>>>> 988aa878f704481c45a187f8dd593204e9b60f78
-    request.grid_name,
-    request.component
-  };
+                   file_bytes,        request.file_name,
+                   request.grid_name, request.component};
   return checked;
 }
 
