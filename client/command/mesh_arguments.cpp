@@ -8,9 +8,9 @@
 
 #include "client/command/field_options.h"
 #include "client/command/mesh_input.h"
-#include "client/command/read_grids.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
+#include "client/library/read_grids.h"
 #include "core/plan/joined/joined_plan.h"
 
 namespace tet {
@@ -29,7 +29,7 @@ absl::Status check_sizing_grid(const MeshOptions& options) {
 }
 
 /// Checks --all-grids as far as that is possible while the grids are not known.
-absl::Status check_all_grids(const MeshOptions& options) {
+absl::Status check_all_grids_option(const MeshOptions& options) {
   if (!options.all_grids) return absl::OkStatus();
   if (!options.grids.empty()) {
     return absl::InvalidArgumentError("--all-grids and --grid do not go together");
@@ -82,7 +82,7 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 
 absl::Status check_input(const MeshOptions& options) {
   absl::Status status = check_mesh_input({options.input, options.grids, options.voxel});
-  if (status.ok()) status = check_all_grids(options);
+  if (status.ok()) status = check_all_grids_option(options);
   if (status.ok()) status = check_sizing_grid(options);
   if (status.ok()) status = check_field_files(options.request.fields, options.input);
   if (status.ok()) status = check_trust(options);

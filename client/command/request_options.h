@@ -9,7 +9,6 @@
 #include <absl/status/statusor.h>
 
 #include "client/command/sizing_input.h"
-#include "client/library/mesh_client.h"
 #include "core/plan/mesh_request.h"
 
 namespace CLI {
@@ -45,11 +44,5 @@ absl::Status check_grids(const std::vector<std::string>& grids, const MeshReques
 /// understand_fields. Errors: kInvalidArgument (options that do not go together), and those of
 /// the two.
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
-
-/// Makes the request that a server understands, which stores the input under `name` and the
-/// files of fields under the names that these have. One grid is meshed alone, several together.
-v1::MeshRequest wire_request(const MeshRequest& request,
-                             const std::string& name,
-                             const std::vector<std::string>& grids);
 
 }  // namespace tet

@@ -17,6 +17,8 @@ SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "serv
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
           "server"]
 CLIENT = ["client/library", "client/command", "client"]
+# What is installed: it may include the standard library, and itself as <tetstream/...>.
+PUBLIC = "client/library/include"
 
 
 def in_order(folders, before):
@@ -81,6 +83,12 @@ def layer_errors(file, included):
         yield f"{file}: {layer} must not include {included}"
 
 
+def public_errors(file, included):
+    """A user of the library has its headers alone, and no other project's."""
+    if is_inside(file, PUBLIC) and not re.fullmatch(r"[a-z_]+|tetstream/[a-z_]+\.h", included):
+        yield f"{file}: a public header must not include {included}"
+
+
 def library_errors(file, included):
     """Ours including a library: only from the folders that may know it."""
     for library, (pattern, folders) in LIBRARIES.items():
@@ -128,6 +136,7 @@ def find_errors(root):
     for file, all_included in includes.items():
         for included in all_included:
             errors += layer_errors(file, included)
+            errors += public_errors(file, included)
             errors += library_errors(file, included)
     return errors + list(file_call_errors(root)) + list(cycle_errors(includes))
 

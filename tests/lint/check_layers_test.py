@@ -53,6 +53,15 @@ class CheckLayers(unittest.TestCase):
     def test_keeps_code_that_ships_from_including_tests(self):
         self.assertEqual(len(errors_of({"core/base/a.h": '#include "tests/support/b.h"\n'})), 1)
 
+    def test_keeps_public_headers_to_themselves_and_the_standard_library(self):
+        header = "client/library/include/tetstream/a.h"
+        for text in ("#include <vector>", '#include "tetstream/mesh.h"'):
+            self.assertEqual(errors_of({header: text + "\n"}), [], text)
+        for text in ("#include <absl/status/status.h>", '#include "core/base/types.h"',
+                     '#include "client/library/mesh_client.h"', "#include <grpcpp/grpcpp.h>",
+                     '#include "tetstream/v1/meshes.pb.h"'):
+            self.assertNotEqual(errors_of({header: text + "\n"}), [], text)
+
     def test_keeps_each_library_in_its_folders(self):
         for text in ("#include <openvdb/openvdb.h>", "#include <tbb/parallel_for.h>",
                      "#include <oneapi/tbb.h>", "# include <google/protobuf/message.h>",

@@ -12,6 +12,7 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include "client/command/field_options.h"
+#include "client/library/wire_request.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {

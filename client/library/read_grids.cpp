@@ -1,4 +1,4 @@
-#include "client/command/read_grids.h"
+#include "client/library/read_grids.h"
 
 #include "core/vdb/check_file.h"
 #include "core/vdb/decode_file.h"
