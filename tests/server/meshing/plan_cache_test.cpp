@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/plan/make/plan_mesh.h"
 #include "proto/convert/status.h"
 #include "tests/support/solids.h"
 
