@@ -13,6 +13,7 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
+#include "core/plan/brick/brick_plan.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/volume/volume_builder.h"
@@ -93,7 +94,7 @@ void fill(benchmark::State& state, const Plan& plan) {
 
 void sample(benchmark::State& state, const Plan& plan) {
   TetMesh mesh = fill_mesh(*plan, {}, nullptr).value().mesh;
-  for (auto _ : state) plan->add_fields(mesh);
+  for (auto _ : state) as_bricks(*plan)->add_fields(mesh);
   count(state, plan->header());
 }
 
