@@ -304,7 +304,7 @@ TEST_F(JobServiceTest, ListsJobsPageByPage) {
   EXPECT_EQ(listed, created);
 }
 
-// Counting this mesh takes seconds and is not refused; the next heartbeat is far away: another job
+// Counting this mesh takes seconds, and the next heartbeat is far away: another job
 // is done sooner only if the work stops.
 TEST_F(JobServiceTest, StopsTheWorkOfACancelledJobSoon) {
   server_.start({"--job-workers", "1", "--job-lease-seconds", "600", "--job-count-bricks",
