@@ -54,11 +54,19 @@ class JobServer {
   v1::Job ball(int radius) {
     const std::string path = folder.file("ball" + std::to_string(radius) + ".vdb");
     if (!std::filesystem::exists(path)) write_fixture("sphere", 1.0 / radius, path);
-    const auto name = client->upload_file(path, {}, never_);
-    if (!name.ok()) throw std::runtime_error(name.status().ToString());
-    v1::Job job;
-    job.mutable_mesh()->set_name(*name);
+    v1::Job job = mesh_of(path);
     job.mutable_mesh()->set_levels(0);
+    return job;
+  }
+
+  /// A job for a mesh that no limit refuses and that takes most of a minute to count: the
+  /// surface of random signs goes through nearly every brick.
+  v1::Job slow_to_count() {
+    const std::string path = folder.file("random_signs.vdb");
+    if (!std::filesystem::exists(path)) write_fixture("random-signs", 1, path);
+    v1::Job job = mesh_of(path);
+    job.mutable_mesh()->set_spacing(0.075);
+    job.mutable_mesh()->set_manifold(true);
     return job;
   }
 
@@ -140,6 +148,15 @@ class JobServer {
   grpc::Status status;
 
  private:
+  /// A job for a mesh of the file, which is uploaded.
+  v1::Job mesh_of(const std::string& path) {
+    const auto name = client->upload_file(path, {}, never_);
+    if (!name.ok()) throw std::runtime_error(name.status().ToString());
+    v1::Job job;
+    job.mutable_mesh()->set_name(*name);
+    return job;
+  }
+
   std::unique_ptr<Program> run(std::vector<std::string> arguments,
                                const std::vector<std::string>& options) {
     arguments.insert(arguments.begin(), program_);
