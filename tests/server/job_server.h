@@ -66,7 +66,6 @@ class JobServer {
     if (!std::filesystem::exists(path)) write_fixture("random-signs", 1, path);
     v1::Job job = mesh_of(path);
     job.mutable_mesh()->set_spacing(0.075);
-    job.mutable_mesh()->set_manifold(true);
     return job;
   }
 
