@@ -57,10 +57,10 @@ JobsAtWork::JobsAtWork(const Config& config,
     : store(std::move(jobs)),
       results(std::move(stored)),
       maker(engine, *store, *results),
-      house(*store,
-            *results,
-            absl::Hours(config.job_keep_hours),
-            absl::Seconds(config.job_lease_seconds)),
+      janitor(*store,
+              *results,
+              absl::Hours(config.job_keep_hours),
+              absl::Seconds(config.job_lease_seconds)),
       worker(*store, maker, worker_settings(config)) {}
 
 std::vector<Reading> JobsInServer::readings() const {

@@ -9,7 +9,7 @@
 
 #include "server/jobs/service/job_service.h"
 #include "server/jobs/work/job_health.h"
-#include "server/jobs/work/job_house.h"
+#include "server/jobs/work/job_janitor.h"
 #include "server/jobs/work/job_readings.h"
 #include "server/jobs/work/job_worker.h"
 #include "server/ops/config.h"
@@ -34,7 +34,7 @@ struct JobsAtWork {
   const std::unique_ptr<JobStore> store;
   const std::unique_ptr<ResultStore> results;
   ShardMaker maker;
-  JobHouse house;
+  JobJanitor janitor;
   JobWorker worker;
 };
 
@@ -45,14 +45,14 @@ struct JobsInServer {
   JobsInServer(std::unique_ptr<JobsAtWork> at_work, MeshEngine& engine, GridStore& grids)
       : work(std::move(at_work)),
         health(*work->store, *work->results),
-        desk(engine, *work->store, *work->results, health),
-        service(desk, grids) {}
+        context(engine, *work->store, *work->results, health),
+        service(context, grids) {}
 
   std::vector<Reading> readings() const;
 
   const std::unique_ptr<JobsAtWork> work;
   JobHealth health;
-  JobDesk desk;
+  JobContext context;
   JobService service;
 };
 

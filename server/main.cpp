@@ -14,9 +14,10 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/parallel.h"
+#include "core/base/posix/atomic_file.h"
+#include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 #include "server/ops/config.h"
-#include "server/ops/file.h"
 #include "server/ops/logging.h"
 #include "server/rpc/grpc_log.h"
 #include "server/rpc/token_file.h"
@@ -48,6 +49,7 @@ struct CommandLine {
 
 void declare_options(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", "tetstreamd " TETSTREAM_VERSION);
+  tet::add_manual_option(app, "8", "tetstream " TETSTREAM_VERSION);
   app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
       ->envname("TETSTREAM_CONFIG");
   app.add_subcommand("worker", "do batch jobs for servers that share --store and --jobs")
@@ -94,9 +96,7 @@ sigset_t hold_signals() {
 /// Tells whoever started the server with port 0 where it listens; appears whole or not at all.
 absl::Status write_port(const std::string& path, int port) {
   if (path.empty()) return absl::OkStatus();
-  const std::string unfinished = path + ".tmp";
-  std::ofstream(unfinished) << port << "\n";
-  return tet::move_file(unfinished, path);
+  return tet::write_text_file(path, absl::StrCat(port, "\n"));
 }
 
 /// Takes as many files and connections as the system lets us have: gRPC does not survive a lack

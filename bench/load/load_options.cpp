@@ -6,7 +6,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "bench/load/units.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
 
 namespace tet::load {
 namespace {

@@ -20,7 +20,8 @@
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
 #include "core/base/parallel.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
+#include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 
 namespace tet::load {
@@ -146,7 +147,8 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
 
 int run_command_line(int argc, char** argv) {
   CLI::App app(kAbout, "tetstream-load");
-  app.set_version_flag("--version", std::string("tetstream-load ") + TETSTREAM_VERSION);
+  app.set_version_flag("--version", "tetstream-load " TETSTREAM_VERSION);
+  add_manual_option(app, "1", "tetstream " TETSTREAM_VERSION);
   LoadArguments arguments;
   describe_load(app, arguments);
   try {

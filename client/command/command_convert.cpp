@@ -11,7 +11,7 @@
 #include "client/command/command.h"
 #include "client/command/progress_bar.h"
 #include "client/command/surface_input.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
 
 namespace tet {
 namespace {

@@ -13,7 +13,7 @@
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
 #include "client/command/stopwatch.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
 #include "core/files/mesh_file.h"
 
 namespace tet {

@@ -10,6 +10,7 @@
 #include "client/command/interruption.h"
 #include "client/library/error_details.h"
 #include "core/base/parallel.h"
+#include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 
 namespace tet {
@@ -84,7 +85,8 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
 int run_command_line(int argc, char** argv) {
   CLI::App app(kAbout, "tetstream");
   app.footer(kExamples);
-  app.set_version_flag("--version", std::string("tetstream ") + TETSTREAM_VERSION);
+  app.set_version_flag("--version", "tetstream " TETSTREAM_VERSION);
+  add_manual_option(app, "1", "tetstream " TETSTREAM_VERSION);
   app.require_subcommand(1);
   const std::vector<NamedCommand> commands = add_commands(app);
   try {

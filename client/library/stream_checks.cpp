@@ -8,8 +8,8 @@
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 
+#include "core/base/utf8.h"
 #include "core/plan/vertex_field.h"
-#include "core/vdb/utf8.h"
 #include "core/volume/grid_info.h"
 
 namespace tet {

@@ -16,7 +16,7 @@ void BlockWriter::bytes(std::span<const std::byte> column) {
 }
 
 void BlockWriter::move_to(std::uint64_t offset) {
-  if (status_.ok()) status_ = file_.move_to(offset);
+  if (status_.ok()) file_.move_to(offset);
 }
 
 void BlockWriter::write_block(std::span<const std::byte> block) {

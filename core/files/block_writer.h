@@ -14,7 +14,7 @@
 #include <absl/status/status.h>
 
 #include "core/base/cancel.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
 
 namespace tet {
 

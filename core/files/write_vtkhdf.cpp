@@ -17,6 +17,8 @@
 #include <hdf5.h>
 
 #include "core/base/check.h"
+#include "core/base/posix/descriptor.h"
+#include "core/base/posix/transfer.h"
 #include "core/files/mesh_columns.h"
 
 namespace tet {
@@ -184,31 +186,30 @@ class MemoryFile {
  public:
   /// A name is needed, for HDF5 cannot open a nameless file (memfd) through /proc.
   MemoryFile() : path_((memory_directory() / "tetstream.XXXXXX").string()) {
-    descriptor_ = mkostemp(path_.data(), O_CLOEXEC);
+    descriptor_ = Descriptor(mkostemp(path_.data(), O_CLOEXEC));
   }
   ~MemoryFile() {
-    if (descriptor_ < 0) return;
-    close(descriptor_);
-    unlink(path_.c_str());
+    if (ok()) ::unlink(path_.c_str());
   }
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
 
-  bool ok() const noexcept { return descriptor_ >= 0; }
+  bool ok() const noexcept { return descriptor_.is_open(); }
   const std::string& path() const noexcept { return path_; }
   std::uint64_t size() const {
-    return static_cast<std::uint64_t>(lseek(descriptor_, 0, SEEK_END));
+    return static_cast<std::uint64_t>(::lseek(descriptor_.number(), 0, SEEK_END));
   }
 
   /// Writes everything but the holes.
   void copy_to(BlockWriter& writer) const {
     std::vector<std::byte> segment;
     for (off_t end = 0;;) {
-      const off_t begin = lseek(descriptor_, end, SEEK_DATA);
+      const off_t begin = ::lseek(descriptor_.number(), end, SEEK_DATA);
       if (begin < 0) return;
-      end = lseek(descriptor_, begin, SEEK_HOLE);
+      end = ::lseek(descriptor_.number(), begin, SEEK_HOLE);
       segment.resize(static_cast<std::size_t>(end - begin));
-      const ssize_t got = pread(descriptor_, segment.data(), segment.size(), begin);
+      const std::int64_t got =
+          read_all_at(descriptor_.number(), static_cast<std::uint64_t>(begin), segment);
       TET_CHECK(got == end - begin);
       writer.move_to(static_cast<std::uint64_t>(begin));
       writer.bytes(segment);
@@ -223,7 +224,7 @@ class MemoryFile {
   }
 
   std::string path_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
 };
 
 /// More than HDF5 adds to the columns.

@@ -7,8 +7,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/utf8.h"
 #include "core/plan/mesh_request.h"
-#include "core/vdb/utf8.h"
 
 namespace tet {
 namespace {

@@ -1,8 +1,8 @@
 #include "core/vdb/byte_source.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <unistd.h>
+
+#include "core/base/posix/transfer.h"
 
 namespace tet {
 
@@ -18,15 +18,8 @@ std::span<const std::byte> ByteSource::window(std::uint64_t offset,
 
 std::span<const std::byte> ByteSource::read_file(std::uint64_t offset,
                                                  std::span<std::byte> into) const {
-  std::size_t read = 0;
-  while (read < into.size()) {
-    const ssize_t n = ::pread(descriptor_, into.data() + read, into.size() - read,
-                              static_cast<off_t>(offset + read));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) break;
-    read += static_cast<std::size_t>(n);
-  }
-  return into.first(read);
+  const std::int64_t count = read_all_at(descriptor_, offset, into);
+  return into.first(static_cast<std::size_t>(std::max<std::int64_t>(count, 0)));
 }
 
 }  // namespace tet

@@ -1,17 +1,16 @@
 #include "core/vdb/decode_order.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <malloc.h>
 #include <new>
-#include <unistd.h>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include "core/base/failure_name.h"
 #include "core/base/parallel.h"
+#include "core/base/posix/transfer.h"
 #include "core/vdb/load.h"
 #include "core/vdb/sealed_block.h"
 #include "core/volume/flat_grid_list.h"
@@ -20,16 +19,10 @@
 namespace tet {
 namespace {
 
-absl::Status write_all(int descriptor, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
-    if (count < 0 && errno != EINTR) {
-      return absl::ResourceExhaustedError(
-          absl::StrCat("there is no memory for the result: ", std::strerror(errno)));
-    }
-    bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-  }
-  return absl::OkStatus();
+absl::Status write_into(int result, std::span<const std::byte> bytes) {
+  if (write_all(result, bytes)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("there is no memory for the result: ", std::strerror(errno)));
 }
 
 absl::Status check_size(const Volume& volume, const DecodeLimits& limits) {
@@ -68,7 +61,7 @@ void prepare_to_carry_out() {
 absl::Status carry_out(const DecodeOrder& order, int file, int result) {
   try {
     const absl::Status status =
-        write_result(order, file, [&](auto bytes) { return write_all(result, bytes); });
+        write_result(order, file, [&](auto bytes) { return write_into(result, bytes); });
     return status.ok() ? seal_memory(result) : status;
   } catch (const std::bad_alloc&) {
     return named_failure("DECODER_MEMORY",

@@ -9,7 +9,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/base/descriptor.h"
+#include "core/base/posix/descriptor.h"
 #include "core/vdb/decoder_protocol.h"
 #include "core/vdb/sealed_block.h"
 

@@ -1,20 +1,20 @@
 #include "core/vdb/descriptor_buffer.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
-#include <unistd.h>
+#include <span>
+
+#include "core/base/posix/transfer.h"
 
 namespace tet {
 
 std::int64_t DescriptorBuffer::read(char* bytes, std::int64_t count) {
   const std::int64_t wanted = std::min(count, size_ - end_);
-  ssize_t got = 0;
-  do {
-    got = ::pread(descriptor_, bytes, static_cast<std::size_t>(wanted), end_);
-  } while (got < 0 && errno == EINTR);
-  end_ += std::max<ssize_t>(got, 0);
-  return std::max<ssize_t>(got, 0);
+  const std::span into(bytes, static_cast<std::size_t>(wanted));
+  const std::int64_t got =
+      read_all_at(descriptor_, static_cast<std::uint64_t>(end_), std::as_writable_bytes(into));
+  end_ += std::max<std::int64_t>(got, 0);
+  return std::max<std::int64_t>(got, 0);
 }
 
 DescriptorBuffer::int_type DescriptorBuffer::underflow() {

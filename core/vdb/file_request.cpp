@@ -1,11 +1,11 @@
 #include "core/vdb/file_request.h"
 
 #include <algorithm>
-#include <fcntl.h>
-#include <sys/stat.h>
+#include <utility>
 
 #include <absl/strings/str_format.h>
 
+#include "core/base/posix/file.h"
 #include "core/vdb/charge_file.h"
 #include "core/vdb/check_file.h"
 #include "core/volume/grid_info.h"
@@ -72,18 +72,20 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
                         request.grid_name.size(), kMaxGridNameBytes));
   }
   CheckedFile checked;
-  checked.file = Descriptor(::open(request.path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat facts {};
-  if (!checked.file.is_open() || ::fstat(checked.file.number(), &facts) != 0) {
+  absl::StatusOr<File> opened = File::open(request.path, O_RDONLY, io_error);
+  const auto size = opened.ok() ? opened->size() : opened.status();
+  if (!size.ok()) {
     return absl::PermissionDeniedError(
         absl::StrFormat("'%s' cannot be opened", request.file_name));
   }
-  const OpenGridFile file{checked.file.number(), facts.st_size, request.file_name};
+  checked.file = (*std::move(opened)).take_descriptor();
+  const auto file_bytes = static_cast<std::int64_t>(*size);
+  const OpenGridFile file{checked.file.number(), file_bytes, request.file_name};
   const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
   if (!charge.ok()) return charge.status();
-  checked.limit = time_for(facts.st_size, *charge, max_time);
+  checked.limit = time_for(file_bytes, *charge, max_time);
   checked.order = {request.task,      limits_of(*charge, checked.limit),
-                   facts.st_size,     request.file_name,
+                   file_bytes,        request.file_name,
                    request.grid_name, request.component};
   return checked;
 }

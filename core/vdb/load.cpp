@@ -2,10 +2,8 @@
 
 #include <cstddef>
 #include <exception>
-#include <fcntl.h>
 #include <ios>
 #include <new>
-#include <sys/stat.h>
 #include <type_traits>
 
 #include <absl/status/status.h>
@@ -13,8 +11,8 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
 
-#include "core/base/descriptor.h"
 #include "core/base/failure_name.h"
+#include "core/base/posix/file.h"
 #include "core/vdb/check_file.h"
 #include "core/vdb/copy_grid.h"
 #include "core/vdb/tree_type.h"
@@ -63,12 +61,11 @@ std::invoke_result_t<Read, VdbFile&> with_file(const OpenGridFile& source, const
 template <class Read>
 std::invoke_result_t<Read, OpenGridFile> with_path(const std::string& path, const Read& read) {
   if (absl::Status s = check_file(path); !s.ok()) return s;
-  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat facts {};
-  if (!descriptor.is_open() || ::fstat(descriptor.number(), &facts) != 0) {
-    return bad_file(path, "it cannot be opened");
-  }
-  return read(OpenGridFile{descriptor.number(), facts.st_size, path});
+  const absl::StatusOr<File> file = File::open(path, O_RDONLY, io_error);
+  const auto size = file.ok() ? file->size() : file.status();
+  if (!size.ok()) return bad_file(path, "it cannot be opened");
+  return read(
+      OpenGridFile{file->descriptor().number(), static_cast<std::int64_t>(*size), path});
 }
 
 std::string value_type(const openvdb::GridBase& grid) {

@@ -9,7 +9,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/base/descriptor.h"
+#include "core/base/posix/descriptor.h"
 
 namespace tet {
 

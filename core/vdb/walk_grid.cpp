@@ -6,9 +6,9 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/utf8.h"
 #include "core/vdb/memory_charge.h"
 #include "core/vdb/tree_type.h"
-#include "core/vdb/utf8.h"
 #include "core/vdb/walk_refusal.h"
 #include "core/vdb/walk_transform.h"
 #include "core/vdb/walk_tree.h"

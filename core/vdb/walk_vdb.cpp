@@ -1,14 +1,12 @@
 #include "core/vdb/walk_vdb.h"
 
 #include <cctype>
-#include <fcntl.h>
 #include <string_view>
-#include <sys/stat.h>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/base/descriptor.h"
+#include "core/base/posix/file.h"
 #include "core/vdb/check_file.h"
 #include "core/vdb/walk_grid.h"
 #include "core/vdb/walk_refusal.h"
@@ -121,12 +119,12 @@ absl::StatusOr<VdbOutline> walk_vdb(const ByteSource& source,
 
 absl::StatusOr<VdbOutline> walk_vdb(const std::string& path, const WalkLimits& limits) {
   if (absl::Status s = check_file(path); !s.ok()) return s;
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat facts {};
-  if (!file.is_open() || ::fstat(file.number(), &facts) != 0) {
+  const absl::StatusOr<File> file = File::open(path, O_RDONLY, io_error);
+  const auto size = file.ok() ? file->size() : file.status();
+  if (!size.ok()) {
     return absl::PermissionDeniedError(absl::StrFormat("'%s' cannot be opened", path));
   }
-  return walk_vdb(ByteSource(file.number(), static_cast<std::uint64_t>(facts.st_size)), limits);
+  return walk_vdb(ByteSource(file->descriptor().number(), *size), limits);
 }
 
 }  // namespace tet

@@ -1,19 +1,17 @@
 #include "core/vdb/write_vdb.h"
 
-#include <atomic>
 #include <cerrno>
-#include <cstdio>
 #include <exception>
-#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <ios>
+#include <string_view>
 #include <system_error>
-#include <unistd.h>
 
-#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <openvdb/io/Archive.h>
+
+#include "core/base/posix/atomic_file.h"
 
 namespace tet {
 namespace {
@@ -32,38 +30,29 @@ class VdbWriter : private openvdb::io::Archive {
   }
 };
 
-/// A name beside `path` that no other writer uses.
-std::string temporary_name(const std::string& path) {
-  static std::atomic<unsigned> next{0};
-  return absl::StrCat(path, ".", ::getpid(), "-", next++, ".tmp");
+absl::Status cannot_write(const std::string& path, const std::string& why) {
+  return absl::UnavailableError(absl::StrFormat("'%s' cannot be written: %s", path, why));
 }
 
-void sync(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool synced = file >= 0 && ::fsync(file) == 0;
-  const int error = errno;
-  if (file >= 0) ::close(file);
-  if (!synced) throw std::system_error(error, std::generic_category());
+/// How this file tells errors of the layer below.
+absl::Status write_error(std::string_view, const std::filesystem::path& path) {
+  return cannot_write(path, std::generic_category().message(errno));
 }
 
 }  // namespace
 
 absl::Status write_vdb(const openvdb::GridBase::ConstPtr& grid, const std::string& path) {
-  const std::string temporary = temporary_name(path);
+  auto file = AtomicFile::create_at(path, {.tell = write_error});
+  if (!file.ok()) return file.status();
   errno = 0;
   try {
-    VdbWriter().write_file(grid, temporary);
-    sync(temporary);
-    std::filesystem::rename(temporary, path);
-    sync(std::filesystem::absolute(path).parent_path());
-    return absl::OkStatus();
+    VdbWriter().write_file(grid, file->temporary_path());
   } catch (const std::exception& error) {
     // A stream's exception does not say why; the system call that failed did.
-    const std::string why =
-        errno != 0 ? std::generic_category().message(errno) : std::string(error.what());
-    std::remove(temporary.c_str());
-    return absl::UnavailableError(absl::StrFormat("'%s' cannot be written: %s", path, why));
+    if (errno != 0) return write_error("write", path);
+    return cannot_write(path, error.what());
   }
+  return file->commit();
 }
 
 }  // namespace tet

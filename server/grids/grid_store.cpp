@@ -11,7 +11,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
 #include "server/grids/grid_upload.h"
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 #include "server/ops/logging.h"
 
 namespace tet {

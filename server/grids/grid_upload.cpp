@@ -19,7 +19,7 @@ absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(
     GridKey key,
     std::uint64_t size_bytes,
     const std::filesystem::path& path) {
-  absl::StatusOr<File> file = File::open(path, O_RDWR | O_CREAT);
+  absl::StatusOr<File> file = open_file(path, O_RDWR | O_CREAT);
   if (!file.ok()) return file.status();
   std::unique_ptr<GridUpload> upload(
       new GridUpload(store, std::move(key), size_bytes, *std::move(file)));

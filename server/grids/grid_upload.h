@@ -13,7 +13,7 @@
 
 #include "proto/wire/sha256.h"
 #include "server/grids/grid_store.h"
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 

@@ -1,25 +1,30 @@
 #include "server/grids/store_lock.h"
 
-#include <fcntl.h>
+#include <array>
 #include <string>
-#include <sys/file.h>
-#include <system_error>
+#include <string_view>
 #include <unistd.h>
-#include <utility>
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 
 namespace {
 
-std::string holder_of(int descriptor) {
-  char text[32] = {};
-  const ssize_t size = ::pread(descriptor, text, sizeof text - 1, 0);
-  return size > 0 ? std::string(absl::StripAsciiWhitespace(text)) : "unknown";
+std::string holder_of(const File& file) {
+  std::array<char, 32> text{};
+  const auto size = file.read_at(0, text);
+  if (!size.ok() || *size == 0) return "unknown";
+  return std::string(absl::StripAsciiWhitespace({text.data(), *size}));
+}
+
+/// Only for the message below: a disk that is full is no reason to fail.
+void write_holder(File& file) {
+  if (!file.truncate(0).ok()) return;
+  file.write_at(0, absl::StrCat(::getpid(), "\n")).IgnoreError();
 }
 
 }  // namespace
@@ -27,31 +32,17 @@ std::string holder_of(int descriptor) {
 // The file stays when the lock goes: who removed it could remove another's.
 absl::StatusOr<StoreLock> StoreLock::take(const std::filesystem::path& folder) {
   if (absl::Status made = make_folder(folder); !made.ok()) return made;
-  const std::string path = folder / "lock";
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
-  if (descriptor < 0) {
-    return absl::InternalError(
-        absl::StrCat("cannot open ", path, ": ", std::generic_category().message(errno)));
-  }
-  StoreLock lock(descriptor);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+  auto file = File::open(folder / "lock", O_RDWR | O_CREAT, io_error, 0640);
+  if (!file.ok()) return absl::InternalError(file.status().message());
+  const auto taken = file->lock(FileLock::kAlone);
+  if (!taken.ok()) return absl::InternalError(taken.status().message());
+  if (!*taken) {
     return absl::FailedPreconditionError(
         absl::StrCat("the store ", folder.string(), " is in use by another server, process ",
-                     holder_of(descriptor), ": stop it, or choose another --store"));
+                     holder_of(*file), ": stop it, or choose another --store"));
   }
-  // Only for the message above: a disk that is full is no reason to fail.
-  const std::string holder = absl::StrCat(::getpid(), "\n");
-  if (::ftruncate(descriptor, 0) == 0) {
-    [[maybe_unused]] const auto written = ::pwrite(descriptor, holder.data(), holder.size(), 0);
-  }
-  return lock;
+  write_holder(*file);
+  return StoreLock(*std::move(file));
 }
-
-StoreLock::~StoreLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-StoreLock::StoreLock(StoreLock&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 }  // namespace tet

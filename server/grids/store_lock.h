@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <utility>
 
 #include <absl/status/statusor.h>
+
+#include "core/base/posix/file.h"
 
 namespace tet {
 
@@ -14,14 +17,11 @@ class StoreLock {
   /// Locks `folder`/lock, and writes the process's number there.
   /// Errors: kFailedPrecondition (another process has it: which), kInternal (cannot be made).
   static absl::StatusOr<StoreLock> take(const std::filesystem::path& folder);
-  ~StoreLock();
-  StoreLock(StoreLock&& other) noexcept;
-  StoreLock& operator=(StoreLock&&) = delete;
 
  private:
-  explicit StoreLock(int descriptor) : descriptor_(descriptor) {}
+  explicit StoreLock(File file) : file_(std::move(file)) {}
 
-  int descriptor_;
+  File file_;
 };
 
 }  // namespace tet

@@ -9,7 +9,7 @@
 
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 
@@ -38,7 +38,7 @@ absl::StatusOr<std::string> digest_of(const File& file) {
 
 absl::Status verify_stored(const std::filesystem::path& path) {
   const std::string digest = path.filename().string();
-  const auto file = File::open(path, O_RDONLY);
+  const auto file = open_file(path, O_RDONLY);
   if (absl::IsNotFound(file.status())) return corrupt(digest, "is gone");
   if (!file.ok()) return file.status();
   const auto found = digest_of(*file);

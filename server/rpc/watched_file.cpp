@@ -6,7 +6,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 
@@ -22,7 +22,7 @@ absl::Status refused(const std::string& path, const absl::Status& status) {
 }  // namespace
 
 absl::StatusOr<std::string> read_small_file(const std::string& path, mode_t forbidden) {
-  absl::StatusOr<File> file = File::open(path, O_RDONLY);
+  absl::StatusOr<File> file = open_file(path, O_RDONLY);
   if (!file.ok()) return refused(path, file.status());
   const auto mode = file->mode();
   if (!mode.ok()) return refused(path, mode.status());

@@ -9,12 +9,11 @@ import os
 import pty
 import signal
 import subprocess
-import time
 import unittest
 
 from command_case import (
-    CUBE, DONE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries,
-    catches, unused_port, wait_until)
+    CUBE, DONE, ENDINGS, GENEROUS_END, LID, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries,
+    catches, processor_seconds, unused_port, wait_until)
 
 
 class Interruption(CommandTest):
@@ -23,15 +22,16 @@ class Interruption(CommandTest):
     volumes = {"sphere": 0.05, "gyroid": 0.02}
 
     def interrupt(self, sent, after_seconds, ending):
+        """Once it has used so much of a processor."""
         process = subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.inputs / "gyroid.vdb",
              "-o", self.out / f"m{ending}",
              "--levels", "0", "--spacing", "0.003", "--threads", "1"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         wait_until(lambda: catches(process, sent))
-        time.sleep(after_seconds)
+        wait_until(lambda: processor_seconds(process) >= after_seconds)
         process.send_signal(sent)
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=GENEROUS_END)
         return process.returncode, errors
 
     def test_stops_cleanly_whenever_it_comes(self):
@@ -47,17 +47,25 @@ class Interruption(CommandTest):
         self.assertEqual(code, 128 + signal.SIGTERM, errors)
         self.assert_nothing_written()
 
-    def test_while_writing_removes_the_unfinished_file(self):
+    def interrupt_while_writing(self, spacing):
         """The temporary file is there, so it must be writing; then the signal comes."""
         process = subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb",
              "-o", self.out / "m.msh",
-             "--levels", "0", "--spacing", "0.02"],
+             "--levels", "0", "--spacing", str(spacing)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0, 60)
+        wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=30)
-        self.assertEqual(process.returncode, 130, errors)
+        _, errors = process.communicate(timeout=GENEROUS_END)
+        return process.returncode, errors
+
+    def test_while_writing_removes_the_unfinished_file(self):
+        for spacing in (0.02, 0.016, 0.012, 0.01):
+            code, errors = self.interrupt_while_writing(spacing)
+            if code != DONE:
+                break
+            (self.out / "m.msh").unlink()  # the signal came too late: a larger one takes longer
+        self.assertEqual(code, 130, errors)
         self.assert_nothing_written()
 
     def unfinished_bytes(self):
@@ -82,7 +90,7 @@ class Terminal(CommandTest):
         except OSError:  # how Linux tells that the other end is closed
             pass
         os.close(ours)
-        process.communicate(timeout=60)
+        process.communicate(timeout=GENEROUS_END)
         self.assertEqual(process.returncode, DONE)
         return drawn.decode()
 
@@ -210,14 +218,15 @@ class OnAServer(ServerTest):
         self.assert_fails(self.mesh("sphere.vdb", ".vtu", *empty_box, *server), REFUSED, "box")
 
     def test_ctrl_c_stops_a_stream(self):
+        sent = self.sample("tetstream_sent_chunks_total")
         process = subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.inputs / "gyroid.vdb",
              "-o", self.out / "m.vtu",
              "--levels", "0", "--spacing", "0.005", "--server", self.address],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(1)
+        wait_until(lambda: self.sample("tetstream_sent_chunks_total") > sent)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=GENEROUS_END)
         self.assertEqual(process.returncode, 130, errors)
         self.assert_nothing_written()
 

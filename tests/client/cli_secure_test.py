@@ -11,7 +11,7 @@ import unittest
 import warnings
 
 from command_case import (
-    DONE, REFUSED, SERVER, CommandTest, binaries, unused_port, wait_until)
+    DONE, GENEROUS_END, REFUSED, SERVER, CommandTest, binaries, unused_port, wait_until)
 
 NEW_KEY = "-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes"
 
@@ -61,7 +61,7 @@ class Secure(CommandTest):
 
         def stop():
             server.terminate()
-            server.wait(30)
+            server.wait(GENEROUS_END)
 
         cls.addClassCleanup(stop)
         wait_until((cls.inputs / f"{name}.port").exists)

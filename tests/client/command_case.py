@@ -2,11 +2,19 @@
 
 import os
 import pathlib
-import socket
 import subprocess
+import sys
 import tempfile
-import time
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+
+from waiting import (  # noqa: E402 (re-exported)
+    GENEROUS_END, catches, processor_seconds, samples_of, unused_port, wait_until)
+
+__all__ = ["CUBE", "DONE", "ENDINGS", "GENEROUS_END", "LID", "REFUSED", "SERVER", "USAGE", "CommandTest",
+           "ServerTest", "binaries", "catches", "processor_seconds", "samples_of",
+           "unused_port", "wait_until"]
 
 DONE, REFUSED, USAGE, SERVER = 0, 1, 2, 3
 ENDINGS = (".vtu", ".msh", ".vtkhdf")
@@ -21,27 +29,6 @@ LID = "f 2 4 8 6\n"
 def binaries():
     """Where tetstream, tetstreamd and make_fixture are."""
     return pathlib.Path(os.environ["TETSTREAM_BIN"])
-
-
-def unused_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def wait_until(condition, seconds=20.0):
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError("waited in vain")
-        time.sleep(0.01)
-
-
-def catches(process, signal_number):
-    """Whether it has begun to handle the signal; before that one ends it as it ends any program."""
-    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt"))
-    return int(caught.split()[1], 16) >> (signal_number - 1) & 1 == 1
 
 
 class CommandTest(unittest.TestCase):
@@ -70,7 +57,7 @@ class CommandTest(unittest.TestCase):
     def tetstream(self, *arguments, **options):
         return subprocess.run(
             [binaries() / "tetstream", *map(str, arguments)],
-            capture_output=True, text=True, timeout=120, check=False, **options)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False, **options)
 
     def mesh(self, name="sphere.vdb", ending=".vtu", *arguments, **options):
         return self.tetstream(
@@ -93,21 +80,21 @@ class CommandTest(unittest.TestCase):
 
 
 class ServerTest(CommandTest):
-    """A real server at `address`, which may be killed and started again."""
+    """A real server at `address`, which may be killed and started again; its metrics at `metrics`."""
 
     settings = ()  # of the server
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.address = f"127.0.0.1:{unused_port()}"
+        cls.address, cls.metrics = (f"127.0.0.1:{unused_port()}" for _ in range(2))
         cls.start_server()
         cls.addClassCleanup(lambda: cls.stop_server())
 
     @classmethod
     def start_server(cls):
         cls.server = subprocess.Popen(
-            [binaries() / "tetstreamd", "--listen", cls.address,
+            [binaries() / "tetstreamd", "--listen", cls.address, "--metrics-listen", cls.metrics,
              "--store", cls.inputs / "store", *map(str, cls.settings)],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         wait_until(lambda: subprocess.run(
@@ -115,11 +102,16 @@ class ServerTest(CommandTest):
             capture_output=True, check=False).returncode == DONE)
 
     @classmethod
+    def sample(cls, name):
+        """One of the server's metrics; 0 as long as there is none."""
+        return samples_of(cls.metrics).get(name, 0)
+
+    @classmethod
     def stop_server(cls):
         cls.server.terminate()
-        cls.server.wait(60)
+        cls.server.wait(GENEROUS_END)
 
     @classmethod
     def kill_server(cls):
         cls.server.kill()
-        cls.server.wait(30)
+        cls.server.wait(GENEROUS_END)

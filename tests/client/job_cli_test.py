@@ -12,7 +12,7 @@ import subprocess
 import unittest
 
 from command_case import (
-    CUBE, ENDINGS, LID, REFUSED, SERVER, USAGE, CommandTest, binaries, catches, unused_port,
+    CUBE, ENDINGS, GENEROUS_END, LID, REFUSED, SERVER, USAGE, CommandTest, binaries, catches, unused_port,
     wait_until)
 from cutting_link import CuttingLink
 from job_case import JobTest
@@ -79,7 +79,7 @@ class JobSubmit(JobTest):
         process = self.start_job_command("submit", *arguments, "--parallel", "1")
         names = [process.stdout.readline().split()[0] for _ in range(after_lines)]
         process.send_signal(signal_number)
-        rest, errors = process.communicate(timeout=60)
+        rest, errors = process.communicate(timeout=GENEROUS_END)
         names += [line.split()[0] for line in rest.splitlines()]
         return process.returncode, names, errors
 
@@ -353,7 +353,7 @@ class JobQueue(JobTest):
             process = self.start_job_command(*command)
             wait_until(lambda: catches(process, signal.SIGINT))
             process.send_signal(signal.SIGINT)
-            _, errors = process.communicate(timeout=30)
+            _, errors = process.communicate(timeout=GENEROUS_END)
             self.assertEqual(process.returncode, 130, errors)
 
 
@@ -380,7 +380,7 @@ class JobWatch(JobTest):
         self.objects(self.job("cancel", two, "--json"))
         told += told_until(two, "FINISHED")
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=30)
+        process.communicate(timeout=GENEROUS_END)
         self.assertEqual([(event["name"], event["change"]) for event in told],
                          [(one, "CREATED"), (two, "CREATED"), (two, "FINISHED")])
         revisions = [event["revision"] for event in told]

@@ -21,7 +21,7 @@ def tetstreamd():
 
 
 def run(*command, **options):
-    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60,
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300,
                           check=False, **options)
 
 
@@ -59,6 +59,17 @@ class Systemd(DeployTest):
         seconds = re.search(r"^TimeoutStopSec=(\d+)$", (self.units / "tetstreamd.service").read_text(),
                             re.MULTILINE)
         self.assert_longer_than_a_drain(int(seconds[1]))
+
+    def test_the_server_takes_the_settings_as_they_are_and_as_they_propose(self):
+        for settings in self.units.glob("*.toml"):
+            proposed = re.sub(r"^#(\w+ = )", r"\1", settings.read_text(), flags=re.MULTILINE)
+            self.assertNotEqual(proposed, settings.read_text())
+            with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+                file.write(proposed)
+                file.flush()
+                for path in (settings, file.name):
+                    printed = run(tetstreamd(), "--config", path, "--print-config")
+                    self.assertEqual((printed.returncode, printed.stderr), (0, ""), settings.name)
 
     def test_the_user_is_the_containers(self):
         number = re.search(r"useradd --uid (\d+)",

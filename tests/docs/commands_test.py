@@ -97,7 +97,7 @@ class Commands(ServerTest):
 
 
 def add_test(page):
-    name = page.stem.lower()
+    name = "_".join(page.relative_to(ROOT).with_suffix("").parts).lower()  # docs has a README, too
     setattr(Commands, f"test_of_{name}_do_what_they_say", lambda self: self.check_page(page))
 
 

@@ -9,9 +9,11 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 
-from running_server import RunningServer, binaries, wait_until  # noqa: E402 (re-exported)
+from running_server import (  # noqa: E402 (re-exported)
+    GENEROUS_END, RunningServer, binaries, unused_port, wait_until)
 
-__all__ = ["FaultTest", "RunningServer", "binaries", "wait_until"]
+__all__ = ["FaultTest", "GENEROUS_END", "RunningServer", "binaries", "unused_port",
+           "wait_until"]
 
 
 class FaultTest(unittest.TestCase):
@@ -49,7 +51,7 @@ class FaultTest(unittest.TestCase):
         return subprocess.run(
             [binaries() / "tetstream", "mesh", self.inputs / f"{kind}.vdb",
              "-o", self.folder / f"{kind}.vtu", "--server", address],
-            capture_output=True, text=True, timeout=120, check=False)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False)
 
     def assert_meshed(self, result, kind="sphere"):
         self.assertEqual(result.returncode, 0, result.stderr)

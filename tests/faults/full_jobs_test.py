@@ -8,7 +8,7 @@ import os
 import subprocess
 import unittest
 
-from fault_case import FaultTest, binaries, wait_until
+from fault_case import GENEROUS_END, FaultTest, binaries, wait_until
 
 
 class FullJobDisk(FaultTest):
@@ -30,7 +30,7 @@ class FullJobDisk(FaultTest):
             env={**os.environ, "XDG_STATE_HOME": str(self.folder)})
 
     def assert_submitted(self, submission):
-        _, said = submission.communicate(timeout=60)
+        _, said = submission.communicate(timeout=GENEROUS_END)
         self.assertEqual(submission.returncode, 0, said)
 
     def assert_fetched(self, server):

@@ -12,7 +12,8 @@ import sys
 import time
 import unittest
 
-from fault_case import FaultTest, RunningServer, binaries, wait_until
+from fault_case import (
+    GENEROUS_END, FaultTest, RunningServer, binaries, unused_port, wait_until)
 
 
 class Kills(FaultTest):
@@ -30,7 +31,7 @@ class Kills(FaultTest):
         """Kills at two moments of a client's work; returns how long that work took."""
         self.store = self.folder / f"store{chance.random()}"
         kind = chance.choice(sorted(self.volumes))
-        server = RunningServer(self.store)
+        server = RunningServer(self.store, listen=f"127.0.0.1:{unused_port()}")
         acknowledged = set()
         try:
             for _ in range(2):
@@ -45,7 +46,7 @@ class Kills(FaultTest):
                 # Right after the kill: acknowledged files are there, and no others' bytes.
                 self.assertLessEqual(acknowledged, self.stored())
                 server = RunningServer(self.store, listen=address)
-                _, errors = client.communicate(timeout=60)
+                _, errors = client.communicate(timeout=GENEROUS_END)
                 self.assertEqual(client.returncode, 0, errors)
                 mesh = self.folder / f"{kind}.vtu"
                 self.assertTrue(mesh.read_bytes() == self.expected[kind])

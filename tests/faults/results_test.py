@@ -53,7 +53,7 @@ class Results(FaultTest):
     def assert_made(self, job):
         mesh = self.folder / "mesh.vtu"
         with self.start_worker():
-            self.assertEqual(self.job("wait", job, "--patience", "60s").returncode, 0)
+            self.assertEqual(self.job("wait", job, "--patience", "5m").returncode, 0)
         fetched = self.job("fetch", job, "-o", mesh)
         self.assertEqual(fetched.returncode, 0, fetched.stderr)
         self.assertTrue(mesh.read_bytes() == self.expected["sphere"])

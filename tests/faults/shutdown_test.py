@@ -10,7 +10,8 @@ import threading
 import time
 import unittest
 
-from fault_case import FaultTest, RunningServer, binaries, wait_until
+from fault_case import (
+    GENEROUS_END, FaultTest, RunningServer, binaries, unused_port, wait_until)
 
 
 class Clients:
@@ -66,7 +67,7 @@ class Shutdown(FaultTest):
         result = subprocess.run(
             [binaries() / "tetstream", "mesh", self.inputs / f"{kind}.vdb", "-o", out,
              "--server", addresses],
-            capture_output=True, text=True, timeout=60, check=False)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False)
         right = out.exists() and out.read_bytes() == self.expected[kind]
         return result.returncode, result.stderr, right
 
@@ -76,8 +77,9 @@ class Shutdown(FaultTest):
 
     def test_two_servers_take_turns_in_going_down_and_no_call_fails(self):
         stores = [self.folder / "a", self.folder / "b"]
-        servers = [RunningServer(store) for store in stores]
-        addresses = [server.address for server in servers]
+        addresses = [f"127.0.0.1:{unused_port()}" for _ in stores]
+        servers = [RunningServer(store, listen=address)
+                   for store, address in zip(stores, addresses)]
         clients = Clients(3, lambda i: self.run_client(",".join(addresses), i))
         try:
             for turn in range(2):
@@ -93,7 +95,7 @@ class Shutdown(FaultTest):
         self.assert_all_right(clients.results)
 
     def test_one_server_restarts_and_no_work_under_way_fails(self):
-        server = self.start()
+        server = self.start(listen=f"127.0.0.1:{unused_port()}")
         clients = Clients(3, lambda i: self.run_client(server.address, i))
         try:
             wait_until(lambda: len(clients.results) > 3)
@@ -127,17 +129,15 @@ class Shutdown(FaultTest):
         def has_chunks():
             """Lets the client work for a moment, or all would be sent before we look again."""
             client.send_signal(signal.SIGCONT)
-            time.sleep(0.02)
+            time.sleep(0.005)
             client.send_signal(signal.SIGSTOP)
             return servers[0].samples()["tetstream_sent_chunks_total"] > 2
 
         client.send_signal(signal.SIGSTOP)
         wait_until(has_chunks)
-        began = time.monotonic()
-        self.assertEqual(servers[0].terminate(), 0)
-        self.assertLess(time.monotonic() - began, 5)
+        self.assertEqual(servers[0].terminate(), 0)  # though its client takes nothing
         client.send_signal(signal.SIGCONT)
-        _, errors = client.communicate(timeout=200)
+        _, errors = client.communicate(timeout=GENEROUS_END)
         self.assertEqual(client.returncode, 0, errors)
         ended = [line for line in servers[0].log("call") if line["method"] == "StreamMesh"]
         self.assertEqual([(line["status"], line["reason"]) for line in ended],

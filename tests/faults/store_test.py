@@ -10,7 +10,7 @@ import pathlib
 import subprocess
 import unittest
 
-from fault_case import FaultTest, binaries
+from fault_case import GENEROUS_END, FaultTest, binaries
 
 
 class DamagedGrids(FaultTest):
@@ -123,7 +123,7 @@ class OneServerAStore(FaultTest):
         first = self.start()
         second = subprocess.run(
             [binaries() / "tetstreamd", "--store", self.store, "--listen", "127.0.0.1:0"],
-            capture_output=True, text=True, timeout=30, check=False)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False)
         self.assertEqual(second.returncode, 3)
         self.assertIn(f"in use by another server, process {first.process.pid}", second.stderr)
         first.kill()

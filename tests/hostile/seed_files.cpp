@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/base/descriptor.h"
+#include "core/base/posix/descriptor.h"
 #include "core/vdb/vdb_grids.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that includes point one way, and that each outside library stays where it belongs.
+"""Checks that includes point one way, and that outside libraries and the system's files stay in place.
 
     check_layers.py [ROOT]
 """
@@ -10,7 +10,7 @@ import sys
 # A request passes through these in order; a folder includes itself and those before it.
 CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
         "core/octree", "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/plan",
-        "core/transfer", "core/files"]
+        "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
@@ -39,6 +39,15 @@ LIBRARIES = {
     "SQLite": (r"sqlite3", ["server/jobs/store", "tests/server/jobs/store"]),
     "libpq": (r"libpq|postgresql/", ["server/jobs/store", "tests/server/jobs/store"]),
 }
+
+# System calls for files: one place handles signals, short writes and full disks. The decoder's
+# sandbox replaces its own descriptors. Without the `::` only names that nothing else can have.
+FILE_CALLS = re.compile(
+    r"(?<![\w>])::(?:open|openat|creat|close|read|write|rename|pipe|dup2?)\s*\("
+    r"|(?<![\w.>])(?:::)?(?:pread|pwrite|readv|writev|fsync|fdatasync|ftruncate|fallocate|flock|pipe2|"
+    r"dup3)\s*\(")
+FILE_FOLDERS = ["core/base/posix"]
+SANDBOX = ["core/vdb/await_order.cpp", "core/vdb/sandbox.cpp", "core/vdb/spawn.cpp"]
 
 SOURCE_FOLDERS = ["core", "proto", "server", "client", "tests", "bench"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
@@ -75,6 +84,21 @@ def library_errors(file, included):
             yield f"{file}: includes {included}, but only {', '.join(folders)} may use {library}"
 
 
+def file_call_errors(root):
+    """Code that ships and asks the system for files by itself."""
+    for folder in ["core", "proto", "server", "client"]:
+        for path in sorted((root / folder).rglob("*")):
+            file = str(path.relative_to(root))
+            if path.suffix not in (".h", ".cpp") or file in SANDBOX or any(
+                    is_inside(file, allowed) for allowed in FILE_FOLDERS):
+                continue
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                found = FILE_CALLS.search(line.split("//")[0])
+                if found:
+                    yield (f"{file}:{number}: calls {found.group()[:-1].strip()} itself: use "
+                           f"{' or '.join(FILE_FOLDERS)}")
+
+
 def cycle_errors(includes):
     """One line for each include that closes a cycle."""
     state = {}  # file -> "open" while its includes are being followed, then "done"
@@ -101,7 +125,7 @@ def find_errors(root):
         for included in all_included:
             errors += layer_errors(file, included)
             errors += library_errors(file, included)
-    return errors + list(cycle_errors(includes))
+    return errors + list(file_call_errors(root)) + list(cycle_errors(includes))
 
 
 def main():

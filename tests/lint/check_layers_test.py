@@ -62,6 +62,18 @@ class CheckLayers(unittest.TestCase):
             }),
             ["include cycle: core/base/a.h -> core/base/b.h -> core/base/c.h -> core/base/a.h"])
 
+    def test_keeps_the_system_calls_for_files_in_one_place(self):
+        for call in ("::open(path, 0);", "if (::close(file) != 0)", "pwrite(file, b, 1, 0);",
+                     "::rename(a, b);", "return ::fsync(file);"):
+            self.assertEqual(len(errors_of({"server/a.cpp": call + "\n"})), 1, call)
+            self.assertEqual(errors_of({"core/base/posix/a.cpp": call + "\n"}), [], call)
+            self.assertEqual(errors_of({"tests/a.cpp": call + "\n"}), [], call)
+
+    def test_knows_calls_that_only_look_like_files(self):
+        for call in ("Journal::open(path);", "file.close();", "fs::rename(a, b);", "read();",
+                     "// as ::open( does", "stream->write(x);"):
+            self.assertEqual(errors_of({"server/a.cpp": call + "\n"}), [], call)
+
     def test_refuses_a_tree_without_sources(self):
         self.assertEqual(len(errors_of({"README.md": "nothing here\n"})), 1)
 

@@ -13,18 +13,18 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "client"))
-from command_case import CommandTest, binaries, wait_until
+from command_case import (
+    GENEROUS_END, CommandTest, binaries, processor_seconds, samples_of, unused_port, wait_until)
 from raw_http2 import RawCall, double_field, field, message
 
 STREAM = "/tetstream.v1.MeshService/StreamMesh"
 UPLOAD = "/tetstream.v1.GridService/UploadGrid"
 MIB = 1 << 20
 MOST_MEMORY = 300 * MIB
-HUGE_AHEAD = float(os.environ.get("AHEAD", 1))
+HUGE_AHEAD = float(os.environ.get("AHEAD", 2))  # seconds of processors
 
 
 def grid_name(content):
@@ -38,7 +38,9 @@ class Server:
         folder = tempfile.TemporaryDirectory()
         test.addCleanup(folder.cleanup)
         port_file = pathlib.Path(folder.name, "port")
+        self.metrics = f"127.0.0.1:{unused_port()}"
         settings = {"listen": "127.0.0.1:0", "store": folder.name + "/store",
+                    "metrics_listen": self.metrics,
                     "port_file": str(port_file), "log_level": os.environ.get("LEVEL", "error"), "drain_seconds": 0,
                     **settings}
         self.process = subprocess.Popen(
@@ -52,7 +54,7 @@ class Server:
     def stop(self):
         self.process.terminate()
         try:
-            self.process.wait(15)
+            self.process.wait(GENEROUS_END)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
@@ -64,6 +66,16 @@ class Server:
 
     def peak_memory(self):
         return self.status("VmHWM")
+
+    def streams(self):
+        """Those that run."""
+        return samples_of(self.metrics)["tetstream_meshes_running"]
+
+    def streams_so_far(self):
+        """Those that run, and those that have ended."""
+        return sum(value for name, value in samples_of(self.metrics).items()
+                   if name == "tetstream_meshes_running"
+                   or name.startswith("tetstream_calls_total") and 'method="StreamMesh"' in name)
 
     def is_alive(self):
         return self.process.poll() is None
@@ -96,12 +108,10 @@ class CrowdTest(CommandTest):
         return self.calls[-1]
 
     def mesh(self, server, name="m.vtu", spacing=None):
-        """Meshes as a healthy client does; how long that took."""
-        start = time.monotonic()
+        """Meshes as a healthy client does."""
         done = subprocess.run(self.mesh_command(server, name, spacing or self.spacing),
-                              capture_output=True, text=True, timeout=120)
+                              capture_output=True, text=True, timeout=GENEROUS_END)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return time.monotonic() - start
 
     def mesh_command(self, server, name, spacing):
         return [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb", "--server",
@@ -112,16 +122,17 @@ class CrowdTest(CommandTest):
 class Readers(CrowdTest):
     def test_a_thousand_slow_readers_stay_within_300_mb_and_others_go_on(self):
         server = Server(self, max_streams=2000, max_client_streams=2000, max_calls=4000,
-                        max_client_calls=4000)
-        alone = self.mesh(server)
+                        max_client_calls=4000, stall_seconds=3600)
+        self.mesh(server)
+        before = server.streams_so_far()
         for i in range(1000):
             # Half are stopped by their streams' windows, half by their connections' buffers.
             how = {"window": 20000} if i % 2 else {"window": 1 << 30, "receive_buffer": 4096}
             self.call(server, STREAM, source=f"127.0.0.{2 + i % 20}", **how).ask(self.request)
-        time.sleep(2)
-        beside = self.mesh(server)
-        print(f"alone {alone:.2f} s, beside 1000 slow readers {beside:.2f} s, "
-              f"peak {server.peak_memory() / MIB:.0f} MiB", file=sys.stderr)
+        # Where others wait for memory, who takes nothing loses its stream: some may have ended.
+        wait_until(lambda: server.streams_so_far() >= before + 1000)
+        self.mesh(server)
+        print(f"peak {server.peak_memory() / MIB:.0f} MiB with 1000 slow readers", file=sys.stderr)
         self.assertLess(server.peak_memory(), MOST_MEMORY)
         self.assertTrue(server.is_alive())
 
@@ -130,20 +141,20 @@ class Readers(CrowdTest):
         self.mesh(server)
         reader = self.call(server, STREAM, window=20000)
         reader.ask(self.request)
-        start = time.monotonic()
-        self.assertTrue(reader.wait_for_end(10))
-        self.assertLess(time.monotonic() - start, 5)
+        self.assertTrue(reader.wait_for_end())
+        wait_until(lambda: server.streams() == 0)
 
     def test_a_client_that_was_stopped_resumes_when_it_goes_on(self):
         server = Server(self, stall_seconds=1, keepalive_seconds=1)
         self.mesh(server, "whole.vtu")
         client = subprocess.Popen(self.mesh_command(server, "resumed.vtu", self.spacing),
                                   stderr=subprocess.PIPE)
-        time.sleep(0.15)
+        self.addCleanup(client.kill)
+        wait_until(lambda: server.streams() == 1)
         client.send_signal(signal.SIGSTOP)
-        time.sleep(4)
+        wait_until(lambda: server.streams() == 0)
         client.send_signal(signal.SIGCONT)
-        _, errors = client.communicate(timeout=30)
+        _, errors = client.communicate(timeout=GENEROUS_END)
         self.assertEqual(client.returncode, 0, errors)
         self.assertEqual((self.out / "whole.vtu").read_bytes(),
                          (self.out / "resumed.vtu").read_bytes())
@@ -176,48 +187,55 @@ class Uploads(CrowdTest):
         start = field(1, field(1, grid_name(content)) + field(2, len(content)))
         upload = self.call(server, UPLOAD)
         upload.send(message(start) + message(field(2, field(2, content[:MIB]))))
-        self.assertTrue(upload.wait_for_end(10))
+        self.assertTrue(upload.wait_for_end())
         rest = self.call(server, UPLOAD)
-        rest.send(message(start)
-                  + message(field(2, field(1, MIB) + field(2, content[MIB:]))))
-        self.assertTrue(rest.wait_for_end(10))
+        rest.send(message(start))
+        for at in range(MIB, len(content), MIB // 16):  # little at a time, which is soon sent
+            piece = content[at:at + MIB // 16]
+            rest.send(message(field(2, field(1, at) + field(2, piece))))
+        self.assertTrue(rest.wait_for_end())
         stored = list(pathlib.Path(server.process.args[2].split("=")[1]).glob("grids/*/*"))
         self.assertTrue([file.read_bytes() for file in stored] == [content])
 
 
 class Fairness(CrowdTest):
     def small_mesh(self, server, number):
-        """How long one takes that nobody remembers, to the last byte."""
-        mesh = self.call(server, STREAM, window=1 << 30)
-        start = time.monotonic()
-        mesh.ask(self.stream_request(0.1 + 1e-6 * number, levels=0))
-        self.assertTrue(mesh.wait_for_end(60))
-        return time.monotonic() - start
+        """What the server works from the request for one that nobody remembers to its last byte.
 
-    def latencies(self, server, first):
-        times = []
+        In seconds of processors: whatever else the machine does is not counted.
+        """
+        mesh = self.call(server, STREAM, window=1 << 30)
+        before = processor_seconds(server.process)
+        mesh.ask(self.stream_request(0.1 + 1e-6 * number, levels=0))
+        self.assertTrue(mesh.wait_for_end())
+        return processor_seconds(server.process) - before
+
+    def works(self, server, first):
+        works = []
         for i in range(20):
-            times.append(self.small_mesh(server, first + i))
+            works.append(self.small_mesh(server, first + i))
             for call in self.calls:
                 if not call.ended:
                     call.listen(0)  # and answers pings
-        return times
+        return works
 
     def test_small_meshes_do_not_wait_for_a_huge_one(self):
         server = Server(self, threads=2)
         self.mesh(server)
-        alone = statistics.median(self.latencies(server, 100))
+        alone = statistics.median(self.works(server, 100))
         # Planned for longer than all this takes.
         huge = self.call(server, STREAM, source="127.0.0.2")
         huge.ask(self.stream_request(0.003, levels=24))
-        time.sleep(HUGE_AHEAD)
-        beside = self.latencies(server, 200)
+        before = processor_seconds(server.process)
+        wait_until(lambda: processor_seconds(server.process) >= before + HUGE_AHEAD)
+        beside = self.works(server, 200)
         huge.listen(0)
-        print(f"small meshes: {alone:.3f} s alone; beside a huge one median "
-              f"{statistics.median(beside):.3f} s, longest {max(beside):.3f} s", file=sys.stderr)
+        print(f"the server works {alone:.2f} s for a small mesh; beside a huge one, on both, median "
+              f"{statistics.median(beside):.2f} s, most {max(beside):.2f} s", file=sys.stderr)
         self.assertFalse(huge.ended)
-        self.assertLess(statistics.median(beside), 5 * alone + 0.5)
-        self.assertLess(max(beside), 5 * alone + 2)
+        # Two processors do so much in half a second and in two.
+        self.assertLess(statistics.median(beside), 5 * alone + 1)
+        self.assertLess(max(beside), 5 * alone + 4)
 
 
 if __name__ == "__main__":

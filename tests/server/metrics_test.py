@@ -15,13 +15,8 @@ import unittest
 import urllib.parse
 import urllib.request
 
-from running_server import RunningServer, binaries, fetch, wait_until
-
-
-def unused_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+from running_server import (
+    GENEROUS_END, RunningServer, binaries, fetch, unused_port, wait_until)
 
 
 class ServerTest(unittest.TestCase):
@@ -40,12 +35,17 @@ class ServerTest(unittest.TestCase):
 
     @classmethod
     def mesh(cls, *options, **environment):
-        return cls.server.tetstream(
+        """A client's mesh, once the server has told of it, too."""
+        told = len(cls.calls("StreamMesh"))
+        made = cls.server.tetstream(
             "mesh", cls.ball, "-o", cls.folder / "m.vtu", *options,
             env={**os.environ, **environment})
+        wait_until(lambda: len(cls.calls("StreamMesh")) > told)
+        return made
 
-    def calls(self, method):
-        return [line for line in self.server.log("call") if line["method"] == method]
+    @classmethod
+    def calls(cls, method):
+        return [line for line in cls.server.log("call") if line["method"] == method]
 
 
 class Metrics(ServerTest):
@@ -53,11 +53,12 @@ class Metrics(ServerTest):
         _, text = fetch(self.server.metrics, "/metrics")
         checked = subprocess.run(
             ["promtool", "check", "metrics"], input=text, capture_output=True, text=True,
-            timeout=20, check=False)
+            timeout=GENEROUS_END, check=False)
         self.assertEqual((checked.returncode, checked.stdout + checked.stderr), (0, ""))
 
     def test_counts_calls_refusals_and_what_was_sent(self):
         self.assertEqual(self.made.returncode, 0, self.made.stderr)
+        wait_until(lambda: self.server.samples()["tetstream_meshes_running"] == 0)
         samples = self.server.samples()
         self.assertEqual(samples['tetstream_calls_total{code="OK",method="StreamMesh"}'], 1)
         self.assertEqual(
@@ -117,7 +118,7 @@ class Dashboard(ServerTest):
     def test_prometheus_takes_its_configuration(self):
         checked = subprocess.run(
             ["promtool", "check", "config", self.docker / "prometheus.yml"],
-            capture_output=True, text=True, timeout=20, check=False)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False)
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
 
@@ -125,14 +126,14 @@ class InPrometheus(ServerTest):
     def test_a_real_prometheus_scrapes_and_answers(self):
         config = self.folder / "prometheus.yml"
         config.write_text(
-            "scrape_configs:\n- job_name: tetstream\n  scrape_interval: 200ms\n"
-            f"  scrape_timeout: 200ms\n  static_configs: [{{targets: ['{self.server.metrics}']}}]\n")
+            "scrape_configs:\n- job_name: tetstream\n  scrape_interval: 1s\n"
+            f"  scrape_timeout: 1s\n  static_configs: [{{targets: ['{self.server.metrics}']}}]\n")
         address = f"127.0.0.1:{unused_port()}"
         prometheus = subprocess.Popen(
             ["prometheus", f"--config.file={config}", f"--web.listen-address={address}",
              f"--storage.tsdb.path={self.folder / 'tsdb'}"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(prometheus.wait, 20)
+        self.addCleanup(prometheus.wait, GENEROUS_END)
         self.addCleanup(prometheus.kill)
 
         def query():
@@ -140,12 +141,12 @@ class InPrometheus(ServerTest):
                 'sum(tetstream_calls_total{job="tetstream",method="StreamMesh"})')
             try:
                 with urllib.request.urlopen(
-                        f"http://{address}/api/v1/query?query={asked}", timeout=5) as response:
+                        f"http://{address}/api/v1/query?query={asked}", timeout=GENEROUS_END) as response:
                     return json.load(response)["data"]["result"]
             except OSError:
                 return []
 
-        self.assertEqual(wait_until(query, 30)[0]["value"][1], "2")
+        self.assertEqual(wait_until(query)[0]["value"][1], "2")
 
 
 class AccessLog(ServerTest):
@@ -193,7 +194,7 @@ class Draining(ServerTest):
             self.assertEqual(fetch(self.server.metrics, "/healthz"), (200, "ok\n"))
             self.assertEqual(self.server.samples()["tetstream_ready"], 0)
             stream.kill()
-        self.assertEqual(self.server.process.wait(30), 0)
+        self.assertEqual(self.server.process.wait(GENEROUS_END), 0)
 
 
 if __name__ == "__main__":

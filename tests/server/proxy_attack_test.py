@@ -7,15 +7,15 @@ import os
 import pathlib
 import re
 import resource
+import signal
 import socket
 import subprocess
 import tempfile
 import threading
-import time
 import unittest
 
 from h2_attacks import ATTACKS, PREFACE, Attacker
-from running_server import RunningServer, binaries, wait_until
+from running_server import GENEROUS_END, RunningServer, binaries, unused_port, wait_until
 
 CONFIGURATION = pathlib.Path(__file__).parents[2] / "docker" / "haproxy.cfg"
 ATTACK_SECONDS = 1
@@ -23,12 +23,6 @@ FEW_FILES = 256  # file descriptors of tetstreamd; a flood would like to have mo
 FILES = 1024
 STREAMS = FILES // 8  # what haproxy has ended takes a descriptor until tetstreamd sees that
 MAX_RESIDENT_MB = 300
-
-
-def unused_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def resident_mb(process):
@@ -44,8 +38,13 @@ class WithoutAProxy(unittest.TestCase):
     def test_a_server_that_ran_out_of_files_ends_so_that_it_is_started_again(self):
         with tempfile.TemporaryDirectory() as scratch, RunningServer(f"{scratch}/store") as server:
             allow_files(server, FEW_FILES)
-            ATTACKS["connection_flood"](Attacker(server.address, 1))
-            self.assertEqual(server.process.wait(30), 3)
+
+            def has_ended():
+                ATTACKS["connection_flood"](Attacker(server.address, 1))
+                return server.process.poll() is not None
+
+            wait_until(has_ended)
+            self.assertEqual(server.process.wait(GENEROUS_END), 3)
             self.assertEqual(len(server.log("stopped_listening")), 1)
 
 
@@ -89,7 +88,7 @@ class BehindAProxy(unittest.TestCase):
 
         def stop():
             cls.proxy.terminate()
-            cls.proxy.wait(10)
+            cls.proxy.wait(GENEROUS_END)
 
         cls.addClassCleanup(stop)
 
@@ -98,7 +97,7 @@ class BehindAProxy(unittest.TestCase):
         return subprocess.run(
             [binaries() / "tetstream", command, *arguments, "--server", cls.address,
              *cls.client_options],
-            capture_output=True, text=True, timeout=30, check=False)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False)
 
     def mesh(self):
         return self.client("mesh", self.grid, "-o", self.folder / "mesh.vtu")
@@ -128,34 +127,40 @@ class ProxyAttack(BehindAProxy):
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(slow.wait)
         self.addCleanup(slow.kill)
-        time.sleep(0.5)
-        slow.send_signal(19)  # SIGSTOP
+        wait_until(lambda: self.server.samples()["tetstream_meshes_running"] > 0)
+        slow.send_signal(signal.SIGSTOP)
         for _ in range(3):
             result = self.mesh()
             self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIsNone(slow.poll())
 
     def test_an_address_that_asks_too_often_is_turned_away_and_others_are_not(self):
-        ATTACKS["rapid_reset"](Attacker(self.address, 2, "127.0.0.60"))
-        self.assertTrue(self.turns_away("127.0.0.60"))
+        def is_turned_away():
+            ATTACKS["rapid_reset"](Attacker(self.address, 2, "127.0.0.60"))
+            return self.turns_away("127.0.0.60")
+
+        self.assertFalse(self.turns_away("127.0.0.60"))
+        wait_until(is_turned_away)
         self.assertEqual(self.mesh().returncode, 0)
 
     def connect_from(self, source):
         host, port = self.address.rsplit(":", 1)
-        connection = socket.create_connection((host, int(port)), 5, (source, 0))
+        connection = socket.create_connection((host, int(port)), GENEROUS_END, (source, 0))
         self.addCleanup(connection.close)
         return connection
 
     def turns_away(self, source):
-        """Whether a connection is refused, or ended before anything was said."""
+        """Whether a connection is refused, or ended before the proxy says anything."""
         try:
-            return self.hangs_up(self.connect_from(source))
+            connection = self.connect_from(source)
+            connection.send(PREFACE)
+            return self.hangs_up(connection)
         except ConnectionError:
             return True
 
     @staticmethod
     def hangs_up(connection):
-        connection.settimeout(10)
+        connection.settimeout(GENEROUS_END)
         try:
             return connection.recv(1) == b""
         except ConnectionError:
@@ -203,7 +208,7 @@ class ProxyWithTls(BehindAProxy):
             with self.subTest(options=options):
                 result = subprocess.run(
                     [binaries() / "tetstream", "health", "--server", self.address, *options],
-                    capture_output=True, text=True, timeout=30, check=False)
+                    capture_output=True, text=True, timeout=GENEROUS_END, check=False)
                 self.assertNotEqual(result.returncode, 0)
                 self.assertIn(words, result.stderr)
 

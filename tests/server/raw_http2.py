@@ -4,6 +4,8 @@ import socket
 import struct
 import time
 
+from waiting import GENEROUS_END
+
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
 DATA, HEADERS, RST_STREAM, SETTINGS, PING, GOAWAY, WINDOW_UPDATE = 0, 1, 3, 4, 6, 7, 8
 END_STREAM, END_HEADERS, ACK = 1, 4, 1
@@ -75,7 +77,7 @@ class RawCall:
         """Sends the only message, which is small."""
         self.socket.sendall(frame(DATA, END_STREAM, 1, message(payload)))
 
-    def send(self, data, seconds=20):
+    def send(self, data, seconds=GENEROUS_END):
         """Sends as much as the server lets us. Whether that was all."""
         end = time.monotonic() + seconds
         while data and not self.ended and time.monotonic() < end:
@@ -130,7 +132,7 @@ class RawCall:
         elif kind == HEADERS and flags & END_STREAM or kind in (RST_STREAM, GOAWAY):
             self.ended = True
 
-    def wait_for_end(self, seconds):
+    def wait_for_end(self, seconds=GENEROUS_END):
         end = time.monotonic() + seconds
         while not self.ended and time.monotonic() < end:
             self.listen(0.05)

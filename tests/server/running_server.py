@@ -3,37 +3,23 @@
 import json
 import os
 import pathlib
-import re
 import signal
 import subprocess
+import sys
 import tempfile
-import time
-import urllib.error
-import urllib.request
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+
+from waiting import (  # noqa: E402 (re-exported)
+    GENEROUS_END, fetch, samples_of, unused_port, wait_until)
+
+__all__ = ["GENEROUS_END", "RunningProgram", "RunningServer", "RunningWorker", "binaries", "fetch",
+           "unused_port", "wait_until"]
 
 
 def binaries():
     """Where tetstream, tetstreamd and make_fixture are."""
     return pathlib.Path(os.environ["TETSTREAM_BIN"])
-
-
-def wait_until(condition, seconds=20.0):
-    """What `condition` says once it says anything true."""
-    deadline = time.monotonic() + seconds
-    while not (said := condition()):
-        if time.monotonic() > deadline:
-            raise AssertionError("waited in vain")
-        time.sleep(0.01)
-    return said
-
-
-def fetch(address, path):
-    """(status, body) of http://ADDRESS/PATH."""
-    try:
-        with urllib.request.urlopen(f"http://{address}{path}", timeout=5) as response:
-            return response.status, response.read().decode()
-    except urllib.error.HTTPError as error:
-        return error.code, error.read().decode()
 
 
 class RunningProgram:
@@ -73,8 +59,7 @@ class RunningProgram:
 
     def samples(self):
         """{name{labels}: value} of /metrics."""
-        text = fetch(self.metrics, "/metrics")[1]
-        return {m[1]: float(m[2]) for m in re.finditer(r"^([^#\s]\S*) (\S+)$", text, re.MULTILINE)}
+        return samples_of(self.metrics)
 
     def kill(self):
         self.process.kill()
@@ -87,7 +72,7 @@ class RunningProgram:
     def terminate(self):
         """Its exit code after SIGTERM."""
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(60)
+        return self.process.wait(GENEROUS_END)
 
     def __enter__(self):
         return self
@@ -104,7 +89,7 @@ class RunningServer(RunningProgram):
                          **more)
         self.address = self.ready["address"]
 
-    def tetstream(self, *arguments, timeout=120, **options):
+    def tetstream(self, *arguments, timeout=GENEROUS_END, **options):
         """Runs the command line; the server's address goes where "--server" ends the arguments."""
         return subprocess.run(
             [binaries() / "tetstream", *map(str, arguments), "--server", self.address],

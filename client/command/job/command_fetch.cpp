@@ -18,7 +18,7 @@
 #include "client/command/mesh_report.h"
 #include "client/command/stopwatch.h"
 #include "client/library/stream_checks.h"
-#include "core/files/atomic_file.h"
+#include "core/base/posix/atomic_file.h"
 #include "core/files/mesh_file.h"
 #include "core/files/write_vtkhdf.h"
 

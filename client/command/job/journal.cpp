@@ -1,14 +1,10 @@
 #include "client/command/job/journal.h"
 
-#include <cerrno>
 #include <cstdlib>
-#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <random>
 #include <string_view>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -16,8 +12,8 @@
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/files/atomic_file.h"
-#include "core/files/io_error.h"
+#include "core/base/posix/folder.h"
+#include "core/base/posix/io_error.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -77,23 +73,20 @@ std::string text_at(const Json& line, const char* key) {
 absl::StatusOr<std::unique_ptr<Journal>> Journal::open(const std::string& path,
                                                        const std::string& server) {
   for (;;) {
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-    if (descriptor < 0) return io_error("open", path);
-    std::unique_ptr<Journal> journal(new Journal(path, descriptor));
+    auto file = File::open(path, O_RDWR | O_CREAT | O_APPEND, io_error, 0600);
+    if (!file.ok()) return file.status();
+    std::unique_ptr<Journal> journal(new Journal(path, *std::move(file)));
     if (absl::Status status = journal->lock(); !status.ok()) return status;
-    struct stat state {};
     // Another process may have completed its submission since the file was opened.
-    if (fstat(descriptor, &state) == 0 && state.st_nlink == 0) continue;
+    if (!journal->file_.is_at_its_path()) continue;
     if (absl::Status status = journal->read(server); !status.ok()) return status;
     return journal;
   }
 }
 
-Journal::~Journal() { close(descriptor_); }
-
-absl::Status Journal::lock() const {
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return absl::OkStatus();
-  if (errno != EWOULDBLOCK) return io_error("lock", path_);
+absl::Status Journal::lock() {
+  const absl::StatusOr<bool> taken = file_.lock(FileLock::kAlone);
+  if (!taken.ok() || *taken) return taken.status();
   return absl::FailedPreconditionError(
       absl::StrCat("another process is submitting with the journal ", path_));
 }
@@ -101,8 +94,7 @@ absl::Status Journal::lock() const {
 absl::Status Journal::read(const std::string& server) {
   const absl::StatusOr<WholeLines> whole = read_lines(path_);
   if (!whole.ok()) return whole.status();
-  if (ftruncate(descriptor_, static_cast<off_t>(whole->bytes)) != 0)
-    return io_error("write", path_);
+  if (absl::Status status = file_.truncate(whole->bytes); !status.ok()) return status;
   if (whole->lines.empty()) return begin(server);
   submission_ = text_at(whole->lines.front(), "submission");
   if (const auto of = text_at(whole->lines.front(), "server"); of != server) {
@@ -119,15 +111,12 @@ absl::Status Journal::begin(const std::string& server) {
   submission_ = random_id();
   const Json first{{"submission", submission_}, {"server", server}};
   if (absl::Status status = write_line(first.dump()); !status.ok()) return status;
-  if (fsync(descriptor_) != 0) return io_error("write", path_);
-  return sync_directory_of(fs::absolute(path_));
+  if (absl::Status status = file_.sync(); !status.ok()) return status;
+  return sync_folder(folder_of(path_), io_error);
 }
 
-absl::Status Journal::write_line(const std::string& line) const {
-  const std::string text = line + "\n";
-  const ssize_t written = write(descriptor_, text.data(), text.size());
-  return written == static_cast<ssize_t>(text.size()) ? absl::OkStatus()
-                                                      : io_error("write", path_);
+absl::Status Journal::write_line(const std::string& line) {
+  return file_.append(absl::StrCat(line, "\n"));
 }
 
 std::string Journal::request_id(const std::string& order_digest, std::size_t nth) const {

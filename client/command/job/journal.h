@@ -7,11 +7,13 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "client/command/job/job_order.h"
+#include "core/base/posix/file.h"
 
 namespace tet {
 
@@ -28,7 +30,6 @@ class Journal {
   /// process has it, it is of another server, or it is no journal).
   static absl::StatusOr<std::unique_ptr<Journal>> open(const std::string& path,
                                                        const std::string& server);
-  ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
@@ -46,14 +47,14 @@ class Journal {
   void remove();
 
  private:
-  Journal(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
-  absl::Status lock() const;
+  Journal(std::string path, File file) : path_(std::move(path)), file_(std::move(file)) {}
+  absl::Status lock();
   absl::Status read(const std::string& server);
   absl::Status begin(const std::string& server);
-  absl::Status write_line(const std::string& line) const;
+  absl::Status write_line(const std::string& line);
 
   const std::string path_;
-  const int descriptor_;
+  File file_;
   std::string submission_;
   mutable std::mutex mutex_;
   std::map<std::string, std::string> jobs_;  ///< by request id

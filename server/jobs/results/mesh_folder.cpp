@@ -1,12 +1,7 @@
 #include "server/jobs/results/mesh_folder.h"
 
-#include <cerrno>
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
-#include <unistd.h>
-#include <utility>
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
@@ -38,47 +33,30 @@ void set_aside(const fs::path& path, const std::string& why) {
             {{"chunk", path.filename().string()}, {"why", why}});
 }
 
-/// Whether the descriptor's file still is what `path` names: it may have been evicted.
-bool is_at(int descriptor, const fs::path& path) {
-  struct stat open {};
-  struct stat named {};
-  return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
-         open.st_ino == named.st_ino && open.st_dev == named.st_dev;
-}
-
 }  // namespace
 
 bool is_set_aside(const fs::path& path) { return path.extension() == kDamaged; }
 
-absl::StatusOr<FolderLock> FolderLock::take(const fs::path& folder, Kind kind, bool make) {
-  const fs::path path = folder / "lock";
-  const int how = kind == Kind::kShared ? LOCK_SH : LOCK_EX | LOCK_NB;
+absl::StatusOr<FolderLock> FolderLock::take(const fs::path& folder, FileLock how, bool make) {
   while (true) {
     if (make) {
       if (auto made = make_folder(folder); !made.ok()) return made;
     }
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
-    if (descriptor < 0 && errno == ENOENT && make) continue;
-    if (descriptor < 0) return disk_error("cannot open", path);
-    FolderLock lock(descriptor);
-    if (::flock(descriptor, how) != 0) {
-      if (errno == EINTR) continue;
+    auto file = open_file(folder / "lock", O_RDWR | O_CREAT);
+    if (absl::IsNotFound(file.status()) && make) continue;
+    if (!file.ok()) return file.status();
+    const auto taken = file->lock(how);
+    if (!taken.ok()) return taken.status();
+    if (!*taken) {
       return absl::AbortedError(absl::StrCat(folder.filename().string(), " is in use"));
     }
-    // Its time says when it was used last.
-    if (is_at(descriptor, path)) {
-      if (kind == Kind::kShared) ::futimens(descriptor, nullptr);
-      return lock;
-    }
+    // The folder may have been evicted since the file was opened.
+    if (!file->is_at_its_path()) continue;
+    // The time of the lock's file says when the folder was used last.
+    if (how == FileLock::kShared) ::futimens(file->descriptor().number(), nullptr);
+    return FolderLock(*std::move(file));
   }
 }
-
-FolderLock::~FolderLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-FolderLock::FolderLock(FolderLock&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 fs::path MeshFolder::chunk_path(const ChunkDigest& digest) const {
   return path_ / absl::BytesToHexString(digest);
@@ -107,7 +85,7 @@ absl::StatusOr<ChunkMessage> MeshFolder::get_chunk(
     BlockPool& blocks,
     std::shared_ptr<SendBudget::Lease> held) const {
   const fs::path path = chunk_path(digest);
-  const auto file = File::open(path, O_RDONLY);
+  const auto file = open_file(path, O_RDONLY);
   if (absl::IsNotFound(file.status())) return chunk_damaged(digest, "is gone");
   if (!file.ok()) return file.status();
   auto chunk = read_chunk(*file, path.filename().string(), blocks, std::move(held));

@@ -7,11 +7,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "core/base/posix/file.h"
 #include "server/jobs/results/stored_chunk.h"
 #include "server/jobs/store/job.h"
 
@@ -23,20 +25,15 @@ inline constexpr std::size_t kDigestBytes = 32;
 /// A lock on a folder among all processes that may see it, by its file `lock`.
 class FolderLock {
  public:
-  enum class Kind { kShared, kAlone };
-
   /// Waits for nobody but who evicts. Errors: kNotFound (no such folder, unless `make`),
-  /// kAborted (Kind::kAlone: somebody uses it), and the disk's.
+  /// kAborted (FileLock::kAlone: somebody uses it), and the disk's.
   static absl::StatusOr<FolderLock> take(const std::filesystem::path& folder,
-                                         Kind kind,
+                                         FileLock how,
                                          bool make);
-  ~FolderLock();
-  FolderLock(FolderLock&& other) noexcept;
-  FolderLock& operator=(FolderLock&&) = delete;
 
  private:
-  explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
+  explicit FolderLock(File file) : file_(std::move(file)) {}
+  File file_;
 };
 
 /// Chunks under the SHA-256 of their files, and one file for each shard that was made: its

@@ -12,7 +12,7 @@
 
 #include "proto/convert/status.h"
 #include "server/jobs/results/whole_file.h"
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 
@@ -119,13 +119,13 @@ fs::path ResultStore::plan_path(const std::string& space, const std::string& nam
 }
 
 absl::StatusOr<std::shared_ptr<MeshFolder>> ResultStore::make(const ResultKey& key) {
-  auto lock = FolderLock::take(mesh_path(key), FolderLock::Kind::kShared, true);
+  auto lock = FolderLock::take(mesh_path(key), FileLock::kShared, true);
   if (!lock.ok()) return lock.status();
   return std::make_shared<MeshFolder>(mesh_path(key), *std::move(lock));
 }
 
 absl::StatusOr<std::shared_ptr<MeshFolder>> ResultStore::find(const ResultKey& key) const {
-  auto lock = FolderLock::take(mesh_path(key), FolderLock::Kind::kShared, false);
+  auto lock = FolderLock::take(mesh_path(key), FileLock::kShared, false);
   if (!lock.ok()) return lock.status();
   return std::make_shared<MeshFolder>(mesh_path(key), *std::move(lock));
 }
@@ -203,7 +203,7 @@ void ResultStore::sweep_to(std::uint64_t budget_bytes) {
 
 /// Under another name first: a folder of its own name is whole. False if somebody uses it.
 bool ResultStore::evict(const fs::path& folder) {
-  const auto lock = FolderLock::take(folder, FolderLock::Kind::kAlone, false);
+  const auto lock = FolderLock::take(folder, FileLock::kAlone, false);
   if (!lock.ok()) return false;
   const fs::path away = absl::StrCat(folder.string(), kEvicted);
   std::error_code error;

@@ -8,7 +8,7 @@
 
 #include "proto/wire/block_pool.h"
 #include "server/meshing/chunk_maker.h"
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 

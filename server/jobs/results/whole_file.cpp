@@ -1,12 +1,5 @@
 #include "server/jobs/results/whole_file.h"
 
-#include <cstdio>
-#include <fcntl.h>
-#include <random>
-#include <system_error>
-
-#include <absl/strings/str_format.h>
-
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -24,14 +17,8 @@ std::string digest_of(std::string_view text) {
   return digest.finish_hex();
 }
 
-/// No two writers, on whatever host, write the same unfinished file.
-fs::path unfinished(const fs::path& path) {
-  thread_local std::mt19937_64 random{std::random_device{}()};
-  return path.parent_path() / absl::StrFormat("%016x%s", random(), kUnfinished);
-}
-
 absl::StatusOr<std::string> read_file(const fs::path& path) {
-  const auto file = File::open(path, O_RDONLY);
+  const auto file = open_file(path, O_RDONLY);
   if (!file.ok()) return file.status();
   const auto size = file->size();
   if (!size.ok()) return size.status();
@@ -48,17 +35,10 @@ bool is_unfinished(const fs::path& path) { return path.extension() == kUnfinishe
 
 absl::Status write_whole(const fs::path& path,
                          const std::function<absl::Status(File&)>& write) {
-  const fs::path beside = unfinished(path);
-  auto file = File::open(beside, O_WRONLY | O_CREAT | O_EXCL);
-  absl::Status status = file.status();
-  if (status.ok()) status = write(*file);
-  if (status.ok()) status = file->sync();
-  if (status.ok() && ::rename(beside.c_str(), path.c_str()) != 0) {
-    status = disk_error("cannot move", beside);
-  }
-  std::error_code ignored;
-  if (!status.ok()) fs::remove(beside, ignored);
-  return status;
+  auto file = AtomicFile::create_at(path, {"", kUnfinished, kFileMode, disk_error});
+  if (!file.ok()) return file.status();
+  const absl::Status written = write(file->file());
+  return written.ok() ? file->commit_unsynced() : written;
 }
 
 absl::Status write_checked(const fs::path& path, std::string_view text) {

@@ -9,7 +9,7 @@
 
 #include <absl/status/status.h>
 
-#include "server/ops/file.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 

@@ -26,14 +26,14 @@ constexpr std::int64_t kMostCounted = 1000;
 
 /// A job as GetJob and CreateJob tell it, with its place in the queue if no more than `most`
 /// come before it.
-absl::Status tell(JobDesk& desk,
+absl::Status tell(JobContext& shared,
                   const absl::StatusOr<Job>& job,
                   v1::Job& response,
                   std::int64_t most = INT64_MAX - 1) {
   if (!job.ok()) return job.status();
   to_proto(*job, true, response);
   if (job->state != JobState::kQueued) return absl::OkStatus();
-  const auto position = desk.jobs.queue_position(job->id, most + 1);
+  const auto position = shared.jobs.queue_position(job->id, most + 1);
   if (position.ok() && *position <= most) response.set_queue_position(*position);
   return absl::IsNotFound(position.status()) ? absl::OkStatus() : position.status();
 }
@@ -51,7 +51,7 @@ absl::StatusOr<std::vector<GridLease>> acquire(GridStore& grids,
   return held;
 }
 
-absl::Status create(JobDesk& desk,
+absl::Status create(JobContext& shared,
                     GridStore& grids,
                     Call& call,
                     const v1::CreateJobRequest& request,
@@ -59,22 +59,22 @@ absl::Status create(JobDesk& desk,
   const auto wanted = parse_create(request, call.space());
   if (!wanted.ok()) return wanted.status();
   call.note("grid", wanted->input);
-  if (const absl::Status health = desk.health.status(); !health.ok()) {
+  if (const absl::Status health = shared.health.status(); !health.ok()) {
     return with_retry(health, kAskAgain);
   }
   // Held until the store knows that the job needs them.
   const auto held =
       acquire(grids, call.space(), absl::StrSplit(wanted->input, ' ', absl::SkipEmpty()));
   if (!held.ok()) return held.status();
-  const auto created = desk.jobs.create(*wanted);
+  const auto created = shared.jobs.create(*wanted);
   if (!created.ok()) return within_field("job", created.status());
   call.note("job", created->job.id);
-  return tell(desk, created->job, response, kMostCounted);
+  return tell(shared, created->job, response, kMostCounted);
 }
 
 /// Needs the grids only if there is something to be made.
-absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& response) {
-  const auto lost = desk.lost_chunks(job);
+absl::Status retry(JobContext& shared, GridStore& grids, const Job& job, v1::Job& response) {
+  const auto lost = shared.lost_chunks(job);
   if (!lost.ok()) return lost.status();
   const auto spec = spec_of(job);
   if (!spec.ok()) return spec.status();
@@ -83,19 +83,19 @@ absl::Status retry(JobDesk& desk, GridStore& grids, const Job& job, v1::Job& res
   const auto grid = acquire(grids, job.space, files_of(*order));
   const bool is_done = job.state == JobState::kSucceeded && lost->empty();
   if (!grid.ok() && is_finished(job.state) && !is_done) return grid.status();
-  return tell(desk, desk.jobs.retry(job.id, *lost), response, kMostCounted);
+  return tell(shared, shared.jobs.retry(job.id, *lost), response, kMostCounted);
 }
 
 // The list is read first: whoever watches from the revision on misses no change of it.
-absl::Status list(JobDesk& desk,
+absl::Status list(JobContext& shared,
                   const std::string& space,
                   const v1::ListJobsRequest& request,
                   v1::ListJobsResponse& response) {
   const auto query = parse_list(request, space);
   if (!query.ok()) return query.status();
-  const auto revision = desk.jobs.revision();
+  const auto revision = shared.jobs.revision();
   if (!revision.ok()) return revision.status();
-  auto page = desk.jobs.list(*query);
+  auto page = shared.jobs.list(*query);
   if (!page.ok()) return page.status();
   for (const Job& job : page->jobs) to_proto(job, false, *response.add_jobs());
   response.set_next_page_token(std::move(page->next_page_token));
@@ -104,7 +104,7 @@ absl::Status list(JobDesk& desk,
 }
 
 // A page token is how many shards there were before.
-absl::Status list_dead(JobDesk& desk,
+absl::Status list_dead(JobContext& shared,
                        const std::string& space,
                        const v1::ListDeadShardsRequest& request,
                        v1::ListDeadShardsResponse& response) {
@@ -115,9 +115,9 @@ absl::Status list_dead(JobDesk& desk,
   if (!token.empty() && (!absl::SimpleAtoi(token, &first) || first < 0)) {
     return invalid_field("page_token is not one that this service gave");
   }
-  const auto job = desk.find(space, request.name());
+  const auto job = shared.find(space, request.name());
   if (!job.ok()) return job.status();
-  const auto letters = desk.jobs.dead_letters(job->id);
+  const auto letters = shared.jobs.dead_letters(job->id);
   if (!letters.ok()) return letters.status();
   const std::int64_t count = std::ssize(*letters);
   const std::int64_t end = std::min(first + *size, count);
@@ -130,14 +130,14 @@ absl::Status list_dead(JobDesk& desk,
 
 /// What the methods that take a job's name have in common: `act` on it if it is the caller's.
 template <class Act>
-grpc::ServerUnaryReactor* with_job(JobDesk& desk,
+grpc::ServerUnaryReactor* with_job(JobContext& shared,
                                    grpc::CallbackServerContext& context,
                                    const char* method,
                                    const std::string& name,
                                    Act act) {
-  return answer(desk.engine.calls, desk.threads, context, method,
-                [&desk, name, act = std::move(act)](Call& call) -> absl::Status {
-                  const auto job = desk.find(call.space(), name);
+  return answer(shared.engine.calls, shared.threads, context, method,
+                [&shared, name, act = std::move(act)](Call& call) -> absl::Status {
+                  const auto job = shared.find(call.space(), name);
                   if (!job.ok()) return job.status();
                   call.note("job", job->id);
                   return act(*job);
@@ -149,45 +149,45 @@ grpc::ServerUnaryReactor* with_job(JobDesk& desk,
 grpc::ServerUnaryReactor* JobService::CreateJob(grpc::CallbackServerContext* context,
                                                 const v1::CreateJobRequest* request,
                                                 v1::Job* response) {
-  return answer(desk_.engine.calls, desk_.threads, *context, "CreateJob",
+  return answer(shared_.engine.calls, shared_.threads, *context, "CreateJob",
                 [this, request, response](Call& call) {
-                  return create(desk_, grids_, call, *request, *response);
+                  return create(shared_, grids_, call, *request, *response);
                 });
 }
 
 grpc::ServerUnaryReactor* JobService::GetJob(grpc::CallbackServerContext* context,
                                              const v1::GetJobRequest* request,
                                              v1::Job* response) {
-  return with_job(desk_, *context, "GetJob", request->name(),
-                  [this, response](const Job& job) { return tell(desk_, job, *response); });
+  return with_job(shared_, *context, "GetJob", request->name(),
+                  [this, response](const Job& job) { return tell(shared_, job, *response); });
 }
 
 grpc::ServerUnaryReactor* JobService::ListJobs(grpc::CallbackServerContext* context,
                                                const v1::ListJobsRequest* request,
                                                v1::ListJobsResponse* response) {
-  return answer(desk_.engine.calls, desk_.threads, *context, "ListJobs",
+  return answer(shared_.engine.calls, shared_.threads, *context, "ListJobs",
                 [this, request, response](const Call& call) {
-                  return list(desk_, call.space(), *request, *response);
+                  return list(shared_, call.space(), *request, *response);
                 });
 }
 
 grpc::ServerWriteReactor<v1::JobEvent>* JobService::WatchJobs(
     grpc::CallbackServerContext* context, const v1::WatchJobsRequest* request) {
-  return JobWatch::start(desk_, *context, *request);
+  return JobWatch::start(shared_, *context, *request);
 }
 
 grpc::ServerUnaryReactor* JobService::WaitJob(grpc::CallbackServerContext* context,
                                               const v1::WaitJobRequest* request,
                                               v1::Job* response) {
-  return JobWait::start(desk_, *context, *request, *response);
+  return JobWait::start(shared_, *context, *request, *response);
 }
 
 grpc::ServerUnaryReactor* JobService::CancelJob(grpc::CallbackServerContext* context,
                                                 const v1::CancelJobRequest* request,
                                                 v1::Job* response) {
-  return with_job(desk_, *context, "CancelJob", request->name(),
+  return with_job(shared_, *context, "CancelJob", request->name(),
                   [this, response](const Job& job) {
-                    return tell(desk_, desk_.jobs.cancel(job.id), *response);
+                    return tell(shared_, shared_.jobs.cancel(job.id), *response);
                   });
 }
 
@@ -195,29 +195,29 @@ grpc::ServerUnaryReactor* JobService::RetryJob(grpc::CallbackServerContext* cont
                                                const v1::RetryJobRequest* request,
                                                v1::Job* response) {
   return with_job(
-      desk_, *context, "RetryJob", request->name(),
-      [this, response](const Job& job) { return retry(desk_, grids_, job, *response); });
+      shared_, *context, "RetryJob", request->name(),
+      [this, response](const Job& job) { return retry(shared_, grids_, job, *response); });
 }
 
 grpc::ServerUnaryReactor* JobService::DeleteJob(grpc::CallbackServerContext* context,
                                                 const v1::DeleteJobRequest* request,
                                                 google::protobuf::Empty* /*response*/) {
-  return with_job(desk_, *context, "DeleteJob", request->name(),
-                  [this](const Job& job) { return desk_.jobs.remove(job.id); });
+  return with_job(shared_, *context, "DeleteJob", request->name(),
+                  [this](const Job& job) { return shared_.jobs.remove(job.id); });
 }
 
 grpc::ServerUnaryReactor* JobService::ListDeadShards(grpc::CallbackServerContext* context,
                                                      const v1::ListDeadShardsRequest* request,
                                                      v1::ListDeadShardsResponse* response) {
-  return answer(desk_.engine.calls, desk_.threads, *context, "ListDeadShards",
+  return answer(shared_.engine.calls, shared_.threads, *context, "ListDeadShards",
                 [this, request, response](const Call& call) {
-                  return list_dead(desk_, call.space(), *request, *response);
+                  return list_dead(shared_, call.space(), *request, *response);
                 });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* JobService::ReadJobResult(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
-  return ResultStream::start(desk_, *context, *request);
+  return ResultStream::start(shared_, *context, *request);
 }
 
 }  // namespace tet

@@ -1,7 +1,7 @@
 // JobService: jobs are made, looked at, stopped, and read.
 #pragma once
 
-#include "server/jobs/service/job_desk.h"
+#include "server/jobs/service/job_context.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 
 namespace tet {
@@ -19,11 +19,11 @@ using RawJobService = v1::JobService::WithCallbackMethod_CreateJob<
                             v1::JobService::WithRawCallbackMethod_ReadJobResult<
                                 v1::JobService::Service>>>>>>>>>>;
 
-/// gRPC's side of the jobs. Thread-safe. All that asks the job store runs on the desk's
+/// gRPC's side of the jobs. Thread-safe. All that asks the job store runs on the context's
 /// threads. What it refers to outlives the service and its calls.
 class JobService final : public RawJobService {
  public:
-  JobService(JobDesk& desk, GridStore& grids) : desk_(desk), grids_(grids) {}
+  JobService(JobContext& shared, GridStore& grids) : shared_(shared), grids_(grids) {}
 
   grpc::ServerUnaryReactor* CreateJob(grpc::CallbackServerContext* context,
                                       const v1::CreateJobRequest* request,
@@ -55,7 +55,7 @@ class JobService final : public RawJobService {
       grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
 
  private:
-  JobDesk& desk_;
+  JobContext& shared_;
   GridStore& grids_;
 };
 

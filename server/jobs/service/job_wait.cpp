@@ -8,11 +8,11 @@
 
 namespace tet {
 
-grpc::ServerUnaryReactor* JobWait::start(JobDesk& desk,
+grpc::ServerUnaryReactor* JobWait::start(JobContext& shared,
                                          grpc::CallbackServerContext& context,
                                          const v1::WaitJobRequest& request,
                                          v1::Job& response) {
-  const std::shared_ptr<JobWait> wait(new JobWait(desk, context, response));
+  const std::shared_ptr<JobWait> wait(new JobWait(shared, context, response));
   wait->self_ = wait;
   wait->begin(request);
   return wait.get();
@@ -28,13 +28,14 @@ void JobWait::begin(const v1::WaitJobRequest& request) {
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->answer(shutting_down(), {});
   });
-  desk_.threads.post([self = shared_from_this(), timeout = *timeout] { self->wait(timeout); });
+  shared_.threads.post(
+      [self = shared_from_this(), timeout = *timeout] { self->wait(timeout); });
 }
 
 void JobWait::wait(absl::Duration timeout) {
-  const auto job = desk_.find(call_.space(), name_);
+  const auto job = shared_.find(call_.space(), name_);
   if (!job.ok()) return answer(job.status(), {});
-  auto news = desk_.news.subscribe(job->space, job->id, [weak = weak_from_this()] {
+  auto news = shared_.notifier.subscribe(job->space, job->id, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->look_soon();
   });
   {
@@ -65,11 +66,11 @@ void JobWait::look_soon() {
     look_again_ = looking_;
     if (answered_ || std::exchange(looking_, true)) return;
   }
-  desk_.threads.post([self = shared_from_this()] { self->look(); });
+  shared_.threads.post([self = shared_from_this()] { self->look(); });
 }
 
 void JobWait::look() {
-  const auto job = desk_.find(call_.space(), name_);
+  const auto job = shared_.find(call_.space(), name_);
   bool again = false;
   bool enough = false;
   {

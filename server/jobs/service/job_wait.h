@@ -9,7 +9,7 @@
 #include <grpcpp/alarm.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "server/jobs/service/job_desk.h"
+#include "server/jobs/service/job_context.h"
 #include "server/rpc/calls.h"
 #include "tetstream/v1/jobs.pb.h"
 
@@ -23,16 +23,16 @@ class JobWait final : public grpc::ServerUnaryReactor,
                       public std::enable_shared_from_this<JobWait> {
  public:
   /// Begins the call; what it returns is for gRPC.
-  static grpc::ServerUnaryReactor* start(JobDesk& desk,
+  static grpc::ServerUnaryReactor* start(JobContext& shared,
                                          grpc::CallbackServerContext& context,
                                          const v1::WaitJobRequest& request,
                                          v1::Job& response);
 
  private:
-  JobWait(JobDesk& desk, grpc::CallbackServerContext& context, v1::Job& response)
-      : desk_(desk),
+  JobWait(JobContext& shared, grpc::CallbackServerContext& context, v1::Job& response)
+      : shared_(shared),
         context_(context),
-        call_(desk.engine.calls, context, "WaitJob"),
+        call_(shared.engine.calls, context, "WaitJob"),
         response_(response) {}
 
   void OnCancel() override;
@@ -45,7 +45,7 @@ class JobWait final : public grpc::ServerUnaryReactor,
   void look();
   void answer(const absl::Status& status, const Job& job);
 
-  JobDesk& desk_;
+  JobContext& shared_;
   grpc::CallbackServerContext& context_;  ///< there until gRPC is done
   Call call_;
   v1::Job& response_;
@@ -53,7 +53,7 @@ class JobWait final : public grpc::ServerUnaryReactor,
   std::shared_ptr<JobWait> self_;  ///< until gRPC is done
 
   std::mutex mutex_;  ///< guards all below
-  std::unique_ptr<JobNews::Subscription> subscription_;
+  std::unique_ptr<JobNotifier::Subscription> subscription_;
   std::unique_ptr<grpc::Alarm> timer_;
   bool looking_ = false, look_again_ = false;
   bool time_is_up_ = false;

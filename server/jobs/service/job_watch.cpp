@@ -15,18 +15,18 @@ constexpr std::int64_t kEventsPerPage = 100;
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::JobEvent>* JobWatch::start(JobDesk& desk,
+grpc::ServerWriteReactor<v1::JobEvent>* JobWatch::start(JobContext& shared,
                                                         grpc::CallbackServerContext& context,
                                                         const v1::WatchJobsRequest& request) {
-  const std::shared_ptr<JobWatch> watch(new JobWatch(desk, context));
+  const std::shared_ptr<JobWatch> watch(new JobWatch(shared, context));
   watch->self_ = watch;
-  desk.engine.stalls.add(watch);
+  shared.engine.stalls.add(watch);
   watch->begin(request);
   return watch.get();
 }
 
-JobWatch::JobWatch(JobDesk& desk, grpc::CallbackServerContext& context)
-    : desk_(desk), context_(context), call_(desk.engine.calls, context, "WatchJobs") {}
+JobWatch::JobWatch(JobContext& shared, grpc::CallbackServerContext& context)
+    : shared_(shared), context_(context), call_(shared.engine.calls, context, "WatchJobs") {}
 
 void JobWatch::begin(const v1::WatchJobsRequest& request) {
   if (const absl::Status admitted = call_.admission(); !admitted.ok()) {
@@ -39,7 +39,7 @@ void JobWatch::begin(const v1::WatchJobsRequest& request) {
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->end_from_outside(shutting_down());
   });
-  desk_.threads.post([self = shared_from_this(), name = request.name()] {
+  shared_.threads.post([self = shared_from_this(), name = request.name()] {
     const absl::Status found = self->find_job(name);
     if (!found.ok()) return self->end_from_outside(found);
     self->subscribe();
@@ -48,9 +48,10 @@ void JobWatch::begin(const v1::WatchJobsRequest& request) {
 }
 
 void JobWatch::subscribe() {
-  auto subscription = desk_.news.subscribe(query_.space, query_.job, [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->news();
-  });
+  auto subscription =
+      shared_.notifier.subscribe(query_.space, query_.job, [weak = weak_from_this()] {
+        if (const auto self = weak.lock()) self->news();
+      });
   const std::lock_guard lock(mutex_);
   if (!ended_) subscription_ = std::move(subscription);
 }
@@ -58,11 +59,11 @@ void JobWatch::subscribe() {
 /// A job that was deleted has its last events still, and nobody else's.
 absl::Status JobWatch::find_job(const std::string& name) {
   if (name.empty()) return absl::OkStatus();
-  const auto job = desk_.find(query_.space, name);
+  const auto job = shared_.find(query_.space, name);
   if (!job.ok() && !absl::IsNotFound(job.status())) return job.status();
   query_.job = *parse_job_name(name);
   if (job.ok()) return absl::OkStatus();
-  const auto left = desk_.jobs.watch(query_);
+  const auto left = shared_.jobs.watch(query_);
   return left.ok() && !left->events.empty() ? absl::OkStatus() : job.status();
 }
 
@@ -76,7 +77,7 @@ void JobWatch::news() {
 
 /// Only this task touches the query.
 void JobWatch::read() {
-  auto page = desk_.jobs.watch(query_);
+  auto page = shared_.jobs.watch(query_);
   {
     const std::lock_guard lock(mutex_);
     reading_ = false;
@@ -101,7 +102,7 @@ void JobWatch::advance() {
     case Step::kWait:
       return;
     case Step::kRead:
-      return desk_.threads.post([self = shared_from_this()] { self->read(); });
+      return shared_.threads.post([self = shared_from_this()] { self->read(); });
     case Step::kWrite:
       return StartWrite(&outgoing_);
     case Step::kFinish:

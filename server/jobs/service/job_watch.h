@@ -10,7 +10,7 @@
 #include <absl/status/status.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "server/jobs/service/job_desk.h"
+#include "server/jobs/service/job_context.h"
 #include "server/rpc/calls.h"
 #include "server/rpc/stall_watch.h"
 #include "tetstream/v1/jobs.pb.h"
@@ -28,14 +28,14 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>,
                        public std::enable_shared_from_this<JobWatch> {
  public:
   /// Begins the call; what it returns is for gRPC.
-  static grpc::ServerWriteReactor<v1::JobEvent>* start(JobDesk& desk,
+  static grpc::ServerWriteReactor<v1::JobEvent>* start(JobContext& shared,
                                                        grpc::CallbackServerContext& context,
                                                        const v1::WatchJobsRequest& request);
 
  private:
   enum class Step { kWait, kRead, kWrite, kFinish };
 
-  JobWatch(JobDesk& desk, grpc::CallbackServerContext& context);
+  JobWatch(JobContext& shared, grpc::CallbackServerContext& context);
 
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
@@ -54,14 +54,14 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>,
   void end(const absl::Status& status);
   void end_from_outside(const absl::Status& status);
 
-  JobDesk& desk_;
+  JobContext& shared_;
   grpc::CallbackServerContext& context_;  ///< there until gRPC is done
   Call call_;
   std::shared_ptr<JobWatch> self_;  ///< until gRPC is done
   WatchJobs query_;                 ///< of the task that reads
 
   std::mutex mutex_;  ///< guards all below
-  std::unique_ptr<JobNews::Subscription> subscription_;
+  std::unique_ptr<JobNotifier::Subscription> subscription_;
   std::deque<JobEvent> events_;
   v1::JobEvent outgoing_;
   bool news_ = true;  ///< there may be more to read

@@ -38,8 +38,8 @@ absl::Status not_succeeded(const Job& job) {
 }  // namespace
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ResultStream::start(
-    JobDesk& desk, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
-  const std::shared_ptr<ResultStream> stream(new ResultStream(desk, context));
+    JobContext& shared, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
+  const std::shared_ptr<ResultStream> stream(new ResultStream(shared, context));
   const absl::Status parsed = parse(request, stream->request_);
   return ChunkStream::start(stream, parsed);
 }
@@ -47,7 +47,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* ResultStream::start(
 void ResultStream::admitted() { call_.note("job", request_.name()); }
 
 void ResultStream::open() {
-  desk_.threads.post([self = self()] {
+  shared_.threads.post([self = self()] {
     self->begin_chunks(self->find_result(),
                        static_cast<std::uint64_t>(self->request_.start_chunk()),
                        static_cast<std::uint64_t>(self->request_.end_chunk()));
@@ -55,14 +55,14 @@ void ResultStream::open() {
 }
 
 absl::Status ResultStream::find_result() {
-  const auto job = desk_.find(call_.space(), request_.name());
+  const auto job = shared_.find(call_.space(), request_.name());
   if (!job.ok()) return job.status();
   if (job->state != JobState::kSucceeded) return not_succeeded(*job);
   auto plan = plan_of(*job);
   if (!plan.ok()) return plan.status();
   id_ = job->id;
   plan_ = *std::move(plan);
-  auto folder = desk_.results.make({job->space, plan_.header().mesh_id()});
+  auto folder = shared_.results.make({job->space, plan_.header().mesh_id()});
   if (!folder.ok()) return folder.status();
   folder_ = *std::move(folder);
   return absl::OkStatus();
@@ -89,7 +89,7 @@ absl::StatusOr<ChunkDigest> ResultStream::digest_of_chunk(std::int64_t index) {
   if (!digests_.contains(index)) {
     const std::int64_t end =
         std::min(index + kDigestsPerPage, static_cast<std::int64_t>(chunk_count()));
-    auto page = desk_.jobs.chunk_digests(id_, {index, end});
+    auto page = shared_.jobs.chunk_digests(id_, {index, end});
     if (!page.ok()) return page.status();
     digests_.erase(digests_.begin(), digests_.lower_bound(index - kDigestsPerPage));
     digests_.merge(*page);

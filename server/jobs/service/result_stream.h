@@ -7,7 +7,7 @@
 #include <string>
 
 #include "server/jobs/results/job_spec.h"
-#include "server/jobs/service/job_desk.h"
+#include "server/jobs/service/job_context.h"
 #include "server/streams/chunk_stream.h"
 #include "tetstream/v1/jobs.pb.h"
 
@@ -17,13 +17,13 @@ namespace tet {
 class ResultStream final : public ChunkStream {
  public:
   /// Begins the call; what it returns is for gRPC.
-  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(JobDesk& desk,
+  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(JobContext& shared,
                                                            grpc::CallbackServerContext& context,
                                                            const grpc::ByteBuffer& request);
 
  private:
-  ResultStream(JobDesk& desk, grpc::CallbackServerContext& context)
-      : ChunkStream(desk.engine, context, "ReadJobResult"), desk_(desk) {}
+  ResultStream(JobContext& shared, grpc::CallbackServerContext& context)
+      : ChunkStream(shared.engine, context, "ReadJobResult"), shared_(shared) {}
 
   void admitted() override;
   void open() override;
@@ -41,7 +41,7 @@ class ResultStream final : public ChunkStream {
     return std::static_pointer_cast<ResultStream>(shared_from_this());
   }
 
-  JobDesk& desk_;
+  JobContext& shared_;
   v1::ReadJobResultRequest request_;
   // Only the task that opens touches these until there are chunks.
   std::string id_;

@@ -159,7 +159,7 @@ class JobStore {
   /// Gives a shard back untouched: the attempt does not count. Errors: kAborted (LEASE_LOST).
   virtual absl::Status release(const LeaseId& lease) = 0;
 
-  // --- for whoever keeps house; any number of processes may, at any time ---
+  // --- for janitors; any number of processes may, at any time ---
 
   /// Takes back shards whose lease is past its time, as if they had failed with kUnavailable
   /// (LEASE_EXPIRED). Says how many.

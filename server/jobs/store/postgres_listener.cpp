@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <fcntl.h>
 #include <poll.h>
-#include <unistd.h>
 #include <utility>
 
 namespace tet {
@@ -20,11 +18,6 @@ constexpr auto kBetweenConnects = std::chrono::milliseconds(200);
 
 PostgresListener::PostgresListener(std::string connection, absl::Duration poll)
     : connection_string_(std::move(connection)), poll_(poll) {
-  std::array<int, 2> pipe{-1, -1};
-  if (::pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) == 0) {
-    wake_read_ = pipe[0];
-    wake_write_ = pipe[1];
-  }
   thread_ = std::thread([this] { run(); });
 }
 
@@ -33,15 +26,8 @@ PostgresListener::~PostgresListener() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  wake();
+  wake_.set();
   thread_.join();
-  ::close(wake_read_);
-  ::close(wake_write_);
-}
-
-void PostgresListener::wake() {
-  // A full pipe wakes just as well.
-  [[maybe_unused]] const auto written = ::write(wake_write_, "", 1);
 }
 
 void PostgresListener::announce() {
@@ -52,7 +38,7 @@ void PostgresListener::announce() {
     ++signal_;
     raised_.notify_all();
   }
-  if (first) wake();
+  if (first) wake_.set();
 }
 
 std::uint64_t PostgresListener::signal() {
@@ -102,10 +88,9 @@ void PostgresListener::run() {
 void PostgresListener::listen_once() {
   std::array<pollfd, 2> sources{};
   sources[0] = {connection_->socket(), POLLIN, 0};
-  sources[1] = {wake_read_, POLLIN, 0};
+  sources[1] = {wake_.number(), POLLIN, 0};
   ::poll(sources.data(), sources.size(), static_cast<int>(absl::ToInt64Milliseconds(poll_)));
-  std::array<char, 64> drained{};
-  while (::read(wake_read_, drained.data(), drained.size()) > 0) continue;
+  wake_.reset();
   const auto notified = connection_->take_notifications();
   if (!notified.ok()) {
     connection_.reset();

@@ -10,6 +10,7 @@
 
 #include <absl/time/time.h>
 
+#include "core/base/posix/wake_event.h"
 #include "server/jobs/store/postgres_connection.h"
 
 namespace tet {
@@ -33,7 +34,6 @@ class PostgresListener {
   bool listen();
   void listen_once();
   void raise();
-  void wake();
 
   const std::string connection_string_;
   const absl::Duration poll_;
@@ -42,7 +42,7 @@ class PostgresListener {
   std::uint64_t signal_ = 0;
   bool pending_ = false;  ///< others are still to be told
   bool stopping_ = false;
-  int wake_read_ = -1, wake_write_ = -1;            ///< a pipe that ends the thread's poll
+  WakeEvent wake_;                                  ///< ends the thread's poll
   std::unique_ptr<PostgresConnection> connection_;  ///< the thread's
   std::thread thread_;
 };

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <fcntl.h>
 #include <iterator>
 #include <thread>
 #include <unistd.h>
@@ -10,6 +9,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/posix/file.h"
 #include "server/jobs/store/store_errors.h"
 
 namespace tet {
@@ -38,14 +38,11 @@ constexpr char kFull[] = "the disk of the jobs' database is full";
 /// since closing that would end this process's locks on it.
 bool is_on_a_full_disk(const std::string& database) {
   const std::string probe = database + ".probe";
-  const int descriptor = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  const std::string page(4096, '.');
-  const bool fits =
-      descriptor >= 0 && ::write(descriptor, page.data(), page.size()) == std::ssize(page);
-  const int error = errno;
-  if (descriptor >= 0) ::close(descriptor);
+  auto file = File::open(probe, O_WRONLY | O_CREAT, io_error, 0600);
+  absl::Status fits = file.status();
+  if (fits.ok()) fits = file->append(std::string(4096, '.'));
   ::unlink(probe.c_str());
-  return !fits && (error == ENOSPC || error == EDQUOT || error == EFBIG);
+  return absl::IsResourceExhausted(fits);
 }
 
 void bind(sqlite3_stmt* statement, int index, const SqlValue& value) {

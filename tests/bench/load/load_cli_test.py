@@ -10,12 +10,11 @@ import pty
 import signal
 import subprocess
 import sys
-import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "client"))
 from command_case import (  # noqa: E402  pylint: disable=wrong-import-position
-    DONE, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries, catches, unused_port,
+    DONE, GENEROUS_END, REFUSED, SERVER, USAGE, CommandTest, ServerTest, binaries, catches, unused_port,
     wait_until)
 
 
@@ -23,7 +22,7 @@ class LoadTest(CommandTest):
     def load(self, *arguments, **options):
         return subprocess.run(
             [binaries() / "tetstream-load", *map(str, arguments)],
-            capture_output=True, text=True, timeout=60, check=False, **options)
+            capture_output=True, text=True, timeout=GENEROUS_END, check=False, **options)
 
 
 class Usage(LoadTest):
@@ -104,9 +103,12 @@ class Live(OnAServer):
         self.assertEqual(*offered)
 
     def test_works_back_to_back(self):
-        self.assert_done(self.load_ball("--workers", "2", "--duration", "500ms", "--warm-up",
-                                        "0s", "--fresh"))
-        report = self.report()
+        for duration in ("500ms", "5s", "50s"):  # as long as the machine needs for a second turn
+            self.assert_done(self.load_ball("--workers", "2", "--duration", duration, "--warm-up",
+                                            "0s", "--fresh"))
+            report = self.report()
+            if report["requests"]["done"] > 2:
+                break
         self.assertEqual(report["plan"]["mode"], "workers")
         self.assertGreater(report["requests"]["done"], 2)
         self.assertIn("spacing", report["mix"][0]["request"])
@@ -146,7 +148,7 @@ class Live(OnAServer):
         mix.write_text(f"--weight 2 {ball}\n--weight 1 {ball} --job --fresh\n{ball} --job\n")
         self.assert_done(self.load("--mix", mix, "--server", self.address, "--json",
                                    self.out / "load.json", "--rate", "20", "--duration", "1s",
-                                   "--warm-up", "0", "--check", "--drain", "60s"))
+                                   "--warm-up", "0", "--check", "--drain", "5m"))
         report = self.report()
         self.assertEqual([entry["kind"] for entry in report["mix"]], ["stream", "job", "job"])
         self.assertEqual(report["requests"]["done"], report["requests"]["offered"],
@@ -178,12 +180,14 @@ class Live(OnAServer):
     def test_ctrl_c_ends_early_with_a_whole_report(self):
         process = subprocess.Popen(
             [binaries() / "tetstream-load", self.inputs / "sphere.vdb", "--server", self.address,
-             "--rate", "20", "--warm-up", "0", "--json", self.out / "load.json"],
+             "--rate", "20", "--duration", "10m", "--warm-up", "0", "--json",
+             self.out / "load.json"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        wait_until(lambda: catches(process, signal.SIGINT))
-        time.sleep(1)
+        answered = 'tetstream_calls_total{code="OK",method="StreamMesh"}'
+        before = self.sample(answered)
+        wait_until(lambda: catches(process, signal.SIGINT) and self.sample(answered) >= before + 3)
         process.send_signal(signal.SIGINT)
-        out, errors = process.communicate(timeout=30)
+        out, errors = process.communicate(timeout=GENEROUS_END)
         self.assertEqual(process.returncode, 130, errors)
         self.assertIn("latency", out)
         report = self.report()
@@ -204,7 +208,7 @@ class Live(OnAServer):
         except OSError:  # how Linux tells that the other end is closed
             pass
         os.close(ours)
-        process.communicate(timeout=60)
+        process.communicate(timeout=GENEROUS_END)
         self.assertEqual(process.returncode, DONE)
         text = drawn.decode()
         for word in ("measuring", "outstanding", "first chunk", "errors"):
@@ -212,15 +216,18 @@ class Live(OnAServer):
         self.assertTrue(text.endswith("\x1b[J"), text[-50:])
 
     def test_finds_a_rate(self):
-        result = self.load_ball("--find-rate", "--target", "p90=300ms", "--duration", "300ms",
-                                "--warm-up", "0", "--precision", "1", "--trials", "1")
+        for target in ("p90=300ms", "p90=3000ms", "p90=30000ms"):  # what the machine can hold
+            result = self.load_ball("--find-rate", "--target", target, "--duration", "300ms",
+                                    "--warm-up", "0", "--precision", "1", "--trials", "1")
+            if result.returncode == DONE:
+                break
         self.assert_done(result)
         report = self.report()
         self.assertGreater(report["search"]["per_second"], 0)
-        self.assertEqual(report["search"]["targets"], ["p90=300ms"])
+        self.assertEqual(report["search"]["targets"], [target])
         self.assertGreater(len(report["trials"]), 1)
         self.assertEqual(report["best"]["targets"][0]["held"], True)
-        self.assertIn("holds p90=300ms", result.stdout)
+        self.assertIn(f"holds {target}", result.stdout)
 
     def test_says_when_no_rate_holds(self):
         result = self.load_ball("--find-rate", "--target", "p90=1us", "--duration", "300ms",

@@ -10,14 +10,14 @@ import subprocess
 import sys
 import unittest
 
-from load_cli_test import OnAServer
+from load_cli_test import GENEROUS_END, OnAServer
 
 SCRIPT = pathlib.Path(__file__).parents[3] / "bench" / "load" / "report_page.py"
 
 
 def render(*arguments):
     return subprocess.run([sys.executable, "-B", SCRIPT, *map(str, arguments)],
-                          capture_output=True, text=True, timeout=60, check=False)
+                          capture_output=True, text=True, timeout=GENEROUS_END, check=False)
 
 
 class Page(html.parser.HTMLParser):

@@ -1,0 +1,71 @@
+# Debian packages, one for each component: `scripts/package` builds them, docs/packages.md tells of them.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME tetstream)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_SET_DESTDIR ON)  # files of /usr and of /etc
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL common command server)
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_MAINTAINER "The tetstream authors <tetstream@example.org>")
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+execute_process(COMMAND date --utc --rfc-email --date=${TET_RELEASE_DATE}
+  OUTPUT_VARIABLE CPACK_TET_RELEASE_DAY OUTPUT_STRIP_TRAILING_WHITESPACE)
+
+# tet_package(COMPONENT component NAME package SECTION section DEPENDS ... SUMMARY line TEXT ...)
+function(tet_package)
+  cmake_parse_arguments(ARG "" "COMPONENT;NAME;SECTION;SUMMARY" "DEPENDS;TEXT" ${ARGN})
+  string(TOUPPER ${ARG_COMPONENT} component)
+  list(JOIN ARG_DEPENDS ", " depends)
+  list(JOIN ARG_TEXT "\n" text)
+  set(CPACK_DEBIAN_${component}_PACKAGE_NAME ${ARG_NAME} PARENT_SCOPE)
+  set(CPACK_DEBIAN_${component}_PACKAGE_SECTION ${ARG_SECTION} PARENT_SCOPE)
+  set(CPACK_DEBIAN_${component}_PACKAGE_DEPENDS "${depends}" PARENT_SCOPE)
+  set(CPACK_COMPONENT_${component}_DESCRIPTION "${ARG_SUMMARY}\n${text}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${component}_DESCRIPTION "${ARG_SUMMARY}\n${text}" PARENT_SCOPE)
+endfunction()
+
+set(same_version "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+tet_package(COMPONENT common NAME tetstream-common SECTION science
+  SUMMARY "meshes OpenVDB volumes: what command and server share"
+  TEXT "The program that reads grid files where it can do nothing else, and"
+       "tetstream's documents.")
+tet_package(COMPONENT command NAME tetstream SECTION science
+  DEPENDS "tetstream-common ${same_version}"
+  SUMMARY "meshes OpenVDB volumes: the command"
+  TEXT "Turns OpenVDB volumes and closed surfaces into tetrahedral meshes with"
+       "guaranteed angles, here or on a server, and writes them for ParaView and"
+       "Gmsh.")
+tet_package(COMPONENT server NAME tetstream-server SECTION science
+  DEPENDS "tetstream-common ${same_version}" "systemd | systemd-standalone-sysusers" passwd
+  SUMMARY "meshes OpenVDB volumes: the server"
+  TEXT "Stores OpenVDB grids, turns them into tetrahedral meshes, and streams these"
+       "over gRPC while they are made. Runs as a systemd service.")
+
+# Static libraries: what they are linked with is not for dpkg-shlibdeps to find.
+get_cmake_property(components COMPONENTS)
+if(dev IN_LIST components)
+  list(APPEND CPACK_COMPONENTS_ALL dev)
+  tet_package(COMPONENT dev NAME libtetstream-dev SECTION libdevel
+    DEPENDS "tetstream-common ${same_version}" libabsl-dev libboost-dev libboost-iostreams-dev libgrpc++-dev
+      libhdf5-dev libisal-dev libopenvdb-dev libprotobuf-dev libssl-dev libtbb-dev
+    SUMMARY "meshes OpenVDB volumes: the C++ library"
+    TEXT "Headers and static libraries with which programs turn volumes into"
+         "tetrahedral meshes, or take these from a server.")
+  set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+endif()
+
+set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
+set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
+  ${debian}/conffiles ${debian}/postinst ${debian}/prerm ${debian}/postrm)
+
+include(CPack)

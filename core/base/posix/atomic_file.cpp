@@ -1,0 +1,103 @@
+#include "core/base/posix/atomic_file.h"
+
+#include <cstdio>
+#include <random>
+#include <system_error>
+#include <unistd.h>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/base/posix/folder.h"
+
+namespace tet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The absolute path of the file behind a symbolic link, or of the path itself.
+fs::path link_target(const fs::path& path) {
+  std::error_code error;
+  fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path : target;
+}
+
+/// Beside `path`, and short: a name may be as long as the file system allows. No two writers,
+/// on whatever host, choose the same one.
+fs::path temporary_name(const fs::path& path, const AtomicFileStyle& style) {
+  thread_local std::mt19937_64 random{std::random_device{}()};
+  return path.parent_path() / absl::StrCat(std::string(style.prefix),
+                                           absl::Hex(random(), absl::kZeroPad16),
+                                           std::string(style.ending));
+}
+
+}  // namespace
+
+absl::StatusOr<AtomicFile> AtomicFile::create(const std::string& path) {
+  const fs::path target = link_target(path);
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("cannot write ", path, ": it is not a regular file"));
+  }
+  return create_at(target, {});
+}
+
+absl::StatusOr<AtomicFile> AtomicFile::create_at(const fs::path& path,
+                                                 const AtomicFileStyle& style) {
+  fs::path temporary = temporary_name(path, style);
+  Descriptor descriptor = open_descriptor(temporary, O_RDWR | O_CREAT | O_EXCL, style.mode);
+  if (!descriptor.is_open()) return style.tell("create", path);
+  // What goes wrong is told of the file that is wanted.
+  File file(std::move(descriptor), path, style.tell);
+  return AtomicFile(path, std::move(temporary), std::move(file), style.tell);
+}
+
+AtomicFile::AtomicFile(fs::path path, fs::path temporary_path, File file, IoErrorTeller tell)
+    : path_(std::move(path)),
+      temporary_path_(std::move(temporary_path)),
+      file_(std::move(file)),
+      tell_(tell) {}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_path_(std::exchange(other.temporary_path_, {})),
+      file_(std::move(other.file_)),
+      tell_(other.tell_),
+      position_(other.position_) {}
+
+AtomicFile::~AtomicFile() {
+  if (!temporary_path_.empty()) ::unlink(temporary_path_.c_str());
+}
+
+absl::Status AtomicFile::write(std::span<const std::byte> bytes) {
+  const absl::Status status = file_.write_at(position_, bytes);
+  position_ += bytes.size();
+  return status;
+}
+
+absl::Status AtomicFile::commit_unsynced() {
+  if (absl::Status status = file_.sync(); !status.ok()) return status;
+  if (absl::Status status = file_.close(); !status.ok()) return status;
+  if (::rename(temporary_path_.c_str(), path_.c_str()) != 0) return tell_("create", path_);
+  temporary_path_.clear();
+  return absl::OkStatus();
+}
+
+absl::Status AtomicFile::commit() {
+  const absl::Status status = commit_unsynced();
+  return status.ok() ? sync_folder(folder_of(path_), tell_) : status;
+}
+
+absl::Status check_can_create(const std::string& path) {
+  return AtomicFile::create(path).status();
+}
+
+absl::Status write_text_file(const std::string& path, std::string_view text) {
+  absl::StatusOr<AtomicFile> file = AtomicFile::create(path);
+  if (!file.ok()) return file.status();
+  if (absl::Status status = file->file().write_at(0, text); !status.ok()) return status;
+  return file->commit();
+}
+
+}  // namespace tet

@@ -1,0 +1,52 @@
+#include "core/base/utf8.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace tet {
+namespace {
+
+/// Bytes of the character that begins with `lead`; 0 if none does.
+std::size_t length_of(std::uint8_t lead) noexcept {
+  const int ones = std::countl_one(lead);
+  if (ones == 0) return 1;
+  return ones >= 2 && ones <= 4 && lead >= 0xc2 ? static_cast<std::size_t>(ones) : 0;
+}
+
+/// The second byte decides whether a character is overlong, a surrogate, or beyond the last
+/// one.
+bool is_in_range(std::uint8_t lead, std::uint8_t second) noexcept {
+  switch (lead) {
+    case 0xe0:
+      return second >= 0xa0;
+    case 0xed:
+      return second < 0xa0;
+    case 0xf0:
+      return second >= 0x90;
+    case 0xf4:
+      return second < 0x90;
+    default:
+      return lead < 0xf4;
+  }
+}
+
+bool continues(char byte) noexcept { return (static_cast<std::uint8_t>(byte) & 0xc0) == 0x80; }
+
+}  // namespace
+
+bool is_utf8(std::string_view text) noexcept {
+  while (!text.empty()) {
+    const auto lead = static_cast<std::uint8_t>(text[0]);
+    const std::size_t length = length_of(lead);
+    if (length == 0 || length > text.size()) return false;
+    const std::string_view rest = text.substr(1, length - 1);
+    if (!std::all_of(rest.begin(), rest.end(), continues)) return false;
+    if (length > 1 && !is_in_range(lead, static_cast<std::uint8_t>(text[1]))) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+}  // namespace tet

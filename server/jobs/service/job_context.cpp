@@ -1,0 +1,44 @@
+#include "server/jobs/service/job_context.h"
+
+#include <algorithm>
+
+#include "server/jobs/results/job_spec.h"
+#include "server/jobs/service/job_messages.h"
+#include "server/jobs/store/store_errors.h"
+
+namespace tet {
+
+namespace {
+
+/// Digests read at once.
+constexpr std::int64_t kPage = 4096;
+
+}  // namespace
+
+absl::StatusOr<Job> JobContext::find(const std::string& space, const std::string& name) const {
+  const auto id = parse_job_name(name);
+  if (!id.ok()) return id.status();
+  auto job = jobs.get(*id);
+  if (job.ok() && job->space != space) return job_not_found(*id);
+  return job;
+}
+
+absl::StatusOr<std::vector<std::int64_t>> JobContext::lost_chunks(const Job& job) const {
+  std::vector<std::int64_t> lost;
+  if (job.chunk_count == 0) return lost;
+  const auto plan = plan_of(job);
+  if (!plan.ok()) return plan.status();
+  const auto folder = results.make({job.space, plan->header().mesh_id()});
+  if (!folder.ok()) return folder.status();
+  for (std::int64_t first = 0; first < job.chunk_count; first += kPage) {
+    const auto digests =
+        jobs.chunk_digests(job.id, {first, std::min(first + kPage, job.chunk_count)});
+    if (!digests.ok()) return digests.status();
+    for (const auto& [chunk, digest] : *digests) {
+      if (!(*folder)->has_chunk(digest)) lost.push_back(chunk);
+    }
+  }
+  return lost;
+}
+
+}  // namespace tet

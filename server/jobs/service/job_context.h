@@ -1,0 +1,41 @@
+// What all calls about jobs share.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/parallel.h"
+#include "server/jobs/results/result_store.h"
+#include "server/jobs/service/job_notifier.h"
+#include "server/jobs/store/job_store.h"
+#include "server/jobs/work/job_health.h"
+#include "server/streams/mesh_engine.h"
+
+namespace tet {
+
+struct JobContext {
+  JobContext(MeshEngine& mesh_engine,
+             JobStore& store,
+             ResultStore& stored,
+             const JobHealth& job_health)
+      : engine(mesh_engine), jobs(store), results(stored), health(job_health) {}
+
+  /// The job of that name, if it is in the namespace. Errors: kInvalidArgument (its name),
+  /// kNotFound (JOB_NOT_FOUND), and the store's.
+  absl::StatusOr<Job> find(const std::string& space, const std::string& name) const;
+
+  /// Chunks that are done, but are not stored any more.
+  absl::StatusOr<std::vector<std::int64_t>> lost_chunks(const Job& job) const;
+
+  MeshEngine& engine;
+  JobStore& jobs;
+  ResultStore& results;
+  const JobHealth& health;
+  JobNotifier notifier{jobs};
+  TaskPool threads{4};  ///< they wait for the store, not for cores
+};
+
+}  // namespace tet

@@ -1,0 +1,60 @@
+#include "server/ops/disk.h"
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include <absl/strings/str_format.h>
+
+#include "core/base/posix/folder.h"
+#include "proto/convert/status.h"
+#include "server/ops/logging.h"
+
+namespace tet {
+
+namespace {
+
+constexpr mode_t kFolderMode = 0750;
+
+void log_disk_error(std::string_view action,
+                    const std::filesystem::path& path,
+                    const std::string& what) {
+  nlohmann::ordered_json fields;
+  fields["action"] = action;
+  fields["path"] = path.string();
+  fields["message"] = what;
+  log_event(spdlog::level::err, "disk_error", fields);
+}
+
+}  // namespace
+
+absl::Status disk_error(std::string_view action, const std::filesystem::path& path) {
+  const int error = errno;
+  const std::string what = std::generic_category().message(error);
+  if (error != ENOENT) log_disk_error(action, path, what);
+  const std::string message =
+      absl::StrFormat("cannot %s %s: %s", action, path.filename().string(), what);
+  if (is_disk_full(error)) {
+    return with_reason(absl::ResourceExhaustedError(message), "DISK_FULL");
+  }
+  if (error == ENOENT) return with_reason(absl::NotFoundError(message), "DISK");
+  return with_reason(absl::InternalError(message), "DISK");
+}
+
+absl::StatusOr<File> open_file(const std::filesystem::path& path, int flags) {
+  return File::open(path, flags, disk_error, kFileMode);
+}
+
+absl::Status make_folder(const std::filesystem::path& path) {
+  return make_folder(path, kFolderMode, disk_error);
+}
+
+absl::Status sync_folder(const std::filesystem::path& path) {
+  return sync_folder(path, disk_error);
+}
+
+absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  return move_file(from, to, disk_error);
+}
+
+}  // namespace tet

@@ -1,0 +1,36 @@
+// The server's files: core/base/posix, with errors that clients may see.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "core/base/posix/atomic_file.h"
+#include "core/base/posix/file.h"
+
+namespace tet {
+
+/// The server's files may be read by their owner's group.
+constexpr mode_t kFileMode = 0640;
+
+/// The system's last error as a status: no space left (or a quota) is kResourceExhausted with
+/// reason DISK_FULL; a missing file kNotFound, anything else kInternal, both with reason DISK.
+/// The message is "cannot `action` file: why" with no more of `path` than the file's name,
+/// since clients may see it. The whole path is logged.
+absl::Status disk_error(std::string_view action, const std::filesystem::path& path);
+
+/// `flags` as open(2) takes them.
+absl::StatusOr<File> open_file(const std::filesystem::path& path, int flags);
+
+/// Makes a directory and those above it, durably.
+absl::Status make_folder(const std::filesystem::path& path);
+
+/// Returns once the names in a directory would survive a power cut.
+absl::Status sync_folder(const std::filesystem::path& path);
+
+/// Renames within one file system, atomically and durably.
+absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
+}  // namespace tet

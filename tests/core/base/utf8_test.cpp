@@ -1,0 +1,31 @@
+#include "core/base/utf8.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace tet {
+namespace {
+
+TEST(Utf8, IsTextInAnyScript) {
+  for (const std::string text : {"", "density", "плотность", "密度", "\xf0\x9f\x90\xb0"}) {
+    EXPECT_TRUE(is_utf8(text)) << text;
+  }
+}
+
+TEST(Utf8, IsNoOtherEncodingAndNoForgery) {
+  const std::string wrong[] = {
+      "\x80",              // a byte that only continues
+      "dichte f\xfcr",     // Latin-1
+      "\xc3",              // cut
+      "\xc0\xaf",          // '/' in more bytes than it takes
+      "\xe0\x80\xaf",      //
+      "\xed\xa0\x80",      // half of a UTF-16 pair
+      "\xf4\x90\x80\x80",  // beyond the last character
+      "\xff",              //
+  };
+  for (const std::string& text : wrong) EXPECT_FALSE(is_utf8(text)) << text.size();
+}
+
+}  // namespace
+}  // namespace tet

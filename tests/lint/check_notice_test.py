@@ -1,0 +1,48 @@
+"""Each error that check_notice.py looks for is found.
+
+    python3 tests/lint/check_notice_test.py
+"""
+import unittest
+
+from check_notice import find_errors, read_notice
+
+NOTICE = """tetstream
+
+Compiled in: headers
+
+  parser    MIT      parser-dev
+
+Linked
+
+  meshes    MPL-2.0  libmeshes1
+
+Loaded by these
+
+  packer    Zlib or MIT  libpacker2
+"""
+
+
+class CheckNotice(unittest.TestCase):
+    def errors(self, loaded, built_with=("meshes", "parser")):
+        return find_errors(read_notice(NOTICE), set(loaded), set(built_with))
+
+    def test_a_notice_of_all_and_no_more_is_fine(self):
+        self.assertEqual(self.errors(["meshes", "packer"]), [])
+
+    def test_a_library_is_missing(self):
+        self.assertEqual(self.errors(["meshes", "packer", "sockets"]),
+                         ["NOTICE lacks sockets, which the programs load"])
+
+    def test_a_library_is_gone(self):
+        self.assertEqual(self.errors(["meshes"]), ["NOTICE lists packer, which no program loads"])
+
+    def test_headers_are_missing(self):
+        self.assertEqual(self.errors(["meshes", "packer"], ["meshes", "matrices", "googletest"]),
+                         ["NOTICE lacks matrices, which the programs are built with"])
+
+    def test_programs_were_not_read(self):
+        self.assertIn("no program loads any library", self.errors([]))
+
+
+if __name__ == "__main__":
+    unittest.main()
