@@ -4,8 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/VolumeToMesh.h>
+
+#include "core/vdb/vdb_grids.h"
 
 namespace tet::bench {
 namespace {

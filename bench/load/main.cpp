@@ -97,7 +97,7 @@ absl::Status run_search(const LoadOptions& options,
             view.reset();
             if (!options.quiet) std::fprintf(stderr, "%s\n", trial_line(trial).c_str());
           }};
-  auto found = search_load(*options.search, options.plan, options.goals, mix, sender,
+  auto found = search_load(*options.search, {options.plan, options.goals}, mix, sender,
                            interruption, watch);
   view.reset();
   if (!found.ok()) return found.status();

@@ -49,12 +49,12 @@ Trial trial_of(double per_second,
 }
 
 absl::StatusOr<LoadSearch> search_load(SearchPlan search,
-                                       const LoadPlan& plan,
-                                       std::span<const LatencyGoal> goals,
+                                       const TrialPlan& trials,
                                        RequestMix& mix,
                                        RequestSender& sender,
                                        const Cancellation& interruption,
                                        const SearchWatch& watch) {
+  const auto& [plan, goals] = trials;
   LoadSearch found;
   const double seconds = plan.steps.front().seconds;
   if (search.start_per_second <= 0) {
@@ -67,7 +67,7 @@ absl::StatusOr<LoadSearch> search_load(SearchPlan search,
   search.min_per_second = std::min(kMinRequests / seconds, search.start_per_second);
 
   std::map<double, LoadResult> held;
-  const auto run_trial = [&](double per_second, int repetition) {
+  const auto run_trial = [&, &plan = plan, &goals = goals](double per_second, int repetition) {
     LoadPlan trial_plan = plan;
     trial_plan.steps = {{per_second, seconds}};
     trial_plan.drain = std::ranges::max(goals, {}, &LatencyGoal::limit).limit;

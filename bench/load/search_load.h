@@ -25,12 +25,17 @@ struct SearchWatch {
   std::function<void(const Trial&)> end_trial;
 };
 
-/// `plan` is that of a trial, but for its rate. A trial ends when every request that is still
-/// unfinished has missed its goal. A start of 0 is found by one worker first.
-/// Errors: those of its requests when that worker gets no mesh at all.
+/// What each trial runs, but for its rate, and what it has to hold.
+struct TrialPlan {
+  const LoadPlan& load;
+  std::span<const LatencyGoal> goals;
+};
+
+/// A trial ends when every request that is still unfinished has missed its goal. A start of 0
+/// is found by one worker first. Errors: those of its requests when that worker gets no mesh at
+/// all.
 absl::StatusOr<LoadSearch> search_load(SearchPlan search,
-                                       const LoadPlan& plan,
-                                       std::span<const LatencyGoal> goals,
+                                       const TrialPlan& trials,
                                        RequestMix& mix,
                                        RequestSender& sender,
                                        const Cancellation& interruption,

@@ -140,17 +140,23 @@ Index* write_quadrisected(const BackgroundCells& cells,
   return out;
 }
 
-/// The half pyramid over corners `turn`, `turn` + 1 and `turn` + 2 of a face; its first two
-/// edges may have midpoints.
+/// The half pyramid over corners `turn`, `turn` + 1 and `turn` + 2 of a cell's face; its first
+/// two edges may have midpoints.
+struct HalfPyramid {
+  int direction;  ///< of the face
+  Cell cell;
+  int turn;
+};
+
 template <class Index, class Ids>
 Index* write_half_pyramid(const HalfPyramids& found,
-                          int direction,
-                          Cell cell,
-                          int turn,
+                          const HalfPyramid& half,
                           Ids& ids,
                           Index* out,
                           BackgroundCounts& counts) noexcept {
-  const auto at = [&, c = cell](int first, int second) {  // the corner, or the middle of two
+  const auto [direction, cell, turn] = half;
+  // The corner, or the middle of two.
+  const auto at = [&ids, direction = direction, c = cell](int first, int second) {
     const LatticeCoord p = face_turn(direction, first & 3),
                        q = face_turn(direction, second & 3);
     return ids.finer_corner(2 * c.x + p.x + q.x, 2 * c.y + p.y + q.y, 2 * c.z + p.z + q.z);
@@ -201,7 +207,7 @@ Index* write_background(const BackgroundCells& cells,
       const Cell cell{x, y, z};
       const int start = diagonal_turn(direction, cell);
       for (const int turn : {start, start + 2}) {
-        tets = internal::write_half_pyramid(found, direction, cell, turn, ids, tets, counts);
+        tets = internal::write_half_pyramid(found, {direction, cell, turn}, ids, tets, counts);
       }
     });
   }

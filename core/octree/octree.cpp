@@ -88,11 +88,16 @@ BrickMask inside_cells(PhiSampler& sampler,
   return inside;
 }
 
+/// What the leaves have to cover: the inside of a field, or a whole domain.
+struct CoveredSpace {
+  const PhiField& field;
+  const InsideTest& is_inside;
+  const OctreeCover& cover;
+};
+
 /// Level `level`, whose leaves are the cells among `candidates` that are covered and not
 /// refined.
-OctreeLevel make_level(const PhiField& field,
-                       const InsideTest& is_inside,
-                       const OctreeCover& cover,
+OctreeLevel make_level(const CoveredSpace& space,
                        int level,
                        CellSet candidates,
                        const CellSet& refined,
@@ -101,19 +106,19 @@ OctreeLevel make_level(const PhiField& field,
   made.bricks = std::move(candidates.bricks);
   std::vector<BrickMask> leaf = std::move(candidates.cells);
   std::vector<BrickMask> divided(made.bricks.size()), inside;
-  if (cover.domain) inside.resize(made.bricks.size());
+  if (space.cover.domain) inside.resize(made.bricks.size());
   made.index = BrickIndex(made.bricks);
   const BrickIndex refined_index(refined.bricks);
   for_each_range(made.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
-    PhiSampler sampler(field);
+    PhiSampler sampler(space.field);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord brick = made.bricks[i];
       const std::uint32_t at = refined_index.find(brick);
       if (at != kNoBrick) divided[i] = refined.cells[at];
       leaf[i] &= ~divided[i];
-      if (cover.domain) leaf[i] &= DomainCells(*cover.domain, level).whole(brick);
-      (cover.domain ? inside : leaf)[i] =
-          inside_cells(sampler, is_inside, brick, level, leaf[i]);
+      if (space.cover.domain) leaf[i] &= DomainCells(*space.cover.domain, level).whole(brick);
+      (space.cover.domain ? inside : leaf)[i] =
+          inside_cells(sampler, space.is_inside, brick, level, leaf[i]);
     }
   });
   made.leaf = MaskColumn(leaf);
@@ -133,18 +138,16 @@ bool any_leaf(const OctreeLevel& level) {
 /// cells. All nodes of a brick that does not touch the surface lie on one side.
 CellSet finest_cells(const CellSet& at_surface,
                      const CellSet& refined,
-                     const PhiField& field,
-                     const InsideTest& is_inside,
-                     const OctreeCover& cover,
+                     const CoveredSpace& space,
                      const Cancellation& cancellation) {
   CellSet cells = children_of(refined, cancellation);
   for_each_range(cells.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
-    PhiSampler sampler(field);
+    PhiSampler sampler(space.field);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord b = cells.bricks[i];
-      if (cover.domain || std::ranges::binary_search(at_surface.bricks, b)) continue;
+      if (space.cover.domain || std::ranges::binary_search(at_surface.bricks, b)) continue;
       const auto corner = [](std::int32_t brick) { return std::int64_t{kBrickEdge} * brick; };
-      if (!is_inside(sampler, corner(b.x), corner(b.y), corner(b.z))) cells.cells[i] = {};
+      if (!space.is_inside(sampler, corner(b.x), corner(b.y), corner(b.z))) cells.cells[i] = {};
     }
   });
   drop_empty(cells);
@@ -223,7 +226,7 @@ Octree build_octree(CellSet finest,
   RefinedCells refined_cells(finest, cover, rules, cancellation);
   CellSet refined = refined_cells.first(finest);
   if (rules.sized()) {
-    finest = finest_cells(finest, refined, field, is_inside, cover, cancellation);
+    finest = finest_cells(finest, refined, {field, is_inside, cover}, cancellation);
   }
   tree.levels.push_back(finest_level(std::move(finest.bricks), MaskColumn(finest.cells)));
   for (int level = 1; level <= rules.max_levels && !cancellation.requested(); ++level) {
@@ -232,7 +235,7 @@ Octree build_octree(CellSet finest,
         level < rules.max_levels
             ? children_of(above, cancellation)
             : all_cells_of(bricks_covering(cover.boxes, level, refined.bricks));
-    OctreeLevel made = make_level(field, is_inside, cover, level, std::move(candidates),
+    OctreeLevel made = make_level({field, is_inside, cover}, level, std::move(candidates),
                                   refined, cancellation);
     if (!any_leaf(made)) break;
     tree.levels.push_back(std::move(made));

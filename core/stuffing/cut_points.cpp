@@ -219,14 +219,20 @@ void zeros_of_scene(PhiSampler& sampler,
                    fraction);
 }
 
-/// Fractions of up to kBatch edges of a family; `count` is a multiple of kEdgeLanes.
+/// Up to kBatch edges of a family, by their low ends, and where their fractions go. `count` is
+/// a multiple of kEdgeLanes.
+struct EdgeBatch {
+  const Family& family;
+  const std::uint16_t* low;
+  std::size_t count;
+  float* fraction;
+};
+
 void find_fractions(const BrickSamples& samples,
                     PhiSampler& sampler,
                     BrickCoord brick,
-                    const Family& family,
-                    const std::uint16_t* low,
-                    std::size_t count,
-                    float* fraction) noexcept {
+                    const EdgeBatch& batch) noexcept {
+  const auto& [family, low, count, fraction] = batch;
   if (sampler.field().scene != nullptr) {
     zeros_of_scene(sampler, brick, family, low, count, fraction);
   } else if (!sampler.field().at_voxels()) {
@@ -253,8 +259,9 @@ void find_cut_points(const BrickSamples& samples,
     const auto [begin, count] = edges.run[f];
     const std::size_t end = begin + edges.run[f].padded();
     for (std::size_t first = begin; first < end; first += kBatch) {
-      find_fractions(samples, sampler, brick, family, &edges.low[first],
-                     std::min(kBatch, end - first), &edges.fraction[first]);
+      find_fractions(
+          samples, sampler, brick,
+          {family, &edges.low[first], std::min(kBatch, end - first), &edges.fraction[first]});
     }
     for (std::size_t i = begin; i < begin + count; ++i) {
       cuts.fraction[f][edges.low[i]] = edges.fraction[i];

@@ -5,8 +5,8 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
-#include <openvdb/openvdb.h>
 
+#include "core/vdb/vdb_grids.h"
 #include "core/volume/volume.h"
 
 namespace tet {

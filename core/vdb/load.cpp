@@ -10,12 +10,12 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include "core/base/failure_name.h"
 #include "core/base/posix/file.h"
 #include "core/vdb/check_file.h"
 #include "core/vdb/copy_grid.h"
+#include "core/vdb/tree_type.h"
 #include "core/vdb/vdb_file.h"
 
 namespace tet {
@@ -69,7 +69,9 @@ std::invoke_result_t<Read, OpenGridFile> with_path(const std::string& path, cons
 }
 
 std::string value_type(const openvdb::GridBase& grid) {
-  return grid.isType<openvdb::points::PointDataGrid>() ? "points" : grid.valueType();
+  const TreeType* const type = find_tree_type(grid.type());
+  const bool points = type != nullptr && type->leaves == LeafLayout::kPoints;
+  return points ? "points" : grid.valueType();
 }
 
 float background(const openvdb::GridBase& grid) {

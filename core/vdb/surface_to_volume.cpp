@@ -10,13 +10,13 @@
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/ValueTransformer.h>
 
 #include "core/surface/surface_edges.h"
 #include "core/vdb/copy_grid.h"
+#include "core/vdb/vdb_grids.h"
 #include "core/vdb/write_vdb.h"
 
 namespace tet {

@@ -10,9 +10,9 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
-#include <openvdb/openvdb.h>
 
 #include "core/vdb/descriptor_buffer.h"
+#include "core/vdb/vdb_grids.h"
 
 namespace tet {
 

@@ -4,7 +4,8 @@
 #include <string>
 
 #include <absl/status/status.h>
-#include <openvdb/openvdb.h>
+
+#include "core/vdb/vdb_grids.h"
 
 namespace tet {
 

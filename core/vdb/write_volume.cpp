@@ -5,8 +5,8 @@
 #include <exception>
 
 #include <absl/strings/str_cat.h>
-#include <openvdb/openvdb.h>
 
+#include "core/vdb/vdb_grids.h"
 #include "core/vdb/write_vdb.h"
 
 namespace tet {

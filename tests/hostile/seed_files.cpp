@@ -7,9 +7,8 @@
 #include <string>
 #include <utility>
 
-#include <openvdb/openvdb.h>
-
 #include "core/base/posix/descriptor.h"
+#include "core/vdb/vdb_grids.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <absl/status/statusor.h>
-#include <openvdb/openvdb.h>
 
 #include "core/vdb/vdb_cursor.h"
+#include "core/vdb/vdb_grids.h"
 #include "core/vdb/vdb_outline.h"
 
 namespace tet::test {

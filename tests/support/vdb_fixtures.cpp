@@ -8,9 +8,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include <openvdb/openvdb.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/tools/Prune.h>
+
+#include "core/vdb/vdb_grids.h"
 
 namespace tet::test {
 namespace {

@@ -142,8 +142,8 @@ absl::Status run_submit(const SubmitArguments& arguments, const Cancellation& in
 
   (*session)->bar.begin("submitting", "jobs");
   const SubmitResult result =
-      submit_jobs(*orders, (*session)->meshes, (*session)->jobs, **journal, arguments.parallel,
-                  watch_for(**session, orders->size()), interruption);
+      submit_jobs(*orders, {(*session)->meshes, (*session)->jobs}, **journal,
+                  arguments.parallel, watch_for(**session, orders->size()), interruption);
   const absl::Status outcome = outcome_of(result, **journal, **session, orders->size());
   if (outcome.ok() && arguments.journal.empty()) (*journal)->remove();
   return outcome;

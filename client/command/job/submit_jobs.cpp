@@ -63,16 +63,15 @@ absl::Status store_fields(const Store& store, v1::MeshRequest& mesh) {
 class Submitter {
  public:
   Submitter(const std::vector<JobOrder>& orders,
-            MeshClient& meshes,
-            JobClient& jobs,
+            const JobServer& server,
             Journal& journal,
             int parallel,
             const SubmitWatch& watch,
             const Cancellation& cancellation)
       : orders_(orders),
         request_ids_(request_ids_of(orders, journal)),
-        uploads_(meshes),
-        jobs_(jobs),
+        uploads_(server.meshes),
+        jobs_(server.jobs),
         journal_(journal),
         watch_(watch),
         cancellation_(cancellation),
@@ -182,13 +181,12 @@ class Submitter {
 }  // namespace
 
 SubmitResult submit_jobs(const std::vector<JobOrder>& orders,
-                         MeshClient& meshes,
-                         JobClient& jobs,
+                         const JobServer& server,
                          Journal& journal,
                          int parallel,
                          const SubmitWatch& watch,
                          const Cancellation& cancellation) {
-  return Submitter(orders, meshes, jobs, journal, parallel, watch, cancellation).run();
+  return Submitter(orders, server, journal, parallel, watch, cancellation).run();
 }
 
 }  // namespace tet

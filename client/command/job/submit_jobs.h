@@ -36,15 +36,21 @@ struct SubmitCounts {
   std::size_t submitted = 0, before = 0, refused = 0;
 };
 
-/// Submits what the journal does not know yet, `parallel` at a time. An order that is refused
-/// for what it is does not stop the others; a server that fails or has no room does.
 struct SubmitResult {
   SubmitCounts counts;
   absl::Status status;  ///< what stopped it, if anything did
 };
+
+/// A server's two faces: where grids go, and where jobs are made.
+struct JobServer {
+  MeshClient& meshes;
+  JobClient& jobs;
+};
+
+/// Submits what the journal does not know yet, `parallel` at a time. An order that is refused
+/// for what it is does not stop the others; a server that fails or has no room does.
 SubmitResult submit_jobs(const std::vector<JobOrder>& orders,
-                         MeshClient& meshes,
-                         JobClient& jobs,
+                         const JobServer& server,
                          Journal& journal,
                          int parallel,
                          const SubmitWatch& watch,

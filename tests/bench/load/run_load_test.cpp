@@ -191,7 +191,7 @@ TEST(SearchLoad, FindsAKnownCapacity) {
   search.start_per_second = 0;
   search.precision = 0.2;
   search.trials = 1;
-  const auto found = search_load(search, even(1, 0.5), goals, mix, service, never, unseen);
+  const auto found = search_load(search, {even(1, 0.5), goals}, mix, service, never, unseen);
   ASSERT_TRUE(found.ok()) << found.status();
   ASSERT_TRUE(found->search.per_second.has_value());
   // In half a second a surplus of a fifth piles up to the limit.
@@ -207,7 +207,7 @@ TEST(SearchLoad, SaysWhatEveryRequestSaysWhenNoneSucceeds) {
   const std::vector<LatencyGoal> goals{{LatencyKind::kWhole, 0.9, 50ms}};
   const SearchWatch unseen{[](double) { return LoadWatch{}; }, [](const Trial&) {}};
   const auto found =
-      search_load({.start_per_second = 0}, even(1, 0.2), goals, mix, service, never, unseen);
+      search_load({.start_per_second = 0}, {even(1, 0.2), goals}, mix, service, never, unseen);
   EXPECT_TRUE(absl::IsResourceExhausted(found.status())) << found.status();
 }
 

@@ -4,9 +4,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <openvdb/openvdb.h>
 
 #include "core/vdb/load.h"
+#include "core/vdb/vdb_grids.h"
 #include "core/vdb/walk_vdb.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/vdb/vdb_test_files.h"

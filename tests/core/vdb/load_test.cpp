@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 
+#include "core/vdb/vdb_grids.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/vdb/vdb_test_files.h"
 #include "tests/support/vdb_fixtures.h"

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include "core/vdb/vdb_grids.h"
 #include "tests/support/test_directory.h"
 
 namespace tet::test {

@@ -8,10 +8,10 @@
 #include <absl/strings/str_format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <openvdb/openvdb.h>
 
 #include "core/vdb/load.h"
 #include "core/vdb/tree_type.h"
+#include "core/vdb/vdb_grids.h"
 #include "tests/core/vdb/vdb_test_files.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"
