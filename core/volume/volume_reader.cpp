@@ -43,13 +43,6 @@ VolumeReader::RegionOrConstant VolumeReader::region(BrickCoord region_min) noexc
   return {region_, constant_};
 }
 
-float VolumeReader::value(VoxelCoord voxel) noexcept {
-  const Brick found =
-      brick({voxel.x >> kBrickShift, voxel.y >> kBrickShift, voxel.z >> kBrickShift});
-  if (found.values == nullptr) return found.range.min;
-  return found.values[((voxel.x & 7) * 8 + (voxel.y & 7)) * 8 + (voxel.z & 7)];
-}
-
 VolumeReader::Cell VolumeReader::cell(VoxelCoord min) noexcept {
   Cell cell;
   if ((min.x & 7) < 7 && (min.y & 7) < 7 && (min.z & 7) < 7) {
