@@ -21,6 +21,7 @@
 #include "server/rpc/access.h"
 #include "server/rpc/heartbeat.h"
 #include "server/rpc/tls.h"
+#include "server/rpc/unread_messages.h"
 #include "server/server_readings.h"
 #include "server/streams/mesh_service.h"
 
@@ -124,6 +125,7 @@ struct Server::Parts {
                         engine.check_stalls();
                       }};
   std::unique_ptr<JobsInServer> jobs;  ///< null where they are off
+  UnreadMessages unread;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsPort> metrics;
   std::unique_ptr<Heartbeat> job_health;  ///< tells whoever asks after the service `jobs`
@@ -177,6 +179,8 @@ bool Server::Parts::listen() {
     builder.AddChannelArgument(name, value);
   }
   builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
+  refuse_compression(builder);
+  watch_messages(builder, unread);
   grpc::ResourceQuota quota("tetstreamd");
   quota.Resize(config.receive_bytes);
   builder.SetResourceQuota(quota);
@@ -214,6 +218,7 @@ std::string Server::Parts::metrics_text() const {
     if (jobs != nullptr) {
       for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
     }
+    for (Reading& reading : unread.readings()) readings.push_back(std::move(reading));
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
   });

@@ -4,7 +4,7 @@ import socket
 import struct
 import time
 
-from waiting import GENEROUS_END
+from running_server import GENEROUS_END
 
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
 DATA, HEADERS, RST_STREAM, SETTINGS, PING, GOAWAY, WINDOW_UPDATE = 0, 1, 3, 4, 6, 7, 8
@@ -42,9 +42,9 @@ def double_field(number, value):
     return varint(number << 3 | 1) + struct.pack("<d", value)
 
 
-def message(payload):
+def message(payload, compressed=False):
     """As gRPC sends it."""
-    return struct.pack(">BI", 0, len(payload)) + payload
+    return struct.pack(">BI", compressed, len(payload)) + payload
 
 
 class RawCall:
@@ -52,10 +52,14 @@ class RawCall:
 
     `window`: what the server may send before it is let; nothing more is ever let.
     `source`: the address it comes from, one of 127.0.0.0/8.
+    `headers`: more of them, as pairs.
+    `trailers` are the last headers that came, as they were encoded.
     """
 
-    def __init__(self, port, method, window=FIRST_WINDOW, source="127.0.0.1", receive_buffer=None):
+    def __init__(self, port, method, window=FIRST_WINDOW, source="127.0.0.1", receive_buffer=None,
+                 headers=()):
         self.ended = False
+        self.trailers = b""
         self.window = {0: FIRST_WINDOW, 1: FIRST_WINDOW}  # what we may send
         self.first_window = FIRST_WINDOW
         self.received = b""
@@ -71,11 +75,15 @@ class RawCall:
             + frame(HEADERS, END_HEADERS, 1, b"".join([
                 text(":method", "POST"), text(":scheme", "http"), text(":path", method),
                 text(":authority", "crowd"), text("te", "trailers"),
-                text("content-type", "application/grpc")])))
+                text("content-type", "application/grpc"), *(text(*header) for header in headers)])))
 
     def ask(self, payload):
         """Sends the only message, which is small."""
         self.socket.sendall(frame(DATA, END_STREAM, 1, message(payload)))
+
+    def finish(self):
+        """Says that there are no more messages."""
+        self.socket.sendall(frame(DATA, END_STREAM, 1))
 
     def send(self, data, seconds=GENEROUS_END):
         """Sends as much as the server lets us. Whether that was all."""
@@ -130,6 +138,7 @@ class RawCall:
         elif kind == WINDOW_UPDATE:
             self.window[stream] += int.from_bytes(payload, "big")
         elif kind == HEADERS and flags & END_STREAM or kind in (RST_STREAM, GOAWAY):
+            self.trailers = payload if kind == HEADERS else self.trailers
             self.ended = True
 
     def wait_for_end(self, seconds=GENEROUS_END):

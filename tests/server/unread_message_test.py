@@ -1,0 +1,128 @@
+"""Messages that are refused before any call sees them: compressed, malformed, and without a token.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/server/unread_message_test.py [unittest options]
+"""
+
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+import zlib
+
+from raw_http2 import RawCall, field, message
+from running_server import GENEROUS_END, RunningServer, binaries, wait_until
+
+MIB = 1 << 20
+INFLATED_MIB = 1000
+MOST_GROWTH = 64 * MIB  # a fraction of one such message
+PROTOS = pathlib.Path(__file__).resolve().parents[2] / "proto" / "tetstream" / "v1"
+
+
+def methods():
+    """{path: whether the client sends a stream} of every method there is."""
+    found = {"/grpc.health.v1.Health/Check": False}
+    for proto in PROTOS.glob("*.proto"):
+        service = None
+        for line in proto.read_text().splitlines():
+            if begun := re.match(r"service (\w+)", line):
+                service = begun[1]
+            elif rpc := re.match(r"\s+rpc (\w+)\((stream )?", line):
+                found[f"/tetstream.v1.{service}/{rpc[1]}"] = bool(rpc[2])
+    return found
+
+
+def compressed_zeros(wbits):
+    """About 1 MB, a thousand times as large once it is inflated."""
+    compressor = zlib.compressobj(9, zlib.DEFLATED, wbits)
+    zeros = bytes(MIB)
+    return b"".join(compressor.compress(zeros) for _ in range(INFLATED_MIB)) + compressor.flush()
+
+
+class UnreadMessageTest(unittest.TestCase):
+    """A server that wants tokens. `token` is a good one."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        made = subprocess.run([binaries() / "tetstreamd", "--new-token", "alice"], check=True,
+                              capture_output=True, text=True, timeout=GENEROUS_END)
+        tokens = folder / "tokens.toml"
+        tokens.touch(mode=0o600)
+        tokens.write_text(made.stdout)
+        cls.token = re.search(r"tetstream_[\w-]+", made.stderr)[0]
+        cls.server = cls.enterClassContext(RunningServer(folder / "store", "--tokens", tokens))
+        cls.port = int(cls.server.address.rsplit(":", 1)[1])
+
+    def call(self, method, *headers, with_token=False):
+        bearer = [("authorization", f"Bearer {self.token}")] if with_token else []
+        call = RawCall(self.port, method, headers=[*headers, *bearer])
+        self.addCleanup(call.close)
+        return call
+
+    def memory(self):
+        """The most that the server has had, in bytes."""
+        status = pathlib.Path(f"/proc/{self.server.process.pid}/status").read_text()
+        return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) << 10
+
+    def counted(self, why):
+        return self.server.samples()[f'tetstream_unread_messages_total{{why="{why}"}}']
+
+
+class CompressedMessages(UnreadMessageTest):
+    def test_are_refused_by_every_method_and_take_no_memory(self):
+        kinds = {"gzip": compressed_zeros(31), "deflate": compressed_zeros(15)}
+        before, refused = self.memory(), 0
+        for method in methods():
+            for encoding, bytes_sent in kinds.items():
+                for with_token in (False, True):
+                    call = self.call(method, ("grpc-encoding", encoding), with_token=with_token)
+                    call.send(message(bytes_sent, compressed=True))
+                    self.assertTrue(call.wait_for_end(), method)
+                    self.assertIn(f"Compression algorithm '{encoding}' is disabled".encode(),
+                                  call.trailers, method)
+                    call.close()
+                    refused += 1
+        self.assertLess(self.memory() - before, MOST_GROWTH)
+        self.assertGreaterEqual(refused, 4 * 20)
+        self.assertEqual(self.counted("compressed"), refused)
+        lines = [line for line in self.server.log("unread_message") if line["why"] == "compressed"]
+        self.assertTrue(lines)
+        # One a second, however many there were.
+        self.assertLess(len(lines), refused)
+
+    def test_that_do_not_say_so_are_not_inflated(self):
+        before = self.memory()
+        call = self.call("/tetstream.v1.MeshService/EstimateMesh", with_token=True)
+        call.send(message(compressed_zeros(31), compressed=True))
+        call.finish()
+        self.assertTrue(call.wait_for_end())
+        self.assertLess(self.memory() - before, MOST_GROWTH)
+
+
+class MalformedMessages(UnreadMessageTest):
+    # A field that says it has more bytes than there are.
+    MALFORMED = field(1, b"twelve bytes")[:-3]
+    # Their calls take the bytes as they are, ask for the token, and tell of themselves.
+    TAKE_BYTES = ("StreamMesh", "ReadJobResult")
+
+    def test_are_told_counted_and_logged(self):
+        of_one_message = [method for method, stream in methods().items()
+                          if not stream and "tetstream" in method
+                          and not method.endswith(self.TAKE_BYTES)]
+        self.assertGreater(len(of_one_message), 10)
+        before = self.counted("unreadable")
+        for method in of_one_message:
+            call = self.call(method)
+            call.ask(self.MALFORMED)
+            self.assertTrue(call.wait_for_end(), method)
+            self.assertIn(b"the message is not one that this method takes", call.trailers, method)
+        self.assertEqual(self.counted("unreadable") - before, len(of_one_message))
+        line = wait_until(lambda: self.server.log("unread_message"))[0]
+        self.assertEqual(line["why"], "unreadable")
+        self.assertIn("/tetstream.v1.", line["method"])
+        self.assertTrue(line["peer"].startswith("ipv4:127.0.0.1:"))
+
+
+if __name__ == "__main__":
+    unittest.main()
