@@ -64,14 +64,4 @@ absl::Status check_field_files(std::span<const VertexField> fields, const std::s
   return absl::OkStatus();
 }
 
-void add_wire_fields(std::span<const VertexField> fields,
-                     ::tetstream::v1::MeshRequest& message) {
-  for (const VertexField& field : fields) {
-    ::tetstream::v1::Field& added = *message.add_fields();
-    added.set_name(field.name);
-    added.set_grid(field.file);
-    added.set_grid_name(field.grid);
-  }
-}
-
 }  // namespace tet

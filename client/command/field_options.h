@@ -8,7 +8,6 @@
 #include <absl/status/statusor.h>
 
 #include "core/plan/vertex_field.h"
-#include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
 
@@ -27,9 +26,5 @@ absl::StatusOr<std::vector<VertexField>> understand_fields(
 /// Whether the file of each can have grids; `input` is that of those which name none. Errors:
 /// kInvalidArgument.
 absl::Status check_field_files(std::span<const VertexField> fields, const std::string& input);
-
-/// Adds the fields to a server's request, where each `file` is the name of a stored file.
-void add_wire_fields(std::span<const VertexField> fields,
-                     ::tetstream::v1::MeshRequest& message);
 
 }  // namespace tet

@@ -11,7 +11,6 @@
 #include "client/command/read_grids.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
-#include "core/plan/joined/joined_plan.h"
 
 namespace tet {
 namespace {
@@ -31,14 +30,28 @@ absl::Status check_sizing_grid(const MeshOptions& options) {
 /// Checks --all-grids as far as that is possible while the grids are not known.
 absl::Status check_all_grids(const MeshOptions& options) {
   if (!options.all_grids) return absl::OkStatus();
-  if (!options.grids.empty()) {
-    return absl::InvalidArgumentError("--all-grids and --grid do not go together");
-  }
   if (is_scene_file(options.input) || is_surface_file(options.input)) {
     return absl::InvalidArgumentError(
         absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
   }
-  return check_joined_request(options.request);
+  return absl::OkStatus();
+}
+
+Features features_of(const MeshOptions& options) {
+  const bool names_grids_twice = options.all_grids && !options.grids.empty();
+  return features_of(options.request)
+      .add(Feature::kGridName, options.grids.size() == 1 || names_grids_twice)
+      .add(Feature::kSeveralGrids, options.has_several_grids())
+      .add(Feature::kScene, is_scene_file(options.input))
+      .add(Feature::kPacked, options.packed)
+      .add(Feature::kCompact, options.compact);
+}
+
+/// What excludes what is the same here as on a server.
+absl::Status check_rules(const MeshOptions& options) {
+  FeatureNames names = option_names(options.request);
+  if (options.all_grids) names.set(Feature::kSeveralGrids, "--all-grids");
+  return check_features(features_of(options), names);
 }
 
 absl::Status check_trust(const MeshOptions& options) {
@@ -81,7 +94,10 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 }
 
 absl::Status check_input(const MeshOptions& options) {
-  absl::Status status = check_mesh_input({options.input, options.grids, options.voxel});
+  absl::Status status = check_rules(options);
+  if (status.ok()) {
+    status = check_mesh_input({options.input, options.grids, options.voxel});
+  }
   if (status.ok()) status = check_all_grids(options);
   if (status.ok()) status = check_sizing_grid(options);
   if (status.ok()) status = check_field_files(options.request.fields, options.input);

@@ -6,33 +6,16 @@
 
 #include "client/command/field_options.h"
 #include "core/plan/joined/joined_plan.h"
-#include "proto/sizing/sizing_message.h"
+#include "proto/convert/request.h"
 
 namespace tet {
 namespace {
 
-v1::Preset wire_preset(Preset preset) {
-  switch (preset) {
-    case Preset::kDefault:
-      return v1::PRESET_DEFAULT;
-    case Preset::kMinAngle:
-      return v1::PRESET_MIN_ANGLE;
-    case Preset::kBothSides:
-      return v1::PRESET_BOTH_SIDES;
-  }
-  return v1::PRESET_UNSPECIFIED;
-}
-
-v1::CoordinateType wire_coordinates(std::optional<CoordinateType> type) {
-  if (!type) return v1::COORDINATE_TYPE_UNSPECIFIED;
-  return *type == CoordinateType::kFloat64 ? v1::COORDINATE_TYPE_FLOAT64
-                                           : v1::COORDINATE_TYPE_FLOAT32;
-}
-
-void set_point(const WorldPoint& point, v1::Point& message) {
-  message.set_x(point.x);
-  message.set_y(point.y);
-  message.set_z(point.z);
+/// Whether their names can be those of several grids.
+absl::Status check_grids(const std::vector<std::string>& grids) {
+  const absl::Status status = check_grid_names(grids);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("--grid: ", status.message()));
 }
 
 }  // namespace
@@ -75,11 +58,30 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
       ->allow_extra_args(false);
 }
 
-absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request) {
-  absl::Status status = check_grid_names(grids);
-  if (status.ok()) status = check_joined_request(request);
-  if (status.ok()) return status;
-  return absl::InvalidArgumentError(absl::StrCat("--grid: ", status.message()));
+FeatureNames option_names(const MeshRequest& request) {
+  FeatureNames names({"the input",
+                      "--grid",
+                      "several --grid",
+                      "a scene",
+                      "--iso",
+                      "--preset both-sides",
+                      "--box",
+                      "--manifold",
+                      "--sizing",
+                      "the sizing's grid",
+                      "the sizing's grade_surface",
+                      "--improve",
+                      "--field",
+                      "--coordinates float64",
+                      "--skip-statistics",
+                      "a range of chunks",
+                      "--packed",
+                      "--compact",
+                      "an earlier mesh",
+                      "a session",
+                      "a job"});
+  if (request.iso) names.set(Feature::kIso, absl::StrFormat("--iso %g", *request.iso));
+  return names;
 }
 
 absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids) {
@@ -103,16 +105,17 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   }
   if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;
-  if (absl::Status status = check_cut(request); !status.ok()) return status;
   absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);
-  if (arguments.grids.size() > 1) {
-    if (auto status = check_grids(arguments.grids, request); !status.ok()) return status;
-  }
+  const bool several = arguments.grids.size() > 1;
+  const Features features = features_of(request).add(Feature::kSeveralGrids, several);
+  absl::Status status = check_features(features, option_names(request));
+  if (status.ok() && several) status = check_grids(arguments.grids);
+  if (!status.ok()) return status;
   return request;
 }
 
@@ -123,20 +126,7 @@ v1::MeshRequest wire_request(const MeshRequest& request,
   message.set_name(name);
   if (grids.size() == 1) message.set_grid_name(grids.front());
   if (grids.size() > 1) message.mutable_grid_names()->Assign(grids.begin(), grids.end());
-  if (request.spacing) message.set_spacing(*request.spacing);
-  if (request.iso) message.set_iso(*request.iso);
-  message.set_levels(request.levels);
-  message.set_preset(wire_preset(request.preset));
-  message.set_improve(request.improve);
-  message.set_coordinate_type(wire_coordinates(request.coordinates));
-  if (request.box) {
-    set_point(request.box->min, *message.mutable_box()->mutable_min());
-    set_point(request.box->max, *message.mutable_box()->mutable_max());
-  }
-  message.set_manifold(request.manifold);
-  message.set_skip_statistics(request.skip_statistics);
-  if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
-  add_wire_fields(request.fields, message);
+  to_proto(request, message);
   return message;
 }
 

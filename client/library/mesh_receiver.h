@@ -65,7 +65,8 @@ class MeshReceiver {
   absl::Status advance(const ChunkNumbers& chunk, std::uint32_t checksum);
   void count(const ChunkNumbers& chunk);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
-  void take_quality(const v1::MeshTrailer& trailer);
+  absl::Status take_statistics(const v1::MeshTrailer& trailer);
+  absl::Status take_quality(const v1::MeshTrailer& trailer);
   Statistics statistics() const;
 
   const TetMesh* base_;

@@ -1,6 +1,8 @@
 #include "server/meshing/mesh_events.h"
 
-#include "proto/convert/request.h"
+#include "proto/convert/mesh_header.h"
+#include "proto/convert/mesh_parts.h"
+#include "proto/convert/statistics.h"
 
 namespace tet {
 

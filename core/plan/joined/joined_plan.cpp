@@ -13,6 +13,7 @@
 #include "core/plan/budget.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/prepared_mesh.h"
+#include "core/plan/request_rules.h"
 
 namespace tet {
 namespace {
@@ -226,14 +227,6 @@ absl::Status check_grid_names(std::span<const std::string> names) {
   return absl::OkStatus();
 }
 
-absl::Status check_joined_request(const MeshRequest& request) {
-  if (!stuffing_rules(request.preset).both_sides) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "%s are for the inside alone: with preset %s the outsides of several grids "
-      "would overlap",
-      kGridNamesField, preset_name(request.preset)));
-}
-
 absl::StatusOr<JoinedPlan> JoinedPlan::of(const GridList& grids,
                                           const MeshRequest& request,
                                           const MeshLimits& limits,
@@ -241,7 +234,10 @@ absl::StatusOr<JoinedPlan> JoinedPlan::of(const GridList& grids,
                                           MeshProgress* progress) {
   const std::vector<std::string> names = names_of(grids);
   absl::Status status = check_grid_names(names);
-  if (status.ok()) status = check_joined_request(request);
+  if (status.ok()) {
+    status =
+        check_features(features_of(request).add(Feature::kSeveralGrids), field_names(request));
+  }
   if (!status.ok()) return status;
   PartPlanner planner(grids, request, limits, cancellation, progress);
   auto plans = planner.plan_all();

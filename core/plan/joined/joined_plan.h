@@ -25,10 +25,6 @@ inline constexpr char kGridNamesField[] = "grid_names";
 /// says its value and what it may be.
 absl::Status check_grid_names(std::span<const std::string> names);
 
-/// What several grids cannot be meshed with. OK or kInvalidArgument; the message begins with
-/// the field.
-absl::Status check_joined_request(const MeshRequest& request);
-
 /// Each grid has the mesh that it has alone, on its own lattice; no two are connected.
 ///
 /// All positions are relative to one origin: that of the first grid's mesh. A grid whose
@@ -40,7 +36,7 @@ absl::Status check_joined_request(const MeshRequest& request);
 class JoinedPlan {
  public:
   /// Parallel; run it on a TaskPool. The limits hold for all meshes together. Errors: those of
-  /// plan_mesh, with the grid's name, and those of the two checks above.
+  /// plan_mesh, with the grid's name, and those of check_grid_names and check_features.
   static absl::StatusOr<JoinedPlan> of(const GridList& grids,
                                        const MeshRequest& request,
                                        const MeshLimits& limits,

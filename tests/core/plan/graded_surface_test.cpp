@@ -211,7 +211,7 @@ TEST(GradedSurface, IsRefusedWithTheField) {
   request.preset = Preset::kBothSides;
   EXPECT_EQ(
       refusal(request),
-      "sizing.grade_surface is for the inside alone; preset both-sides meshes both sides");
+      "sizing.grade_surface is for the inside alone; preset both-sides meshes both sides: leave one of them out");
   MeshLimits limits;
   limits.max_tets = 1000;
   EXPECT_NE(refusal(graded(0.05, 0.05), limits).find("the limit is 1000"), std::string::npos);
