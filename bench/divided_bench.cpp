@@ -13,6 +13,7 @@
 #include "bench/checked.h"
 #include "core/base/parallel.h"
 #include "core/plan/brick/divided_survey.h"
+#include "core/plan/make/plan_mesh.h"
 
 namespace tet::bench {
 namespace {
@@ -42,7 +43,7 @@ std::vector<std::byte> survey(const Counted& counted, std::size_t block) {
 
 void plan(const Counted& counted, const SurveyedBlocks& surveyed) {
   benchmark::DoNotOptimize(checked(
-      plan_mesh(counted.volume, counted.request, {}, Cancellation(), nullptr, surveyed)));
+      plan_mesh({.shape = counted.volume, .request = counted.request, .surveyed = surveyed})));
 }
 
 void add(Solid solid, const BenchSize& size, bool uniform) {

@@ -12,38 +12,39 @@
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
 #include "core/mesh/packed_chunk.h"
-#include "core/plan/fill_mesh.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/make/fill_mesh.h"
+#include "core/plan/make/plan_mesh.h"
+#include "core/plan/mesh_workspace.h"
 #include "core/transfer/compact_mesh.h"
 
 namespace tet::bench {
 namespace {
 
 using Chunks = std::vector<std::vector<std::byte>>;
-using Plan = std::shared_ptr<const MeshPlan>;
+using Plan = std::shared_ptr<const BrickPlan>;
 
 Plan make_plan(Solid solid, const BenchSize& size) {
-  return plan_mesh(make_solid(solid, size), {}, {}, {}, nullptr).value();
+  return as_bricks(plan_mesh({.shape = make_solid(solid, size)}).value());
 }
 
-Chunks encode(const MeshPlan& plan) {
+Chunks encode(const BrickPlan& plan) {
   Chunks chunks(plan.header().chunk_count);
   MeshWorkspace workspace;
-  for (std::size_t i = 0; i < chunks.size(); ++i) plan.encode_chunk(i, workspace, chunks[i]);
+  for (std::size_t i = 0; i < chunks.size(); ++i) encode_chunk(plan, i, workspace, chunks[i]);
   return chunks;
 }
 
-TetMesh decode(const MeshPlan& plan, const Chunks& chunks, TetMesh used = {}) {
-  CompactBricks bricks(plan.compact_frame().rules.both_sides);
+TetMesh decode(const BrickPlan& plan, const Chunks& chunks, TetMesh used = {}) {
+  CompactBricks bricks(compact_frame(plan).rules.both_sides);
   for (const auto& chunk : chunks) {
     if (!bricks.add(chunk).ok()) return {};
   }
   auto filled =
-      decode_mesh(std::move(bricks), plan.header(), plan.compact_frame(), {}, std::move(used));
+      decode_mesh(std::move(bricks), plan.header(), compact_frame(plan), {}, std::move(used));
   return std::move(filled.value().mesh);
 }
 
-void count(benchmark::State& state, const MeshPlan& plan, const Chunks& chunks) {
+void count(benchmark::State& state, const BrickPlan& plan, const Chunks& chunks) {
   const auto tets = static_cast<double>(plan.header().tet_count);
   double bytes = 0;
   for (const auto& chunk : chunks) bytes += static_cast<double>(chunk.size());
@@ -52,13 +53,13 @@ void count(benchmark::State& state, const MeshPlan& plan, const Chunks& chunks) 
       benchmark::Counter(tets, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-void run_encode(benchmark::State& state, const MeshPlan& plan) {
+void run_encode(benchmark::State& state, const BrickPlan& plan) {
   for (auto _ : state) benchmark::DoNotOptimize(encode(plan));
   count(state, plan, encode(plan));
 }
 
 /// Into the memory of the mesh before.
-void run_decode(benchmark::State& state, const MeshPlan& plan) {
+void run_decode(benchmark::State& state, const BrickPlan& plan) {
   const Chunks chunks = encode(plan);
   TetMesh mesh = decode(plan, chunks);
   for (auto _ : state) mesh = decode(plan, chunks, std::move(mesh));
@@ -70,7 +71,7 @@ struct ChunkedMesh {
   TetMesh mesh;
   std::vector<ChunkExtent> extents;
 
-  explicit ChunkedMesh(const MeshPlan& plan)
+  explicit ChunkedMesh(const BrickPlan& plan)
       : mesh(std::move(fill_mesh(plan, {}, nullptr).value().mesh)) {
     for (std::uint64_t i = 0; i < plan.header().chunk_count; ++i) {
       extents.push_back(plan.chunk(i));
@@ -86,7 +87,7 @@ struct ChunkedMesh {
   }
 };
 
-void run_pack(benchmark::State& state, const MeshPlan& plan) {
+void run_pack(benchmark::State& state, const BrickPlan& plan) {
   ChunkedMesh made(plan);
   ChunkPacker packer;
   Chunks chunks;
@@ -95,7 +96,7 @@ void run_pack(benchmark::State& state, const MeshPlan& plan) {
 }
 
 /// Into the memory of the mesh before.
-void run_unpack(benchmark::State& state, const MeshPlan& plan) {
+void run_unpack(benchmark::State& state, const BrickPlan& plan) {
   ChunkedMesh made(plan);
   ChunkPacker packer;
   Chunks chunks;
@@ -113,7 +114,7 @@ void run_unpack(benchmark::State& state, const MeshPlan& plan) {
   count(state, plan, chunks);
 }
 
-using Run = void (*)(benchmark::State& state, const MeshPlan& plan);
+using Run = void (*)(benchmark::State& state, const BrickPlan& plan);
 
 /// Registers `encode/solid/size` and the like; rates are of CPU time.
 void add(const std::string& what, Run run, Solid solid, const BenchSize& size) {

@@ -13,7 +13,9 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
-#include "core/plan/fill_mesh.h"
+#include "core/plan/brick/brick_plan.h"
+#include "core/plan/make/fill_mesh.h"
+#include "core/plan/make/plan_mesh.h"
 #include "core/volume/volume_builder.h"
 
 namespace tet::bench {
@@ -73,9 +75,9 @@ using Plan = std::shared_ptr<const MeshPlan>;
 
 Plan plan_of(const std::shared_ptr<const Volume>& solid, const FieldKind& kind) {
   MeshRequest request;
-  const Plan bare = plan_mesh(solid, request, {}, {}, nullptr).value();
+  const Plan bare = plan_mesh({.shape = solid, .request = request}).value();
   request.fields = fields_of(kind, bare->header().bounds);
-  return plan_mesh(solid, request, {}, {}, nullptr).value();
+  return plan_mesh({.shape = solid, .request = request}).value();
 }
 
 void count(benchmark::State& state, const MeshHeader& header) {
@@ -92,7 +94,7 @@ void fill(benchmark::State& state, const Plan& plan) {
 
 void sample(benchmark::State& state, const Plan& plan) {
   TetMesh mesh = fill_mesh(*plan, {}, nullptr).value().mesh;
-  for (auto _ : state) plan->add_fields(mesh);
+  for (auto _ : state) as_bricks(*plan)->add_fields(mesh);
   count(state, plan->header());
 }
 

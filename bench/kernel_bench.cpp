@@ -21,7 +21,8 @@
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/fill_brick.h"
 #include "core/plan/brick/survey.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
+#include "core/plan/mesh_workspace.h"
 
 namespace tet::bench {
 namespace {
@@ -95,7 +96,10 @@ void count_mesh(benchmark::State& state, const Prepared& prepared, int levels) {
     Survey survey = prepared.survey;
     Octree tree = prepared.octree(levels);
     state.ResumeTiming();
-    const CountedMesh mesh(prepared.field, std::move(survey), std::move(tree), {}, levels == 0);
+    const CountedMesh mesh({.field = prepared.field,
+                            .survey = std::move(survey),
+                            .tree = std::move(tree),
+                            .uniform = levels == 0});
     bricks = static_cast<double>(mesh.brick_count());
   }
   count_items(state, "bricks/s", bricks);
@@ -183,13 +187,15 @@ std::vector<std::size_t> chosen_bricks(const CountedMesh& mesh, ChooseBrick choo
 }
 
 void fill(benchmark::State& state, const Prepared& prepared, int levels, ChooseBrick choose) {
-  const CountedMesh mesh(prepared.field, prepared.survey, prepared.octree(levels), {},
-                         levels == 0);
+  const CountedMesh mesh({.field = prepared.field,
+                          .survey = prepared.survey,
+                          .tree = prepared.octree(levels),
+                          .uniform = levels == 0});
   MeshWorkspace workspace;
   const LatticeToWorld to_world{prepared.volume->transform.linear, {}, false};
   const MeshHeader header;
   BrickFiller filler(mesh, prepared.field, header, to_world, Statistics::kMeasured,
-                     workspace.impl());
+                     workspace.get<BrickScratch>());
   std::vector<std::byte> positions, tets;
   const std::vector<std::size_t> bricks = chosen_bricks(mesh, choose);
   if (bricks.empty()) return state.SkipWithError("the mesh has no such brick");
@@ -258,7 +264,7 @@ void measure(benchmark::State& state,
   MeshRequest request;
   request.levels = 0;
   const MeshResult result =
-      mesh_volume(pool, prepared.volume, request, {}, {}, nullptr).value();
+      mesh_volume(pool, {.shape = prepared.volume, .request = request}).value();
   for (auto _ : state) measure_mesh(result.mesh);
   count_items(state, "tets/s", static_cast<double>(result.mesh.header.tet_count));
 }

@@ -13,7 +13,7 @@
 #include "bench/checked.h"
 #include "bench/peak_memory.h"
 #include "core/base/parallel.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 
 namespace tet::bench {
 namespace {
@@ -86,7 +86,8 @@ void mesh(benchmark::State& state, const PipelineCase& run) {
   if (volume == nullptr) return state.SkipWithError("glmark2-data is not installed");
   TaskPool pool(run.threads);
   const auto make = [&](TetMesh used) {
-    return mesh_volume(pool, volume, run.request, {}, {}, nullptr, std::move(used));
+    return mesh_volume(pool,
+                       {.shape = volume, .request = run.request, .used = std::move(used)});
   };
   Totals totals;
   MeshResult last;

@@ -15,7 +15,9 @@
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
 #include "core/mesh/splice.h"
-#include "core/plan/fill_mesh.h"
+#include "core/plan/make/fill_mesh.h"
+#include "core/plan/make/plan_mesh.h"
+#include "core/plan/mesh_workspace.h"
 #include "core/transfer/mesh_patch.h"
 
 namespace tet::bench {
@@ -53,7 +55,7 @@ Volume inflated_at_one_place(const Volume& volume) {
 }
 
 Plan plan(const std::shared_ptr<const Volume>& volume, const MeshPlan* earlier = nullptr) {
-  return plan_mesh(volume, {}, {}, {}, nullptr, {}, earlier).value();
+  return plan_mesh({.shape = volume, .earlier = earlier}).value();
 }
 
 /// Seconds of one update, by part.
@@ -72,7 +74,7 @@ void update_once(const Plan& earlier,
   const Plan now = plan(volume, earlier.get());
   parts.plan += seconds_since(start);
   start = Clock::now();
-  const auto patch = MeshPatch::between(*earlier, now);
+  const auto patch = MeshPatch::between(as_bricks(earlier), as_bricks(now));
   parts.compare += seconds_since(start);
   start = Clock::now();
   updated = splice_mesh(mesh, now->header(), patch->kept(), std::move(updated)).value();

@@ -10,7 +10,7 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/scene/scene.h"
 #include "core/scene/scene_evaluator.h"
 
@@ -76,7 +76,7 @@ void mesh(benchmark::State& state, const Shape& shape, double spacing) {
   request.spacing = spacing;
   double tets = 0, plan_seconds = 0, fill_seconds = 0, runs = 0;
   for (auto _ : state) {
-    const auto result = mesh_volume(pool, shape, request, {}, Cancellation(), nullptr);
+    const auto result = mesh_volume(pool, {.shape = shape, .request = request});
     if (!result.ok()) return state.SkipWithError(result.status().ToString().c_str());
     tets += static_cast<double>(result->mesh.header.tet_count);
     plan_seconds += result->plan_seconds;

@@ -19,7 +19,8 @@
 #include "bench/checked.h"
 #include "bench/loopback.h"
 #include "bench/raw_grpc.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
+#include "core/plan/make/plan_mesh.h"
 #include "core/vdb/load.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
@@ -83,7 +84,7 @@ void make_here(benchmark::State& state, const BenchMesh& mesh, Planning planning
   TaskPool pool;
   MeshRequest request;
   if (!mesh.graded) request.levels = 0;
-  const auto plan = [&] { return checked(plan_mesh(volume, request, {}, {}, nullptr)); };
+  const auto plan = [&] { return checked(plan_mesh({.shape = volume, .request = request})); };
   const auto fill = [](const MeshPlan& planned, TetMesh used) {
     return std::move(checked(fill_mesh(planned, {}, nullptr, std::move(used))).mesh);
   };

@@ -12,7 +12,7 @@
 #include "bench/bench_fields.h"
 #include "bench/openvdb_surface.h"
 #include "core/base/parallel.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 
 namespace tet::bench {
 namespace {
@@ -38,7 +38,7 @@ class GradedMeshes {
 
   void make_one() {
     seconds_ += seconds_of([&] {
-      const auto mesh = mesh_volume(pool_, volume_, request_, {}, {}, nullptr);
+      const auto mesh = mesh_volume(pool_, {.shape = volume_, .request = request_});
       if (mesh.ok()) tets_ += static_cast<double>(mesh->mesh.header.tet_count);
     });
   }

@@ -102,7 +102,7 @@ add_custom_target(sanitized_tests)
 function(tet_test name)
   cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;THOROUGH" ${ARGN})
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 120)
+    set(ARG_TIMEOUT 900)
   endif()
   if(TET_SANITIZE)
     math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
@@ -124,7 +124,7 @@ endfunction()
 # In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
 # include file that ctest reads after the discovery.
 function(tet_discover_tests name timeout labels thorough)
-  gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
+  gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 600 NO_PRETTY_VALUES
     PROPERTIES TIMEOUT ${timeout})
   list(TRANSFORM labels REPLACE "^fast$" thorough OUTPUT_VARIABLE thorough_labels)
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)

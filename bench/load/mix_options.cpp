@@ -11,6 +11,7 @@
 #include <absl/strings/strip.h>
 
 #include "client/command/mesh_input.h"
+#include "client/library/wire_request.h"
 
 namespace tet::load {
 namespace {

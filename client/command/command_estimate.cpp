@@ -15,7 +15,8 @@
 #include "client/command/stopwatch.h"
 #include "client/library/mesh_client.h"
 #include "core/base/parallel.h"
-#include "core/plan/fill_estimate.h"
+#include "core/plan/make/fill_estimate.h"
+#include "core/plan/make/plan_mesh.h"
 
 namespace tet {
 namespace {
@@ -50,7 +51,7 @@ absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
   request->improve = false;  // counts are the same, and it would make the mesh
   bar.begin("counting");
   Stopwatch watch;
-  const auto plan = plan_mesh(*shape, *request, MeshLimits{}, interruption, nullptr);
+  const auto plan = plan_mesh({.shape = *shape, .request = *request}, interruption);
   if (!plan.ok()) return plan.status();
   const double seconds = watch.lap();
   const MeshHeader& header = (*plan)->header();

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/command/command.h"
-#include "client/command/read_grids.h"
+#include "client/library/read_grids.h"
 
 namespace tet {
 namespace {

@@ -6,7 +6,7 @@
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
 #include "core/base/parallel.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 
 namespace tet {
 
@@ -28,8 +28,8 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     std::call_once(planned, [&] { bar.begin("meshing"); });
     bar.update(fraction, 1);
   };
-  absl::StatusOr<MeshResult> result =
-      mesh_volume(pool, *std::move(input), *request, MeshLimits{}, interruption, show);
+  absl::StatusOr<MeshResult> result = mesh_volume(
+      pool, {.shape = *std::move(input), .request = *request, .progress = show}, interruption);
   if (!result.ok()) return result.status();
   MadeMesh made{.mesh = std::move(result->mesh),
                 .quality = result->quality,

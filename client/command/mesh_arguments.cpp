@@ -8,9 +8,10 @@
 
 #include "client/command/field_options.h"
 #include "client/command/mesh_input.h"
-#include "client/command/read_grids.h"
+#include "client/command/option_rules.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
+#include "client/library/read_grids.h"
 
 namespace tet {
 namespace {
@@ -28,30 +29,27 @@ absl::Status check_sizing_grid(const MeshOptions& options) {
 }
 
 /// Checks --all-grids as far as that is possible while the grids are not known.
-absl::Status check_all_grids(const MeshOptions& options) {
-  if (!options.all_grids) return absl::OkStatus();
-  if (is_scene_file(options.input) || is_surface_file(options.input)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
-  }
-  return absl::OkStatus();
+absl::Status check_all_grids_option(const MeshOptions& options) {
+  if (!options.all_grids || !is_surface_file(options.input)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
 }
 
-Features features_of(const MeshOptions& options) {
-  const bool names_grids_twice = options.all_grids && !options.grids.empty();
-  return features_of(options.request)
-      .add(Feature::kGridName, options.grids.size() == 1 || names_grids_twice)
-      .add(Feature::kSeveralGrids, options.has_several_grids())
-      .add(Feature::kScene, is_scene_file(options.input))
-      .add(Feature::kPacked, options.packed)
-      .add(Feature::kCompact, options.compact);
+MeshInput input_of(const MeshOptions& options) {
+  return {options.input, options.grids, options.voxel};
 }
 
 /// What excludes what is the same here as on a server.
-absl::Status check_rules(const MeshOptions& options) {
+absl::Status check_option_rules(const MeshOptions& options) {
+  const bool names_grids_twice = options.all_grids && !options.grids.empty();
+  const Features features = features_of(options.request, input_of(options))
+                                .add(Feature::kGridName, names_grids_twice)
+                                .add(Feature::kSeveralGrids, options.all_grids)
+                                .add(Feature::kPacked, options.packed)
+                                .add(Feature::kCompact, options.compact);
   FeatureNames names = option_names(options.request);
   if (options.all_grids) names.set(Feature::kSeveralGrids, "--all-grids");
-  return check_features(features_of(options), names);
+  return check_features(features, names);
 }
 
 absl::Status check_trust(const MeshOptions& options) {
@@ -94,11 +92,9 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 }
 
 absl::Status check_input(const MeshOptions& options) {
-  absl::Status status = check_rules(options);
-  if (status.ok()) {
-    status = check_mesh_input({options.input, options.grids, options.voxel});
-  }
-  if (status.ok()) status = check_all_grids(options);
+  absl::Status status = check_option_rules(options);
+  if (status.ok()) status = check_mesh_input(input_of(options));
+  if (status.ok()) status = check_all_grids_option(options);
   if (status.ok()) status = check_sizing_grid(options);
   if (status.ok()) status = check_field_files(options.request.fields, options.input);
   if (status.ok()) status = check_trust(options);

@@ -8,6 +8,7 @@
 #include "client/command/mesh_input.h"
 #include "client/command/request_options.h"
 #include "client/command/scene_input.h"
+#include "client/library/wire_request.h"
 
 namespace tet {
 namespace {

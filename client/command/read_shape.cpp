@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "client/command/read_grids.h"
 #include "client/command/request_options.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
+#include "client/library/read_grids.h"
 
 namespace tet {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "client/command/field_options.h"
 #include "core/plan/joined/joined_plan.h"
-#include "proto/convert/request.h"
 
 namespace tet {
 namespace {
@@ -58,32 +57,6 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
       ->allow_extra_args(false);
 }
 
-FeatureNames option_names(const MeshRequest& request) {
-  FeatureNames names({"the input",
-                      "--grid",
-                      "several --grid",
-                      "a scene",
-                      "--iso",
-                      "--preset both-sides",
-                      "--box",
-                      "--manifold",
-                      "--sizing",
-                      "the sizing's grid",
-                      "the sizing's grade_surface",
-                      "--improve",
-                      "--field",
-                      "--coordinates float64",
-                      "--skip-statistics",
-                      "a range of chunks",
-                      "--packed",
-                      "--compact",
-                      "an earlier mesh",
-                      "a session",
-                      "a job"});
-  if (request.iso) names.set(Feature::kIso, absl::StrFormat("--iso %g", *request.iso));
-  return names;
-}
-
 absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids) {
   if (grids.empty()) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -111,23 +84,10 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);
-  const bool several = arguments.grids.size() > 1;
-  const Features features = features_of(request).add(Feature::kSeveralGrids, several);
-  absl::Status status = check_features(features, option_names(request));
-  if (status.ok() && several) status = check_grids(arguments.grids);
-  if (!status.ok()) return status;
+  if (arguments.grids.size() > 1) {
+    if (auto status = check_grids(arguments.grids); !status.ok()) return status;
+  }
   return request;
-}
-
-v1::MeshRequest wire_request(const MeshRequest& request,
-                             const std::string& name,
-                             const std::vector<std::string>& grids) {
-  v1::MeshRequest message;
-  message.set_name(name);
-  if (grids.size() == 1) message.set_grid_name(grids.front());
-  if (grids.size() > 1) message.mutable_grid_names()->Assign(grids.begin(), grids.end());
-  to_proto(request, message);
-  return message;
 }
 
 }  // namespace tet

@@ -9,9 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/command/sizing_input.h"
-#include "client/library/mesh_client.h"
 #include "core/plan/mesh_request.h"
-#include "core/plan/request_rules.h"
 
 namespace CLI {
 class App;
@@ -39,18 +37,9 @@ void describe_request(CLI::App& app, RequestArguments& arguments);
 /// (there are none), kInvalidArgument (too many).
 absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids);
 
-/// What the options call the features of a request, with the values that it has.
-FeatureNames option_names(const MeshRequest& request);
-
 /// The grids of its sizing and its fields are not loaded: see read_sizing and
 /// understand_fields. Errors: kInvalidArgument (options that do not go together), and those of
 /// the two.
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments);
-
-/// Makes the request that a server understands, which stores the input under `name` and the
-/// files of fields under the names that these have. One grid is meshed alone, several together.
-v1::MeshRequest wire_request(const MeshRequest& request,
-                             const std::string& name,
-                             const std::vector<std::string>& grids);
 
 }  // namespace tet

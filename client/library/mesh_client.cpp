@@ -9,6 +9,7 @@
 #include "client/library/mesh_receiver.h"
 #include "client/library/receive_mesh.h"
 #include "client/library/remesh_session.h"
+#include "client/library/served_chunks.h"
 #include "client/library/upload.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/wire/serialized.h"
@@ -145,6 +146,14 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
                                                      StreamOptions options) {
   return receive_mesh(*connection_, stream_call(stream_request(request, options)),
                       MeshReceiver(nullptr, std::move(options.used)), progress, cancellation);
+}
+
+std::unique_ptr<ChunkSupply> MeshClient::stream_chunks(const v1::MeshRequest& request,
+                                                       const ClientProgress& progress,
+                                                       const Cancellation& cancellation,
+                                                       const StreamOptions& options) {
+  return std::make_unique<ServedChunks>(connection_, stream_request(request, options), progress,
+                                        cancellation);
 }
 
 absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& request,

@@ -24,6 +24,7 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
+class ChunkSupply;
 class Connection;
 class RemeshSession;
 
@@ -117,6 +118,14 @@ class MeshClient {
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation,
                                            StreamOptions options = {});
+
+  /// Receives the mesh chunk by chunk, as they are asked for: see chunk_supply.h. Whoever does
+  /// not ask for the next holds the server back, and lets it stop by giving the supply up.
+  /// Nothing is sent before the first call of a member. `cancellation` outlives the supply.
+  std::unique_ptr<ChunkSupply> stream_chunks(const v1::MeshRequest& request,
+                                             const ClientProgress& progress,
+                                             const Cancellation& cancellation,
+                                             const StreamOptions& options = {});
 
   /// Receives the mesh that stream_mesh would, byte for byte, where `earlier` was made by the
   /// same request of another grid: what did not change is taken from it, and only the rest is

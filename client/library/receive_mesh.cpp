@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "client/library/raw_call.h"
-
 namespace tet {
 
 namespace {
@@ -14,32 +12,16 @@ void tell(const std::function<void(std::uint64_t, std::uint64_t)>& listener,
   if (listener) listener(done, total);
 }
 
-/// One stream, from the first chunk that is missing on.
-absl::Status receive_once(const ServerChannel& channel,
-                          const StreamCall& what,
-                          const Cancellation& cancellation) {
-  ClientCall call(channel, cancellation);
-  RawCall stream(channel.channel(), call.context(), what.service, what.method);
-  stream.write_last(what.request());
-  absl::Status taken;
-  for (grpc::ByteBuffer event; taken.ok() && stream.read(event);) taken = what.take(event);
-  if (!taken.ok()) call.context().TryCancel();
-  absl::Status ended = call.result(stream.finish());
-  if (!taken.ok()) return taken;
-  if (!ended.ok() || what.complete()) return ended;
-  return absl::UnavailableError("the stream ended before all of it had come");
-}
-
 }  // namespace
 
 absl::Status receive_stream(Connection& connection,
-                            const StreamCall& call,
+                            StreamCall call,
                             const Cancellation& cancellation) {
-  for (Retries retries = connection.begin(cancellation);;) {
-    const ServerChannel& server = connection.server();
-    absl::Status status = receive_once(server, call, cancellation);
-    if (call.complete()) return absl::OkStatus();
-    if (!connection.again(retries, server, status, call.next_chunk())) return status;
+  EventStream events(connection, std::move(call), cancellation);
+  for (;;) {
+    const absl::StatusOr<bool> more = events.step();
+    if (!more.ok()) return more.status();
+    if (!*more) return absl::OkStatus();
   }
 }
 

@@ -1,7 +1,6 @@
 // A mesh from as many streams as it takes, whichever call they come from.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -9,25 +8,16 @@
 #include <grpcpp/support/byte_buffer.h>
 
 #include "client/library/connection.h"
+#include "client/library/event_stream.h"
 #include "client/library/mesh_client.h"
 #include "client/library/mesh_receiver.h"
 #include "core/base/cancel.h"
 
 namespace tet {
 
-/// A call that is answered with a stream of MeshEvents, and whoever takes them.
-struct StreamCall {
-  std::string service, method;                ///< as in their .proto file
-  std::function<grpc::ByteBuffer()> request;  ///< for what is missing
-  std::function<absl::Status(grpc::ByteBuffer&)> take;
-  std::function<bool()> complete;
-  std::function<std::uint64_t()> next_chunk;  ///< the first that is missing
-};
-
-/// Receives until the call is complete; a stream that breaks is resumed at the first chunk that
-/// is missing. Errors: the server's own, and those of `take`.
+/// Takes all events of a call. Errors: those of EventStream::step.
 absl::Status receive_stream(Connection& connection,
-                            const StreamCall& call,
+                            StreamCall call,
                             const Cancellation& cancellation);
 
 /// A call whose events are a mesh, which a MeshReceiver takes.

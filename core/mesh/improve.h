@@ -6,6 +6,7 @@
 
 #include "core/base/cancel.h"
 #include "core/field/phi_field.h"
+#include "core/mesh/improvement.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -14,14 +15,6 @@ namespace tet {
 /// Angles that need no improvement. The whole time goes into those outside, so a wider goal is
 /// quicker; with this one meshes of resolved solids end above 20 degrees.
 inline constexpr double kGoodMinDihedralDeg = 22, kGoodMaxDihedralDeg = 140;
-
-/// Angles are those of the whole mesh.
-struct Improvement {
-  double min_dihedral_before_deg = 180;
-  double max_dihedral_before_deg = 0;
-  std::uint64_t moved_vertices = 0;
-  double seconds = 0;
-};
 
 /// What is known of each vertex of a mesh; nothing where it is empty.
 struct KnownOfVertices {

@@ -10,27 +10,28 @@
 #include <absl/strings/str_format.h>
 
 #include "core/lattice/bcc.h"
-#include "core/octree/sized_cells.h"
-#include "core/octree/surface_sizes.h"
-#include "core/plan/brick/survey.h"
+#include "core/octree/sizing.h"
 #include "core/scene/scene.h"
+#include "core/stuffing/stuffed_brick.h"
+#include "core/stuffing/surface_topology.h"
 
 namespace tet {
-
 namespace {
 
-/// An octree's brick with its nodes and counts.
-constexpr double kBytesPerBrick = 400;
-
-/// Estimates of tets are high by up to so much.
-constexpr double kSlack = 8;
+/// Memory that a surveyed brick takes until the mesh is made, bytes: it may be held twice while
+/// columns grow.
+constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexcept {
+  const std::uint64_t fans = rules.both_sides ? sizeof(FanMasks) : 0;
+  return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) +
+              sizeof(SurfaceCounts) + sizeof(SurfaceSheet) + fans);
+}
 
 /// Bricks near the surface, and bricks inside.
 struct BrickEstimate {
   double surface = 0, inside = 0;
 };
 
-/// Of a scene, those of a box around it: nothing is known of what is in there.
+/// A scene has those of a box around it: nothing is known of what is in there.
 BrickEstimate estimate_bricks(const Scene& scene, const MeshRequest& request, double spacing) {
   const auto& [min, max] = request.box ? *request.box : scene.extent;
   const double brick = kBrickEdge * spacing;
@@ -77,42 +78,6 @@ double sized_bricks(const Sizing& sizing, double surface_bricks) {
   return bricks;
 }
 
-/// As many leaves as a sizing may ask for: somewhat more than a mesh within the limits has.
-double most_leaves(const MeshLimits& limits) {
-  return std::min(kSlack * static_cast<double>(limits.max_tets) / kTetShapes,
-                  static_cast<double>(limits.max_plan_bytes) / kBytesPerBrick * kBrickCells);
-}
-
-/// Small leaves along the surface, because larger ones may only come far behind
-/// it, or in its shells.
-absl::Status check_layers_budget(const Sizing& sizing,
-                                 const LeafRules& rules,
-                                 const FoundBricks& found,
-                                 const MeshLimits& limits) {
-  const double area = static_cast<double>(found.near_surface.size()) * kBrickEdge * kBrickEdge;
-  const auto cells_within = [&](double depth) {
-    return std::min(area * depth, found.inside_cells);
-  };
-  const double most = most_leaves(limits);
-  const bool finest_at_surface = !sizing.grade_surface;
-  const double layered = finest_at_surface && rules.layers > 1 ? cells_within(rules.layers) : 0;
-  if (layered > most) {
-    return absl::ResourceExhaustedError(absl::StrFormat(
-        "sizing.growth keeps %d layers of the finest leaves, about %.3g along this surface; "
-        "there may be %.3g. Let leaves grow faster, or use a larger spacing",
-        rules.layers, layered, most));
-  }
-  for (const auto& [level, depth] : rules.shells) {
-    const double leaves = cells_within(depth) / std::ldexp(1, 3 * (level - 1));
-    if (leaves <= most) continue;
-    return absl::ResourceExhaustedError(absl::StrFormat(
-        "a shell of sizing.regions has about %.3g leaves; there may be %.3g. Use a larger size "
-        "or less depth",
-        leaves, most));
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
@@ -141,7 +106,7 @@ absl::Status check_inside_budget(const FoundBricks& found,
   const double leaves = std::ldexp(found.inside_cells, -3 * levels);
   const double tets = leaves * kTetShapes;
   // Bricks near the surface count as full here: thin walls are eightfold.
-  if (tets > kSlack * static_cast<double>(limits.max_tets)) {
+  if (tets > kTetSlack * static_cast<double>(limits.max_tets)) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "with levels %d the mesh would have about %.3g tets; the limit is %d. Mesh with more "
         "levels or a larger spacing",
@@ -198,38 +163,6 @@ absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits
       "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "
       "spacing, or mesh without improvement",
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
-}
-
-namespace {
-
-void refine_more(LeafRules& rules, const std::vector<CellSet>& more) {
-  rules.refined.resize(std::max(rules.refined.size(), more.size()));
-  for (std::size_t level = 0; level < more.size(); ++level) {
-    unite(rules.refined[level], more[level]);
-  }
-}
-
-}  // namespace
-
-absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
-                                            const Sizing& sizing,
-                                            const PhiField& field,
-                                            const FoundBricks& found,
-                                            const OctreeCover& cover,
-                                            int levels,
-                                            const Cancellation& cancellation) {
-  if (levels == 0) return LeafRules{};
-  absl::StatusOr<LeafRules> rules =
-      leaf_rules(sizing, field, cover, levels, most_leaves(limits), cancellation);
-  if (!rules.ok()) return rules;
-  if (sizing.sizes_surface()) {
-    refine_more(*rules, surface_cells_to_refine(sizing, field, found.near_surface,
-                                                rules->max_levels, cancellation));
-  }
-  if (auto status = check_layers_budget(sizing, *rules, found, limits); !status.ok()) {
-    return status;
-  }
-  return rules;
 }
 
 }  // namespace tet

@@ -4,19 +4,19 @@
 #include <cstddef>
 
 #include <absl/status/status.h>
-#include <absl/status/statusor.h>
 
-#include "core/base/cancel.h"
 #include "core/field/find_bricks.h"
-#include "core/field/phi_field.h"
 #include "core/mesh/tet_mesh.h"
-#include "core/octree/leaf_rules.h"
-#include "core/octree/sizing.h"
 #include "core/plan/mesh_request.h"
 #include "core/plan/shape.h"
-#include "core/stuffing/stuffed_brick.h"
+#include "core/stuffing/stuffing_rules.h"
 
 namespace tet {
+
+/// Estimates of tets are high by up to so much.
+inline constexpr double kTetSlack = 8;
+/// Memory that an octree's brick takes with its nodes and counts, bytes.
+inline constexpr double kBytesPerBrick = 400;
 
 /// About how many bricks planning looks at, from a few of the shape's numbers: to tell long
 /// work from short before any is done. Bricks of the inside count as the few surface bricks
@@ -44,15 +44,5 @@ absl::Status check_plan_budget(const FoundBricks& found,
 
 /// An improvement for which the mesh could not be kept.
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits);
-
-/// How large the leaves of `cover` may be. Errors: kResourceExhausted (a sizing that asks for
-/// more small leaves than a mesh within the limits has).
-absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
-                                            const Sizing& sizing,
-                                            const PhiField& field,
-                                            const FoundBricks& found,
-                                            const OctreeCover& cover,
-                                            int levels,
-                                            const Cancellation& cancellation);
 
 }  // namespace tet

@@ -7,7 +7,6 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/plan/brick/counted_mesh.h"
 #include "core/volume/to_voxel.h"
 
 namespace tet {
@@ -65,20 +64,6 @@ VoxelBox corner_box(const BrickBox& domain) {
   const auto corner = [](BrickCoord b) { return VoxelCoord{8 * b.x, 8 * b.y, 8 * b.z}; };
   const BrickCoord last = domain.max;
   return {corner(domain.min), corner({last.x + 1, last.y + 1, last.z + 1})};
-}
-
-VoxelBox corner_box(const CountedMesh& mesh) {
-  VoxelBox box{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
-  const auto& bricks = mesh.tree().levels[0].bricks;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    if (mesh.first_vertex(i + 1) == mesh.first_vertex(i)) continue;
-    const BrickCoord b = bricks[i];
-    box.min = {std::min(box.min.x, 8 * b.x), std::min(box.min.y, 8 * b.y),
-               std::min(box.min.z, 8 * b.z)};
-    box.max = {std::max(box.max.x, 8 * b.x + 8), std::max(box.max.y, 8 * b.y + 8),
-               std::max(box.max.z, 8 * b.z + 8)};
-  }
-  return box;
 }
 
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept {

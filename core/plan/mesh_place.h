@@ -12,12 +12,8 @@
 
 namespace tet {
 
-class CountedMesh;
-
 /// The corners at the ends of a domain.
 VoxelBox corner_box(const BrickBox& domain);
-/// Finest-level bricks that hold vertices, as a box of lattice corners.
-VoxelBox corner_box(const CountedMesh& mesh);
 
 /// Whether float32 coordinates from `origin` on would bend the angle bounds of a mesh.
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept;

@@ -10,12 +10,12 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/base/quality.h"
+#include "core/base/quality_stats.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/octree/sizing.h"
 #include "core/plan/shape.h"
 #include "core/plan/vertex_field.h"
-#include "core/stuffing/stuffed_brick.h"
+#include "core/stuffing/stuffing_rules.h"
 
 namespace tet {
 
@@ -69,7 +69,7 @@ bool is_made_whole(const MeshRequest& request);
 /// The array that says in which faces of the box a vertex lies: CutFaces, as a number.
 inline constexpr char kCutFaceArray[] = "cut_face";
 
-/// Of a mesh's vertices: the request's fields, which are loaded, then that of a cut.
+/// The arrays of a mesh: those of the request's fields, which are loaded, then that of a cut.
 std::vector<FieldArray> arrays_of(const MeshRequest& request);
 
 /// A chunk's columns are cut to stay within this many bytes together, the size that travels

@@ -40,7 +40,7 @@ absl::Status check_spacing(const PhiField& field) {
                       field.spacing_voxels, kMaxSpacingVoxels));
 }
 
-/// Both sides of a domain, or the inside alone, which must have an end, or be given one.
+/// Finds whether both sides of a domain are meshed, or the inside, which must have an end.
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                                      const MeshRequest& request,
                                      const MeshLimits& limits) {

@@ -1,4 +1,4 @@
-// What is surveyed for a mesh: its field, its space, and the bricks to look at.
+// What is looked at for a mesh: its field, its space, and the bricks of its surface.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -6,8 +6,8 @@
 #include "core/base/cancel.h"
 #include "core/field/find_bricks.h"
 #include "core/field/phi_field.h"
-#include "core/plan/brick/survey.h"
 #include "core/plan/mesh_request.h"
+#include "core/plan/meshed_space.h"
 #include "core/plan/shape.h"
 
 namespace tet {

@@ -6,16 +6,8 @@
 #include <vector>
 
 #include "core/base/types.h"
-#include "core/stuffing/thin_walls.h"
-#include "core/volume/volume.h"
 
 namespace tet {
-
-/// A brick with thin spots.
-struct ThinBrick {
-  BrickCoord brick;
-  ThinSpots spots;
-};
 
 /// Where the lattice cannot resolve the walls of a surface: there the mesh may have holes,
 /// crumbs or bridges that the surface has not. Lengths and boxes in world units.
@@ -38,9 +30,5 @@ struct ThinWalls {
 
   bool any() const noexcept { return inside + outside > 0; }
 };
-
-/// Gathers what the survey found; `bricks` sorted, `lattice` in units of the spacing.
-ThinWalls gather_thin_walls(const std::vector<ThinBrick>& bricks,
-                            const VoxelTransform& lattice);
 
 }  // namespace tet

@@ -31,10 +31,10 @@ inline constexpr char kFieldsField[] = "fields";
 // Each is OK or kInvalidArgument, and the message begins with the field that is wrong, as
 // `fields[3].name`, and says its value and what it may be.
 
-/// As far as names are known: a grid's is when it is loaded.
+/// Checks the names as far as they are known: a grid's is known when it is loaded.
 absl::Status check_fields(std::span<const VertexField> fields);
 
-/// That all of them are loaded, too.
+/// Checks that all of them are loaded, too.
 absl::Status check_loaded_fields(std::span<const VertexField> fields);
 
 /// The arrays that they become; they are loaded.

@@ -9,20 +9,13 @@
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
 #include "core/stuffing/stencil.h"
+#include "core/stuffing/stuffing_rules.h"
 #include "core/stuffing/warp.h"
 
 namespace tet {
 
 /// Cells whose tets reach a brick.
 inline constexpr HaloSet kCellsAround = halo_cube(kNodeMin, 7);
-
-/// What a preset stands for.
-struct StuffingRules {
-  WarpLimits limits;
-  bool both_sides = false;  ///< the outside is meshed too
-
-  friend bool operator==(const StuffingRules&, const StuffingRules&) = default;
-};
 
 /// Signs of a brick's own nodes after the warp, and its own cut points. All other nodes are
 /// `-`.

@@ -8,16 +8,9 @@
 #include "core/base/brick_mask.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
+#include "core/stuffing/stuffing_rules.h"
 
 namespace tet {
-
-/// A cut point closer to a node than this share of its edge's length violates the node.
-struct WarpLimits {
-  float alpha_long = 0.25F;
-  float alpha_short = 0.35F;
-
-  friend bool operator==(const WarpLimits&, const WarpLimits&) = default;
-};
 
 /// The lattice after the warp; sets are valid for nodes in [kNodeMin, kNodeMax]^3.
 ///

@@ -8,7 +8,8 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/byte_coding.h"
-#include "core/base/parallel.h"
+#include "core/plan/brick/fill_brick.h"
+#include "core/plan/mesh_workspace.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cut_tet.h"
 
@@ -298,15 +299,22 @@ absl::StatusOr<CountedMesh> CompactBricks::count(const StuffingRules& rules) && 
   return mesh;
 }
 
-void encode_bricks(const CountedMesh& mesh,
-                   const PhiField& field,
-                   std::size_t begin,
-                   std::size_t end,
-                   StuffingWorkspace& workspace,
-                   std::vector<std::byte>& bytes) {
+CompactFrame compact_frame(const BrickPlan& plan) {
+  return {plan.to_world(), plan.counted().mesh.rules()};
+}
+
+void encode_chunk(const BrickPlan& plan,
+                  std::uint64_t index,
+                  MeshWorkspace& workspace,
+                  std::vector<std::byte>& bytes) {
+  const ComparedMesh counted = plan.counted();
+  const auto [begin, end] = plan.bricks_of_chunk(index);
   Writer(bytes).varint(end - begin);
-  BrickEncoder encoder(mesh, field, workspace, bytes);
-  for (std::size_t brick = begin; brick < end; ++brick) encoder.write(mesh.place(brick));
+  BrickEncoder encoder(counted.mesh, counted.field, workspace.get<BrickScratch>().stuffing,
+                       bytes);
+  for (std::size_t brick = begin; brick < end; ++brick) {
+    encoder.write(counted.mesh.place(brick));
+  }
 }
 
 }  // namespace tet

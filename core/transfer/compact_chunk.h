@@ -10,19 +10,26 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/plan/brick/counted_mesh.h"
-#include "core/plan/brick/survey.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/plan/brick/brick_plan.h"
+#include "core/stuffing/stuffing_rules.h"
 
 namespace tet {
 
-/// Appends bricks [begin, end) of a mesh to `bytes`. They depend on (volume, request, range)
-/// alone.
-void encode_bricks(const CountedMesh& mesh,
-                   const PhiField& field,
-                   std::size_t begin,
-                   std::size_t end,
-                   StuffingWorkspace& workspace,
-                   std::vector<std::byte>& bytes);
+/// What compact chunks leave out because all of them share it: where the lattice of their mesh
+/// lies, and how it was stuffed.
+struct CompactFrame {
+  LatticeToWorld to_world;
+  StuffingRules rules;
+};
+
+CompactFrame compact_frame(const BrickPlan& plan);
+
+/// Appends one chunk of a plan to `bytes`. They depend on (shape, request, index) alone.
+void encode_chunk(const BrickPlan& plan,
+                  std::uint64_t index,
+                  MeshWorkspace& workspace,
+                  std::vector<std::byte>& bytes);
 
 /// What compact chunks say of a mesh, gathered in the order of the chunks.
 class CompactBricks {
@@ -48,7 +55,7 @@ class CompactBricks {
   bool both_sides_;
   std::vector<std::size_t> first_brick_{0};
   std::vector<OctreeLevel> levels_;
-  // Of surface bricks. Cut edges follow when all are there: they take most of a StuffedBrick.
+  // Surface bricks have these until all are there: cut edges take most of a StuffedBrick.
   struct Signs {
     NodeMasks plus, zero;
   };

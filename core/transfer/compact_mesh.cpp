@@ -16,6 +16,7 @@
 #include "core/base/scratch_pool.h"
 #include "core/lattice/reach.h"
 #include "core/plan/brick/fill_brick.h"
+#include "core/plan/mesh_workspace.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cut_tet.h"
 
@@ -106,7 +107,7 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
     const ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
     for (std::size_t chunk = begin; chunk < end && !cancellation.requested(); ++chunk) {
       BrickFiller filler(*counted, field, header, frame.to_world, statistics,
-                         workspace->impl());
+                         workspace->get<BrickScratch>());
       for (std::size_t i = first_brick[chunk]; i < first_brick[chunk + 1]; ++i) {
         const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
         const ChunkColumns columns =

@@ -4,8 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/plan/fill_mesh.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/make/fill_mesh.h"
 #include "core/transfer/compact_chunk.h"
 
 namespace tet {

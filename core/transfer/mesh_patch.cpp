@@ -8,7 +8,7 @@ namespace {
 /// Cuts ranges of bricks so that each stays within a chunk's bytes, if it is more than one
 /// brick.
 std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
-                                          const MeshPlan& plan) {
+                                          const BrickPlan& plan) {
   std::vector<BrickRange> cut;
   for (const BrickRange& range : ranges) {
     cut.push_back({range.begin, range.begin});
@@ -30,13 +30,12 @@ std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
 
 }  // namespace
 
-std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
-                                                    std::shared_ptr<const MeshPlan> mesh) {
-  if (!earlier.has_bricks() || !mesh->has_bricks()) return nullptr;
-  const ComparedMesh before = earlier.counted(), now = mesh->counted();
+std::shared_ptr<const MeshPatch> MeshPatch::between(
+    const std::shared_ptr<const BrickPlan>& earlier, std::shared_ptr<const BrickPlan> mesh) {
+  if (earlier == nullptr || mesh == nullptr) return nullptr;
+  const ComparedMesh before = earlier->counted(), now = mesh->counted();
   // Whether a field's values changed, too, nobody has compared.
-  if (earlier.improvement() || mesh->improvement() ||
-      !can_splice(earlier.header(), mesh->header()) ||
+  if (!can_splice(earlier->header(), mesh->header()) ||
       before.mesh.rules() != now.mesh.rules()) {
     return nullptr;
   }
@@ -46,7 +45,7 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(const MeshPlan& earlier,
       new MeshPatch(std::move(mesh), std::move(difference)));
 }
 
-MeshPatch::MeshPatch(std::shared_ptr<const MeshPlan> mesh, MeshDifference difference)
+MeshPatch::MeshPatch(std::shared_ptr<const BrickPlan> mesh, MeshDifference difference)
     : mesh_(std::move(mesh)), difference_(std::move(difference)) {}
 
 ChunkExtent MeshPatch::extent(std::uint64_t patch) const noexcept {

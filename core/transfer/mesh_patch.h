@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/mesh/splice.h"
+#include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/mesh_difference.h"
-#include "core/plan/mesh_plan.h"
 
 namespace tet {
 
@@ -15,10 +15,11 @@ namespace tet {
 /// the kept parts are the whole mesh, byte for byte. Immutable: any thread may call any member.
 class MeshPatch {
  public:
-  /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Nothing where no part
-  /// can be kept: other rules, types, spacing or origin, or improved positions.
-  static std::shared_ptr<const MeshPatch> between(const MeshPlan& earlier,
-                                                  std::shared_ptr<const MeshPlan> mesh);
+  /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Null where no part can
+  /// be kept: one of them is null (see as_bricks), or they have other rules, types, spacings or
+  /// origins.
+  static std::shared_ptr<const MeshPatch> between(
+      const std::shared_ptr<const BrickPlan>& earlier, std::shared_ptr<const BrickPlan> mesh);
 
   const KeptParts& kept() const noexcept { return difference_.kept; }
 
@@ -31,9 +32,9 @@ class MeshPatch {
                     ChunkColumns columns) const noexcept;
 
  private:
-  MeshPatch(std::shared_ptr<const MeshPlan> mesh, MeshDifference difference);
+  MeshPatch(std::shared_ptr<const BrickPlan> mesh, MeshDifference difference);
 
-  std::shared_ptr<const MeshPlan> mesh_;
+  std::shared_ptr<const BrickPlan> mesh_;
   MeshDifference difference_;
 };
 

@@ -31,8 +31,9 @@ constexpr std::chrono::seconds kStartTime{10};
 /// How soon a cancellation is seen.
 constexpr std::chrono::milliseconds kPollInterval{20};
 
-/// Milliseconds in which a process that has closed its socket is gone.
-constexpr int kLastMoment = 200;
+/// A process that has closed its socket is gone in a moment, which a busy machine draws out:
+/// how it ended tells what was wrong with the file.
+constexpr std::chrono::seconds kLastMoment{5};
 
 absl::Status unavailable(const std::string& message) {
   return named_failure("DECODER_UNAVAILABLE", absl::UnavailableError(message));
@@ -66,12 +67,6 @@ absl::StatusOr<SocketPair> make_sockets() {
   return SocketPair{Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-/// Whether the process ends of itself within a moment: its socket closes a little earlier.
-bool ends_by_itself(const Descriptor& process) {
-  pollfd end{process.number(), POLLIN, 0};
-  return ::poll(&end, 1, kLastMoment) > 0;
-}
-
 /// Ends the process if it has not ended, and tells how it did.
 siginfo_t end_process(const Descriptor& process) {
   ::syscall(SYS_pidfd_send_signal, process.number(), SIGKILL, nullptr, 0);
@@ -87,6 +82,16 @@ int poll_timeout(Clock::time_point deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
   return static_cast<int>(
       std::clamp(left, std::chrono::milliseconds(0), kPollInterval).count());
+}
+
+/// Whether the process ends of itself within a moment: its socket closes a little earlier.
+bool ends_by_itself(const Descriptor& process, const std::function<bool()>& cancelled) {
+  const Clock::time_point last = Clock::now() + kLastMoment;
+  pollfd end{process.number(), POLLIN, 0};
+  while (::poll(&end, 1, poll_timeout(last)) <= 0) {
+    if (Clock::now() >= last || (cancelled && cancelled())) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -163,7 +168,7 @@ absl::StatusOr<SealedBlock> Decoder::decode(const DecodeOrder& order,
       break;
   }
   const std::optional<absl::Status> answer = receive_answer(socket_.number());
-  if (!answer) return explain_death(order);
+  if (!answer) return explain_death(order, end.cancelled);
   if (!answer->ok()) return *answer;
   absl::StatusOr<SealedBlock> block =
       SealedBlock::map(result->number(), order.limits.result_bytes);
@@ -174,8 +179,9 @@ absl::StatusOr<SealedBlock> Decoder::decode(const DecodeOrder& order,
   return block;
 }
 
-absl::Status Decoder::explain_death(const DecodeOrder& order) {
-  const bool ended = ends_by_itself(process_);
+absl::Status Decoder::explain_death(const DecodeOrder& order,
+                                    const std::function<bool()>& cancelled) {
+  const bool ended = ends_by_itself(process_, cancelled);
   const siginfo_t how = end_process(process_);
   process_.close();
   if (!ended) {

@@ -66,7 +66,7 @@ class Decoder {
   static absl::StatusOr<Decoder> watch(pid_t pid, Descriptor socket);
   Event wait(std::chrono::steady_clock::time_point deadline,
              const std::function<bool()>& cancelled) const;
-  absl::Status explain_death(const DecodeOrder& order);
+  absl::Status explain_death(const DecodeOrder& order, const std::function<bool()>& cancelled);
 
   pid_t pid_;
   Descriptor process_;  ///< a pidfd; closed once the process is reaped

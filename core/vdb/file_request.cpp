@@ -24,6 +24,9 @@ constexpr std::uint64_t kFlatFactor = 2;
 constexpr std::uint64_t kReadingFactor = 3;
 
 constexpr std::chrono::milliseconds kLeastTime{2000};
+/// By the clock a file may take this many times its processor time: a machine that is busy with
+/// other things is no fault of the file.
+constexpr int kClockFactor = 10;
 /// A tenth of what a slow machine reads a second, of a file and of what it unpacks to.
 constexpr std::uint64_t kFileBytesPerSecond = 10'000'000;
 constexpr std::uint64_t kMemoryBytesPerSecond = 50'000'000;
@@ -41,13 +44,11 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGri
   return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
 }
 
-std::chrono::milliseconds time_for(std::int64_t file_bytes,
-                                   const MemoryCharge& charge,
-                                   std::chrono::milliseconds max_time) {
+/// Returns how long a processor may work on the file.
+std::chrono::milliseconds time_for(std::int64_t file_bytes, const MemoryCharge& charge) {
   const std::uint64_t seconds = static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond +
                                 charge.reading / kMemoryBytesPerSecond;
-  return std::min<std::chrono::milliseconds>(kLeastTime + std::chrono::seconds(seconds),
-                                             max_time);
+  return kLeastTime + std::chrono::seconds(seconds);
 }
 
 DecodeLimits limits_of(const MemoryCharge& charge, std::chrono::milliseconds time) {
@@ -83,8 +84,9 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
   const OpenGridFile file{checked.file.number(), file_bytes, request.file_name};
   const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
   if (!charge.ok()) return charge.status();
-  checked.limit = time_for(file_bytes, *charge, max_time);
-  checked.order = {request.task,      limits_of(*charge, checked.limit),
+  const std::chrono::milliseconds time = time_for(file_bytes, *charge);
+  checked.limit = std::min(kClockFactor * time, max_time);
+  checked.order = {request.task,      limits_of(*charge, std::min(time, max_time)),
                    file_bytes,        request.file_name,
                    request.grid_name, request.component};
   return checked;

@@ -7,9 +7,10 @@
 
 namespace tet {
 
-/// `given` if it is not empty; else tetstream-decoder beside the running program, or in
-/// ../libexec/tetstream from there. Errors: kUnavailable (none is there; says where it was
-/// looked for).
+/// `given` if it is not empty; else tetstream-decoder beside the running program, in
+/// ../libexec/tetstream from there, or in libexec/tetstream beside a folder that the shared
+/// library with this code lies in (as in PREFIX/lib, and PREFIX/lib/x86_64-linux-gnu). Errors:
+/// kUnavailable (none is there; says where it was looked for).
 absl::StatusOr<std::string> find_decoder(const std::string& given);
 
 }  // namespace tet

@@ -4,9 +4,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/mesh/boundary.h"
-#include "core/mesh/improve.h"
-#include "core/mesh/quality.h"
+#include "core/base/quality_stats.h"
+#include "core/mesh/boundary_topology.h"
+#include "core/mesh/improvement.h"
 #include "core/plan/thin_walls.h"
 #include "tetstream/v1/meshes.pb.h"
 

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/check.h"
+#include "core/transfer/compact_chunk.h"
+#include "core/transfer/mesh_patch.h"
 #include "proto/convert/chunk_numbers.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/chunk_frame.h"
@@ -96,13 +99,13 @@ ChunkMessage make_columns(const ChunkSource& source,
   return message;
 }
 
-ChunkMessage make_compact(const MeshPlan& plan,
+ChunkMessage make_compact(const BrickPlan& plan,
                           std::uint64_t index,
                           ChunkMemory memory,
                           Held held) {
   const ChunkExtent extent = plan.chunk(index);
   std::vector<std::byte> bytes;
-  plan.encode_chunk(index, *ScratchPool<MeshWorkspace>::Turn(memory.workspaces), bytes);
+  encode_chunk(plan, index, *ScratchPool<MeshWorkspace>::Turn(memory.workspaces), bytes);
 
   v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, bytes)));
   chunk.set_compact(bytes.data(), bytes.size());
@@ -119,12 +122,18 @@ std::uint64_t ChunkSource::chunk_count() const {
   return patch ? patch->patch_count() : plan->header().chunk_count;
 }
 
+const BrickPlan& ChunkSource::bricks() const {
+  const BrickPlan* bricks = as_bricks(*plan);
+  TET_CHECK(bricks != nullptr);
+  return *bricks;
+}
+
 ChunkMessage make_chunk(const ChunkSource& source,
                         std::uint64_t index,
                         ChunkMemory memory,
                         std::shared_ptr<SendBudget::Lease> held) {
   return source.encoding == v1::ENCODING_COMPACT
-             ? make_compact(*source.plan, index, memory, std::move(held))
+             ? make_compact(source.bricks(), index, memory, std::move(held))
              : make_columns(source, index, memory, held);
 }
 

@@ -9,12 +9,15 @@
 #include "core/base/scratch_pool.h"
 #include "core/mesh/packed_chunk.h"
 #include "core/plan/mesh_plan.h"
-#include "core/transfer/mesh_patch.h"
+#include "core/plan/mesh_workspace.h"
 #include "proto/wire/block_pool.h"
 #include "server/meshing/send_budget.h"
 #include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
+
+class BrickPlan;
+class MeshPatch;
 
 namespace v1 = ::tetstream::v1;
 
@@ -25,6 +28,9 @@ struct ChunkSource {
   v1::Encoding encoding = v1::ENCODING_PLAIN;
 
   std::uint64_t chunk_count() const;
+  /// What compact chunks are made from: a request that asks for them of a mesh that has no
+  /// bricks is refused before anything is planned.
+  const BrickPlan& bricks() const;
 };
 
 struct ChunkMessage {

@@ -1,5 +1,7 @@
 #include "server/meshing/mesh_events.h"
 
+#include "core/plan/brick/brick_plan.h"
+#include "core/transfer/mesh_patch.h"
 #include "proto/convert/mesh_header.h"
 #include "proto/convert/mesh_parts.h"
 #include "proto/convert/statistics.h"
@@ -26,7 +28,7 @@ v1::MeshEvent header_event(const PlannedMesh& planned, const ChunkSource& source
         static_cast<std::int64_t>(source.patch->patch_count()));
   }
   if (source.encoding == v1::ENCODING_COMPACT) {
-    to_proto(source.plan->compact_frame().to_world, *header.mutable_lattice());
+    to_proto(source.bricks().to_world(), *header.mutable_lattice());
   }
   return event;
 }

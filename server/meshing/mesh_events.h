@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "core/mesh/quality.h"
-#include "core/plan/mesh_plan.h"
+#include "core/base/quality_stats.h"
+#include "core/plan/mesh_progress.h"
 #include "server/meshing/chunk_maker.h"
 #include "server/meshing/planner.h"
 

@@ -6,6 +6,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/plan/budget.h"
+#include "core/plan/make/plan_mesh.h"
 #include "core/vdb/decode_file.h"
 #include "proto/convert/scene_request.h"
 #include "proto/convert/status.h"
@@ -249,8 +250,13 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
   if (auto plan = plans_.recall(name)) return plan;
   running_.fetch_add(1);
-  auto plan = plan_mesh(job.shape, job.order.request, limits_, job.watch->cancellation,
-                        &job.watch->progress, before.blocks, before.earlier.get());
+  auto plan = plan_mesh({.shape = job.shape,
+                         .request = job.order.request,
+                         .limits = limits_,
+                         .progress = &job.watch->progress,
+                         .surveyed = before.blocks,
+                         .earlier = before.earlier.get()},
+                        job.watch->cancellation);
   running_.fetch_sub(1);
   give_back_free_memory();
   if (!plan.ok()) return plan.status();

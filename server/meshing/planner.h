@@ -14,6 +14,8 @@
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
 #include "core/plan/mesh_plan.h"
+#include "core/plan/mesh_progress.h"
+#include "core/plan/surveyed_blocks.h"
 #include "core/vdb/decoder_pool.h"
 #include "proto/convert/request.h"
 #include "server/grids/grid_store.h"

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/plan/fill_estimate.h"
+#include "core/plan/make/fill_estimate.h"
 #include "proto/convert/mesh_header.h"
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"

@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/transfer/mesh_patch.h"
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
@@ -77,7 +78,7 @@ void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
 
 void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
   source_ = {planned_.plan, nullptr, order_.encoding};
-  if (base != nullptr) source_.patch = MeshPatch::between(*base, planned_.plan);
+  source_.patch = MeshPatch::between(as_bricks(base), as_bricks(planned_.plan));
   // A patch has no compact form: its vertices may belong to tets that the client keeps.
   const bool is_compact = order_.encoding == v1::ENCODING_COMPACT;
   if (source_.patch != nullptr && is_compact) source_.encoding = v1::ENCODING_PACKED;

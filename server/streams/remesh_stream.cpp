@@ -7,6 +7,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/transfer/mesh_patch.h"
 #include "core/volume/replace_leaves.h"
 #include "proto/convert/request_rules.h"
 #include "proto/convert/status.h"
@@ -182,7 +183,7 @@ absl::Status RemeshStream::take_leaves(const v1::RemeshFrame& frame) {
   }
   const auto leaves = FrameLeaves::of(frame);
   if (!leaves.ok()) return leaves.status();
-  auto changed = replace_leaves(*source_.plan->counted().field.volume, leaves->leaves());
+  auto changed = replace_leaves(*volume_of(source_.plan->shape()), leaves->leaves());
   if (!changed.ok()) {
     return invalid_field(absl::StrCat("leaves: ", changed.status().message()));
   }
@@ -241,7 +242,7 @@ void RemeshStream::planned(absl::StatusOr<PlannedMesh> planned) {
   const std::shared_ptr<const MeshPlan> earlier = std::move(source_.plan);
   planned_ = *std::move(planned);
   source_ = {planned_.plan, nullptr};
-  if (earlier != nullptr) source_.patch = MeshPatch::between(*earlier, planned_.plan);
+  source_.patch = MeshPatch::between(as_bricks(earlier), as_bricks(planned_.plan));
   begin_chunks(absl::OkStatus(), 0, 0);
 }
 

@@ -34,7 +34,7 @@ class Rules(CommandTest):
     volumes = {"parts": 0.2}
 
     def test_are_those_of_the_document(self):
-        scene = self.out / "scene.json"
+        scene = self.inputs / "scene.json"
         scene.write_text(json.dumps({"nodes": [{"sphere": {"radius": 1}}]}))
         rows = ROW.findall(DOCUMENT.read_text())
         self.assertGreater(len(rows), 10)

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/mesh_receiver.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
 #include "proto/wire/transport.h"
 #include "tests/client/cutting_proxy.h"
@@ -38,8 +38,9 @@ class MeshClientTest : public ServiceTest {
     TaskPool pool(1);
     auto volume = load_volume(path, "");
     EXPECT_TRUE(volume.ok()) << volume.status();
-    auto result = mesh_volume(pool, std::make_shared<const Volume>(*std::move(volume)), request,
-                              {}, never_, {});
+    auto result = mesh_volume(
+        pool,
+        {.shape = std::make_shared<const Volume>(*std::move(volume)), .request = request});
     EXPECT_TRUE(result.ok()) << result.status();
     return *std::move(result);
   }

@@ -1,23 +1,21 @@
 #include "tests/hostile/server_process.h"
 
-#include <chrono>
 #include <csignal>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <spawn.h>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
+#include "tests/support/eventually.h"
+
 namespace tet::test {
 
 namespace {
-
-constexpr std::chrono::seconds kStartTime{10};
 
 pid_t spawn(const std::vector<std::string>& arguments, const std::string& log) {
   std::vector<char*> argv;
@@ -36,12 +34,8 @@ pid_t spawn(const std::vector<std::string>& arguments, const std::string& log) {
 
 /// The port, once the server has written it.
 std::string wait_for_port(const std::string& path) {
-  const auto end = std::chrono::steady_clock::now() + kStartTime;
   std::string port;
-  while (port.empty() && std::chrono::steady_clock::now() < end) {
-    std::ifstream(path) >> port;
-    if (port.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  eventually([&] { return static_cast<bool>(std::ifstream(path) >> port); });
   return port;
 }
 

@@ -9,6 +9,7 @@
 #include <absl/status/status.h>
 #include <grpcpp/channel.h>
 
+#include "tests/support/eventually.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
@@ -20,7 +21,7 @@ namespace v1 = ::tetstream::v1;
 class ServiceTrial {
  public:
   explicit ServiceTrial(const std::string& address,
-                        std::chrono::seconds patience = std::chrono::seconds(10));
+                        std::chrono::seconds patience = kGenerousEnd);
 
   /// The first failure of the three calls; ok when a whole mesh came. Its grids' values were
   /// asked for, too, at the vertices of a ball: what that was refused with is told only if no

@@ -10,12 +10,15 @@ import sys
 # A request passes through these in order; a folder includes itself and those before it.
 CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
         "core/octree", "core/lattice", "core/stuffing", "core/mesh", "core/graded", "core/plan",
+        "core/plan/brick", "core/plan/whole", "core/plan/joined", "core/plan/make",
         "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
           "server"]
 CLIENT = ["client/library", "client/command", "client"]
+# What is installed: it may include the standard library, and itself as <tetstream/...>.
+PUBLIC = "client/library/include"
 
 
 def in_order(folders, before):
@@ -23,10 +26,8 @@ def in_order(folders, before):
     return {folder: [*before, *folders[:i + 1]] for i, folder in enumerate(folders)}
 
 
-# A folder within another one comes first: a file belongs to the first that it lies in.
 LAYERS = {**in_order(CORE, []), **in_order(PROTO, CORE), **in_order(SERVER, [*CORE, *PROTO]),
           **in_order(CLIENT, [*CORE, *PROTO])}
-LAYERS["core/plan"].append("core/transfer")  # until the plan of bricks no longer encodes its chunks
 
 # Outside library -> (how its includes look, the folders that may use it).
 NETWORK = ["proto", "server", "client", "tests/proto", "tests/server", "tests/client",
@@ -68,13 +69,24 @@ def read_includes(root):
     return dict(sorted(includes.items()))
 
 
+def layer_of(path):
+    """The innermost layer that a file lies in; None where it lies in none."""
+    return max((f for f in LAYERS if is_inside(path, f)), key=len, default=None)
+
+
 def layer_errors(file, included):
     """Ours including ours: only its own layer and those before it."""
-    layer = next((f for f in LAYERS if is_inside(file, f)), None)
+    layer = layer_of(file)
     if layer is None or included.split("/")[0] not in SOURCE_FOLDERS:
         return
-    if not any(is_inside(included, allowed) for allowed in LAYERS[layer]):
+    if layer_of(included) not in LAYERS[layer]:
         yield f"{file}: {layer} must not include {included}"
+
+
+def public_errors(file, included):
+    """A user of the library has its headers alone, and no other project's."""
+    if is_inside(file, PUBLIC) and not re.fullmatch(r"[a-z_]+|tetstream/[a-z_]+\.h", included):
+        yield f"{file}: a public header must not include {included}"
 
 
 def library_errors(file, included):
@@ -124,6 +136,7 @@ def find_errors(root):
     for file, all_included in includes.items():
         for included in all_included:
             errors += layer_errors(file, included)
+            errors += public_errors(file, included)
             errors += library_errors(file, included)
     return errors + list(file_call_errors(root)) + list(cycle_errors(includes))
 

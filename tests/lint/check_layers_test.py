@@ -23,8 +23,8 @@ class CheckLayers(unittest.TestCase):
             "core/base/types.h": "#include <array>\n",
             "core/base/parallel.cpp": "#include <tbb/task_arena.h>\n",
             "core/vdb/load.cpp": '#include <openvdb/io/File.h>\n#include "core/base/types.h"\n',
-            "core/plan/mesher.h": '#include "core/vdb/load.h"\n',
-            "server/service.h": '#include "core/plan/mesher.h"\n#include <grpcpp/grpcpp.h>\n',
+            "core/plan/make/mesher.h": '#include "core/vdb/load.h"\n',
+            "server/service.h": '#include "core/plan/make/mesher.h"\n#include <grpcpp/grpcpp.h>\n',
             "tests/core/vdb/load_test.cpp": "#include <openvdb/openvdb.h>\n",
         }), [])
 
@@ -32,6 +32,14 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(
             errors_of({"core/octree/octree.h": '#include "core/lattice/bcc.h"\n'}),
             ["core/octree/octree.h: core/octree must not include core/lattice/bcc.h"])
+
+    def test_tells_a_folder_from_those_within_it(self):
+        self.assertEqual(
+            errors_of({
+                "core/plan/brick/a.h": '#include "core/plan/b.h"\n',
+                "core/plan/b.h": '#include "core/plan/whole/c.h"\n',
+            }),
+            ["core/plan/b.h: core/plan must not include core/plan/whole/c.h"])
 
     def test_refuses_a_core_that_knows_the_service(self):
         self.assertEqual(len(errors_of({"core/mesh/a.h": '#include "server/b.h"\n'})), 1)
@@ -44,6 +52,15 @@ class CheckLayers(unittest.TestCase):
 
     def test_keeps_code_that_ships_from_including_tests(self):
         self.assertEqual(len(errors_of({"core/base/a.h": '#include "tests/support/b.h"\n'})), 1)
+
+    def test_keeps_public_headers_to_themselves_and_the_standard_library(self):
+        header = "client/library/include/tetstream/a.h"
+        for text in ("#include <vector>", '#include "tetstream/mesh.h"'):
+            self.assertEqual(errors_of({header: text + "\n"}), [], text)
+        for text in ("#include <absl/status/status.h>", '#include "core/base/types.h"',
+                     '#include "client/library/mesh_client.h"', "#include <grpcpp/grpcpp.h>",
+                     '#include "tetstream/v1/meshes.pb.h"'):
+            self.assertNotEqual(errors_of({header: text + "\n"}), [], text)
 
     def test_keeps_each_library_in_its_folders(self):
         for text in ("#include <openvdb/openvdb.h>", "#include <tbb/parallel_for.h>",

@@ -87,7 +87,7 @@ TEST_F(AdmissionServiceTest, ADrainRefusesTheQueueAndLetsRunWhatRuns) {
   grpc::ClientContext context;
   const auto second = meshes_->StreamMesh(&context, stream_of(ball));
   EXPECT_TRUE(queue_holds(1));
-  std::jthread stopper([&] { server_->stop(10s); });
+  std::jthread stopper([&] { server_->stop(kGenerousEnd); });
   const grpc::Status refused = second->Finish();
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_TRUE(has_detail<google::rpc::RetryInfo>(refused));

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/core/vdb/hanging_decoder.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 
@@ -16,6 +17,9 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+
+/// What a small file may take by the clock (docs/hostile_input.md).
+constexpr std::chrono::seconds kTimeLimit{20};
 
 /// TETSTREAM_TRIALS=1000 build/release/bin/decoding_test for a longer run.
 int trials() {
@@ -29,7 +33,6 @@ class DecodingTest : public ServiceTest {
   void start_with_hostile_decoder() {
     config_.decoder = folder_.file("decoder.decode_but_for");
     std::filesystem::create_symlink(HOSTILE_DECODER_PATH, config_.decoder);
-    config_.decode_seconds = 1;
     start();
   }
 
@@ -65,12 +68,12 @@ TEST_F(DecodingTest, CostsTheCrashedRequestAnErrorAndTheOthersNothing) {
 }
 
 TEST_F(DecodingTest, EndsADecodeThatHangs) {
+  config_.decode_seconds = 4;  // which the healthy file below has, too, on a busy machine
   start_with_hostile_decoder();
   const v1::MeshRequest ball = mesh_of(ball_file(8));
-  const auto start = std::chrono::steady_clock::now();
   const grpc::Status status = expect_reason(mesh(ball, "hang"), "DECODER_TIMEOUT");
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
+  EXPECT_THAT(status.error_message(), HasSubstr("longer than 4 s"));
   EXPECT_TRUE(mesh(ball).ok());
 }
 
@@ -81,12 +84,14 @@ TEST_F(DecodingTest, EndsADecodeThatNobodyWaitsFor) {
   hang.set_grid_name("hang");
   grpc::ClientContext context;
   const auto reader = meshes_->StreamMesh(&context, stream_of(hang));
-  std::this_thread::sleep_for(100ms);
+  const pid_t hanging = hanging_decoder(config_.decoder);
+  ASSERT_NE(hanging, 0);
   context.TryCancel();
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(eventually([&] { return has_ended(hanging); }));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, kTimeLimit) << "else the limit ended it";
   EXPECT_TRUE(mesh(mesh_of(ball_file(9))).ok());  // by the same, only process
-  EXPECT_LT(std::chrono::steady_clock::now() - start, 900ms);
 }
 
 TEST_F(DecodingTest, IsUnavailableWithoutAProgram) {

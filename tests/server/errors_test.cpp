@@ -361,7 +361,6 @@ void ErrorsTest::busy_server() {
   config_.max_streams = 1;
   config_.max_queued = 0;
   config_.max_client_uploads = 1;
-  config_.stall_seconds = 1;
   restart();
   HeldStream held(*meshes_, stream_of(uniform_ball(28)));
   tell("a mesh beside as many as may be", estimate(ball_));
@@ -372,7 +371,10 @@ void ErrorsTest::stalled_upload() {
   OpenUpload first(*grids_, grid_name_of("first"), 10);
   ASSERT_TRUE(upload_begins(grid_name_of("first")));
   tell("a client's second upload of one", upload(grid_name_of("second"), "s", 10));
-  tell("an upload that does not go on", first.wait());
+  first.cancel();
+  config_.stall_seconds = 1;
+  restart();
+  tell("an upload that does not go on", OpenUpload(*grids_, grid_name_of("first"), 10).wait());
 }
 
 void ErrorsTest::shutdown() {
@@ -381,7 +383,7 @@ void ErrorsTest::shutdown() {
   const auto reader = meshes_->StreamMesh(&context, request);
   v1::MeshEvent event;
   ASSERT_TRUE(reader->Read(&event));
-  std::thread stopping([&] { server_->stop(30s); });
+  std::thread stopping([&] { server_->stop(kGenerousEnd); });
   ASSERT_TRUE(eventually([&] { return server_->engine().calls.admission().is_draining(); }));
   tell("a server that stops", estimate(ball_));
   context.TryCancel();

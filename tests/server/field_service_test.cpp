@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/remesh_session.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
 #include "proto/scene/scene_message.h"
 #include "tests/server/service_fixture.h"
@@ -77,9 +77,9 @@ TEST_F(FieldServiceTest, SendsTheValuesThatThisProcessFinds) {
   request.preset = Preset::kBothSides;
   request.fields = {field_of(path_, "heat", ""), field_of(path_, "velocity", "flow")};
   TaskPool pool(2);
-  const auto here =
-      mesh_volume(pool, std::make_shared<const Volume>(load_volume(path_, "sphere").value()),
-                  request, {}, never_, nullptr);
+  const auto here = mesh_volume(
+      pool, {.shape = std::make_shared<const Volume>(load_volume(path_, "sphere").value()),
+             .request = request});
   const auto there = received();
   ASSERT_TRUE(here.ok() && there.ok()) << there.status();
   const std::vector<FieldArray> arrays{{"heat", 1}, {"flow", 3}};

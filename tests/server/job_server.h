@@ -1,7 +1,6 @@
 // A real tetstreamd that does jobs, for whoever kills it.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -9,12 +8,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <grpcpp/create_channel.h>
 
 #include "client/library/mesh_client.h"
+#include "tests/server/port_file.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"
@@ -39,13 +38,8 @@ class JobServer {
     const std::string port_file = folder.file("port");
     std::filesystem::remove(port_file);
     process = run({"--listen", "127.0.0.1:0", "--port-file", port_file}, options);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!std::filesystem::exists(port_file) && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    std::string port = read_text(port_file);
+    const std::string port = port_in(port_file);
     if (port.empty()) throw std::runtime_error("no server: " + process->err());
-    port.pop_back();
     connect("127.0.0.1:" + port);
   }
 
@@ -60,11 +54,18 @@ class JobServer {
   v1::Job ball(int radius) {
     const std::string path = folder.file("ball" + std::to_string(radius) + ".vdb");
     if (!std::filesystem::exists(path)) write_fixture("sphere", 1.0 / radius, path);
-    const auto name = client->upload_file(path, {}, never_);
-    if (!name.ok()) throw std::runtime_error(name.status().ToString());
-    v1::Job job;
-    job.mutable_mesh()->set_name(*name);
+    v1::Job job = mesh_of(path);
     job.mutable_mesh()->set_levels(0);
+    return job;
+  }
+
+  /// A job for a mesh that no limit refuses and that takes most of a minute to count: the
+  /// surface of random signs goes through nearly every brick.
+  v1::Job slow_to_count() {
+    const std::string path = folder.file("random_signs.vdb");
+    if (!std::filesystem::exists(path)) write_fixture("random-signs", 1, path);
+    v1::Job job = mesh_of(path);
+    job.mutable_mesh()->set_spacing(0.075);
     return job;
   }
 
@@ -146,6 +147,15 @@ class JobServer {
   grpc::Status status;
 
  private:
+  /// A job for a mesh of the file, which is uploaded.
+  v1::Job mesh_of(const std::string& path) {
+    const auto name = client->upload_file(path, {}, never_);
+    if (!name.ok()) throw std::runtime_error(name.status().ToString());
+    v1::Job job;
+    job.mutable_mesh()->set_name(*name);
+    return job;
+  }
+
   std::unique_ptr<Program> run(std::vector<std::string> arguments,
                                const std::vector<std::string>& options) {
     arguments.insert(arguments.begin(), program_);

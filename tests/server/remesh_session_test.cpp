@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
 #include "core/volume/replace_leaves.h"
 #include "tests/core/plan/meshing.h"
@@ -146,8 +146,8 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
     MeshRequest request;
     request.origin = session->mesh().mesh.header.origin;
     TaskPool pool(2);
-    const auto here =
-        mesh_volume(pool, std::make_shared<const Volume>(volume), request, {}, never_, nullptr);
+    const auto here = mesh_volume(
+        pool, {.shape = std::make_shared<const Volume>(volume), .request = request});
     ASSERT_TRUE(here.ok()) << here.status();
     EXPECT_TRUE(same_bytes(here->mesh, session->mesh().mesh));
   }

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -15,6 +14,7 @@
 #include "server/ops/logging.h"
 #include "server/server.h"
 #include "tests/server/test_folder.h"
+#include "tests/support/eventually.h"
 #include "tests/support/vdb_fixtures.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
@@ -22,14 +22,6 @@
 namespace tet::test {
 
 using namespace std::chrono_literals;
-
-/// Waits up to five seconds for `condition`.
-inline bool eventually(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + 5s;
-  while (!condition() && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(5ms);
-  return condition();
-}
 
 class ServiceTest : public testing::Test {
  protected:

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/remesh_session.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
@@ -44,7 +44,7 @@ class SeveralGridsTest : public ServiceTest {
       grids.push_back(std::make_shared<const Volume>(load_volume(path_, grid).value()));
     }
     TaskPool pool(2);
-    return mesh_volume(pool, grids, request, {}, never_, nullptr);
+    return mesh_volume(pool, {.shape = grids, .request = request});
   }
 
   std::vector<std::string> chunks(std::int64_t start = 0) {

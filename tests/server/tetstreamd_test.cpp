@@ -1,13 +1,13 @@
 // The program as an operator meets it.
 #include <chrono>
 #include <sstream>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/library/mesh_client.h"
+#include "tests/server/port_file.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/vdb_fixtures.h"
@@ -43,13 +43,8 @@ class TetstreamdTest : public testing::Test {
         folder_, std::vector<std::string>{TETSTREAMD_PATH, "--listen", listen, "--store",
                                           folder_.file("store"), "--port-file", port_file,
                                           "--threads", "2"});
-    const auto end = std::chrono::steady_clock::now() + 10s;
-    while (!std::filesystem::exists(port_file) && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(5ms);
-    }
-    std::string port = read_text(port_file);
+    const std::string port = port_in(port_file);
     EXPECT_FALSE(port.empty()) << program->err();
-    if (!port.empty()) port.pop_back();
     address_ = "127.0.0.1:" + port;
     return program;
   }

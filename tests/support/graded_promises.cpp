@@ -14,7 +14,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/volume/volume_reader.h"
 #include "tests/support/cut_faces.h"
@@ -183,7 +183,7 @@ std::string check_bytes(const Input& input, const TetMesh& mesh) {
     MeshLimits limits;
     limits.chunk_bytes = std::size_t{1} << (threads == 1 ? 30 : 14);
     const auto again =
-        mesh_volume(pool, input.shape, input.request, limits, Cancellation(), nullptr);
+        mesh_volume(pool, {.shape = input.shape, .request = input.request, .limits = limits});
     if (!again.ok() || !std::ranges::equal(again->mesh.tets.bytes(), mesh.tets.bytes()) ||
         !std::ranges::equal(again->mesh.positions.bytes(), mesh.positions.bytes())) {
       return absl::StrFormat("%d threads make another mesh", threads);
@@ -220,8 +220,7 @@ Outcome check_graded_promises(const GradedCase& given, TaskPool& pool) {
   input->request.improve = given.seed % 8 == 5;
   input->request.coordinates =
       given.seed % 2 == 0 ? CoordinateType::kFloat32 : CoordinateType::kFloat64;
-  const auto result =
-      mesh_volume(pool, input->shape, input->request, {}, Cancellation(), nullptr);
+  const auto result = mesh_volume(pool, {.shape = input->shape, .request = input->request});
   if (!result.ok()) {
     const bool nothing = absl::IsFailedPrecondition(result.status());
     outcome.violation = nothing ? "" : result.status().ToString();

@@ -17,7 +17,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/volume/volume_reader.h"
 #include "tests/support/lattice_place.h"
 #include "tests/support/lattice_signs.h"
@@ -242,7 +242,8 @@ std::string check_bytes(const Meshed& meshed,
     MeshLimits limits;
     limits.chunk_bytes = std::size_t{1} << (threads == 1 ? 30 : 14);
     limits.kept_geometry_bytes = threads == 1 ? 0 : 20000;  // none of it, and some
-    const auto again = mesh_volume(pool, volume, request, limits, Cancellation(), nullptr);
+    const auto again =
+        mesh_volume(pool, {.shape = volume, .request = request, .limits = limits});
     const bool same =
         again.ok() &&
         std::ranges::equal(again->mesh.tets.bytes(), meshed.mesh().tets.bytes()) &&
@@ -353,7 +354,7 @@ Outcome check_promises(const FieldCase& given, TaskPool& pool) {
   }
   const auto mesh = [&](int levels) {
     request.levels = levels;
-    return mesh_volume(pool, volume, request, {}, Cancellation(), nullptr);
+    return mesh_volume(pool, {.shape = volume, .request = request});
   };
   absl::StatusOr<MeshResult> uniform = mesh(0), graded = mesh(kMaxLevels);
   Outcome outcome;

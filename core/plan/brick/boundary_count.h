@@ -8,7 +8,7 @@
 
 namespace tet {
 
-/// Nothing where a box cuts the surface: it has a boundary of its own then.
+/// Returns nothing where a box cuts the surface: it has a boundary of its own then.
 std::optional<BoundaryTopology> count_boundary(const Survey& survey,
                                                const Cancellation& cancellation);
 

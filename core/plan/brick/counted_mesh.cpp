@@ -42,24 +42,21 @@ constexpr std::size_t upper_place(std::size_t o) noexcept {
 
 }  // namespace
 
-CountedMesh::CountedMesh(const PhiField& field,
-                         Survey survey,
-                         Octree tree,
-                         const StuffingRules& rules,
-                         bool uniform,
-                         const Cancellation& cancellation,
-                         const ComparedMesh* earlier)
-    : rules_(rules), survey_(std::move(survey)), tree_(std::move(tree)) {
+CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation)
+    : rules_(surveyed.rules),
+      survey_(std::move(surveyed.survey)),
+      tree_(std::move(surveyed.tree)) {
+  const PhiField& field = surveyed.field;
   // In a uniform mesh of the inside every brick with a vertex is there already.
-  if (!uniform || rules.both_sides) insert_corner_bricks(tree_.levels[0]);
+  if (!surveyed.uniform || rules_.both_sides) insert_corner_bricks(tree_.levels[0]);
   for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
   find_stuffed(field, cancellation);
   if (!cancellation.requested()) find_vertices(cancellation);
   if (cancellation.requested()) return;
-  if (earlier == nullptr) {
-    count_bricks(cancellation, nullptr, {});
-  } else {
+  if (const ComparedMesh* earlier = surveyed.earlier) {
     count_bricks(cancellation, &earlier->mesh, find_kept_bricks(*earlier, {*this, field}));
+  } else {
+    count_bricks(cancellation, nullptr, {});
   }
 }
 

@@ -16,6 +16,7 @@
 
 namespace tet {
 
+class CountedMesh;
 struct KeptBricks;
 
 /// A brick of the mesh: its octree level and its place among that level's bricks.
@@ -28,10 +29,33 @@ struct BrickPlace {
 inline constexpr std::uint32_t kAllOutside = ~std::uint32_t{0};
 inline constexpr std::uint32_t kAllInside = kAllOutside - 1;
 
-/// All that a mesh is counted from.
+/// A counted mesh and the field that it was counted from.
+struct ComparedMesh {
+  const CountedMesh& mesh;
+  const PhiField& field;
+};
+
+/// Bricks of a mesh in the order of ids, the last one excluded.
+struct BrickRange {
+  std::size_t begin = 0, end = 0;
+};
+
+/// What a mesh is counted from here.
+struct SurveyedMesh {
+  const PhiField& field;
+  Survey survey;
+  Octree tree;
+  StuffingRules rules = {};
+  bool uniform = false;  ///< all leaves are finest
+  /// What this mesh, which may be null, counted is not counted again: it has the same rules and
+  /// the same lattice.
+  const ComparedMesh* earlier = nullptr;
+};
+
+/// What a mesh is counted from that was surveyed elsewhere.
 struct MeshStructure {
   Octree tree;                         ///< with every brick that owns a corner
-  std::vector<std::uint32_t> stuffed;  ///< of each finest brick
+  std::vector<std::uint32_t> stuffed;  ///< where the signs of each finest brick are
   Survey survey;
 };
 
@@ -39,18 +63,10 @@ struct MeshStructure {
 /// bytes.
 class CountedMesh {
  public:
-  /// Of no use once it is cancelled. What `earlier`, which may be null, counted is not counted
-  /// again; both meshes have the same rules and lattice.
-  CountedMesh(const PhiField& field,
-              Survey survey,
-              Octree tree,
-              const StuffingRules& rules,
-              bool uniform,
-              const Cancellation& cancellation = {},
-              const ComparedMesh* earlier = nullptr);
+  /// The mesh is of no use once it is cancelled.
+  explicit CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation = {});
 
-  /// Counts a mesh that was surveyed before. Its kept geometry has only cut points that tets
-  /// use.
+  /// The kept geometry of `structure` has only cut points that tets use.
   CountedMesh(MeshStructure structure, const StuffingRules& rules);
 
   const StuffingRules& rules() const noexcept { return rules_; }
@@ -75,9 +91,9 @@ class CountedMesh {
 
   /// A finest brick and those beyond its upper faces, with what the survey kept of each.
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
-  /// Their vertices; `geometry` is null where it was not kept.
+  /// The vertices of these bricks; `geometry` is null where it was not kept.
   VerticesAround vertices_around(std::size_t brick) const noexcept;
-  /// The same of a finest brick whose neighbours are known.
+  /// Answers the same for a finest brick whose neighbours are known.
   VerticesAround vertices_around(const PlacesAround& places) const noexcept;
   /// The leaves of that brick and of those beyond its faces.
   LeavesAround leaves_around(const PlacesAround& places) const noexcept;

@@ -9,7 +9,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/transfer/survey_bytes.h"
+#include "core/plan/brick/survey_bytes.h"
 
 namespace tet {
 namespace {

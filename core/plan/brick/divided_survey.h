@@ -8,8 +8,9 @@
 
 #include "core/base/cancel.h"
 #include "core/plan/brick/survey.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/mesh_progress.h"
 #include "core/plan/prepared_mesh.h"
+#include "core/plan/surveyed_blocks.h"
 
 namespace tet {
 

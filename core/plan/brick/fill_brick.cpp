@@ -218,9 +218,4 @@ QualityStats BrickFiller::stats_of_run() const noexcept {
   return stats;
 }
 
-MeshWorkspace::MeshWorkspace() : impl_(std::make_unique_for_overwrite<Impl>()) {}
-MeshWorkspace::~MeshWorkspace() = default;
-MeshWorkspace::MeshWorkspace(MeshWorkspace&&) noexcept = default;
-MeshWorkspace& MeshWorkspace::operator=(MeshWorkspace&&) noexcept = default;
-
 }  // namespace tet

@@ -14,7 +14,6 @@
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/survey.h"
-#include "core/plan/mesh_plan.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cell_nodes.h"
 #include "core/stuffing/fill.h"
@@ -22,14 +21,14 @@
 
 namespace tet {
 
-struct MeshWorkspace::Impl {
+/// Scratch memory for filling bricks.
+struct BrickScratch {
   StuffingWorkspace stuffing;
   std::array<std::array<std::byte, kMaxGeometryBytes>, 8> geometry;  // that was not kept
   LocalVertices vertices;
   SlotIds<std::uint32_t> ids32;
   std::unique_ptr<SlotIds<std::uint64_t>> ids64;  // for meshes beyond 2^32 vertices only
   StuffedTets stuffed_tets;
-  std::vector<std::byte> places;  // of a chunk, before they are moved: see JoinedPlan
 };
 
 /// Bricks whose statistics are summed by themselves, from the first of a chunk on: parts of a
@@ -44,7 +43,7 @@ class BrickFiller {
               const MeshHeader& header,
               const LatticeToWorld& to_world,
               Statistics statistics,
-              MeshWorkspace::Impl& workspace)
+              BrickScratch& workspace)
       : mesh_(mesh),
         header_(header),
         to_world_(to_world),
@@ -85,7 +84,7 @@ class BrickFiller {
   const MeshHeader& header_;
   const LatticeToWorld& to_world_;
   const Statistics statistics_;
-  MeshWorkspace::Impl& workspace_;
+  BrickScratch& workspace_;
   PhiSampler sampler_;
   NodeNumbers numbers_;
   BrickNeighbours neighbours_;  // on their way along a level

@@ -139,7 +139,7 @@ struct ChangedBricks {
   }
 };
 
-/// Of each brick of a level: its number in the earlier level where it is as it was, else
+/// Finds the number of each brick in the earlier level where the brick is as it was, else
 /// kNewBrick. `changed` gets the bricks that only one level has, and those that differ.
 std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
                                      const ComparedMesh& now,
@@ -212,7 +212,7 @@ void add_level(const ComparedMesh& earlier,
   }
 }
 
-/// Of `same`, the bricks that are not among the sorted `touched`.
+/// Keeps the bricks of `same` that are not among the sorted `touched`.
 std::vector<std::uint32_t> untouched(std::span<const std::uint32_t> same,
                                      const std::vector<BrickCoord>& bricks,
                                      const std::vector<BrickCoord>& touched) {

@@ -6,7 +6,6 @@
 
 #include "core/mesh/splice.h"
 #include "core/plan/brick/counted_mesh.h"
-#include "core/plan/mesh_plan.h"
 
 namespace tet {
 
@@ -17,13 +16,13 @@ struct MeshDifference {
 
 inline constexpr std::uint32_t kNewBrick = ~std::uint32_t{0};
 
-/// Of each brick of a level: the brick of the earlier mesh's level whose vertices, or tets, it
-/// has, or kNewBrick.
+/// Says for each brick of a level which brick of the earlier mesh's level has its vertices, or
+/// its tets: kNewBrick where none has.
 struct KeptBricks {
   std::vector<std::uint32_t> vertices, tets;
 };
 
-/// By level; looks at neither mesh's counts. The rest is said at compare_meshes.
+/// Has one entry a level and reads neither mesh's counts. For the rest see compare_meshes.
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now);
 
 /// A brick's vertices are kept where its leaves, signs, cut points and warps are what they

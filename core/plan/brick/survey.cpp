@@ -128,7 +128,7 @@ void survey_topology(const WarpedLattice& lattice,
   }
 }
 
-/// Nothing where the surface does not reach the brick.
+/// Returns nothing where the surface does not reach the brick.
 std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
                                           BrickCoord brick,
                                           const MeshedSpace& space,
@@ -163,8 +163,8 @@ class EarlierBricks {
 
   bool still_holds(BrickCoord brick) { return asker_.same_around(brick); }
 
-  /// Its place in the earlier survey, or kNotKnown where the surface did not reach it. Bricks
-  /// are asked for in ascending order.
+  /// Finds a brick's place in the earlier survey, kNotKnown where the surface did not reach it.
+  /// Bricks are asked for in ascending order.
   std::uint32_t find(BrickCoord brick) {
     const auto begin = survey_.bricks.begin() + static_cast<std::ptrdiff_t>(at_);
     const auto found = std::lower_bound(begin, survey_.bricks.end(), brick);

@@ -12,8 +12,9 @@
 #include "core/field/field_difference.h"
 #include "core/field/find_bricks.h"
 #include "core/octree/octree.h"
-#include "core/plan/mesh_plan.h"
-#include "core/plan/thin_walls.h"
+#include "core/plan/brick/thin_bricks.h"
+#include "core/plan/mesh_progress.h"
+#include "core/plan/meshed_space.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/fill.h"
 #include "core/stuffing/restored_nodes.h"
@@ -62,7 +63,7 @@ struct Survey {
   std::vector<ThinBrick> thin;  ///< sorted; few, and not all of them among `bricks`
   std::shared_ptr<const RestoredNodes> restored;  ///< may be null
 
-  // Of each brick.
+  // The surface within each brick.
   std::vector<SurfaceCounts> counts;
   std::vector<SurfaceSheet> sheets;
   /// Where it is not known to be one sheet; sorted by brick.
@@ -77,23 +78,6 @@ struct Survey {
   /// Memory it takes, but for the few nodes restored.
   std::uint64_t bytes() const noexcept;
 };
-
-/// What is meshed: both sides of the surface within a domain, or the inside alone.
-struct MeshedSpace {
-  StuffingRules rules;
-  std::optional<BrickBox> domain;  ///< finest bricks, where both sides are meshed
-  bool manifold = false;           ///< nodes are restored until the boundary is one
-  std::uint64_t kept_geometry_bytes = MeshLimits{}.kept_geometry_bytes;
-  bool skip_topology = false;  ///< of the surface
-};
-
-/// Memory that a brick takes until the mesh is made, bytes: it may be held twice while columns
-/// grow.
-constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexcept {
-  const std::uint64_t fans = rules.both_sides ? sizeof(FanMasks) : 0;
-  return 2 * (sizeof(StuffedBrick) + sizeof(BrickMask) + sizeof(BrickCoord) +
-              sizeof(SurfaceCounts) + sizeof(SurfaceSheet) + fans);
-}
 
 /// A survey of the same space when the field was another, and where it still holds.
 struct EarlierSurvey {

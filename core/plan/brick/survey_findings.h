@@ -59,7 +59,7 @@ class GeometryKeeper {
 
   void keep(std::size_t brick, const StuffedBrick& stuffed, const StuffedLattice& lattice);
 
-  /// The same of a brick whose geometry was packed before; null where it was not.
+  /// Keeps the geometry of a brick that was packed before; `packed` is null where it was not.
   void keep_again(std::size_t brick, const StuffedBrick& stuffed, const std::byte* packed);
 
   /// Moves all of it to where it stays; null where there is none.

@@ -104,7 +104,7 @@ TET_INLINE Real* write_nodes(const BrickFrame& frame,
     out = slices.write(slice, first);
     for (std::uint64_t bits = zero.slice[x]; bits != 0; bits &= bits - 1, moved += 3) {
       const std::uint64_t bit = bits & -bits;
-      // Of both sides' zeros, those beyond the domain are no vertices.
+      // Where both sides are meshed, zeros beyond the domain are no vertices.
       if ((slice & bit) != 0) {
         std::copy_n(moved, 3, first + std::ptrdiff_t{3} * std::popcount(slice & (bit - 1)));
       }

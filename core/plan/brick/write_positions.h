@@ -17,10 +17,10 @@ class BrickFrame {
  public:
   BrickFrame(const LatticeToWorld& to_world, BrickCoord brick, int level) noexcept;
 
-  /// From units of the cell's edge to those of the spacing.
+  /// Takes units of the cell's edge to those of the spacing.
   double edge() const noexcept { return edge_; }
-  /// From the mesh's origin to the brick's lowest corner, in spacings: exact, however far away
-  /// the grid lies.
+  /// Leads from the mesh's origin to the brick's lowest corner, in spacings: exact, however far
+  /// away the grid lies.
   const std::array<double, 3>& corner() const noexcept { return corner_; }
   /// Row r of the linear map to world axes.
   const std::array<double, 3>& row(std::size_t r) const noexcept { return to_world_.linear[r]; }

@@ -9,9 +9,10 @@
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_format.h>
 
-#include "core/plan/brick/fill_brick.h"
 #include "core/plan/budget.h"
 #include "core/plan/mesh_place.h"
+#include "core/plan/mesh_progress.h"
+#include "core/plan/mesh_workspace.h"
 #include "core/plan/prepared_mesh.h"
 #include "core/plan/request_rules.h"
 
@@ -26,7 +27,7 @@ std::string shown(const std::string& name) {
   return absl::CHexEscape(name.substr(0, kShownBytes));
 }
 
-/// Less what is used already.
+/// What is left of a limit when so much of it is used already.
 std::uint64_t left_of(std::uint64_t all, std::uint64_t used) {
   return all - std::min(all, used);
 }
@@ -40,21 +41,17 @@ std::vector<std::string> names_of(const GridList& grids) {
 /// Plans the meshes of all grids so that they can be stored as one.
 class PartPlanner {
  public:
-  PartPlanner(const GridList& grids,
-              const MeshRequest& request,
-              const MeshLimits& limits,
-              const Cancellation& cancellation,
-              MeshProgress* progress)
-      : grids_(grids),
-        request_(request),
-        limits_(limits),
+  PartPlanner(const PlanJob& job, const PlanOne& plan_one, const Cancellation& cancellation)
+      : job_(job),
+        plan_one_(plan_one),
         cancellation_(cancellation),
-        progress_(progress),
-        plans_(grids.size()) {}
+        grids_(*grids_of(job.shape)),
+        request_(job.request),
+        plans_(grids_.size()) {}
 
   absl::StatusOr<std::vector<Plan>> plan_all();
 
-  /// Its lattice is another than the first grid's.
+  /// Whether the grid has another lattice than the first one.
   bool is_moved(std::size_t i) const {
     return !(grids_[i]->transform == grids_.front()->transform);
   }
@@ -68,11 +65,11 @@ class PartPlanner {
   std::uint64_t planned_tets() const;
   absl::Status about_grid(const absl::Status& status, std::size_t i) const;
 
-  const GridList& grids_;
-  MeshRequest request_;  ///< as it is understood so far
-  const MeshLimits& limits_;
+  const PlanJob& job_;
+  const PlanOne& plan_one_;
   const Cancellation& cancellation_;
-  MeshProgress* const progress_;
+  const GridList& grids_;
+  MeshRequest request_;      ///< as it is understood so far
   std::vector<Plan> plans_;  ///< null where there is none yet
 };
 
@@ -91,11 +88,11 @@ absl::StatusOr<std::vector<Plan>> PartPlanner::plan_all() {
 absl::Status PartPlanner::look_at_all() {
   std::uint64_t bricks = 0;
   for (std::size_t i = 0; i < grids_.size(); ++i) {
-    const auto prepared = prepare_mesh(grids_[i], request_, limits_, cancellation_);
+    const auto prepared = prepare_mesh(grids_[i], request_, job_.limits, cancellation_);
     if (!prepared.ok()) return about_grid(prepared.status(), i);
     bricks += prepared->bricks.near_surface.size();
   }
-  const std::uint64_t most = most_surface_bricks(stuffing_rules(request_.preset), limits_);
+  const std::uint64_t most = most_surface_bricks(stuffing_rules(request_.preset), job_.limits);
   if (bricks > most) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "%d bricks of 8^3 cells lie near the surfaces of %d grids; the limit is %d, as many as "
@@ -103,22 +100,23 @@ absl::Status PartPlanner::look_at_all() {
         bricks, grids_.size(), most));
   }
   // What is made as a whole is not surveyed.
-  if (progress_ != nullptr && !is_made_whole(request_)) progress_->expect(bricks);
+  if (job_.progress != nullptr && !is_made_whole(request_)) job_.progress->expect(bricks);
   return absl::OkStatus();
 }
 
 absl::Status PartPlanner::plan(std::size_t i) {
-  MeshRequest request = request_;
-  if (is_moved(i)) request.coordinates = CoordinateType::kFloat64;
+  PlanJob one{.shape = grids_[i], .request = request_, .progress = job_.progress};
+  if (is_moved(i)) one.request.coordinates = CoordinateType::kFloat64;
   plans_[i].reset();
-  auto plan = plan_mesh(grids_[i], request, limits_left(), cancellation_, progress_);
+  one.limits = limits_left();
+  auto plan = plan_one_(one);
   if (!plan.ok()) return about_grid(plan.status(), i);
   plans_[i] = *std::move(plan);
   return absl::OkStatus();
 }
 
-/// All with the same types of coordinates and ids: those that the largest of them and all
-/// together need. Others were right nearly always.
+/// Has all stored with the same types of coordinates and ids: those that the largest of them
+/// and all together need. Nearly always they are already.
 absl::Status PartPlanner::store_alike() {
   std::uint64_t vertices = 0;
   bool any_is_far = false;
@@ -152,10 +150,10 @@ bool PartPlanner::is_far(std::size_t i) const {
 MeshLimits PartPlanner::limits_left() const {
   std::uint64_t bytes = 0;
   for (const Plan& plan : plans_) bytes += plan == nullptr ? 0 : plan->bytes();
-  MeshLimits left = limits_;
-  left.max_tets = left_of(limits_.max_tets, planned_tets());
-  left.max_plan_bytes = left_of(limits_.max_plan_bytes, bytes);
-  left.kept_geometry_bytes = left_of(limits_.kept_geometry_bytes, bytes);
+  MeshLimits left = job_.limits;
+  left.max_tets = left_of(left.max_tets, planned_tets());
+  left.max_plan_bytes = left_of(left.max_plan_bytes, bytes);
+  left.kept_geometry_bytes = left_of(left.kept_geometry_bytes, bytes);
   return left;
 }
 
@@ -185,7 +183,7 @@ void add_to_ids(std::span<std::byte> ids, std::uint64_t first) noexcept {
   }
 }
 
-/// From doubles.
+/// Stores places that are doubles, moved, as whatever number the mesh has.
 template <class Number>
 void store_moved(std::span<const std::byte> places,
                  const WorldPoint& move,
@@ -204,6 +202,80 @@ void store_moved(std::span<const std::byte> places,
 WorldBox box_around(const WorldBox& a, const WorldBox& b) {
   return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y), std::min(a.min.z, b.min.z)},
           {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y), std::max(a.max.z, b.max.z)}};
+}
+
+/// Places of a chunk before they are moved.
+struct PlacesToMove {
+  std::vector<std::byte> bytes;
+};
+
+using Parts = std::vector<JoinedPart>;
+
+ThinWalls thin_walls_of(const Parts& parts) {
+  ThinWalls all;
+  for (const JoinedPart& part : parts) {
+    const ThinWalls& walls = part.plan->thin_walls();
+    if (!walls.any()) continue;
+    all.thickness = all.any() ? std::min(all.thickness, walls.thickness) : walls.thickness;
+    all.suggested_spacing = all.any() ? std::min(all.suggested_spacing, walls.suggested_spacing)
+                                      : walls.suggested_spacing;
+    all.inside += walls.inside;
+    all.outside += walls.outside;
+    all.region_count += walls.region_count;
+    all.regions.insert(all.regions.end(), walls.regions.begin(), walls.regions.end());
+  }
+  std::ranges::stable_sort(all.regions, [](const auto& a, const auto& b) {
+    return a.inside + a.outside > b.inside + b.outside;
+  });
+  all.regions.resize(std::min(all.regions.size(), ThinWalls::kMaxRegions));
+  return all;
+}
+
+std::optional<BoundaryTopology> boundary_of(const Parts& parts) {
+  BoundaryTopology all;
+  for (const JoinedPart& part : parts) {
+    const std::optional<BoundaryTopology>& boundary = part.plan->boundary();
+    if (!boundary) return std::nullopt;
+    all.triangles += boundary->triangles;
+    all.vertices += boundary->vertices;
+    all.components += boundary->components;
+    all.euler_characteristic += boundary->euler_characteristic;
+    all.non_manifold_edges += boundary->non_manifold_edges;
+    all.non_manifold_vertices += boundary->non_manifold_vertices;
+    all.restored_nodes += boundary->restored_nodes;
+  }
+  return all;
+}
+
+std::optional<Improvement> improvement_of(const Parts& parts) {
+  Improvement all;
+  for (const JoinedPart& part : parts) {
+    const std::optional<Improvement>& one = part.plan->improvement();
+    if (!one) return std::nullopt;
+    all.min_dihedral_before_deg =
+        std::min(all.min_dihedral_before_deg, one->min_dihedral_before_deg);
+    all.max_dihedral_before_deg =
+        std::max(all.max_dihedral_before_deg, one->max_dihedral_before_deg);
+    all.moved_vertices += one->moved_vertices;
+    all.seconds += one->seconds;
+  }
+  return all;
+}
+
+/// Enters one more grid's mesh behind the others.
+void add_to_header(const std::string& name, const MeshHeader& of, MeshHeader& header) {
+  if (header.parts.empty()) {
+    header = of;
+    header.vertex_count = header.tet_count = header.chunk_count = 0;
+  }
+  header.parts.push_back({name, header.vertex_count, of.vertex_count, header.tet_count,
+                          of.tet_count, of.spacing, of.levels});
+  header.vertex_count += of.vertex_count;
+  header.tet_count += of.tet_count;
+  header.chunk_count += of.chunk_count;
+  header.bounds = box_around(header.bounds, of.bounds);
+  header.spacing = std::min(header.spacing, of.spacing);
+  header.levels = std::max(header.levels, of.levels);
 }
 
 }  // namespace
@@ -227,108 +299,16 @@ absl::Status check_grid_names(std::span<const std::string> names) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<JoinedPlan> JoinedPlan::of(const GridList& grids,
-                                          const MeshRequest& request,
-                                          const MeshLimits& limits,
-                                          const Cancellation& cancellation,
-                                          MeshProgress* progress) {
-  const std::vector<std::string> names = names_of(grids);
-  absl::Status status = check_grid_names(names);
-  if (status.ok()) {
-    status =
-        check_features(features_of(request).add(Feature::kSeveralGrids), field_names(request));
-  }
-  if (!status.ok()) return status;
-  PartPlanner planner(grids, request, limits, cancellation, progress);
-  auto plans = planner.plan_all();
-  if (!plans.ok()) return plans.status();
-  JoinedPlan joined;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    joined.add(names[i], std::move((*plans)[i]), planner.is_moved(i));
-  }
-  return joined;
-}
+JoinedPlan::JoinedPlan(MeshFacts facts, std::vector<JoinedPart> parts)
+    : MeshPlan(std::move(facts)), parts_(std::move(parts)) {}
 
-void JoinedPlan::add(const std::string& name, Plan plan, bool is_moved) {
-  const MeshHeader& of = plan->header();
-  Part part{plan, std::nullopt, header_.chunk_count, header_.vertex_count, header_.tet_count};
-  if (parts_.empty()) {
-    header_ = of;
-    header_.vertex_count = header_.tet_count = header_.chunk_count = 0;
-  }
-  if (is_moved) {
-    const WorldPoint& to = header_.origin;
-    part.move = {of.origin.x - to.x, of.origin.y - to.y, of.origin.z - to.z};
-  }
-  header_.parts.push_back({name, part.first_vertex, of.vertex_count, part.first_tet,
-                           of.tet_count, of.spacing, of.levels});
-  header_.vertex_count += of.vertex_count;
-  header_.tet_count += of.tet_count;
-  header_.chunk_count += of.chunk_count;
-  header_.bounds = box_around(header_.bounds, of.bounds);
-  header_.spacing = std::min(header_.spacing, of.spacing);
-  header_.levels = std::max(header_.levels, of.levels);
-  parts_.push_back(std::move(part));
-}
-
-ThinWalls JoinedPlan::thin_walls() const {
-  ThinWalls all;
-  for (const Part& part : parts_) {
-    const ThinWalls& walls = part.plan->thin_walls();
-    if (!walls.any()) continue;
-    all.thickness = all.any() ? std::min(all.thickness, walls.thickness) : walls.thickness;
-    all.suggested_spacing = all.any() ? std::min(all.suggested_spacing, walls.suggested_spacing)
-                                      : walls.suggested_spacing;
-    all.inside += walls.inside;
-    all.outside += walls.outside;
-    all.region_count += walls.region_count;
-    all.regions.insert(all.regions.end(), walls.regions.begin(), walls.regions.end());
-  }
-  std::ranges::stable_sort(all.regions, [](const auto& a, const auto& b) {
-    return a.inside + a.outside > b.inside + b.outside;
-  });
-  all.regions.resize(std::min(all.regions.size(), ThinWalls::kMaxRegions));
-  return all;
-}
-
-std::optional<BoundaryTopology> JoinedPlan::boundary() const {
-  BoundaryTopology all;
-  for (const Part& part : parts_) {
-    const std::optional<BoundaryTopology>& boundary = part.plan->boundary();
-    if (!boundary) return std::nullopt;
-    all.triangles += boundary->triangles;
-    all.vertices += boundary->vertices;
-    all.components += boundary->components;
-    all.euler_characteristic += boundary->euler_characteristic;
-    all.non_manifold_edges += boundary->non_manifold_edges;
-    all.non_manifold_vertices += boundary->non_manifold_vertices;
-    all.restored_nodes += boundary->restored_nodes;
-  }
-  return all;
-}
-
-std::optional<Improvement> JoinedPlan::improvement() const {
-  Improvement all;
-  for (const Part& part : parts_) {
-    const std::optional<Improvement>& one = part.plan->improvement();
-    if (!one) return std::nullopt;
-    all.min_dihedral_before_deg =
-        std::min(all.min_dihedral_before_deg, one->min_dihedral_before_deg);
-    all.max_dihedral_before_deg =
-        std::max(all.max_dihedral_before_deg, one->max_dihedral_before_deg);
-    all.moved_vertices += one->moved_vertices;
-    all.seconds += one->seconds;
-  }
-  return all;
-}
-
-const JoinedPlan::Part& JoinedPlan::part_of(std::uint64_t chunk) const noexcept {
-  const auto after = std::ranges::upper_bound(parts_, chunk, {}, &Part::first_chunk);
+const JoinedPart& JoinedPlan::part_of(std::uint64_t chunk) const noexcept {
+  const auto after = std::ranges::upper_bound(parts_, chunk, {}, &JoinedPart::first_chunk);
   return *(after - 1);
 }
 
 ChunkExtent JoinedPlan::chunk(std::uint64_t index) const noexcept {
-  const Part& part = part_of(index);
+  const JoinedPart& part = part_of(index);
   ChunkExtent chunk = part.plan->chunk(index - part.first_chunk);
   chunk.first_vertex += part.first_vertex;
   chunk.first_tet += part.first_tet;
@@ -338,20 +318,21 @@ ChunkExtent JoinedPlan::chunk(std::uint64_t index) const noexcept {
 QualityStats JoinedPlan::fill_chunk(std::uint64_t index,
                                     MeshWorkspace& workspace,
                                     ChunkColumns columns) const noexcept {
-  const Part& part = part_of(index);
+  const CoordinateType stored = header().coordinate_type;
+  const JoinedPart& part = part_of(index);
   ChunkColumns own = columns;
   if (part.move) {
-    std::vector<std::byte>& places = workspace.impl().places;
-    places.resize(columns.positions.size() / size_of(header_.coordinate_type) * sizeof(double));
+    std::vector<std::byte>& places = workspace.get<PlacesToMove>().bytes;
+    places.resize(columns.positions.size() / size_of(stored) * sizeof(double));
     own.positions = places;
   }
   const QualityStats stats = part.plan->fill_chunk(index - part.first_chunk, workspace, own);
-  if (part.move && header_.coordinate_type == CoordinateType::kFloat64) {
+  if (part.move && stored == CoordinateType::kFloat64) {
     store_moved<double>(own.positions, *part.move, columns.positions);
   } else if (part.move) {
     store_moved<float>(own.positions, *part.move, columns.positions);
   }
-  if (header_.index_type == IndexType::kUint64) {
+  if (header().index_type == IndexType::kUint64) {
     add_to_ids<std::uint64_t>(columns.tets, part.first_vertex);
   } else {
     add_to_ids<std::uint32_t>(columns.tets, part.first_vertex);
@@ -361,8 +342,41 @@ QualityStats JoinedPlan::fill_chunk(std::uint64_t index,
 
 std::uint64_t JoinedPlan::bytes() const noexcept {
   std::uint64_t bytes = 0;
-  for (const Part& part : parts_) bytes += part.plan->bytes();
+  for (const JoinedPart& part : parts_) bytes += part.plan->bytes();
   return bytes;
+}
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const PlanJob& job,
+                                                            const PlanOne& plan_one,
+                                                            const Cancellation& cancellation) {
+  const std::vector<std::string> names = names_of(*grids_of(job.shape));
+  absl::Status status = check_grid_names(names);
+  if (status.ok()) {
+    status = check_features(features_of(job.request) | features_of(job.shape),
+                            field_names(job.request));
+  }
+  if (!status.ok()) return status;
+  PartPlanner planner(job, plan_one, cancellation);
+  auto plans = planner.plan_all();
+  if (!plans.ok()) return plans.status();
+
+  MeshFacts facts{.shape = job.shape, .statistics = statistics_of(job.request)};
+  MeshHeader& header = facts.header;
+  const WorldPoint to = plans->front()->header().origin;
+  Parts parts;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const MeshHeader& of = (*plans)[i]->header();
+    JoinedPart& part = parts.emplace_back();
+    part = {(*plans)[i], {}, header.chunk_count, header.vertex_count, header.tet_count};
+    if (planner.is_moved(i)) {
+      part.move = {of.origin.x - to.x, of.origin.y - to.y, of.origin.z - to.z};
+    }
+    add_to_header(names[i], of, header);
+  }
+  facts.thin_walls = thin_walls_of(parts);
+  facts.boundary = boundary_of(parts);
+  facts.improvement = improvement_of(parts);
+  return std::make_shared<const JoinedPlan>(std::move(facts), std::move(parts));
 }
 
 }  // namespace tet

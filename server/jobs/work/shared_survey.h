@@ -12,7 +12,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/plan/mesh_plan.h"
+#include "core/plan/surveyed_blocks.h"
 #include "proto/wire/block_pool.h"
 #include "server/jobs/results/result_store.h"
 

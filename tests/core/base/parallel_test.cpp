@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/own_threads.h"
+#include "tests/support/eventually.h"
 
 namespace tet {
 namespace {
@@ -69,10 +70,7 @@ TEST(Parallel, LeavesNoThreadBehind) {
     EXPECT_GE(threads_of_this_process(), 3);
   }
   // Whoever joins a thread knows of its end a moment before the system has cleared it away.
-  for (int wait = 0; wait < 1000 && threads_of_this_process() > before; ++wait) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  EXPECT_LE(threads_of_this_process(), before);
+  EXPECT_TRUE(test::eventually([&] { return threads_of_this_process() <= before; }));
 }
 
 TEST(OwnThreads, TakeALoopTogetherAndLoopsWithinItAlone) {

@@ -11,7 +11,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -177,7 +177,7 @@ TEST(BothSides, AreTheSameForOneThreadAndForSixteen) {
 TEST(BothSides, RefuseABoxThatIsNone) {
   const auto volume = std::make_shared<const Volume>(test::ball(9));
   const auto refusal = [&](const MeshRequest& request) {
-    return plan_mesh(volume, request, {}, Cancellation(), nullptr).status();
+    return plan_mesh({.shape = volume, .request = request}).status();
   };
   MeshRequest request = both_sides();
   request.box = {{0, 0, 0}, {1, -1, 1}};

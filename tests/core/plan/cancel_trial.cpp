@@ -15,7 +15,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/parallel.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/make/plan_mesh.h"
 #include "tests/support/solids.h"
 
 namespace {
@@ -79,7 +79,8 @@ double time_to_stop(TaskPool& pool, const Case& planned, double after) {
     cancellation.cancel();
   });
   pool.run([&] {
-    const auto plan = plan_mesh(planned.volume, planned.request, {}, cancellation, nullptr);
+    const auto plan =
+        plan_mesh({.shape = planned.volume, .request = planned.request}, cancellation);
     stopped_at = processor_time();
   });
   watcher.request_stop();

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -38,14 +38,15 @@ struct Encoded {
 Encoded encode(const Volume& volume,
                const MeshRequest& request,
                const MeshLimits& limits = {}) {
-  const auto plan = plan_mesh(std::make_shared<const Volume>(volume), request, limits,
-                              Cancellation(), nullptr);
+  const auto plan = plan_mesh(
+      {.shape = std::make_shared<const Volume>(volume), .request = request, .limits = limits});
   EXPECT_TRUE(plan.ok()) << plan.status();
   if (!plan.ok()) return {};
-  Encoded encoded{(*plan)->header(), (*plan)->compact_frame(), {}};
+  const BrickPlan& bricks = *as_bricks(**plan);
+  Encoded encoded{bricks.header(), compact_frame(bricks), {}};
   MeshWorkspace workspace;
   for (std::uint64_t i = 0; i < encoded.header.chunk_count; ++i) {
-    (*plan)->encode_chunk(i, workspace, encoded.chunks.emplace_back());
+    encode_chunk(bricks, i, workspace, encoded.chunks.emplace_back());
   }
   return encoded;
 }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/graded/graded_warp.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/make/plan_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/cut_faces.h"
 #include "tests/support/scenes.h"
@@ -43,7 +43,7 @@ absl::StatusOr<MeshResult> try_to_mesh(const Shape& shape,
                                        int threads = 2,
                                        const MeshLimits& limits = {}) {
   TaskPool pool(threads);
-  return mesh_volume(pool, shape, request, limits, Cancellation(), nullptr);
+  return mesh_volume(pool, {.shape = shape, .request = request, .limits = limits});
 }
 
 MeshResult mesh(const Shape& shape, const MeshRequest& request) {

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/plan/fill_mesh.h"
-#include "core/transfer/survey_bytes.h"
+#include "core/plan/brick/survey_bytes.h"
+#include "core/plan/make/fill_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 
@@ -68,7 +68,8 @@ SurveyedBlocks found_among(const std::vector<std::optional<Block>>& blocks) {
 }
 
 std::shared_ptr<const MeshPlan> plan(const Input& input, const SurveyedBlocks& surveyed = {}) {
-  auto made = plan_mesh(input.volume, input.request, {}, Cancellation(), nullptr, surveyed);
+  auto made =
+      plan_mesh({.shape = input.volume, .request = input.request, .surveyed = surveyed});
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? *std::move(made) : nullptr;
 }

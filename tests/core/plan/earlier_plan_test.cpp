@@ -19,7 +19,7 @@ namespace {
 using Plan = std::shared_ptr<const MeshPlan>;
 
 Plan plan(const Shape& shape, const MeshRequest& request, const MeshPlan* earlier = nullptr) {
-  auto made = plan_mesh(shape, request, {}, Cancellation(), nullptr, {}, earlier);
+  auto made = plan_mesh({.shape = shape, .request = request, .earlier = earlier});
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? *std::move(made) : nullptr;
 }

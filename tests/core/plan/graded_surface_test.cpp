@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/graded/graded_warp.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/make/plan_mesh.h"
 #include "core/stuffing/zero_bracket.h"
 #include "core/transfer/mesh_patch.h"
 #include "tests/core/plan/meshing.h"
@@ -41,7 +41,7 @@ absl::StatusOr<MeshResult> try_to_mesh(const Shape& shape,
                                        const MeshRequest& request,
                                        const MeshLimits& limits = {}) {
   TaskPool pool(2);
-  return mesh_volume(pool, shape, request, limits, Cancellation(), nullptr);
+  return mesh_volume(pool, {.shape = shape, .request = request, .limits = limits});
 }
 
 MeshResult mesh(const Shape& shape, const MeshRequest& request) {
@@ -184,14 +184,15 @@ TEST(GradedSurface, ComesInChunksAndInBetterShape) {
   EXPECT_GT(improved.quality.min_dihedral_deg, plain.quality.min_dihedral_deg + 5);
   MeshLimits limits;
   limits.chunk_bytes = 10'000;
-  const auto plan = plan_mesh(ball_scene(), request, limits, Cancellation(), nullptr);
+  const auto plan = plan_mesh({.shape = ball_scene(), .request = request, .limits = limits});
   ASSERT_TRUE(plan.ok()) << plan.status();
-  EXPECT_FALSE((*plan)->has_bricks());
+  EXPECT_EQ(as_bricks(**plan), nullptr);
   EXPECT_GT((*plan)->header().chunk_count, 10U);
   const auto filled = fill_mesh(**plan, Cancellation(), nullptr);
   ASSERT_TRUE(filled.ok()) << filled.status();
   EXPECT_TRUE(same_bytes(filled->mesh, improved.mesh));
-  EXPECT_EQ(MeshPatch::between(**plan, *plan), nullptr) << "it is sent whole";
+  EXPECT_EQ(MeshPatch::between(as_bricks(*plan), as_bricks(*plan)), nullptr)
+      << "it is sent whole";
 }
 
 TEST(GradedSurface, IsRefusedWithTheField) {
@@ -209,9 +210,9 @@ TEST(GradedSurface, IsRefusedWithTheField) {
             "sizing.grade_surface does not go with manifold: set one of them");
   request = graded(0.1, 0.2);
   request.preset = Preset::kBothSides;
-  EXPECT_EQ(
-      refusal(request),
-      "sizing.grade_surface is for the inside alone; preset both-sides meshes both sides: leave one of them out");
+  EXPECT_EQ(refusal(request),
+            "sizing.grade_surface is for the inside alone; preset both-sides meshes both "
+            "sides: leave one of them out");
   MeshLimits limits;
   limits.max_tets = 1000;
   EXPECT_NE(refusal(graded(0.05, 0.05), limits).find("the limit is 1000"), std::string::npos);
@@ -225,7 +226,8 @@ TEST(GradedSurface, StopsWhenItIsCancelled) {
   TaskPool pool(2);
   Cancellation cancelled;
   cancelled.cancel();
-  const auto result = mesh_volume(pool, ball_scene(), graded(0.1, 0.2), {}, cancelled, nullptr);
+  const auto result =
+      mesh_volume(pool, {.shape = ball_scene(), .request = graded(0.1, 0.2)}, cancelled);
   EXPECT_EQ(result.status().code(), absl::StatusCode::kCancelled);
 }
 

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/stuffing/scene_zeros.h"
 #include "tests/core/plan/meshing.h"
@@ -39,8 +39,8 @@ MeshRequest exact(double spacing) {
 
 MeshResult mesh(const Scene& scene, const MeshRequest& request, int threads = 2) {
   TaskPool pool(threads);
-  auto result = mesh_volume(pool, std::make_shared<const Scene>(scene), request, {},
-                            Cancellation(), nullptr);
+  auto result =
+      mesh_volume(pool, {.shape = std::make_shared<const Scene>(scene), .request = request});
   EXPECT_TRUE(result.ok()) << result.status();
   return result.ok() ? *std::move(result) : MeshResult{};
 }

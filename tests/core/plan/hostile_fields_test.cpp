@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/volume/volume_reader.h"
 #include "tests/support/mesh_promises.h"
 #include "tests/support/random_fields.h"
@@ -85,8 +85,8 @@ TEST(LatticeSymmetries, MapMeshesOfFieldsWithoutTiesOntoOneAnother) {
     MeshRequest request;
     request.levels = 0;  // the octree's bricks do not move with the field
     request.preset = preset;
-    return *mesh_volume(pool, std::make_shared<const Volume>(std::move(volume)), request, {},
-                        Cancellation(), nullptr);
+    return *mesh_volume(
+        pool, {.shape = std::make_shared<const Volume>(std::move(volume)), .request = request});
   };
   for (const Preset preset : {Preset::kDefault, Preset::kMinAngle}) {
     const AngleBounds bounds = angle_bounds(preset, CoordinateType::kFloat64);

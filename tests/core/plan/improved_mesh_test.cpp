@@ -11,7 +11,7 @@
 
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
@@ -170,7 +170,7 @@ TEST(ImprovedMesh, IsTheSameWhenItComesInChunks) {
   for (const Volume& field : {test::ball(30), test::random_signs(32, 8)}) {
     const auto volume = std::make_shared<const Volume>(field);
     const MeshResult whole = mesh(field, improving());
-    const auto plan = plan_mesh(volume, improving(), {}, Cancellation(), nullptr);
+    const auto plan = plan_mesh({.shape = volume, .request = improving()});
     ASSERT_TRUE(plan.ok()) << plan.status();
     ASSERT_GT((*plan)->header().chunk_count, 2U);
     ASSERT_TRUE((*plan)->improvement().has_value());
@@ -226,8 +226,9 @@ TEST(ImprovedMesh, IsRefusedAsAPlanThatCouldNotHoldIt) {
   const auto volume = std::make_shared<const Volume>(test::ball(20));
   const MeshRequest uniform = with_levels(0);
   const MeshLimits limits{.max_plan_bytes = 8'000'000};
-  ASSERT_TRUE(plan_mesh(volume, uniform, limits, Cancellation(), nullptr).ok());
-  const auto plan = plan_mesh(volume, improving(uniform), limits, Cancellation(), nullptr);
+  ASSERT_TRUE(plan_mesh({.shape = volume, .request = uniform, .limits = limits}).ok());
+  const auto plan =
+      plan_mesh({.shape = volume, .request = improving(uniform), .limits = limits});
   EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(plan.status().message()), HasSubstr("the limit is 8000000"));
 }

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/plan/mesh_progress.h"
 #include "core/scene/scene.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
@@ -59,7 +60,10 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> try_to_plan(const GridList& grid
                                                             int threads = 2) {
   absl::StatusOr<std::shared_ptr<const MeshPlan>> plan;
   TaskPool pool(threads);
-  pool.run([&] { plan = plan_mesh(grids, request, limits, Cancellation(), progress); });
+  pool.run([&] {
+    plan =
+        plan_mesh({.shape = grids, .request = request, .limits = limits, .progress = progress});
+  });
   return plan;
 }
 
@@ -68,7 +72,7 @@ TetMesh filled(const MeshPlan& plan) {
 }
 
 TetMesh alone(const std::shared_ptr<const Volume>& grid, const MeshRequest& request) {
-  return filled(*plan_mesh(grid, request, {}, Cancellation(), nullptr).value());
+  return filled(*plan_mesh({.shape = grid, .request = request}).value());
 }
 
 /// Where a part stores a vertex of a mesh that, made alone, has another origin.
@@ -224,7 +228,7 @@ TEST(JoinedPlan, IsSoundAndSaysSo) {
   MeshRequest improved;
   improved.improve = true;
   for (const MeshRequest& request : {MeshRequest(), improved}) {
-    const auto made = mesh_volume(pool, apart(), request, {}, Cancellation(), nullptr);
+    const auto made = mesh_volume(pool, {.shape = apart(), .request = request});
     ASSERT_TRUE(made.ok()) << made.status();
     test::expect_sound(*made);
     ASSERT_TRUE(made->boundary);
@@ -284,7 +288,7 @@ TEST(JoinedPlan, CountsBricksOfAllGridsAsItsProgress) {
 TEST(JoinedPlan, StopsWhereItIsCancelled) {
   Cancellation cancelled;
   cancelled.cancel();
-  const auto plan = plan_mesh(three_lattices(), {}, {}, cancelled, nullptr);
+  const auto plan = plan_mesh({.shape = three_lattices()}, cancelled);
   EXPECT_EQ(plan.status().code(), absl::StatusCode::kCancelled);
 }
 

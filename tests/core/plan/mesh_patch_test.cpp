@@ -25,10 +25,14 @@ using test::same_bytes;
 using Plan = std::shared_ptr<const MeshPlan>;
 
 Plan plan_of(const Volume& volume, const MeshRequest& request, const MeshLimits& limits = {}) {
-  const auto plan = plan_mesh(std::make_shared<const Volume>(volume), request, limits,
-                              Cancellation(), nullptr);
+  const auto plan = plan_mesh(
+      {.shape = std::make_shared<const Volume>(volume), .request = request, .limits = limits});
   EXPECT_TRUE(plan.ok()) << plan.status();
   return plan.ok() ? *plan : nullptr;
+}
+
+std::shared_ptr<const MeshPatch> patch_between(const Plan& earlier, const Plan& now) {
+  return MeshPatch::between(as_bricks(earlier), as_bricks(now));
 }
 
 TetMesh mesh_of(const MeshPlan& plan) {
@@ -107,7 +111,7 @@ TEST(MeshPatch, MakesTheSameBytesAsTheWholeMesh) {
     SCOPED_TRACE(c.name);
     const Plan earlier = plan_of(c.earlier, c.request), now = plan_of(c.now, c.request);
     ASSERT_TRUE(earlier && now);
-    const auto patch = MeshPatch::between(*earlier, now);
+    const auto patch = patch_between(earlier, now);
     if (patch == nullptr) {
       EXPECT_FALSE(can_splice(earlier->header(), now->header()));
       continue;
@@ -129,7 +133,7 @@ TEST(MeshPatch, MakesTheSameBytesWhereverTheChangeIs) {
     const Plan earlier = plan_of(dented_ball(0), request);
     const Plan now = plan_of(dented_ball(depth, at), request);
     ASSERT_TRUE(earlier && now);
-    const auto patch = MeshPatch::between(*earlier, now);
+    const auto patch = patch_between(earlier, now);
     ASSERT_TRUE(patch);
     EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
   }
@@ -137,7 +141,7 @@ TEST(MeshPatch, MakesTheSameBytesWhereverTheChangeIs) {
 
 TEST(MeshPatch, KeepsAllButWhatIsNearTheChange) {
   const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
-  const auto patch = MeshPatch::between(*earlier, now);
+  const auto patch = patch_between(earlier, now);
   ASSERT_TRUE(patch);
   EXPECT_GT(kept_tets(*patch), now->header().tet_count / 2);
   EXPECT_LT(kept_tets(*patch), now->header().tet_count);
@@ -145,7 +149,7 @@ TEST(MeshPatch, KeepsAllButWhatIsNearTheChange) {
 
 TEST(MeshPatch, KeepsEverythingWhereNothingChanged) {
   const Plan plan = plan_of(test::ball(20), {});
-  const auto patch = MeshPatch::between(*plan, plan);
+  const auto patch = patch_between(plan, plan);
   ASSERT_TRUE(patch);
   EXPECT_EQ(patch->patch_count(), 0U);
   EXPECT_EQ(kept_tets(*patch), plan->header().tet_count);
@@ -155,9 +159,9 @@ TEST(MeshPatch, IsTheSameWhateverThePlansKept) {
   MeshLimits nothing_kept;
   nothing_kept.kept_geometry_bytes = 0;
   const Volume ball = dented_ball(0), dented = dented_ball(5);
-  const auto one = MeshPatch::between(*plan_of(ball, {}), plan_of(dented, {}));
+  const auto one = patch_between(plan_of(ball, {}), plan_of(dented, {}));
   const auto other =
-      MeshPatch::between(*plan_of(ball, {}, nothing_kept), plan_of(dented, {}, nothing_kept));
+      patch_between(plan_of(ball, {}, nothing_kept), plan_of(dented, {}, nothing_kept));
   ASSERT_TRUE(one && other);
   EXPECT_EQ(one->kept().vertices, other->kept().vertices);
   EXPECT_EQ(one->kept().tets, other->kept().tets);
@@ -168,12 +172,12 @@ TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {
   MeshRequest other;
   other.preset = Preset::kMinAngle;
   const Volume ball = test::ball(12);
-  EXPECT_EQ(MeshPatch::between(*plan_of(ball, {}), plan_of(ball, other)), nullptr);
+  EXPECT_EQ(patch_between(plan_of(ball, {}), plan_of(ball, other)), nullptr);
 }
 
 TEST(Splice, IsTheSameInTheMemoryOfAnotherMesh) {
   const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
-  const auto patch = MeshPatch::between(*earlier, now);
+  const auto patch = patch_between(earlier, now);
   ASSERT_TRUE(patch);
   for (const int radius : {8, 36}) {
     SCOPED_TRACE(radius);

@@ -1,5 +1,3 @@
-#include "core/plan/mesh_plan.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,9 +9,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/fill_brick.h"
-#include "core/plan/fill_mesh.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/fill_mesh.h"
+#include "core/plan/make/mesher.h"
+#include "core/plan/make/plan_mesh.h"
+#include "core/plan/mesh_progress.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -28,8 +29,9 @@ using ::testing::HasSubstr;
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan(Volume volume,
                                                      const MeshRequest& request = {},
                                                      const MeshLimits& limits = {}) {
-  return plan_mesh(std::make_shared<const Volume>(std::move(volume)), request, limits,
-                   Cancellation(), nullptr);
+  return plan_mesh({.shape = std::make_shared<const Volume>(std::move(volume)),
+                    .request = request,
+                    .limits = limits});
 }
 
 std::vector<std::byte> chunk_bytes(const MeshPlan& plan,
@@ -84,7 +86,7 @@ TEST(MeshPlan, ChunksAddUpToTheStatisticsOfTheMeshToTheLastBit) {
   std::size_t most_bricks = 0;
   for (std::uint64_t i = 0; i < mesh.header.chunk_count; ++i) {
     sum.add((*made)->fill_chunk(i, workspace, mesh.columns_of((*made)->chunk(i))));
-    const auto [begin, end] = (*made)->bricks_of_chunk(i);
+    const auto [begin, end] = as_bricks(**made)->bricks_of_chunk(i);
     most_bricks = std::max(most_bricks, end - begin);
   }
   ASSERT_GT(most_bricks, 2 * kBricksPerRun) << "no chunk is filled in parts";
@@ -126,7 +128,7 @@ TEST(MeshPlan, MakesTheSameTetsWithWideIds) {
   TaskPool pool(2);
   const auto volume = std::make_shared<const Volume>(test::ball(20));
   const auto make = [&](const MeshRequest& request) {
-    auto result = mesh_volume(pool, volume, request, {}, Cancellation(), nullptr);
+    auto result = mesh_volume(pool, {.shape = volume, .request = request});
     return std::move(result->mesh);
   };
   const TetMesh narrow_mesh = make({}), wide_mesh = make(wide);
@@ -280,17 +282,17 @@ TEST(MeshPlan, StopsWhenCancelledOrPastItsDeadline) {
   const auto volume = std::make_shared<const Volume>(test::ball(10));
   Cancellation cancelled;
   cancelled.cancel();
-  EXPECT_EQ(plan_mesh(volume, {}, {}, cancelled, nullptr).status().code(),
+  EXPECT_EQ(plan_mesh({.shape = volume}, cancelled).status().code(),
             absl::StatusCode::kCancelled);
   const Cancellation late(Cancellation::Clock::now() - std::chrono::seconds(1));
-  EXPECT_EQ(plan_mesh(volume, {}, {}, late, nullptr).status().code(),
+  EXPECT_EQ(plan_mesh({.shape = volume}, late).status().code(),
             absl::StatusCode::kDeadlineExceeded);
 }
 
 TEST(MeshPlan, TellsProgressInBricks) {
   MeshProgress progress;
-  const auto made = plan_mesh(std::make_shared<const Volume>(test::ball(20)), {}, {},
-                              Cancellation(), &progress);
+  const auto made = plan_mesh(
+      {.shape = std::make_shared<const Volume>(test::ball(20)), .progress = &progress});
   ASSERT_TRUE(made.ok());
   EXPECT_GT(progress.total, 20U);
   EXPECT_EQ(progress.done, progress.total);

@@ -12,7 +12,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/reference_stuffing.h"

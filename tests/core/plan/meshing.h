@@ -11,8 +11,10 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/plan/fill_mesh.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/fill_mesh.h"
+#include "core/plan/make/mesher.h"
+#include "core/plan/make/plan_mesh.h"
+#include "core/plan/mesh_workspace.h"
 #include "core/volume/volume_reader.h"
 
 namespace tet::test {
@@ -26,8 +28,8 @@ inline MeshRequest with_levels(int levels) {
 /// An empty result, and a failed test, where there is no mesh.
 inline MeshResult mesh(const Volume& volume, const MeshRequest& request = {}, int threads = 2) {
   TaskPool pool(threads);
-  auto result = mesh_volume(pool, std::make_shared<const Volume>(volume), request, {},
-                            Cancellation(), nullptr);
+  auto result =
+      mesh_volume(pool, {.shape = std::make_shared<const Volume>(volume), .request = request});
   EXPECT_TRUE(result.ok()) << result.status();
   return result.ok() ? *std::move(result) : MeshResult{};
 }

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/packed_chunk.h"
-#include "core/plan/fill_mesh.h"
+#include "core/plan/make/fill_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 
@@ -31,7 +31,7 @@ struct Packed {
 
 Packed pack(const Volume& volume, const MeshRequest& request) {
   const auto plan =
-      plan_mesh(std::make_shared<const Volume>(volume), request, {}, Cancellation(), nullptr);
+      plan_mesh({.shape = std::make_shared<const Volume>(volume), .request = request});
   EXPECT_TRUE(plan.ok()) << plan.status();
   Packed packed;
   packed.mesh = std::move(fill_mesh(**plan, Cancellation(), nullptr)->mesh);

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/stuffing/scene_zeros.h"
 #include "tests/core/plan/meshing.h"
@@ -38,8 +38,7 @@ absl::StatusOr<MeshResult> try_to_mesh(const Scene& scene,
                                        const MeshRequest& request,
                                        int threads = 2) {
   TaskPool pool(threads);
-  return mesh_volume(pool, std::make_shared<const Scene>(scene), request, {}, Cancellation(),
-                     nullptr);
+  return mesh_volume(pool, {.shape = std::make_shared<const Scene>(scene), .request = request});
 }
 
 MeshResult mesh(const Scene& scene, const MeshRequest& request, int threads = 2) {

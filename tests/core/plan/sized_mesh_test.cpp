@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/plan/brick/counted_mesh.h"
-#include "core/plan/mesh_plan.h"
+#include "core/plan/brick/brick_plan.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
@@ -28,7 +27,7 @@ MeshRequest sized(const Sizing& sizing) {
 
 absl::StatusOr<std::shared_ptr<const MeshPlan>> try_to_plan(const Shape& shape,
                                                             const MeshRequest& request) {
-  return plan_mesh(shape, request, {}, Cancellation(), nullptr);
+  return plan_mesh({.shape = shape, .request = request});
 }
 
 /// A ball around the origin, of a grid with voxels of 1, as a scene: exact distances.
@@ -41,7 +40,7 @@ Shape ball_scene() {
 /// Calls `visit(middle, size)` for each leaf above the finest level: in finest spacings.
 template <class Visit>
 void for_each_coarse_leaf(const MeshPlan& plan, const Visit& visit) {
-  const Octree& tree = plan.counted().mesh.tree();
+  const Octree& tree = as_bricks(plan)->counted().mesh.tree();
   for (std::size_t l = 1; l < tree.levels.size(); ++l) {
     const double size = std::ldexp(1, static_cast<int>(l));
     for (std::size_t i = 0; i < tree.levels[l].bricks.size(); ++i) {
@@ -138,9 +137,10 @@ TEST(SizedMesh, IsRefusedWhereItWouldBeTooLarge) {
   test::SceneWriter writer;
   writer.add(scene::Sphere{2e-4});
   const auto plan = try_to_plan(std::make_shared<const Scene>(writer.scene()), request);
-  EXPECT_EQ(plan.status().message(),
-            "sizing.regions[1].size 1e-05 asks for more than 2.67e+09 leaves, as many as there "
-            "may be. Use a larger size or a smaller region");
+  EXPECT_EQ(
+      plan.status().message(),
+      "sizing.regions[1].size 1e-05 asks for more than 2.67e+09 leaves, the most there may be: "
+      "use a larger size or a smaller region");
 }
 
 }  // namespace

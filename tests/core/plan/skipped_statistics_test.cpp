@@ -42,7 +42,7 @@ Plan plan(const Shape& shape,
           bool skip,
           const MeshPlan* earlier = nullptr) {
   request.skip_statistics = skip;
-  auto made = plan_mesh(shape, request, {}, Cancellation(), nullptr, {}, earlier);
+  auto made = plan_mesh({.shape = shape, .request = request, .earlier = earlier});
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? *std::move(made) : nullptr;
 }
@@ -119,12 +119,12 @@ TEST(SkippedStatistics, AreNotMissedByAPlanThatBeginsWithOneWithout) {
 TEST(SkippedStatistics, AreSkippedWhereCompactChunksAreMadeIntoAMesh) {
   const Plan with = plan(gyroid(), {}, false);
   ASSERT_TRUE(with);
-  const CompactFrame frame = with->compact_frame();
+  const CompactFrame frame = compact_frame(*as_bricks(*with));
   CompactBricks bricks(frame.rules.both_sides);
   MeshWorkspace workspace;
   for (std::uint64_t i = 0; i < with->header().chunk_count; ++i) {
     std::vector<std::byte> bytes;
-    with->encode_chunk(i, workspace, bytes);
+    encode_chunk(*as_bricks(*with), i, workspace, bytes);
     ASSERT_TRUE(bricks.add(bytes).ok());
   }
   const auto decoded =

@@ -14,7 +14,7 @@
 #include "core/mesh/boundary.h"
 #include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -169,8 +169,7 @@ TEST(SurfaceTopology, OfALargePlateIsThatOfASphere) {
                          beyond(static_cast<float>(v.y), kHalfEdge),
                          beyond(static_cast<float>(v.z) - kMiddle, kHalfThickness)});
       });
-  const auto plan =
-      plan_mesh(std::make_shared<const Volume>(plate), {}, {}, {}, nullptr).value();
+  const auto plan = plan_mesh({.shape = std::make_shared<const Volume>(plate)}).value();
   ASSERT_TRUE(plan->boundary().has_value());
   EXPECT_EQ(plan->boundary()->components, 1U);
   EXPECT_EQ(plan->boundary()->euler_characteristic, 2);

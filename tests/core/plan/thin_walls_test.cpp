@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
@@ -38,8 +38,8 @@ Meshed mesh(Volume volume, std::optional<double> spacing = std::nullopt, int thr
   MeshRequest request;
   request.spacing = spacing;
   TaskPool pool(threads);
-  const auto result = mesh_volume(pool, std::make_shared<const Volume>(std::move(volume)),
-                                  request, {}, Cancellation(), nullptr);
+  const auto result = mesh_volume(
+      pool, {.shape = std::make_shared<const Volume>(std::move(volume)), .request = request});
   if (!result.ok()) return {result.status(), {}, {}};
   return {absl::OkStatus(), result->thin_walls, measure_boundary(result->mesh)};
 }

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/plan/mesher.h"
+#include "core/plan/make/mesher.h"
 #include "core/volume/volume_builder.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
@@ -138,8 +138,9 @@ TEST(VertexFields, AreTheBackgroundBeyondTheirGrid) {
 std::shared_ptr<const MeshPlan> plan(const Volume& volume,
                                      const MeshRequest& request,
                                      const MeshLimits& limits = {}) {
-  return plan_mesh(std::make_shared<const Volume>(volume), request, limits, Cancellation(),
-                   nullptr)
+  return plan_mesh({.shape = std::make_shared<const Volume>(volume),
+                    .request = request,
+                    .limits = limits})
       .value();
 }
 
@@ -177,8 +178,8 @@ TEST(VertexFields, CountAsBytesOfTheirChunks) {
 std::string refusal(const std::vector<VertexField>& fields) {
   MeshRequest request;
   request.fields = fields;
-  const auto planned = plan_mesh(std::make_shared<const Volume>(test::ball(5)), request, {},
-                                 Cancellation(), nullptr);
+  const auto planned =
+      plan_mesh({.shape = std::make_shared<const Volume>(test::ball(5)), .request = request});
   EXPECT_EQ(planned.status().code(), absl::StatusCode::kInvalidArgument);
   return std::string(planned.status().message());
 }

@@ -1,5 +1,6 @@
 #include "core/vdb/decoder_pool.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -14,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/vdb/decode_test_files.h"
+#include "tests/core/vdb/hanging_decoder.h"
 
 namespace tet {
 namespace {
@@ -52,9 +54,10 @@ class DecoderPoolTest : public test::DecodeTest {
 
   /// Kills every child that there is, once there are `count`.
   static void kill_children(std::size_t count) {
-    while (children().size() < count) std::this_thread::sleep_for(1ms);
-    for (const pid_t pid : children()) ::kill(pid, SIGKILL);
-    std::this_thread::sleep_for(100ms);  // a signal takes its time
+    ASSERT_TRUE(test::eventually([&] { return children().size() >= count; }));
+    const std::vector<pid_t> killed = children();
+    for (const pid_t pid : killed) ::kill(pid, SIGKILL);
+    ASSERT_TRUE(test::eventually([&] { return std::ranges::all_of(killed, test::has_ended); }));
   }
 };
 
@@ -92,7 +95,7 @@ TEST_F(DecoderPoolTest, KeepsItsDecoderWhenAFileIsRefusedWithoutIt) {
   FileRequest broken = request();
   broken.path = directory_.file("broken.vdb");
   std::ofstream(broken.path) << "no volume at all";
-  while (children().size() < 2) std::this_thread::sleep_for(1ms);
+  ASSERT_TRUE(test::eventually([] { return children().size() >= 2; }));
   const std::vector<pid_t> before = children();
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(ask(pool, broken).get().ok());
   EXPECT_EQ(children(), before);
@@ -101,10 +104,11 @@ TEST_F(DecoderPoolTest, KeepsItsDecoderWhenAFileIsRefusedWithoutIt) {
 }
 
 TEST_F(DecoderPoolTest, TellsTheRequestWhoseDecoderIsKilledAtWork) {
-  DecoderPool pool(settings(hostile("decode_but_for"), 1));
+  const std::string program = hostile("decode_but_for");
+  DecoderPool pool(settings(program, 1));
   auto hanging = ask(pool, request("hang"));
   auto waiting = ask(pool, request());
-  std::this_thread::sleep_for(300ms);
+  ASSERT_NE(test::hanging_decoder(program), 0);
   kill_children(2);
   EXPECT_EQ(failure_name(hanging.get()), "DECODER_CRASHED");
   EXPECT_TRUE(waiting.get().ok());
@@ -121,13 +125,12 @@ TEST_F(DecoderPoolTest, ForgetsRequestsThatNobodyWantsAnyMore) {
 }
 
 TEST_F(DecoderPoolTest, EndsAtOnceWhateverRuns) {
-  auto pool = std::make_unique<DecoderPool>(settings(hostile("decode_but_for"), 1));
+  const std::string program = hostile("decode_but_for");
+  auto pool = std::make_unique<DecoderPool>(settings(program, 1));
   auto hanging = ask(*pool, request("hang"));
   auto queued = ask(*pool, request());
-  std::this_thread::sleep_for(100ms);
-  const auto start = std::chrono::steady_clock::now();
-  pool.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - start, 200ms);
+  ASSERT_NE(test::hanging_decoder(program), 0);
+  pool.reset();  // else it would be the time limit that ends it, and say so
   EXPECT_EQ(failure_name(hanging.get()), "SHUTTING_DOWN");
   EXPECT_EQ(failure_name(queued.get()), "SHUTTING_DOWN");
   EXPECT_TRUE(children().empty());

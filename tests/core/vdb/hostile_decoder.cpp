@@ -1,10 +1,12 @@
 // A decoder that a hostile file has taken over. What it does is its name's ending:
 //   decoder.segfault, decoder.hang, ...
+// One that hangs over an order says so first: its number is in decoder.hang.hangs
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <sys/mman.h>
@@ -21,6 +23,7 @@
 #include "core/vdb/decoder_protocol.h"
 #include "core/vdb/sandbox.h"
 #include "core/vdb/sealed_block.h"
+#include "tests/core/vdb/hanging_decoder.h"
 
 namespace tet {
 namespace {
@@ -45,8 +48,15 @@ struct Taken {
   absl::Status decode() const { return carry_out(received.order, file(), result()); }
 };
 
-[[noreturn]] void hang() {
+[[noreturn]] void sleep_for_ever() {
   while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+std::string g_program;
+
+[[noreturn]] void hang() {
+  std::ofstream(g_program + test::kHangs) << ::getpid() << "\n";
+  sleep_for_ever();
 }
 
 [[noreturn]] void crash() {
@@ -127,7 +137,7 @@ void end_badly(std::string_view deed) {
   if (deed == "exit") ::_exit(5);
   if (deed == "close") {
     ::close(kDecoderSocket);
-    hang();
+    sleep_for_ever();
   }
 }
 
@@ -167,7 +177,8 @@ int main(int, char** argv) {
   const std::string_view name = argv[0];
   const std::string_view deed = name.substr(name.rfind('.') + 1);
   if (deed == "stillborn") return 1;
-  if (deed == "asleep") tet::hang();
+  if (deed == "asleep") tet::sleep_for_ever();
+  tet::g_program = name;
   tet::prepare_to_carry_out();
   tet::send_ready(tet::kDecoderSocket);
   const auto received = tet::await_order(tet::kDecoderSocket);

@@ -14,11 +14,10 @@
 
 #include "core/vdb/decoder_supply.h"
 #include "tests/core/vdb/decode_test_files.h"
+#include "tests/support/eventually.h"
 
 namespace tet {
 namespace {
-
-using namespace std::chrono_literals;
 
 constexpr unsigned kSeed = 20'221'121;
 
@@ -42,7 +41,7 @@ class PoisonTest : public test::DecodeTest {
     order.file_name = "mutant";
     order.file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path_));
     order.limits = {std::uint64_t{64} << 20, std::uint64_t{256} << 20, 2};
-    const auto block = decoder->decode(order, file.number(), {2s, nullptr});
+    const auto block = decoder->decode(order, file.number(), {test::kGenerousEnd, nullptr});
     if (!block.ok()) return "refused";
     const auto bytes = block->bytes();
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

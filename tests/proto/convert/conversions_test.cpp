@@ -1,5 +1,6 @@
 // What core makes comes back from its message as it was, and a message that cannot be is
 // refused with its field.
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -53,12 +54,7 @@ class RandomNumbers {
   std::mt19937 bits_;
 };
 
-bool operator_equal(const WorldPoint& a, const WorldPoint& b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-bool operator_equal(const WorldBox& a, const WorldBox& b) {
-  return operator_equal(a.min, b.min) && operator_equal(a.max, b.max);
-}
+std::array<WorldPoint, 2> corners_of(const WorldBox& box) { return {box.min, box.max}; }
 
 /// Through the bytes, as it travels.
 template <class Message, class Core>
@@ -110,8 +106,8 @@ TEST(Conversions, BringAHeaderBack) {
     EXPECT_EQ(back->coordinate_type, header.coordinate_type);
     EXPECT_EQ(back->index_type, header.index_type);
     EXPECT_EQ(back->has_regions, header.has_regions);
-    EXPECT_TRUE(operator_equal(back->origin, header.origin));
-    EXPECT_TRUE(operator_equal(back->bounds, header.bounds));
+    EXPECT_EQ(back->origin, header.origin);
+    EXPECT_EQ(corners_of(back->bounds), corners_of(header.bounds));
     EXPECT_EQ(back->spacing, header.spacing);
     EXPECT_EQ(back->levels, header.levels);
     EXPECT_EQ(back->fields, header.fields);
@@ -170,7 +166,7 @@ TEST(Conversions, BringThinWallsBack) {
     EXPECT_EQ(back->suggested_spacing, walls.suggested_spacing);
     ASSERT_EQ(back->regions.size(), walls.regions.size());
     for (std::size_t j = 0; j < walls.regions.size(); ++j) {
-      EXPECT_TRUE(operator_equal(back->regions[j].box, walls.regions[j].box));
+      EXPECT_EQ(corners_of(back->regions[j].box), corners_of(walls.regions[j].box));
       EXPECT_EQ(back->regions[j].inside, walls.regions[j].inside);
       EXPECT_EQ(back->regions[j].outside, walls.regions[j].outside);
     }
@@ -247,9 +243,10 @@ TEST(Conversions, BringARequestBack) {
     EXPECT_EQ(back.levels, request.levels);
     EXPECT_EQ(back.preset, request.preset);
     ASSERT_EQ(back.box.has_value(), request.box.has_value());
-    if (back.box) EXPECT_TRUE(operator_equal(*back.box, *request.box));
-    ASSERT_EQ(back.origin.has_value(), request.origin.has_value());
-    if (back.origin) EXPECT_TRUE(operator_equal(*back.origin, *request.origin));
+    if (back.box) {
+      EXPECT_EQ(corners_of(*back.box), corners_of(*request.box));
+    }
+    EXPECT_EQ(back.origin, request.origin);
     EXPECT_EQ(back.coordinates, request.coordinates);
     EXPECT_EQ(back.manifold, request.manifold);
     EXPECT_EQ(back.improve, request.improve);

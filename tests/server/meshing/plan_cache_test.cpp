@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/plan/make/plan_mesh.h"
 #include "proto/convert/status.h"
 #include "tests/support/solids.h"
 
@@ -9,9 +10,7 @@ namespace tet {
 namespace {
 
 PlanCache::Plan ball_plan(double radius = 12) {
-  return plan_mesh(std::make_shared<const Volume>(test::ball(radius)), {}, {}, Cancellation(),
-                   nullptr)
-      .value();
+  return plan_mesh({.shape = std::make_shared<const Volume>(test::ball(radius))}).value();
 }
 
 TEST(PlanCache, HoldsTheLastFew) {

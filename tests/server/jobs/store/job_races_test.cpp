@@ -229,6 +229,19 @@ std::int64_t resident_bytes() {
   return pages * ::sysconf(_SC_PAGESIZE);
 }
 
+constexpr int kTries = 20;
+
+/// The least of several times: what else the machine does only adds to it.
+absl::Duration least_time(const std::function<void()>& action) {
+  absl::Duration least = absl::InfiniteDuration();
+  for (int i = 0; i < kTries; ++i) {
+    const absl::Time start = absl::Now();
+    action();
+    least = std::min(least, absl::Now() - start);
+  }
+  return least;
+}
+
 TEST_P(JobStoreRaces, TenThousandQueuedJobsAreNoBurden) {
   constexpr int kJobs = 10'000;
   const std::int64_t before = resident_bytes();
@@ -237,16 +250,11 @@ TEST_P(JobStoreRaces, TenThousandQueuedJobsAreNoBurden) {
     job.labels = {{"farm", "night"}};
     for (int j = 0; j < kJobs / 4; ++j) EXPECT_TRUE(store.create(job).ok());
   });
-  const auto took = [](const std::function<void()>& action) {
-    const absl::Time start = absl::Now();
-    action();
-    return absl::Now() - start;
-  };
-  // Wide limits, for machines that do other things: what grows with the queue would break them.
-  EXPECT_LT(took([&] { EXPECT_EQ(claim(16).size(), 16U); }), absl::Milliseconds(250));
-  EXPECT_LT(took([&] { store_->list({}).value(); }), absl::Milliseconds(250));
-  EXPECT_LT(took([&] { store_->counts().value(); }), absl::Milliseconds(500));
-  EXPECT_EQ(store_->counts().value().jobs.at(JobState::kQueued), kJobs - 16);
+  // Wide limits: what grows with the queue would break them each time.
+  EXPECT_LT(least_time([&] { EXPECT_EQ(claim(16).size(), 16U); }), absl::Milliseconds(250));
+  EXPECT_LT(least_time([&] { store_->list({}).value(); }), absl::Milliseconds(250));
+  EXPECT_LT(least_time([&] { store_->counts().value(); }), absl::Milliseconds(500));
+  EXPECT_EQ(store_->counts().value().jobs.at(JobState::kQueued), kJobs - kTries * 16);
   EXPECT_LT(resident_bytes() - before, 48 << 20) << "caches of a few connections, not jobs";
 }
 

@@ -17,6 +17,7 @@
 #include "server/jobs/store/job_store.h"
 #include "tests/server/jobs/store/made_up_work.h"
 #include "tests/server/jobs/store/store_home.h"
+#include "tests/support/eventually.h"
 
 namespace tet::test {
 

@@ -1,6 +1,5 @@
 #include "tests/server/jobs/store/postgres_server.h"
 
-#include <chrono>
 #include <csignal>
 #include <fcntl.h>
 #include <grp.h>
@@ -8,8 +7,9 @@
 #include <pwd.h>
 #include <stdexcept>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
+
+#include "tests/support/eventually.h"
 
 namespace tet::test {
 
@@ -75,17 +75,16 @@ bool PostgresServer::answers() const {
 
 void PostgresServer::start() {
   // After a kill, the server waits for what it ran to be gone: it is started until it stays.
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (std::chrono::steady_clock::now() < end) {
+  const bool started = eventually([&] {
     if (server_ <= 0 || ::waitpid(server_, nullptr, WNOHANG) == server_) {
       server_ = spawn({std::string(kPrograms) + "postgres", "-D", folder_.file("data"), "-k",
                        folder_.path().string(), "-c", "listen_addresses=", "-c",
                        "max_connections=" + std::to_string(max_connections_), "-c",
                        "shared_buffers=32MB", "-c", durable_ ? "fsync=on" : "fsync=off"});
     }
-    if (answers()) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+    return answers();
+  });
+  if (started) return;
   throw std::runtime_error("PostgreSQL does not start: " + read_text(folder_.file("log")));
 }
 

@@ -67,11 +67,11 @@ TEST(PostgresJobStore, BringsTheFirstVersionUpToDate) {
 TEST(PostgresJobStore, ForgetsOldJobsByDroppingTheirPartitions) {
   const PostgresHome home;
   const auto store =
-      home.open_with({.connection = home.connection(), .partition = absl::Milliseconds(500)});
+      home.open_with({.connection = home.connection(), .partition = absl::Seconds(3)});
   const Job old = store->create(wanted()).value().job;
   store->cancel(old.id).value();
   EXPECT_EQ(query(home.connection(), "SELECT count(*) FROM jobs_default"), "0");
-  sleep(absl::Milliseconds(600));
+  sleep(absl::Milliseconds(3100));
   const Job active = store->create(wanted()).value().job;
   const std::int64_t revision = store->revision().value();
   EXPECT_EQ(store->purge(absl::Now()).value(), 1);
@@ -116,7 +116,7 @@ TEST(PostgresJobStore, FindsChangesWithoutNotifications) {
           "INSERT INTO events SELECT nextval('event_ids'), 0, job_id, space, 2, 9, 1, 0, 0, 0, "
           "0, 0, 0 FROM events");
   });
-  const auto page = store->watch({.after_revision = revision, .wait = absl::Seconds(10)});
+  const auto page = store->watch({.after_revision = revision, .wait = absl::Minutes(1)});
   EXPECT_EQ(page.value().events.size(), 1U);
   silent.join();
 }

@@ -1,0 +1,85 @@
+#include "client/library/api/core_request.h"
+
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+
+#include "client/library/api/volume_impl.h"
+#include "proto/sizing/sizing_message.h"
+
+namespace tetstream {
+namespace {
+
+tet::Preset to_core(Preset preset) {
+  switch (preset) {
+    case Preset::kDefault:
+      return tet::Preset::kDefault;
+    case Preset::kMinAngle:
+      return tet::Preset::kMinAngle;
+    case Preset::kBothSides:
+      return tet::Preset::kBothSides;
+  }
+  return tet::Preset::kDefault;
+}
+
+std::optional<tet::CoordinateType> to_core(Coordinates coordinates) {
+  switch (coordinates) {
+    case Coordinates::kAutomatic:
+      return std::nullopt;
+    case Coordinates::kFloat32:
+      return tet::CoordinateType::kFloat32;
+    case Coordinates::kFloat64:
+      return tet::CoordinateType::kFloat64;
+  }
+  return std::nullopt;
+}
+
+tet::WorldPoint to_core(const Point& point) { return {point[0], point[1], point[2]}; }
+
+absl::Status about_sizing(const absl::Status& status) {
+  return {status.code(), absl::StrCat("sizing: ", status.message())};
+}
+
+absl::StatusOr<tet::Sizing> sizing_of(const std::string& json) {
+  if (json.empty()) return tet::Sizing();
+  const auto message = tet::sizing_from_json(json);
+  if (!message.ok()) return about_sizing(message.status());
+  if (message->has_grid()) {
+    return absl::InvalidArgumentError("sizing: grid is not among what this library takes");
+  }
+  absl::StatusOr<tet::Sizing> sizing = tet::sizing_of_message(*message);
+  if (!sizing.ok()) return about_sizing(sizing.status());
+  return sizing;
+}
+
+}  // namespace
+
+absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
+  absl::StatusOr<tet::Sizing> sizing = sizing_of(request.sizing);
+  if (!sizing.ok()) return sizing.status();
+  tet::MeshRequest core;
+  core.spacing = request.spacing;
+  core.iso = request.iso;
+  core.levels = request.levels;
+  core.preset = to_core(request.preset);
+  if (request.box) core.box = {to_core(request.box->min), to_core(request.box->max)};
+  core.sizing = *std::move(sizing);
+  core.improve = request.improve;
+  core.manifold = request.manifold;
+  core.skip_statistics = !request.statistics;
+  core.coordinates = to_core(request.coordinates);
+  for (const Field& field : request.fields) {
+    core.fields.push_back({.name = field.name, .components = field.values.impl().components});
+  }
+  return core;
+}
+
+absl::StatusOr<tet::Shape> shape_of(const Volume& volume) {
+  const auto& core = volume.impl().components.front();
+  if (tet::has_inside(core->kind)) return tet::Shape(core);
+  return absl::FailedPreconditionError(
+      "the volume has no inside: it is of VolumeKind::kValues, for the fields of a request");
+}
+
+}  // namespace tetstream

@@ -1,0 +1,19 @@
+// A caller's request as the mesher takes it.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "core/plan/mesh_request.h"
+#include "core/plan/shape.h"
+#include "tetstream/request.h"
+
+namespace tetstream {
+
+/// The fields' volumes are loaded. Errors: kInvalidArgument (a sizing that is none; says
+/// where).
+absl::StatusOr<tet::MeshRequest> core_request(const Request& request);
+
+/// Errors: kFailedPrecondition (a volume that has no inside).
+absl::StatusOr<tet::Shape> shape_of(const Volume& volume);
+
+}  // namespace tetstream

@@ -1,0 +1,103 @@
+#include "tetstream/mesher.h"
+
+#include <utility>
+
+#include "client/library/api/core_request.h"
+#include "client/library/api/mesh_impl.h"
+#include "client/library/api/stream_impl.h"
+#include "client/library/api/to_public.h"
+#include "client/library/api/work.h"
+#include "client/library/local_chunks.h"
+#include "core/plan/make/fill_estimate.h"
+#include "core/plan/make/mesher.h"
+#include "core/plan/make/plan_mesh.h"
+
+namespace tetstream {
+namespace {
+
+/// What a call is about, understood.
+struct Order {
+  tet::Shape shape;
+  tet::MeshRequest request;
+};
+
+absl::StatusOr<Order> understand(const Volume& volume, const Request& request) {
+  absl::StatusOr<tet::Shape> shape = shape_of(volume);
+  if (!shape.ok()) return shape.status();
+  absl::StatusOr<tet::MeshRequest> core = core_request(request);
+  if (!core.ok()) return core.status();
+  return Order{*std::move(shape), *std::move(core)};
+}
+
+absl::StatusOr<tet::MeshResult> make(Order order,
+                                     const WorkOptions& options,
+                                     const tet::Cancellation& cancellation) {
+  tet::TaskPool pool(options.threads);
+  return tet::mesh_volume(pool,
+                          {.shape = std::move(order.shape),
+                           .request = std::move(order.request),
+                           .progress = options.progress},
+                          cancellation);
+}
+
+absl::StatusOr<Estimate> count(Order order, const tet::Cancellation& cancellation) {
+  order.request.improve = false;  // counts are the same, and it would make the mesh
+  const auto plan = tet::plan_mesh(
+      {.shape = std::move(order.shape), .request = std::move(order.request)}, cancellation);
+  if (!plan.ok()) return plan.status();
+  const tet::FillEstimate fill = tet::estimate_fill(**plan, cancellation);
+  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  const tet::MeshHeader& header = (*plan)->header();
+  return Estimate{header.vertex_count, header.tet_count, fill.bytes, fill.seconds};
+}
+
+tet::TrailerFacts facts_of(const tet::MeshResult& result) {
+  tet::TrailerFacts facts{std::nullopt, result.boundary, result.improvement, result.thin_walls};
+  if (!result.quality.empty()) facts.quality = result.quality;
+  return facts;
+}
+
+}  // namespace
+
+Result<Mesh> mesh(const Volume& volume, const Request& request, const WorkOptions& options) {
+  return guarded([&]() -> Result<Mesh> {
+    const Work work(options);
+    absl::StatusOr<Order> order = understand(volume, request);
+    if (!order.ok()) return to_public(order.status());
+    absl::StatusOr<tet::MeshResult> made =
+        make(*std::move(order), options, work.cancellation());
+    if (!made.ok()) return to_public(made.status());
+    return public_mesh(std::move(made->mesh), facts_of(*made));
+  });
+}
+
+Result<Estimate> estimate(const Volume& volume,
+                          const Request& request,
+                          const WorkOptions& options) {
+  return guarded([&]() -> Result<Estimate> {
+    const Work work(options);
+    absl::StatusOr<Order> order = understand(volume, request);
+    if (!order.ok()) return to_public(order.status());
+    absl::StatusOr<Estimate> counted = absl::UnknownError("not started");
+    tet::TaskPool pool(options.threads);
+    pool.run([&] { counted = count(*std::move(order), work.cancellation()); });
+    if (!counted.ok()) return to_public(counted.status());
+    return *counted;
+  });
+}
+
+MeshStream stream(const Volume& volume, const Request& request, const WorkOptions& options) {
+  auto impl = std::make_unique<MeshStream::Impl>(options);
+  impl->begin =
+      [volume, request, options](
+          const tet::Cancellation& cancellation) -> Result<std::unique_ptr<tet::ChunkSupply>> {
+    absl::StatusOr<Order> order = understand(volume, request);
+    if (!order.ok()) return to_public(order.status());
+    return std::unique_ptr<tet::ChunkSupply>(
+        std::make_unique<tet::LocalChunks>(std::move(order->shape), std::move(order->request),
+                                           options.threads, options.progress, cancellation));
+  };
+  return MeshStream(std::move(impl));
+}
+
+}  // namespace tetstream

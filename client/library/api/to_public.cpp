@@ -1,0 +1,119 @@
+#include "client/library/api/to_public.h"
+
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "client/library/error_details.h"
+#include "core/base/failure_name.h"
+
+namespace tetstream {
+namespace {
+
+Point point_of(const tet::WorldPoint& point) { return {point.x, point.y, point.z}; }
+
+/// A column of a mesh is aligned for its numbers, wherever a chunk begins in it.
+template <class Number>
+std::span<const Number> numbers(std::span<const std::byte> column) {
+  return {reinterpret_cast<const Number*>(column.data()), column.size() / sizeof(Number)};
+}
+
+MeshColumns columns_from(const tet::MeshHeader& header,
+                         std::span<const std::byte> positions,
+                         std::span<const std::byte> tets,
+                         std::span<const std::byte> regions,
+                         std::span<const std::byte> fields) {
+  MeshColumns columns;
+  if (header.coordinate_type == tet::CoordinateType::kFloat64) {
+    columns.points64 = numbers<double>(positions);
+  } else {
+    columns.points32 = numbers<float>(positions);
+  }
+  if (header.index_type == tet::IndexType::kUint64) {
+    columns.tets64 = numbers<std::uint64_t>(tets);
+  } else {
+    columns.tets32 = numbers<std::uint32_t>(tets);
+  }
+  columns.regions = numbers<std::uint8_t>(regions);
+  columns.fields = numbers<float>(fields);
+  return columns;
+}
+
+Statistics::Quality quality_of(const tet::QualityStats& quality) {
+  return {quality.min_dihedral_deg, quality.max_dihedral_deg, quality.volume,
+          quality.histogram};
+}
+
+Statistics::Boundary boundary_of(const tet::BoundaryTopology& boundary) {
+  return {boundary.triangles,          boundary.vertices,
+          boundary.components,         boundary.euler_characteristic,
+          boundary.non_manifold_edges, boundary.non_manifold_vertices};
+}
+
+Statistics::Improvement improvement_of(const tet::Improvement& improvement) {
+  return {improvement.min_dihedral_before_deg, improvement.max_dihedral_before_deg,
+          improvement.moved_vertices};
+}
+
+}  // namespace
+
+Status to_public(const absl::Status& status) {
+  if (status.ok()) return {};
+  std::string reason = tet::failure_name(status);
+  if (reason.empty()) reason = tet::reason_of_failure(status);
+  return {static_cast<StatusCode>(status.raw_code()), std::string(status.message()),
+          std::move(reason)};
+}
+
+MeshHeader to_public(const tet::MeshHeader& header, std::string id) {
+  MeshHeader result{.vertex_count = header.vertex_count,
+                    .tet_count = header.tet_count,
+                    .chunk_count = header.chunk_count,
+                    .float64 = header.coordinate_type == tet::CoordinateType::kFloat64,
+                    .uint64 = header.index_type == tet::IndexType::kUint64,
+                    .has_regions = header.has_regions,
+                    .origin = point_of(header.origin),
+                    .bounds = {point_of(header.bounds.min), point_of(header.bounds.max)},
+                    .spacing = header.spacing,
+                    .levels = header.levels,
+                    .fields = {},
+                    .field_values = 0,
+                    .parts = {},
+                    .id = std::move(id)};
+  for (const tet::FieldArray& field : header.fields) {
+    result.fields.push_back({field.name, field.components, result.field_values});
+    result.field_values += field.components;
+  }
+  for (const tet::MeshPart& part : header.parts) {
+    result.parts.push_back(
+        {part.name, part.first_vertex, part.vertex_count, part.first_tet, part.tet_count});
+  }
+  return result;
+}
+
+Statistics to_public(const tet::TrailerFacts& facts) {
+  Statistics statistics;
+  if (facts.quality) statistics.quality = quality_of(*facts.quality);
+  if (facts.boundary) statistics.boundary = boundary_of(*facts.boundary);
+  if (facts.improvement) statistics.improvement = improvement_of(*facts.improvement);
+  statistics.thin_walls = {facts.thin_walls.inside, facts.thin_walls.outside,
+                           facts.thin_walls.suggested_spacing};
+  return statistics;
+}
+
+Chunk to_public(const tet::ChunkView& chunk, const tet::MeshHeader& header) {
+  const tet::ChunkExtent& place = chunk.place;
+  return {chunk.index,
+          place.first_vertex,
+          place.vertex_count,
+          place.first_tet,
+          place.tet_count,
+          columns_from(header, chunk.positions, chunk.tets, chunk.regions, chunk.fields)};
+}
+
+MeshColumns columns_of(const tet::TetMesh& mesh) {
+  return columns_from(mesh.header, mesh.positions.bytes(), mesh.tets.bytes(),
+                      mesh.regions.bytes(), mesh.fields.bytes());
+}
+
+}  // namespace tetstream

@@ -1,0 +1,147 @@
+// A tetrahedral mesh as arrays: the whole of it, or chunk by chunk.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tetstream/export.h"
+
+namespace tetstream {
+
+/// World coordinates.
+using Point = std::array<double, 3>;
+
+/// World coordinates; `min` is below `max` along every axis.
+struct Box {
+  Point min{}, max{};
+};
+
+/// A named array of values at the vertices.
+struct FieldArray {
+  std::string name;
+  std::uint32_t components = 1;  ///< of each value: 1, or 3 of a vector
+  std::uint32_t offset = 0;      ///< of its first component in a vertex's row of values
+};
+
+/// One grid's mesh within a mesh of several grids: runs of the vertices and of the tets.
+struct MeshPart {
+  std::string name;  ///< of the grid
+  std::uint64_t first_vertex = 0, vertex_count = 0;
+  std::uint64_t first_tet = 0, tet_count = 0;
+};
+
+/// What is known of a mesh before its first vertex: enough to allocate all of it.
+struct MeshHeader {
+  std::uint64_t vertex_count = 0;
+  std::uint64_t tet_count = 0;
+  std::uint64_t chunk_count = 0;
+  bool float64 = false;            ///< coordinates are double, else float
+  bool uint64 = false;             ///< vertex ids have 64 bits, else 32
+  bool has_regions = false;        ///< both sides are meshed: every tet has a region
+  Point origin{};                  ///< to be added to stored coordinates
+  Box bounds;                      ///< holds every vertex; not always tight
+  double spacing = 0;              ///< of the finest leaves, world units
+  int levels = 0;                  ///< coarser octree levels that the mesh uses
+  std::vector<FieldArray> fields;  ///< that every vertex has values of
+  std::uint32_t field_values = 0;  ///< floats that a vertex has, of all fields together
+  std::vector<MeshPart> parts;     ///< of a mesh of several grids; else empty
+  std::string id;                  ///< from a server: the same id is the same bytes
+};
+
+/// What is told of a whole mesh beside itself.
+struct Statistics {
+  /// Dihedral angles, degrees, and volume; nothing where the request leaves statistics out, and
+  /// where a stream of chunks was resumed after a connection broke.
+  struct Quality {
+    double min_dihedral_deg = 0, max_dihedral_deg = 0;
+    double volume = 0;                           ///< world units cubed
+    std::array<std::uint64_t, 180> histogram{};  ///< six angles a tet, by whole degrees
+  };
+  /// Topology of the boundary of the inside.
+  struct Boundary {
+    std::uint64_t triangles = 0, vertices = 0, components = 0;
+    std::int64_t euler_characteristic = 0;
+    std::uint64_t non_manifold_edges = 0, non_manifold_vertices = 0;
+  };
+  /// What the request's `improve` did.
+  struct Improvement {
+    double min_dihedral_before_deg = 0, max_dihedral_before_deg = 0;
+    std::uint64_t moved_vertices = 0;
+  };
+  /// Places where the lattice is too coarse for the surface's walls.
+  struct ThinWalls {
+    std::uint64_t inside = 0, outside = 0;
+    double suggested_spacing = 0;  ///< that would resolve most of them; 0 where there are none
+  };
+
+  std::optional<Quality> quality;
+  std::optional<Boundary> boundary;
+  std::optional<Improvement> improvement;
+  ThinWalls thin_walls;
+};
+
+/// Vertices and tets as arrays that somebody else holds. Of `points32` and `points64` one is
+/// empty, and so is one of `tets32` and `tets64`: the header says which.
+struct MeshColumns {
+  std::span<const float> points32;        ///< x, y, z of each vertex, relative to the origin
+  std::span<const double> points64;       ///< the same where the header says float64
+  std::span<const std::uint32_t> tets32;  ///< four vertex ids of each tet, counted in the mesh
+  std::span<const std::uint64_t> tets64;  ///< the same where the header says uint64
+  std::span<const std::uint8_t> regions;  ///< of each tet: 1 inside, 2 outside; or empty
+  std::span<const float> fields;          ///< `field_values` of each vertex; or empty
+
+  std::size_t vertex_count() const noexcept { return (points32.size() + points64.size()) / 3; }
+  std::size_t tet_count() const noexcept { return (tets32.size() + tets64.size()) / 4; }
+  /// Stored coordinates of the i-th vertex here, relative to the header's origin.
+  Point point(std::size_t i) const noexcept {
+    if (!points64.empty()) return {points64[3 * i], points64[3 * i + 1], points64[3 * i + 2]};
+    return {points32[3 * i], points32[3 * i + 1], points32[3 * i + 2]};
+  }
+  /// Vertex ids of the i-th tet here. det(b - a, c - a, d - a) is positive.
+  std::array<std::uint64_t, 4> tet(std::size_t i) const noexcept {
+    if (!tets64.empty()) {
+      return {tets64[4 * i], tets64[4 * i + 1], tets64[4 * i + 2], tets64[4 * i + 3]};
+    }
+    return {tets32[4 * i], tets32[4 * i + 1], tets32[4 * i + 2], tets32[4 * i + 3]};
+  }
+};
+
+/// A contiguous run of a mesh's vertices and tets. Chunks come in order and leave no gaps, so
+/// `first_vertex` and `first_tet` are what earlier ones held. A tet may refer to vertices of
+/// chunks before it and after it.
+struct Chunk {
+  std::uint64_t index = 0;  ///< from 0 to the header's chunk_count - 1
+  std::uint64_t first_vertex = 0, vertex_count = 0;
+  std::uint64_t first_tet = 0, tet_count = 0;
+  MeshColumns columns;
+};
+
+/// A whole mesh. Copies share it; it is never changed, so any thread may read it. Spans live as
+/// long as one of the copies does.
+class TETSTREAM_API Mesh {
+ public:
+  const MeshHeader& header() const noexcept;
+  const MeshColumns& columns() const noexcept;
+  const Statistics& statistics() const noexcept;
+
+  std::size_t vertex_count() const noexcept { return columns().vertex_count(); }
+  std::size_t tet_count() const noexcept { return columns().tet_count(); }
+  /// World coordinates of a vertex.
+  Point vertex(std::size_t i) const noexcept;
+  std::array<std::uint64_t, 4> tet(std::size_t i) const noexcept { return columns().tet(i); }
+
+  struct Impl;
+  explicit Mesh(std::shared_ptr<const Impl> impl);
+  const Impl& impl() const noexcept { return *impl_; }
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace tetstream

@@ -1,0 +1,68 @@
+// What a caller asks of a mesh.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "tetstream/mesh.h"
+#include "tetstream/volume.h"
+
+namespace tetstream {
+
+/// Bounds on dihedral angles: docs/bounds.md.
+enum class Preset : std::uint8_t {
+  kDefault,    ///< 11.3 to 154.7 degrees
+  kMinAngle,   ///< the best smallest angle: 11.8 to 161.2 degrees
+  kBothSides,  ///< inside and outside in one mesh, up to a box: 9.4 to 157.4 degrees
+};
+
+enum class Coordinates : std::uint8_t {
+  kAutomatic,  ///< float, and double where float would bend the angle bounds
+  kFloat32,
+  kFloat64,
+};
+
+/// An array of values that the vertices get, sampled from another volume.
+struct Field {
+  std::string name;  ///< of the array
+  Volume values;     ///< of VolumeKind::kValues, or any other
+};
+
+/// Lengths are world units. A default-made request is a good mesh: as fine as the voxels at the
+/// surface, coarser inside.
+struct Request {
+  /// Size of the finest cells; unless given the voxel size.
+  std::optional<double> spacing = {};
+  /// The surface's value; unless given 0 for level sets and 0.5 for densities.
+  std::optional<double> iso = {};
+  int levels = 24;  ///< octree levels above the finest, 0 (uniform) to 24
+  Preset preset = Preset::kDefault;
+  /// With kBothSides how far both sides go, else where the inside is cut off with flat faces.
+  std::optional<Box> box = {};
+  /// How large tets may be, and where: JSON as docs/sizing.md has it, or empty.
+  std::string sizing = {};
+  bool improve = false;    ///< move vertices to better the worst angles
+  bool manifold = false;   ///< the boundary touches itself nowhere, whatever the field
+  bool statistics = true;  ///< measure quality and boundary: a little slower
+  Coordinates coordinates = Coordinates::kAutomatic;
+  std::vector<Field> fields = {};  ///< at most 16
+};
+
+/// How work is watched and stopped, here or on a server.
+struct WorkOptions {
+  int threads = 0;  ///< in this process; 0 takes every core
+  /// Told how much of the mesh is made, 0 to 1, on any thread: from several at once where it is
+  /// made here. Must not throw.
+  std::function<void(double fraction)> progress = {};
+  /// Work ends soon after a stop was requested, with kCancelled.
+  std::stop_token stop = {};
+  /// Work ends soon after this, with kDeadlineExceeded.
+  std::optional<std::chrono::system_clock::time_point> deadline = {};
+};
+
+}  // namespace tetstream

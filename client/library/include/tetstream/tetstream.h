@@ -1,0 +1,12 @@
+// All of the library's public headers.
+#pragma once
+
+#include "tetstream/client.h"
+#include "tetstream/mesh.h"
+#include "tetstream/mesh_file.h"
+#include "tetstream/mesher.h"
+#include "tetstream/request.h"
+#include "tetstream/status.h"
+#include "tetstream/stream.h"
+#include "tetstream/version.h"
+#include "tetstream/volume.h"

@@ -1,0 +1,64 @@
+// A mesh that is made in this process, chunk by chunk.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "client/library/chunk_supply.h"
+#include "core/base/cancel.h"
+#include "core/base/parallel.h"
+#include "core/plan/make/fill_mesh.h"
+#include "core/plan/make/plan_mesh.h"
+#include "core/plan/mesh_plan.h"
+#include "core/plan/mesh_request.h"
+#include "core/plan/mesh_workspace.h"
+#include "core/plan/shape.h"
+
+namespace tet {
+
+/// Makes a few chunks at a time, as many as keep its threads busy, when the first of them is
+/// asked for. The bytes are those of the mesh that mesh_volume makes.
+class LocalChunks : public ChunkSupply {
+ public:
+  /// `threads` <= 0 takes every core, `progress` may be null, `cancellation` outlives this.
+  LocalChunks(Shape shape,
+              MeshRequest request,
+              int threads,
+              ProgressFunction progress,
+              const Cancellation& cancellation);
+
+  absl::StatusOr<const MeshHeader*> header() override;
+  absl::StatusOr<const ChunkView*> next() override;
+  const TrailerFacts& facts() const override { return facts_; }
+
+ private:
+  /// A chunk, its memory and its thread's, which the next batch uses again.
+  struct Made {
+    TetMesh columns;
+    MeshWorkspace workspace;
+    QualityStats quality;
+  };
+
+  absl::Status plan();
+  absl::Status make_batch();
+  void make(std::uint64_t index, Made& made) const;
+  void finish();
+
+  Shape shape_;
+  const MeshRequest request_;
+  const ProgressFunction progress_;
+  const Cancellation& cancellation_;
+  TaskPool pool_;
+  std::shared_ptr<const MeshPlan> plan_;
+  std::vector<Made> batch_;
+  std::uint64_t next_ = 0, batch_begin_ = 0, batch_end_ = 0;
+  QualityStats quality_;
+  ChunkView chunk_;
+  TrailerFacts facts_;
+  absl::Status failure_;
+};
+
+}  // namespace tet

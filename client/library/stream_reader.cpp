@@ -1,0 +1,266 @@
+#include "client/library/stream_reader.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "client/library/chunk_message.h"
+#include "client/library/stream_checks.h"
+#include "proto/convert/chunk_numbers.h"
+#include "proto/convert/counts.h"
+#include "proto/convert/mesh_parts.h"
+#include "proto/convert/statistics.h"
+#include "proto/wire/checksum.h"
+#include "proto/wire/serialized.h"
+
+namespace tet {
+
+namespace {
+
+/// What the server said in a message that cannot be.
+absl::Status bad_part(const char* what, const absl::Status& status) {
+  return bad_stream(absl::StrFormat("%s: %s", what, status.message()));
+}
+
+ChunkExtent extent_of(const ChunkNumbers& chunk) {
+  return {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count};
+}
+
+absl::Status verify_checksum(const ChunkNumbers& chunk, std::uint32_t checksum) {
+  if (checksum == chunk.checksum) return absl::OkStatus();
+  return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
+}
+
+/// True when all from `begin` to `end` is kept.
+bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_t end) {
+  while (begin < end) {
+    const auto after = std::upper_bound(
+        runs.begin(), runs.end(), begin,
+        [](std::uint64_t value, const KeptRun& run) { return value < run.to; });
+    if (after == runs.begin()) return false;
+    const KeptRun& run = *(after - 1);
+    if (begin - run.to >= run.count) return false;
+    begin = run.to + run.count;
+  }
+  return true;
+}
+
+}  // namespace
+
+absl::Status StreamReader::take(grpc::ByteBuffer& event) {
+  if (const auto chunk = compact_ ? std::nullopt : read_chunk(event)) {
+    planning_.reset();
+    const auto& [positions, tets, regions, fields] = chunk->columns;
+    const auto columns =
+        place_of(chunk->numbers, {positions.size, tets.size, regions.size, fields.size});
+    if (!columns.ok()) return columns.status();
+    return advance(chunk->numbers, *columns, copy_columns(event, *chunk, *columns));
+  }
+  v1::MeshEvent message;
+  if (!deserialize(event, message)) {
+    return bad_stream("a message that is no MeshEvent");
+  }
+  return take(message);
+}
+
+absl::Status StreamReader::take(const v1::MeshEvent& event) {
+  planning_.reset();
+  switch (event.event_case()) {
+    case v1::MeshEvent::kHeader:
+      return take_header(event.header());
+    case v1::MeshEvent::kChunk:
+      return take_chunk(event.chunk());
+    case v1::MeshEvent::kTrailer:
+      return take_trailer(event.trailer());
+    case v1::MeshEvent::kProgress:
+      planning_ = event.progress();
+      return absl::OkStatus();
+    default:
+      return absl::OkStatus();  // news from a newer server
+  }
+}
+
+absl::Status StreamReader::take_header(const v1::MeshHeader& header) {
+  const absl::StatusOr<MeshHeader> checked = checked_header(header);
+  if (!checked.ok()) return checked.status();
+  told_.cached = header.cached();
+  if (has_header_) {
+    const bool same = header.mesh_id() == told_.mesh_id && header.has_kept() == keeps_parts_;
+    return same ? absl::OkStatus() : bad_stream("another mesh after resuming");
+  }
+  if (absl::Status status = begin(header, *checked); !status.ok()) return status;
+  told_.mesh.header = *checked;
+  chunks_ =
+      unsigned_count(header.has_kept() ? header.kept().patch_count() : header.chunk_count());
+  keeps_parts_ = header.has_kept();
+  told_.mesh_id = header.mesh_id();
+  told_.canonical_request = header.canonical_request();
+  has_header_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status StreamReader::begin(const v1::MeshHeader& header, const MeshHeader& checked) {
+  if (header.has_lattice()) {
+    absl::StatusOr<CompactReceiver> compact = CompactReceiver::begin(header);
+    if (!compact.ok()) return compact.status();
+    compact_ = *std::move(compact);
+    return absl::OkStatus();
+  }
+  if (!header.has_kept()) return consumer_->make_room(checked, nullptr);
+  if (base_ == Base::kNone)
+    return bad_stream("it keeps parts of a mesh that the request does not name");
+  if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
+  absl::StatusOr<KeptParts> kept = from_proto(header.kept());
+  if (!kept.ok()) return bad_part("kept parts", kept.status());
+  kept_ = *std::move(kept);
+  absl::Status status = consumer_->make_room(checked, &kept_);
+  return absl::IsInvalidArgument(status) ? bad_stream(status.ToString()) : status;
+}
+
+absl::Status StreamReader::take_chunk(const v1::MeshChunk& chunk) {
+  const ChunkNumbers numbers = from_proto(chunk);
+  if (compact_) return take_compact(numbers, std::as_bytes(std::span(chunk.compact())));
+  if (!chunk.packed().empty()) {
+    return take_packed(numbers, std::as_bytes(std::span(chunk.packed())));
+  }
+  const auto columns = place_of(numbers, {chunk.positions().size(), chunk.tets().size(),
+                                          chunk.regions().size(), chunk.fields().size()});
+  if (!columns.ok()) return columns.status();
+  copy_column(chunk.positions(), columns->positions);
+  copy_column(chunk.tets(), columns->tets);
+  copy_column(chunk.regions(), columns->regions);
+  copy_column(chunk.fields(), columns->fields);
+  return advance(
+      numbers, *columns,
+      chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(), chunk.fields()}));
+}
+
+absl::Status StreamReader::take_packed(const ChunkNumbers& numbers,
+                                       std::span<const std::byte> bytes) {
+  absl::Status status = check_place(numbers);
+  if (status.ok()) status = verify_checksum(numbers, add_to_checksum(0, bytes));
+  if (!status.ok()) return status;
+  const ChunkExtent extent = extent_of(numbers);
+  const auto columns = consumer_->place(extent);
+  if (!columns.ok()) return columns.status();
+  status = unpacker_.unpack(bytes, header(), extent, *columns);
+  return status.ok() ? hand_on(numbers) : bad_stream(std::string(status.message()));
+}
+
+absl::Status StreamReader::take_compact(const ChunkNumbers& numbers,
+                                        std::span<const std::byte> bytes) {
+  absl::Status status = check_place(numbers);
+  if (status.ok()) status = verify_checksum(numbers, add_to_checksum(0, bytes));
+  if (status.ok()) status = compact_->add(bytes);
+  if (!status.ok()) return status;
+  compact_chunks_.push_back(extent_of(numbers));
+  count(numbers);
+  return absl::OkStatus();
+}
+
+/// Where the next chunk's columns belong, if this is the next chunk and has columns of that
+/// size.
+absl::StatusOr<ChunkColumns> StreamReader::place_of(const ChunkNumbers& chunk,
+                                                    const ColumnBytes& column_bytes) {
+  if (absl::Status status = check_place(chunk); !status.ok()) return status;
+  const ChunkSizes sizes(header(), chunk.vertex_count, chunk.tet_count);
+  if (column_bytes != ColumnBytes{sizes.positions, sizes.tets, sizes.regions, sizes.fields}) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
+  }
+  return consumer_->place(extent_of(chunk));
+}
+
+/// Whether this is the chunk that is missing next, and fits.
+absl::Status StreamReader::check_place(const ChunkNumbers& chunk) const {
+  if (!has_header_) return bad_stream("a chunk before the header");
+  if (!is_count(chunk.vertex_count) || !is_count(chunk.tet_count)) {
+    return bad_stream("a chunk with impossible counts");
+  }
+  const bool follows = chunk.index == next_chunk_ && chunk.first_vertex >= next_vertex_ &&
+                       chunk.first_tet >= next_tet_ &&
+                       is_kept(kept_.vertices, next_vertex_, chunk.first_vertex) &&
+                       is_kept(kept_.tets, next_tet_, chunk.first_tet);
+  if (!follows || chunk.first_vertex > header().vertex_count ||
+      chunk.first_tet > header().tet_count ||
+      chunk.vertex_count > header().vertex_count - chunk.first_vertex ||
+      chunk.tet_count > header().tet_count - chunk.first_tet) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
+  }
+  return absl::OkStatus();
+}
+
+/// A chunk whose columns were copied counts if they are what the server sent; else the next
+/// attempt overwrites it.
+absl::Status StreamReader::advance(const ChunkNumbers& chunk,
+                                   const ChunkColumns& columns,
+                                   std::uint32_t checksum) {
+  if (absl::Status status = verify_checksum(chunk, checksum); !status.ok()) return status;
+  if (!ids_are_within(columns.tets, header())) {
+    return bad_stream(
+        absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
+  }
+  return hand_on(chunk);
+}
+
+/// It counts first: a consumer that takes no more has this one.
+absl::Status StreamReader::hand_on(const ChunkNumbers& chunk) {
+  count(chunk);
+  return consumer_->take(extent_of(chunk));
+}
+
+void StreamReader::count(const ChunkNumbers& chunk) {
+  next_vertex_ = chunk.first_vertex + chunk.vertex_count;
+  next_tet_ = chunk.first_tet + chunk.tet_count;
+  tets_sent_ += chunk.tet_count;
+  ++next_chunk_;
+}
+
+absl::Status StreamReader::take_trailer(const v1::MeshTrailer& trailer) {
+  if (!has_header_ || next_chunk_ != chunks_ ||
+      !is_kept(kept_.vertices, next_vertex_, header().vertex_count) ||
+      !is_kept(kept_.tets, next_tet_, header().tet_count)) {
+    return bad_stream("it ended before the mesh was whole");
+  }
+  if (auto status = take_statistics(trailer); !status.ok()) return status;
+  complete_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status StreamReader::take_statistics(const v1::MeshTrailer& trailer) {
+  if (trailer.has_boundary()) {
+    const auto boundary = from_proto(trailer.boundary());
+    if (!boundary.ok()) return bad_part("boundary", boundary.status());
+    told_.boundary = *boundary;
+  }
+  if (trailer.has_improvement()) {
+    const auto improvement = from_proto(trailer.improvement());
+    if (!improvement.ok()) return bad_part("improvement", improvement.status());
+    told_.improvement = *improvement;
+  }
+  absl::StatusOr<ThinWalls> walls = from_proto(trailer.thin_walls());
+  if (!walls.ok()) return bad_part("thin walls", walls.status());
+  told_.thin_walls = *std::move(walls);
+  return take_quality(trailer);
+}
+
+/// The quality of some chunks only is no use: the mesh is measured here then.
+absl::Status StreamReader::take_quality(const v1::MeshTrailer& trailer) {
+  has_quality_ = trailer.has_quality() && trailer.first_chunk() == 0 &&
+                 unsigned_count(trailer.end_chunk()) == chunks_;
+  if (!has_quality_) return absl::OkStatus();
+  const auto quality = from_proto(trailer.quality());
+  if (!quality.ok()) return bad_part("quality", quality.status());
+  told_.quality = *quality;
+  return absl::OkStatus();
+}
+
+Statistics StreamReader::statistics() const noexcept {
+  return told_.canonical_request.skip_statistics() ? Statistics::kSkipped
+                                                   : Statistics::kMeasured;
+}
+
+}  // namespace tet

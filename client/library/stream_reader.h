@@ -1,0 +1,101 @@
+// Stream events in, chunks out: checked, in order, and each where its consumer wants it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <grpcpp/support/byte_buffer.h>
+
+#include "client/library/chunk_consumer.h"
+#include "client/library/compact_receiver.h"
+#include "client/library/mesh_client.h"
+#include "core/mesh/packed_chunk.h"
+#include "core/mesh/splice.h"
+#include "proto/wire/chunk_frame.h"
+
+namespace tet {
+
+/// Reads one mesh from as many streams as it takes. Trusts nothing that the server says: every
+/// count and every vertex id is checked before it is used. Not thread-safe.
+///
+/// Compact chunks hold no columns: they are gathered in `compact`, and their consumer is asked
+/// for nothing.
+class StreamReader {
+ public:
+  /// Whether the header may say that parts of another mesh are kept.
+  enum class Base : bool { kNone, kNamed };
+
+  /// `consumer` outlives this, and lies still.
+  StreamReader(ChunkConsumer& consumer, Base base) : consumer_(&consumer), base_(base) {}
+
+  /// Errors: kDataLoss (saying what does not fit), those of the consumer.
+  absl::Status take(const v1::MeshEvent& event);
+  /// Takes an event as it came: a chunk goes to its place without another copy.
+  absl::Status take(grpc::ByteBuffer& event);
+
+  /// How far planning is, if the last event said that.
+  const std::optional<v1::MeshProgress>& planning() const noexcept { return planning_; }
+
+  bool has_header() const noexcept { return has_header_; }
+  /// All but the columns: of the header once there is one, of the trailer once complete.
+  const StreamedMesh& told() const noexcept { return told_; }
+  StreamedMesh& told() noexcept { return told_; }
+  /// Whether the trailer told the quality of the whole mesh.
+  bool has_quality() const noexcept { return has_quality_; }
+  /// What the request wants of them.
+  Statistics statistics() const noexcept;
+
+  /// The first chunk that is missing.
+  std::uint64_t next_chunk() const noexcept { return next_chunk_; }
+  std::uint64_t tets_received() const noexcept { return next_tet_; }
+  /// Tets of the chunks that came, without those kept from the base.
+  std::uint64_t tets_sent() const noexcept { return tets_sent_; }
+  /// Every chunk is here and the server has said that there are no more.
+  bool complete() const noexcept { return complete_; }
+
+  /// Where chunks are compact.
+  std::optional<CompactReceiver>& compact() noexcept { return compact_; }
+  /// The chunks that were gathered there.
+  const std::vector<ChunkExtent>& compact_chunks() const noexcept { return compact_chunks_; }
+
+ private:
+  using ColumnBytes = std::array<std::size_t, ChunkFrame::kColumns>;
+
+  const MeshHeader& header() const noexcept { return told_.mesh.header; }
+  absl::Status take_header(const v1::MeshHeader& header);
+  absl::Status begin(const v1::MeshHeader& header, const MeshHeader& checked);
+  absl::Status take_chunk(const v1::MeshChunk& chunk);
+  absl::Status take_packed(const ChunkNumbers& numbers, std::span<const std::byte> bytes);
+  absl::Status take_compact(const ChunkNumbers& numbers, std::span<const std::byte> bytes);
+  absl::Status check_place(const ChunkNumbers& chunk) const;
+  absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk, const ColumnBytes& columns);
+  absl::Status advance(const ChunkNumbers& chunk,
+                       const ChunkColumns& columns,
+                       std::uint32_t checksum);
+  absl::Status hand_on(const ChunkNumbers& chunk);
+  void count(const ChunkNumbers& chunk);
+  absl::Status take_trailer(const v1::MeshTrailer& trailer);
+  absl::Status take_statistics(const v1::MeshTrailer& trailer);
+  absl::Status take_quality(const v1::MeshTrailer& trailer);
+
+  ChunkConsumer* consumer_;
+  Base base_;
+  StreamedMesh told_;
+  KeptParts kept_;                          ///< of the base
+  std::uint64_t chunks_ = 0;                ///< that come, once there is a header
+  std::optional<CompactReceiver> compact_;  ///< where chunks are compact
+  std::vector<ChunkExtent> compact_chunks_;
+  ChunkUnpacker unpacker_;
+  std::optional<v1::MeshProgress> planning_;
+  std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0, tets_sent_ = 0;
+  bool has_header_ = false, keeps_parts_ = false, has_quality_ = false, complete_ = false;
+};
+
+}  // namespace tet

@@ -1,0 +1,94 @@
+#include "core/plan/brick/brick_plan.h"
+
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/heap_bytes.h"
+#include "core/plan/brick/fill_brick.h"
+#include "core/plan/improved_plan.h"
+#include "core/plan/mesh_workspace.h"
+
+namespace tet {
+
+BrickPlan::BrickPlan(MeshFacts facts,
+                     MeshSource source,
+                     CountedMesh mesh,
+                     std::vector<std::size_t> first_brick)
+    : LatticePlan(std::move(facts), std::move(source)),
+      mesh_(std::move(mesh)),
+      first_brick_(std::move(first_brick)) {}
+
+BrickRange BrickPlan::bricks_of_chunk(std::uint64_t index) const noexcept {
+  return {first_brick_[index], first_brick_[index + 1]};
+}
+
+ChunkExtent BrickPlan::bricks(const BrickRange& range) const noexcept {
+  const auto [begin, end] = range;
+  return {mesh_.first_vertex(begin), mesh_.first_vertex(end) - mesh_.first_vertex(begin),
+          mesh_.first_tet(begin), mesh_.first_tet(end) - mesh_.first_tet(begin)};
+}
+
+QualityStats BrickPlan::fill_bricks(const BrickRange& range,
+                                    MeshWorkspace& workspace,
+                                    ChunkColumns columns) const noexcept {
+  BrickFiller filler(mesh_, field(), header(), to_world(), statistics(),
+                     workspace.get<BrickScratch>());
+  for (std::size_t brick = range.begin; brick < range.end; ++brick) {
+    const ChunkExtent extent = bricks({brick, brick + 1});
+    const ChunkSizes size(header(), extent.vertex_count, extent.tet_count);
+    filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),
+                        columns.regions.first(size.regions)});
+    columns = {columns.positions.subspan(size.positions), columns.tets.subspan(size.tets),
+               columns.regions.subspan(size.regions)};
+  }
+  TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
+  return filler.stats();
+}
+
+ChunkExtent BrickPlan::chunk(std::uint64_t index) const noexcept {
+  return bricks(bricks_of_chunk(index));
+}
+
+QualityStats BrickPlan::fill_chunk(std::uint64_t index,
+                                   MeshWorkspace& workspace,
+                                   ChunkColumns columns) const noexcept {
+  const QualityStats stats = fill_bricks(bricks_of_chunk(index), workspace, columns);
+  if (!columns.fields.empty()) fill_fields(chunk(index), columns);
+  return stats;
+}
+
+std::uint64_t BrickPlan::bytes() const noexcept {
+  return mesh_.bytes() + heap_bytes(first_brick_);
+}
+
+std::vector<std::size_t> cut_into_chunks(const CountedMesh& mesh,
+                                         std::size_t chunk_bytes,
+                                         MeshHeader& header) {
+  const auto bytes_before = [&](std::size_t brick) {
+    return ChunkSizes(header, mesh.first_vertex(brick), mesh.first_tet(brick)).total();
+  };
+  std::vector<std::size_t> first_brick{0};
+  for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {
+    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= chunk_bytes;
+    if (!fits && brick > first_brick.back()) first_brick.push_back(brick);
+  }
+  first_brick.push_back(mesh.brick_count());
+  header.chunk_count = first_brick.size() - 1;
+  return first_brick;
+}
+
+const BrickPlan* as_bricks(const MeshPlan& plan) noexcept {
+  return dynamic_cast<const BrickPlan*>(&plan);
+}
+
+std::shared_ptr<const BrickPlan> as_bricks(
+    const std::shared_ptr<const MeshPlan>& plan) noexcept {
+  return std::dynamic_pointer_cast<const BrickPlan>(plan);
+}
+
+const BrickPlan* bricks_beneath(const MeshPlan& plan) noexcept {
+  const auto* improved = dynamic_cast<const ImprovedPlan*>(&plan);
+  return as_bricks(improved != nullptr ? improved->unimproved() : plan);
+}
+
+}  // namespace tet

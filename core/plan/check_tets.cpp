@@ -1,0 +1,46 @@
+#include "core/plan/check_tets.h"
+
+#include <absl/strings/str_format.h>
+
+namespace tet {
+namespace {
+
+/// Why there is no mesh, though what is meshed and the request are fine.
+absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin) {
+  const CanonicalRequest& asked = prepared.asked;
+  if (stuffing_rules(asked.preset).both_sides) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the surface at iso %g does not reach into the box, so there is nothing to mesh",
+        asked.iso));
+  }
+  if (!thin.any()) {
+    return absl::FailedPreconditionError(
+        absl::StrFormat("nothing%s is inside at iso %g, so there is nothing to mesh",
+                        prepared.space.domain ? " in the box" : "", asked.iso));
+  }
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
+      "left to mesh; a grid sampled and meshed at about %.3g would resolve it",
+      asked.iso, asked.spacing, thin.suggested_spacing));
+}
+
+}  // namespace
+
+absl::Status check_not_empty(const MeshHeader& header,
+                             const PreparedMesh& prepared,
+                             const ThinWalls& thin) {
+  return header.tet_count > 0 ? absl::OkStatus() : nothing_to_mesh(prepared, thin);
+}
+
+absl::Status check_tets(const MeshHeader& header,
+                        const PreparedMesh& prepared,
+                        const ThinWalls& thin,
+                        const MeshLimits& limits) {
+  if (auto status = check_not_empty(header, prepared, thin); !status.ok()) return status;
+  if (header.tet_count <= limits.max_tets) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("the mesh would have %d tets; the limit is %d. Use a larger spacing",
+                      header.tet_count, limits.max_tets));
+}
+
+}  // namespace tet

@@ -1,0 +1,25 @@
+// Refusals of meshes that were counted: without a tet, or with too many.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include "core/mesh/tet_mesh.h"
+#include "core/plan/mesh_request.h"
+#include "core/plan/prepared_mesh.h"
+#include "core/plan/thin_walls.h"
+
+namespace tet {
+
+/// OK or kFailedPrecondition: there is nothing to mesh. The message says why, as far as the
+/// walls that were found too thin tell it.
+absl::Status check_not_empty(const MeshHeader& header,
+                             const PreparedMesh& prepared,
+                             const ThinWalls& thin);
+
+/// The same, or kResourceExhausted.
+absl::Status check_tets(const MeshHeader& header,
+                        const PreparedMesh& prepared,
+                        const ThinWalls& thin,
+                        const MeshLimits& limits);
+
+}  // namespace tet

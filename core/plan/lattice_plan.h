@@ -1,0 +1,51 @@
+// A plan of one shape's mesh, which lies on one lattice: it can be improved, and its vertices
+// have values of fields.
+#pragma once
+
+#include <vector>
+
+#include "core/field/phi_field.h"
+#include "core/mesh/improve.h"
+#include "core/mesh/lattice_to_world.h"
+#include "core/plan/mesh_plan.h"
+#include "core/plan/mesh_request.h"
+
+namespace tet {
+
+/// What a mesh on one lattice was made from, and where the lattice lies.
+struct MeshSource {
+  PhiField field;  ///< refers to the plan's shape
+  LatticeToWorld to_world;
+  std::vector<VertexField> fields = {};
+};
+
+/// Whether a mesh's chunks are measured as they come from its lattice: a mesh that is to be
+/// improved is measured afterwards.
+Statistics statistics_on_lattice(const MeshRequest& request);
+
+class LatticePlan : public MeshPlan {
+ public:
+  const PhiField& field() const noexcept { return source_.field; }
+  const LatticeToWorld& to_world() const noexcept { return source_.to_world; }
+
+  /// Improves the whole mesh as this plan's chunks make it.
+  Improvement improve(TetMesh& mesh, const Cancellation& cancellation) const;
+
+  /// Gives the values of the request's fields to the vertices of `extent`, wherever they lie by
+  /// now: `columns` has their positions.
+  void fill_fields(const ChunkExtent& extent, const ChunkColumns& columns) const noexcept;
+
+  /// Gives them to a whole mesh of this plan. Parallel; run it on a TaskPool.
+  void add_fields(TetMesh& mesh) const;
+
+ protected:
+  LatticePlan(MeshFacts facts, MeshSource source);
+
+ private:
+  /// A kind of mesh that knows more of its vertices than their positions says so here.
+  virtual KnownOfVertices known_of_vertices() const noexcept { return {}; }
+
+  const MeshSource source_;
+};
+
+}  // namespace tet

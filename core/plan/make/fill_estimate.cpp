@@ -1,0 +1,66 @@
+#include "core/plan/make/fill_estimate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/base/byte_buffer.h"
+#include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
+#include "core/plan/mesh_workspace.h"
+
+namespace tet {
+namespace {
+
+/// 32 MiB of mesh at most: tens of milliseconds.
+constexpr std::uint64_t kMostChunks = 64;
+
+/// The chunks in the middle of equal parts of the mesh.
+std::vector<std::uint64_t> chunks_to_try(std::uint64_t chunk_count) {
+  std::vector<std::uint64_t> chunks(std::min(chunk_count, kMostChunks));
+  for (std::uint64_t i = 0; i < chunks.size(); ++i) {
+    chunks[i] = (2 * i + 1) * chunk_count / (2 * chunks.size());
+  }
+  return chunks;
+}
+
+ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
+  const ChunkExtent extent = plan.chunk(chunk);
+  return {plan.header(), extent.vertex_count, extent.tet_count};
+}
+
+/// Makes a chunk in memory of its own, as those that are sent are made: one a thread at a time.
+void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspace) {
+  const ChunkSizes size = sizes_of(plan, chunk);
+  ByteBuffer memory(size.total());
+  const std::span<std::byte> bytes = memory.bytes();
+  plan.fill_chunk(
+      chunk, workspace,
+      {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
+       bytes.last(size.regions), bytes.subspan(size.positions + size.tets, size.fields)});
+}
+
+}  // namespace
+
+FillEstimate estimate_fill(const MeshPlan& plan, const Cancellation& cancellation) {
+  const MeshHeader& header = plan.header();
+  FillEstimate estimate{ChunkSizes(header, header.vertex_count, header.tet_count).total(), 0};
+  const std::vector<std::uint64_t> chunks = chunks_to_try(header.chunk_count);
+  std::uint64_t tried = 0;
+  for (const std::uint64_t chunk : chunks) tried += sizes_of(plan, chunk).total();
+  if (tried == 0) return estimate;
+  const auto start = std::chrono::steady_clock::now();
+  ScratchPool<MeshWorkspace> workspaces;
+  for_each_index(chunks.size(), [&](std::size_t i) {
+    if (cancellation.requested()) return;
+    try_chunk(plan, chunks[i], *ScratchPool<MeshWorkspace>::Turn(workspaces));
+  });
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  estimate.seconds =
+      taken.count() * static_cast<double>(estimate.bytes) / static_cast<double>(tried);
+  return estimate;
+}
+
+}  // namespace tet
