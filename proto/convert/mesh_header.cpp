@@ -49,9 +49,10 @@ absl::Status check_place(const v1::MeshHeader& message) {
 }
 
 absl::StatusOr<std::vector<FieldArray>> fields_of(const v1::MeshHeader& message) {
-  // A cut adds its array to those that were asked for.
-  if (message.fields_size() > int{VertexField::kMaxFields} + 1) {
-    return bad(absl::StrCat("fields has ", message.fields_size(), " entries"));
+  constexpr int kMostArrays = int{VertexField::kMaxFields} + 1;  // a cut adds its own
+  if (message.fields_size() > kMostArrays) {
+    return bad(absl::StrFormat("fields has %d entries; the limit is %d", message.fields_size(),
+                               kMostArrays));
   }
   std::set<std::string> names;
   std::vector<FieldArray> fields;

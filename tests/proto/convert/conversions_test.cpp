@@ -314,6 +314,18 @@ TEST(Conversions, RefuseAHostileHeader) {
        {"parts", [](M& m) { m.mutable_parts()->RemoveLast(); }}});
 }
 
+TEST(Conversions, TakeAsManyArraysAsACutMeshMayHave) {
+  v1::MeshHeader message = valid_header();
+  while (message.fields_size() < int{VertexField::kMaxFields} + 1) {
+    v1::FieldArray& array = *message.add_fields();
+    array.set_name("array " + std::to_string(message.fields_size()));
+    array.set_components(1);
+  }
+  EXPECT_TRUE(from_proto(message).ok()) << from_proto(message).status();
+  *message.add_fields() = message.fields(0);
+  EXPECT_EQ(from_proto(message).status().message(), "fields has 18 entries; the limit is 17");
+}
+
 TEST(Conversions, RefuseHostileStatistics) {
   using Q = v1::QualityStats;
   expect_refused<Q>(sent<Q>(QualityStats()),
