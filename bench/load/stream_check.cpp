@@ -3,6 +3,8 @@
 #include <absl/strings/str_cat.h>
 
 #include "client/library/chunk_message.h"
+#include "proto/convert/chunk_numbers.h"
+#include "proto/convert/counts.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/serialized.h"
 
@@ -10,17 +12,6 @@ namespace tet::load {
 namespace {
 
 namespace v1 = ::tetstream::v1;
-
-std::uint64_t count_of(std::int64_t count) { return static_cast<std::uint64_t>(count); }
-
-ChunkNumbers numbers_of(const v1::MeshChunk& chunk) {
-  return {.index = count_of(chunk.index()),
-          .first_vertex = count_of(chunk.first_vertex()),
-          .vertex_count = count_of(chunk.vertex_count()),
-          .first_tet = count_of(chunk.first_tet()),
-          .tet_count = count_of(chunk.tet_count()),
-          .checksum = chunk.checksum()};
-}
 
 std::uint64_t column_bytes_of(const ReceivedChunk& chunk) {
   std::uint64_t bytes = 0;
@@ -57,14 +48,14 @@ absl::Status StreamCheck::take(const v1::MeshEvent& event) {
   switch (event.event_case()) {
     case v1::MeshEvent::kHeader:
       has_header_ = true;
-      chunk_count_ = count_of(event.header().chunk_count());
-      tet_count_ = count_of(event.header().tet_count());
+      chunk_count_ = unsigned_count(event.header().chunk_count());
+      tet_count_ = unsigned_count(event.header().tet_count());
       return absl::OkStatus();
     case v1::MeshEvent::kChunk: {
       const v1::MeshChunk& chunk = event.chunk();
-      const absl::Status status = take_chunk(numbers_of(chunk), column_bytes_of(chunk));
+      const absl::Status status = take_chunk(from_proto(chunk), column_bytes_of(chunk));
       if (!status.ok() || !check_columns_) return status;
-      return check_columns(numbers_of(chunk), checksum_of(chunk));
+      return check_columns(from_proto(chunk), checksum_of(chunk));
     }
     case v1::MeshEvent::kTrailer:
       has_trailer_ = true;

@@ -83,28 +83,6 @@ absl::Status check_encoding(const MeshOptions& options) {
         absl::StrCat(options.compact ? "--compact" : "--packed",
                      " is about what a server sends: add --server"));
   }
-  if (!options.compact) return absl::OkStatus();
-  if (options.request.improve) {
-    return absl::InvalidArgumentError(
-        "--compact cannot carry an improved mesh: leave --improve out, or take --packed");
-  }
-  if (options.request.sizing.grade_surface) {
-    return absl::InvalidArgumentError(
-        "--compact cannot carry a mesh with a graded surface: leave the sizing's "
-        "grade_surface out, or take --packed");
-  }
-  if (options.has_several_grids()) {
-    return absl::InvalidArgumentError(
-        "--compact cannot carry several grids: leave out all --grid but one, or take --packed");
-  }
-  if (has_cut(options.request)) {
-    return absl::InvalidArgumentError(
-        "--compact cannot carry a mesh that a box cuts: leave --box out, or take --packed");
-  }
-  if (!options.request.fields.empty()) {
-    return absl::InvalidArgumentError(
-        "--compact cannot carry fields: leave --field out, or take --packed");
-  }
   return absl::OkStatus();
 }
 

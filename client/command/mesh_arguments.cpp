@@ -8,10 +8,10 @@
 
 #include "client/command/field_options.h"
 #include "client/command/mesh_input.h"
+#include "client/command/option_rules.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
 #include "client/library/read_grids.h"
-#include "core/plan/joined/joined_plan.h"
 
 namespace tet {
 namespace {
@@ -30,15 +30,26 @@ absl::Status check_sizing_grid(const MeshOptions& options) {
 
 /// Checks --all-grids as far as that is possible while the grids are not known.
 absl::Status check_all_grids_option(const MeshOptions& options) {
-  if (!options.all_grids) return absl::OkStatus();
-  if (!options.grids.empty()) {
-    return absl::InvalidArgumentError("--all-grids and --grid do not go together");
-  }
-  if (is_scene_file(options.input) || is_surface_file(options.input)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
-  }
-  return check_joined_request(options.request);
+  if (!options.all_grids || !is_surface_file(options.input)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--all-grids: ", options.input, " has no grids; a .vdb file has"));
+}
+
+MeshInput input_of(const MeshOptions& options) {
+  return {options.input, options.grids, options.voxel};
+}
+
+/// What excludes what is the same here as on a server.
+absl::Status check_option_rules(const MeshOptions& options) {
+  const bool names_grids_twice = options.all_grids && !options.grids.empty();
+  const Features features = features_of(options.request, input_of(options))
+                                .add(Feature::kGridName, names_grids_twice)
+                                .add(Feature::kSeveralGrids, options.all_grids)
+                                .add(Feature::kPacked, options.packed)
+                                .add(Feature::kCompact, options.compact);
+  FeatureNames names = option_names(options.request);
+  if (options.all_grids) names.set(Feature::kSeveralGrids, "--all-grids");
+  return check_features(features, names);
 }
 
 absl::Status check_trust(const MeshOptions& options) {
@@ -81,7 +92,8 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 }
 
 absl::Status check_input(const MeshOptions& options) {
-  absl::Status status = check_mesh_input({options.input, options.grids, options.voxel});
+  absl::Status status = check_option_rules(options);
+  if (status.ok()) status = check_mesh_input(input_of(options));
   if (status.ok()) status = check_all_grids_option(options);
   if (status.ok()) status = check_sizing_grid(options);
   if (status.ok()) status = check_field_files(options.request.fields, options.input);

@@ -49,16 +49,6 @@ absl::Status convert_surface(const MeshInput& input,
   return absl::OkStatus();
 }
 
-/// Scenes have voxels only in their grids, which have names of their own.
-absl::Status check_scene_input(const MeshInput& input) {
-  if (!input.grids.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--grid ", input.grids.front(), ": a scene names its grids itself"));
-  }
-  if (!input.voxel) return absl::OkStatus();
-  return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
-}
-
 }  // namespace
 
 absl::Status check_mesh_input(const MeshInput& input) {
@@ -67,7 +57,10 @@ absl::Status check_mesh_input(const MeshInput& input) {
     return absl::InvalidArgumentError(
         absl::StrCat("--grid ", input.grids.front(), ": a surface file has no grids"));
   }
-  if (is_scene_file(input.path)) return check_scene_input(input);
+  if (is_scene_file(input.path)) {
+    if (!input.voxel) return absl::OkStatus();
+    return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
+  }
   if (!absl::EndsWith(absl::AsciiStrToLower(input.path), ".vdb")) {
     return absl::InvalidArgumentError(
         absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl, .ply or .json"));

@@ -8,6 +8,17 @@
 #include "core/plan/joined/joined_plan.h"
 
 namespace tet {
+namespace {
+
+/// Whether their names can be those of several grids.
+absl::Status check_grids(const std::vector<std::string>& grids) {
+  const absl::Status status = check_grid_names(grids);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("--grid: ", status.message()));
+}
+
+}  // namespace
+
 void describe_request(CLI::App& app, RequestArguments& arguments) {
   MeshRequest& request = arguments.request;
   app.add_option(
@@ -46,13 +57,6 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
       ->allow_extra_args(false);
 }
 
-absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request) {
-  absl::Status status = check_grid_names(grids);
-  if (status.ok()) status = check_joined_request(request);
-  if (status.ok()) return status;
-  return absl::InvalidArgumentError(absl::StrCat("--grid: ", status.message()));
-}
-
 absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids) {
   if (grids.empty()) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -74,7 +78,6 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   }
   if (arguments.coordinates == "float32") request.coordinates = CoordinateType::kFloat32;
   if (arguments.coordinates == "float64") request.coordinates = CoordinateType::kFloat64;
-  if (absl::Status status = check_cut(request); !status.ok()) return status;
   absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);
@@ -82,7 +85,7 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);
   if (arguments.grids.size() > 1) {
-    if (auto status = check_grids(arguments.grids, request); !status.ok()) return status;
+    if (auto status = check_grids(arguments.grids); !status.ok()) return status;
   }
   return request;
 }

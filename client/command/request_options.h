@@ -37,9 +37,6 @@ void describe_request(CLI::App& app, RequestArguments& arguments);
 /// (there are none), kInvalidArgument (too many).
 absl::Status check_all_grids(const std::string& input, const std::vector<std::string>& grids);
 
-/// Whether several grids can be meshed together, and so. OK or kInvalidArgument.
-absl::Status check_grids(const std::vector<std::string>& grids, const MeshRequest& request);
-
 /// The grids of its sizing and its fields are not loaded: see read_sizing and
 /// understand_fields. Errors: kInvalidArgument (options that do not go together), and those of
 /// the two.

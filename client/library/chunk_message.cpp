@@ -136,12 +136,6 @@ void read_columns(grpc::ByteBuffer& message, const ReceivedChunk& chunk, const U
 
 }  // namespace
 
-ChunkNumbers numbers_of(const tetstream::v1::MeshChunk& chunk) {
-  const auto number = [](std::int64_t value) { return static_cast<std::uint64_t>(value); };
-  return {number(chunk.index()),     number(chunk.first_vertex()), number(chunk.vertex_count()),
-          number(chunk.first_tet()), number(chunk.tet_count()),    chunk.checksum()};
-}
-
 void copy_column(const std::string& from, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }

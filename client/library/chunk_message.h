@@ -12,7 +12,6 @@
 
 #include "core/mesh/tet_mesh.h"
 #include "proto/wire/chunk_frame.h"
-#include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
 
@@ -24,9 +23,6 @@ struct ReceivedChunk {
   ChunkNumbers numbers;
   std::array<Column, ChunkFrame::kColumns> columns;  ///< positions, tets, regions, fields
 };
-
-/// The numbers of a chunk that protobuf has read.
-ChunkNumbers numbers_of(const tetstream::v1::MeshChunk& chunk);
 
 /// Copies a column that has the size of its place.
 void copy_column(const std::string& from, std::span<std::byte> to);

@@ -8,6 +8,8 @@
 
 #include "client/library/chunk_message.h"
 #include "client/library/stream_checks.h"
+#include "proto/convert/chunk_numbers.h"
+#include "proto/convert/counts.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/serialized.h"
 
@@ -46,7 +48,7 @@ absl::Status PartReceiver::take(const v1::MeshEvent& event) {
 }
 
 absl::Status PartReceiver::take_chunk(const v1::MeshChunk& chunk) {
-  const ChunkNumbers numbers = numbers_of(chunk);
+  const ChunkNumbers numbers = from_proto(chunk);
   absl::Status status = size_part(numbers, {chunk.positions().size(), chunk.tets().size(),
                                             chunk.regions().size(), chunk.fields().size()});
   if (!status.ok()) return status;

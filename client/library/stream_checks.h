@@ -2,7 +2,6 @@
 // trusted.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include <absl/status/status.h>
@@ -17,12 +16,6 @@ namespace v1 = ::tetstream::v1;
 
 /// kDataLoss: "the server's stream is broken: `message`".
 absl::Status bad_stream(const std::string& message);
-
-/// Whether sizes in bytes of so many of anything do not overflow.
-bool is_count(std::int64_t count);
-bool is_count(std::uint64_t count);
-
-WorldPoint world_point(const v1::Point& point);
 
 /// A header as core has it. Errors: kDataLoss (impossible values).
 absl::StatusOr<MeshHeader> checked_header(const v1::MeshHeader& message);

@@ -6,9 +6,14 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 
 #include "client/library/chunk_message.h"
 #include "client/library/stream_checks.h"
+#include "proto/convert/chunk_numbers.h"
+#include "proto/convert/counts.h"
+#include "proto/convert/mesh_parts.h"
+#include "proto/convert/statistics.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/serialized.h"
 
@@ -16,53 +21,9 @@ namespace tet {
 
 namespace {
 
-std::uint64_t unsigned_count(std::int64_t count) { return static_cast<std::uint64_t>(count); }
-
-Improvement to_core(const v1::Improvement& message) {
-  return {.min_dihedral_before_deg = message.min_dihedral_before_deg(),
-          .max_dihedral_before_deg = message.max_dihedral_before_deg(),
-          .moved_vertices = unsigned_count(message.moved_vertices()),
-          .seconds = message.seconds()};
-}
-
-ThinWalls to_core(const v1::ThinWalls& message) {
-  ThinWalls walls;
-  walls.inside = unsigned_count(message.inside_spots());
-  walls.outside = unsigned_count(message.outside_spots());
-  walls.region_count = unsigned_count(message.region_count());
-  for (const v1::ThinRegion& region : message.regions()) {
-    walls.regions.push_back({{world_point(region.box().min()), world_point(region.box().max())},
-                             unsigned_count(region.inside_spots()),
-                             unsigned_count(region.outside_spots())});
-  }
-  walls.thickness = message.thickness();
-  walls.suggested_spacing = message.suggested_spacing();
-  return walls;
-}
-
-bool is_valid(const v1::BoundaryTopology& boundary) {
-  return is_count(boundary.triangles()) && is_count(boundary.vertices()) &&
-         is_count(boundary.components()) && is_count(boundary.non_manifold_edges()) &&
-         is_count(boundary.non_manifold_vertices()) && is_count(boundary.restored_nodes());
-}
-
-BoundaryTopology to_core(const v1::BoundaryTopology& message) {
-  return {.triangles = unsigned_count(message.triangles()),
-          .vertices = unsigned_count(message.vertices()),
-          .components = unsigned_count(message.components()),
-          .euler_characteristic = message.euler_characteristic(),
-          .non_manifold_edges = unsigned_count(message.non_manifold_edges()),
-          .non_manifold_vertices = unsigned_count(message.non_manifold_vertices()),
-          .restored_nodes = unsigned_count(message.restored_nodes())};
-}
-
-std::vector<KeptRun> to_core(const google::protobuf::RepeatedPtrField<v1::KeptRun>& messages) {
-  std::vector<KeptRun> runs;
-  for (const v1::KeptRun& run : messages) {
-    runs.push_back(
-        {unsigned_count(run.from()), unsigned_count(run.to()), unsigned_count(run.count())});
-  }
-  return runs;
+/// What the server said in a message that cannot be.
+absl::Status bad_part(const char* what, const absl::Status& status) {
+  return bad_stream(absl::StrFormat("%s: %s", what, status.message()));
 }
 
 ChunkExtent extent_of(const ChunkNumbers& chunk) {
@@ -153,13 +114,15 @@ absl::Status StreamReader::begin(const v1::MeshHeader& header, const MeshHeader&
   if (base_ == Base::kNone)
     return bad_stream("it keeps parts of a mesh that the request does not name");
   if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
-  kept_ = {to_core(header.kept().vertices()), to_core(header.kept().tets())};
+  absl::StatusOr<KeptParts> kept = from_proto(header.kept());
+  if (!kept.ok()) return bad_part("kept parts", kept.status());
+  kept_ = *std::move(kept);
   absl::Status status = consumer_->make_room(checked, &kept_);
   return absl::IsInvalidArgument(status) ? bad_stream(status.ToString()) : status;
 }
 
 absl::Status StreamReader::take_chunk(const v1::MeshChunk& chunk) {
-  const ChunkNumbers numbers = numbers_of(chunk);
+  const ChunkNumbers numbers = from_proto(chunk);
   if (compact_) return take_compact(numbers, std::as_bytes(std::span(chunk.compact())));
   if (!chunk.packed().empty()) {
     return take_packed(numbers, std::as_bytes(std::span(chunk.packed())));
@@ -262,27 +225,37 @@ absl::Status StreamReader::take_trailer(const v1::MeshTrailer& trailer) {
       !is_kept(kept_.tets, next_tet_, header().tet_count)) {
     return bad_stream("it ended before the mesh was whole");
   }
-  if (trailer.has_boundary()) {
-    if (!is_valid(trailer.boundary())) return bad_stream("a boundary with impossible counts");
-    told_.boundary = to_core(trailer.boundary());
-  }
-  if (trailer.has_improvement()) told_.improvement = to_core(trailer.improvement());
-  take_quality(trailer);
-  told_.thin_walls = to_core(trailer.thin_walls());
+  if (auto status = take_statistics(trailer); !status.ok()) return status;
   complete_ = true;
   return absl::OkStatus();
 }
 
-void StreamReader::take_quality(const v1::MeshTrailer& trailer) {
-  const v1::QualityStats& quality = trailer.quality();
-  has_quality_ = trailer.first_chunk() == 0 && unsigned_count(trailer.end_chunk()) == chunks_ &&
-                 quality.dihedral_histogram_size() == QualityStats::kBins;
-  if (!has_quality_) return;
-  told_.quality.min_dihedral_deg = quality.min_dihedral_deg();
-  told_.quality.max_dihedral_deg = quality.max_dihedral_deg();
-  told_.quality.volume = quality.volume();
-  std::transform(quality.dihedral_histogram().begin(), quality.dihedral_histogram().end(),
-                 told_.quality.histogram.begin(), unsigned_count);
+absl::Status StreamReader::take_statistics(const v1::MeshTrailer& trailer) {
+  if (trailer.has_boundary()) {
+    const auto boundary = from_proto(trailer.boundary());
+    if (!boundary.ok()) return bad_part("boundary", boundary.status());
+    told_.boundary = *boundary;
+  }
+  if (trailer.has_improvement()) {
+    const auto improvement = from_proto(trailer.improvement());
+    if (!improvement.ok()) return bad_part("improvement", improvement.status());
+    told_.improvement = *improvement;
+  }
+  absl::StatusOr<ThinWalls> walls = from_proto(trailer.thin_walls());
+  if (!walls.ok()) return bad_part("thin walls", walls.status());
+  told_.thin_walls = *std::move(walls);
+  return take_quality(trailer);
+}
+
+/// The quality of some chunks only is no use: the mesh is measured here then.
+absl::Status StreamReader::take_quality(const v1::MeshTrailer& trailer) {
+  has_quality_ = trailer.has_quality() && trailer.first_chunk() == 0 &&
+                 unsigned_count(trailer.end_chunk()) == chunks_;
+  if (!has_quality_) return absl::OkStatus();
+  const auto quality = from_proto(trailer.quality());
+  if (!quality.ok()) return bad_part("quality", quality.status());
+  told_.quality = *quality;
+  return absl::OkStatus();
 }
 
 Statistics StreamReader::statistics() const noexcept {

@@ -82,7 +82,8 @@ class StreamReader {
   absl::Status hand_on(const ChunkNumbers& chunk);
   void count(const ChunkNumbers& chunk);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
-  void take_quality(const v1::MeshTrailer& trailer);
+  absl::Status take_statistics(const v1::MeshTrailer& trailer);
+  absl::Status take_quality(const v1::MeshTrailer& trailer);
 
   ChunkConsumer* consumer_;
   Base base_;

@@ -10,6 +10,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/octree/sized_cells.h"
+#include "core/plan/request_rules.h"
 #include "core/scene/scene.h"
 
 namespace tet {
@@ -35,18 +36,12 @@ absl::Status check_sizing_of(const MeshRequest& request, double spacing) {
   if (status.ok() && request.sizing.grid && request.sizing.grid->volume == nullptr) {
     status = absl::InvalidArgumentError("grid is not loaded");
   }
-  if (status.ok()) status = check_graded_surface(request.sizing, request);
   if (status.ok()) return status;
   return absl::InvalidArgumentError(absl::StrCat(kSizingField, ".", status.message()));
 }
 
-/// What only grids have, and what does not follow from every scene.
-absl::Status check_scene_request(const MeshRequest& request, const Scene& scene) {
-  if (request.iso) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "iso %g is for grids; a scene has its surface at 0, and `offset` moves it",
-        *request.iso));
-  }
+/// A spacing does not follow from every scene.
+absl::Status check_scene_spacing(const MeshRequest& request, const Scene& scene) {
   if (request.spacing || longest_extent(scene) > 0) return absl::OkStatus();
   return absl::InvalidArgumentError(
       scene.ends() ? "spacing must be given: nothing of the scene is inside"
@@ -123,26 +118,11 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
   return {};
 }
 
-absl::Status check_graded_surface(const Sizing& sizing, const MeshRequest& request) {
-  if (!sizing.grade_surface) return absl::OkStatus();
-  if (stuffing_rules(request.preset).both_sides) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("grade_surface is for the inside alone; preset %s meshes both sides",
-                        preset_name(request.preset)));
-  }
-  if (!request.manifold) return absl::OkStatus();
-  return absl::InvalidArgumentError("grade_surface does not go with manifold: set one of them");
-}
-
-absl::Status check_cut(const MeshRequest& request) {
-  if (!has_cut(request) || !request.manifold) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "manifold does not go with a box that cuts the inside: set one of them");
-}
-
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
+  const Features features = features_of(request) | features_of(shape);
+  if (auto status = check_features(features, field_names(request)); !status.ok()) return status;
   if (const Scene* scene = scene_of(shape)) {
-    if (auto status = check_scene_request(request, *scene); !status.ok()) return status;
+    if (auto status = check_scene_spacing(request, *scene); !status.ok()) return status;
   }
   CanonicalRequest out;
   out.spacing = request.spacing.value_or(default_spacing(shape));
@@ -163,7 +143,6 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
   if (auto status = check_loaded_fields(request.fields); !status.ok()) return status;
   out.levels = levels_of(request.sizing, out.spacing, out.levels);
   out.preset = request.preset;
-  if (auto status = check_cut(request); !status.ok()) return status;
   return out;
 }
 

@@ -102,13 +102,6 @@ struct CanonicalRequest {
 double default_spacing(const Shape& shape);
 double default_iso(const Shape& shape);
 
-/// What a mesh whose surface is graded cannot have beside its sizing. OK or kInvalidArgument;
-/// the message begins with the sizing's field.
-absl::Status check_graded_surface(const Sizing& sizing, const MeshRequest& request);
-
-/// What a cut does not go with. OK or kInvalidArgument, naming the field.
-absl::Status check_cut(const MeshRequest& request);
-
 /// Errors: kInvalidArgument, naming the field, its value and its limit.
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape);
 

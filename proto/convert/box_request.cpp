@@ -1,24 +1,17 @@
 #include "proto/convert/box_request.h"
 
-#include <cmath>
-
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "proto/convert/points.h"
 #include "proto/convert/status.h"
 
 namespace tet {
 namespace {
 
-WorldPoint to_core(const v1::Point& point) { return {point.x(), point.y(), point.z()}; }
-
 std::string text_of(const v1::Point& point) {
   return absl::StrFormat("(%g, %g, %g)", point.x(), point.y(), point.z());
-}
-
-bool is_finite(const v1::Point& point) {
-  return std::isfinite(point.x()) && std::isfinite(point.y()) && std::isfinite(point.z());
 }
 
 absl::Status check_box(const v1::MeshRequest& request) {
@@ -41,25 +34,14 @@ absl::Status check_box(const v1::MeshRequest& request) {
 
 absl::StatusOr<std::optional<WorldPoint>> parse_origin(const v1::MeshRequest& request) {
   if (!request.has_origin()) return std::nullopt;
-  if (is_finite(request.origin())) return to_core(request.origin());
+  if (is_finite(request.origin())) return from_proto(request.origin());
   return invalid_field(absl::StrCat("origin ", text_of(request.origin()), " is not finite"));
 }
 
 absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request) {
   if (!request.has_box()) return std::nullopt;
   if (const auto status = check_box(request); !status.ok()) return status;
-  return WorldBox{to_core(request.box().min()), to_core(request.box().max())};
-}
-
-void set_point(const WorldPoint& point, v1::Point& message) {
-  message.set_x(point.x);
-  message.set_y(point.y);
-  message.set_z(point.z);
-}
-
-void set_box(const WorldBox& box, v1::Box& message) {
-  set_point(box.min, *message.mutable_min());
-  set_point(box.max, *message.mutable_max());
+  return from_proto(request.box());
 }
 
 std::string exact_box(const v1::MeshRequest& request) {

@@ -15,14 +15,11 @@ namespace v1 = ::tetstream::v1;
 
 // Errors: kInvalidArgument, naming the field, its value and what it may be.
 
-/// Of the box alone; whether index space holds it depends on the grid.
+/// Checks the box alone; whether index space holds it depends on the grid.
 absl::StatusOr<std::optional<WorldBox>> parse_box(const v1::MeshRequest& request);
 absl::StatusOr<std::optional<WorldPoint>> parse_origin(const v1::MeshRequest& request);
 
-void set_point(const WorldPoint& point, v1::Point& message);
-void set_box(const WorldBox& box, v1::Box& message);
-
-/// Every bit of a box, as hexadecimal floats; nothing for none.
+/// Writes every bit of a box as hexadecimal floats; the text is empty where there is none.
 std::string exact_box(const v1::MeshRequest& request);
 std::string exact_origin(const v1::MeshRequest& request);
 

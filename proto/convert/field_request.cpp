@@ -16,7 +16,7 @@ namespace {
 
 std::string field_path(std::size_t i) { return absl::StrFormat("%s[%d]", kFieldsField, i); }
 
-/// Which file it is in.
+/// Whether the name of the file that it is in can be one.
 absl::Status check_file(const v1::MeshRequest& request, std::size_t i) {
   const std::string& grid = request.fields(static_cast<int>(i)).grid();
   if (grid.empty()) {
@@ -41,6 +41,15 @@ absl::Status parse_fields(const v1::MeshRequest& request, MeshRequest& out) {
     if (auto status = check_file(request, i); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+void to_proto(std::span<const VertexField> fields, v1::MeshRequest& message) {
+  for (const VertexField& field : fields) {
+    v1::Field& added = *message.add_fields();
+    added.set_name(field.name);
+    added.set_grid(field.file);
+    added.set_grid_name(field.grid);
+  }
 }
 
 void set_canonical_fields(std::span<const VertexField> fields, v1::MeshRequest& canonical) {

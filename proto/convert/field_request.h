@@ -11,15 +11,18 @@
 
 namespace tet {
 
-/// All that is known of them before their grids are loaded. Errors: kInvalidArgument, with the
-/// field.
+/// Takes the fields as far as they are known before their grids are loaded. Errors:
+/// kInvalidArgument, with the field.
 absl::Status parse_fields(const ::tetstream::v1::MeshRequest& request, MeshRequest& out);
+
+/// The messages that ask for these, with their files as they are named.
+void to_proto(std::span<const VertexField> fields, ::tetstream::v1::MeshRequest& message);
 
 /// Fills in every default of fields that are loaded. The file that is meshed is named already.
 void set_canonical_fields(std::span<const VertexField> fields,
                           ::tetstream::v1::MeshRequest& canonical);
 
-/// Every byte of a canonical request's fields; nothing for none.
+/// Writes every byte of a canonical request's fields; the text is empty where there are none.
 std::string exact_fields(const ::tetstream::v1::MeshRequest& canonical);
 
 }  // namespace tet

@@ -15,7 +15,7 @@ namespace {
 
 std::string name_path(std::size_t i) { return absl::StrFormat("%s[%d]", kGridNamesField, i); }
 
-/// What no grid can be called.
+/// Refuses names that no grid can have.
 absl::Status check_lengths(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].size() <= kMaxGridNameBytes) continue;
@@ -29,33 +29,10 @@ absl::Status check_lengths(const std::vector<std::string>& names) {
 
 absl::Status parse_grid_names(const v1::MeshRequest& request, MeshOrder& order) {
   if (request.grid_names().empty()) return absl::OkStatus();
-  if (request.has_scene()) {
-    return invalid_field(absl::StrCat(kGridNamesField, " is set, but a scene has no grids"));
-  }
-  if (!request.grid_name().empty()) {
-    return invalid_field("grid_name is set beside grid_names: set one of them");
-  }
   order.grid_names = {request.grid_names().begin(), request.grid_names().end()};
   if (auto status = check_lengths(order.grid_names); !status.ok()) return status;
-  absl::Status status = check_grid_names(order.grid_names);
-  if (status.ok()) status = check_joined_request(order.request);
+  const absl::Status status = check_grid_names(order.grid_names);
   return status.ok() ? status : invalid_field(std::string(status.message()));
-}
-
-absl::Status check_stream_of_grids(const v1::StreamMeshRequest& request) {
-  if (request.mesh().grid_names().empty()) return absl::OkStatus();
-  if (request.encoding() == v1::ENCODING_COMPACT) {
-    return invalid_field(
-        "encoding ENCODING_COMPACT is for one grid: ask for ENCODING_PACKED, or leave "
-        "mesh.grid_names unset");
-  }
-  if (request.base_name().empty()) return absl::OkStatus();
-  return invalid_field("base_name is for one grid: the meshes of several are sent whole");
-}
-
-absl::Status check_session_of_grids(const v1::MeshRequest& request) {
-  if (request.grid_names().empty()) return absl::OkStatus();
-  return invalid_field("grid_names is set, but a session follows one grid: set grid_name");
 }
 
 void set_canonical_grids(const MeshOrder& order,
@@ -70,7 +47,7 @@ void set_canonical_grids(const MeshOrder& order,
 std::string exact_grids(const v1::MeshRequest& canonical) {
   std::string text;
   if (canonical.grid_names().empty()) return text;
-  // What is unset is no number's default here.
+  // A number that is unset means another than any that is set: each grid has its own.
   absl::StrAppend(&text, " grids ", int{canonical.has_spacing()}, int{canonical.has_iso()});
   for (const std::string& name : canonical.grid_names()) {
     absl::StrAppend(&text, " ", absl::BytesToHexString(name));

@@ -10,23 +10,16 @@
 
 namespace tet {
 
-// Each is OK or kInvalidArgument, with the field.
-
-/// The names, and whether anything beside them is for one grid alone.
+/// Takes the names of several grids, if there are any. Errors: kInvalidArgument, with the
+/// field.
 absl::Status parse_grid_names(const v1::MeshRequest& request, MeshOrder& order);
 
-/// What only one grid's mesh can be sent as.
-absl::Status check_stream_of_grids(const v1::StreamMeshRequest& request);
-
-/// A session is of one grid.
-absl::Status check_session_of_grids(const v1::MeshRequest& request);
-
-/// What is asked for explicitly: defaults are each grid's own.
+/// Fills in what was asked for explicitly; each grid has defaults of its own.
 void set_canonical_grids(const MeshOrder& order,
                          const GridList& grids,
                          v1::MeshRequest& canonical);
 
-/// Every byte of a canonical request's grids; nothing for one grid.
+/// Writes every byte of the names of several grids; the text is empty for one grid.
 std::string exact_grids(const v1::MeshRequest& canonical);
 
 }  // namespace tet

@@ -11,9 +11,13 @@
 #include "proto/convert/box_request.h"
 #include "proto/convert/field_request.h"
 #include "proto/convert/grid_names_request.h"
+#include "proto/convert/mesh_header.h"
+#include "proto/convert/points.h"
+#include "proto/convert/request_rules.h"
 #include "proto/convert/scene_request.h"
 #include "proto/convert/sizing_request.h"
 #include "proto/convert/status.h"
+#include "proto/sizing/sizing_message.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -72,8 +76,6 @@ absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
   return absl::OkStatus();
 }
 
-std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t>(count); }
-
 }  // namespace
 
 absl::StatusOr<std::string> parse_grid_name(const std::string& name) {
@@ -84,6 +86,7 @@ absl::StatusOr<std::string> parse_grid_name(const std::string& name) {
 }
 
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
+  if (auto status = check_rules(request); !status.ok()) return status;
   MeshOrder order;
   if (const auto status = parse_input(request, order); !status.ok()) return status;
   if (const auto status = check_numbers(request); !status.ok()) return status;
@@ -107,15 +110,27 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.improve = request.improve();
   order.request.skip_statistics = request.skip_statistics();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
-  if (const auto status = check_cut(order.request); !status.ok()) {
-    return invalid_field(std::string(status.message()));
-  }
   if (const auto status = parse_grid_names(request, order); !status.ok()) return status;
   if (!order.is_scene() || order.scene.has_grids()) return order;
   const auto made = scene_of_order(order);
   if (!made.ok()) return made.status();
   order.made_scene = *made;
   return order;
+}
+
+void to_proto(const MeshRequest& request, v1::MeshRequest& message) {
+  if (request.spacing) message.set_spacing(*request.spacing);
+  if (request.iso) message.set_iso(*request.iso);
+  message.set_levels(request.levels);
+  message.set_preset(to_proto(request.preset));
+  if (request.coordinates) message.set_coordinate_type(to_proto(*request.coordinates));
+  if (request.box) to_proto(*request.box, *message.mutable_box());
+  if (request.origin) to_proto(*request.origin, *message.mutable_origin());
+  message.set_manifold(request.manifold);
+  message.set_improve(request.improve);
+  message.set_skip_statistics(request.skip_statistics);
+  if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
+  to_proto(request.fields, message);
 }
 
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request) {
@@ -132,28 +147,7 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
     return invalid_field(absl::StrCat("encoding ", static_cast<int>(request.encoding()),
                                       " is unknown: see Capabilities.encodings"));
   }
-  if (auto status = check_stream_of_grids(request); !status.ok()) return status;
-  const bool compact = request.encoding() == v1::ENCODING_COMPACT;
-  if (compact && mesh->request.improve) {
-    return invalid_field(
-        "encoding ENCODING_COMPACT cannot carry an improved mesh: leave improve unset, or ask "
-        "for ENCODING_PACKED");
-  }
-  if (compact && mesh->request.sizing.grade_surface) {
-    return invalid_field(
-        "encoding ENCODING_COMPACT cannot carry a mesh with a graded surface: leave "
-        "sizing.grade_surface unset, or ask for ENCODING_PACKED");
-  }
-  if (compact && has_cut(mesh->request)) {
-    return invalid_field(
-        "encoding ENCODING_COMPACT cannot carry a mesh that a box cuts: leave box unset, or "
-        "ask for ENCODING_PACKED");
-  }
-  if (compact && !mesh->request.fields.empty()) {
-    return invalid_field(
-        "encoding ENCODING_COMPACT cannot carry fields, whose grids only the server has: ask "
-        "for ENCODING_PACKED");
-  }
+  if (auto status = check_rules(request); !status.ok()) return status;
   StreamOrder order{*std::move(mesh),
                     static_cast<std::uint64_t>(request.start_chunk()),
                     static_cast<std::uint64_t>(request.end_chunk()),
@@ -164,23 +158,16 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   if (request.base_mesh_id().empty() != request.base_name().empty()) {
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }
-  const bool plain = !compact && request.encoding() != v1::ENCODING_PACKED;
-  const bool stored = plain && !request.skip_cache();
   if (request.base_name().empty()) {
-    if (stored) order.stored_name = name_of_request(request.mesh());
+    const bool encoded =
+        request.encoding() == v1::ENCODING_PACKED || request.encoding() == v1::ENCODING_COMPACT;
+    if (!encoded && !request.skip_cache()) order.stored_name = name_of_request(request.mesh());
     return order;
-  }
-  if (order.mesh.is_scene()) {
-    return invalid_field("base_name is for grids: a scene's mesh is sent whole");
-  }
-  if (compact) {
-    return invalid_field(
-        "base_name does not go with ENCODING_COMPACT, which carries whole meshes: leave it "
-        "unset, "
-        "or ask for ENCODING_PACKED");
   }
   absl::StatusOr<std::string> base = parse_grid_name(request.base_name());
   if (!base.ok()) return base.status();
+  // Planning an earlier mesh of which nothing can be kept would be wasted.
+  if (!may_keep_parts(features_of(request))) return order;
   order.base_mesh_id = request.base_mesh_id();
   order.base_digest = *std::move(base);
   return order;
@@ -219,8 +206,8 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   }
   canonical.set_levels(order.request.levels);
   canonical.set_preset(to_proto(order.request.preset));
-  if (order.request.box) set_box(*order.request.box, *canonical.mutable_box());
-  if (order.request.origin) set_point(*order.request.origin, *canonical.mutable_origin());
+  if (order.request.box) to_proto(*order.request.box, *canonical.mutable_box());
+  if (order.request.origin) to_proto(*order.request.origin, *canonical.mutable_origin());
   set_canonical_sizing(order.request.sizing, canonical);
   set_canonical_fields(order.request.fields, canonical);
   canonical.set_manifold(order.request.manifold);
@@ -254,140 +241,6 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();
-}
-
-v1::CoordinateType to_proto(CoordinateType type) {
-  return type == CoordinateType::kFloat32 ? v1::COORDINATE_TYPE_FLOAT32
-                                          : v1::COORDINATE_TYPE_FLOAT64;
-}
-
-v1::IndexType to_proto(IndexType type) {
-  return type == IndexType::kUint32 ? v1::INDEX_TYPE_UINT32 : v1::INDEX_TYPE_UINT64;
-}
-
-v1::Preset to_proto(Preset preset) {
-  switch (preset) {
-    case Preset::kDefault:
-      return v1::PRESET_DEFAULT;
-    case Preset::kMinAngle:
-      return v1::PRESET_MIN_ANGLE;
-    case Preset::kBothSides:
-      return v1::PRESET_BOTH_SIDES;
-  }
-  return v1::PRESET_UNSPECIFIED;
-}
-
-void to_proto(const GridInfo& info, v1::GridInfo& message) {
-  message.set_name(info.name);
-  message.set_value_type(info.value_type);
-  message.set_grid_class(info.grid_class);
-  message.set_voxel_size(info.voxel_size);
-  message.set_active_voxel_count(info.active_voxels);
-  message.set_background(info.background);
-  message.set_not_meshable_reason(info.not_meshable);
-  message.set_field_components(static_cast<std::int32_t>(info.field_components));
-  if (info.active_box.empty()) return;
-  v1::VoxelBox& box = *message.mutable_active_box();
-  box.set_min_x(info.active_box.min.x);
-  box.set_min_y(info.active_box.min.y);
-  box.set_min_z(info.active_box.min.z);
-  box.set_max_x(info.active_box.max.x);
-  box.set_max_y(info.active_box.max.y);
-  box.set_max_z(info.active_box.max.z);
-}
-
-void to_proto(const MeshPart& part, v1::MeshPart& message) {
-  message.set_name(part.name);
-  message.set_first_vertex(signed_count(part.first_vertex));
-  message.set_vertex_count(signed_count(part.vertex_count));
-  message.set_first_tet(signed_count(part.first_tet));
-  message.set_tet_count(signed_count(part.tet_count));
-  message.set_spacing(part.spacing);
-  message.set_levels(part.levels);
-}
-
-void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
-  message.set_vertex_count(signed_count(header.vertex_count));
-  message.set_tet_count(signed_count(header.tet_count));
-  message.set_chunk_count(signed_count(header.chunk_count));
-  message.set_coordinate_type(to_proto(header.coordinate_type));
-  message.set_index_type(to_proto(header.index_type));
-  set_point(header.origin, *message.mutable_origin());
-  set_box(header.bounds, *message.mutable_bounds());
-  message.set_spacing(header.spacing);
-  message.set_levels(header.levels);
-  message.set_has_regions(header.has_regions);
-  for (const FieldArray& field : header.fields) {
-    v1::FieldArray& array = *message.add_fields();
-    array.set_name(field.name);
-    array.set_components(static_cast<std::int32_t>(field.components));
-  }
-  for (const MeshPart& part : header.parts) to_proto(part, *message.add_parts());
-  message.set_mesh_bytes(
-      signed_count(ChunkSizes(header, header.vertex_count, header.tet_count).total()));
-}
-
-void to_proto(const KeptParts& kept, v1::KeptParts& message) {
-  const auto add_all = [](const std::vector<KeptRun>& runs, auto& list) {
-    for (const KeptRun& run : runs) {
-      v1::KeptRun& added = *list.Add();
-      added.set_from(signed_count(run.from));
-      added.set_to(signed_count(run.to));
-      added.set_count(signed_count(run.count));
-    }
-  };
-  add_all(kept.vertices, *message.mutable_vertices());
-  add_all(kept.tets, *message.mutable_tets());
-}
-
-void to_proto(const LatticeToWorld& to_world, v1::Lattice& message) {
-  for (const auto& row : to_world.linear) {
-    for (const double entry : row) message.add_linear(entry);
-  }
-  message.set_origin_x(to_world.origin.x);
-  message.set_origin_y(to_world.origin.y);
-  message.set_origin_z(to_world.origin.z);
-}
-
-void to_proto(const Improvement& improvement, v1::Improvement& message) {
-  message.set_min_dihedral_before_deg(improvement.min_dihedral_before_deg);
-  message.set_max_dihedral_before_deg(improvement.max_dihedral_before_deg);
-  message.set_moved_vertices(signed_count(improvement.moved_vertices));
-  message.set_seconds(improvement.seconds);
-}
-
-void to_proto(const QualityStats& stats, v1::QualityStats& message) {
-  message.set_min_dihedral_deg(stats.min_dihedral_deg);
-  message.set_max_dihedral_deg(stats.max_dihedral_deg);
-  message.set_volume(stats.volume);
-  for (const std::uint64_t count : stats.histogram) {
-    message.add_dihedral_histogram(signed_count(count));
-  }
-}
-
-void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message) {
-  message.set_triangles(signed_count(boundary.triangles));
-  message.set_vertices(signed_count(boundary.vertices));
-  message.set_components(signed_count(boundary.components));
-  message.set_euler_characteristic(boundary.euler_characteristic);
-  message.set_non_manifold_edges(signed_count(boundary.non_manifold_edges));
-  message.set_non_manifold_vertices(signed_count(boundary.non_manifold_vertices));
-  message.set_restored_nodes(signed_count(boundary.restored_nodes));
-}
-
-void to_proto(const ThinWalls& walls, v1::ThinWalls& message) {
-  message.set_inside_spots(signed_count(walls.inside));
-  message.set_outside_spots(signed_count(walls.outside));
-  message.set_region_count(signed_count(walls.region_count));
-  for (const ThinWalls::Region& region : walls.regions) {
-    v1::ThinRegion& listed = *message.add_regions();
-    set_point(region.box.min, *listed.mutable_box()->mutable_min());
-    set_point(region.box.max, *listed.mutable_box()->mutable_max());
-    listed.set_inside_spots(signed_count(region.inside));
-    listed.set_outside_spots(signed_count(region.outside));
-  }
-  message.set_thickness(walls.thickness);
-  message.set_suggested_spacing(walls.suggested_spacing);
 }
 
 }  // namespace tet

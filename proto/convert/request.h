@@ -1,4 +1,5 @@
-// Messages in, core's types out, and back: the one place where requests are validated.
+// Requests for meshes: messages in, core's types out, and back. What excludes what is in
+// request_rules.h; other messages are converted in the files beside this one.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +9,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/mesh/boundary.h"
-#include "core/mesh/improve.h"
-#include "core/mesh/lattice_to_world.h"
-#include "core/mesh/quality.h"
-#include "core/mesh/splice.h"
 #include "core/plan/mesh_request.h"
 #include "core/plan/shape.h"
-#include "core/plan/thin_walls.h"
 #include "core/scene/scene_nodes.h"
-#include "core/volume/grid_info.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -25,33 +19,41 @@ namespace tet {
 
 namespace v1 = ::tetstream::v1;
 
-/// A valid request for a mesh.
+/// A request for a mesh that was found valid.
 struct MeshOrder {
-  std::string digest;     ///< of the grid file; empty where there is a scene
-  std::string grid_name;  ///< within it; may be empty
+  /// The grid file's; it is empty where a scene is meshed.
+  std::string digest;
+  /// One grid of the file; it is empty where several are named, and may be where there is one.
+  std::string grid_name;
   MeshRequest request;
-  std::vector<std::string> grid_names = {};  ///< of several grids instead
-  std::string space = {};  ///< the caller's namespace, from whoever knows the call
-  scene::Description scene =
-      {};                        ///< whose grids are loaded later; no nodes where there is none
-  v1::Scene scene_message = {};  ///< the same, as it was sent
-  std::shared_ptr<const Scene> made_scene = nullptr;  ///< unless it has grids
-  std::shared_ptr<const Volume> volume = nullptr;  ///< instead of the stored grid, once changed
-  bool is_frame = false;  ///< of a session: its plan is kept for nobody else
+  std::vector<std::string> grid_names = {};
+  /// The caller's namespace, which whoever knows the call fills in.
+  std::string space = {};
+  /// It has no nodes where a grid is meshed. The planner loads its grids.
+  scene::Description scene = {};
+  /// The scene as it was sent.
+  v1::Scene scene_message = {};
+  /// It is null where the scene has grids, which are not loaded yet.
+  std::shared_ptr<const Scene> made_scene = nullptr;
+  /// A session's changed grid, which is meshed instead of the stored one.
+  std::shared_ptr<const Volume> volume = nullptr;
+  /// A frame's plan is kept for nobody but its session.
+  bool is_frame = false;
 
   bool is_scene() const noexcept { return !scene.nodes.empty(); }
 };
 
-/// A valid request for chunks of it.
+/// A request for chunks of a mesh that was found valid.
 struct StreamOrder {
   MeshOrder mesh;
   std::uint64_t start_chunk = 0;
-  std::uint64_t end_chunk = 0;  ///< 0: all
+  std::uint64_t end_chunk = 0;  ///< 0 asks for all that follow
   std::string expected_mesh_id;
   v1::Encoding encoding = v1::ENCODING_PLAIN;
-  std::string base_mesh_id;  ///< empty: no earlier mesh
-  std::string base_digest;   ///< of its grid file
-  /// The request's name, where the result of a job will do as well; else empty.
+  /// The earlier mesh, and its grid file. Both are empty where nothing can be kept of one.
+  std::string base_mesh_id;
+  std::string base_digest;
+  /// The request's name if the stored result of a job will do as well; else it is empty.
   std::string stored_name = {};
 };
 
@@ -60,12 +62,16 @@ absl::StatusOr<std::string> parse_grid_name(const std::string& name);
 absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request);
 absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& request);
 
-/// Digests of all files that an order is about, each once.
+/// The message that asks for this, but for what is meshed. Files of fields and sizes are named
+/// as the request names them.
+void to_proto(const MeshRequest& request, v1::MeshRequest& message);
+
+/// Lists the digests of all files that an order is about, each once.
 std::vector<std::string> files_of(const MeshOrder& order);
 
-/// The request with every default filled in, but for a box: without one it is the
-/// shape's extent. `coordinates` stays unset only if `header` is null. Of several grids each
-/// has its own spacing and iso unless they are given.
+/// Fills in every default of a request but the box, which is the shape's extent if it is unset.
+/// `coordinates` stays unset only if `header` is null. Where several grids are meshed, spacing
+/// and iso stay unset unless they were given, as each grid has its own.
 v1::MeshRequest canonical_request(const MeshOrder& order,
                                   const Shape& shape,
                                   const MeshHeader* header);
@@ -74,21 +80,8 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
 /// one name ask for one mesh, whether or not they skip its statistics.
 std::string name_of_request(v1::MeshRequest request);
 
-/// A mesh's name: the same for the same bytes. SHA-256 over digest or scene, canonical
+/// A mesh's name, which is the same for the same bytes: SHA-256 over digest or scene, canonical
 /// request and algorithm version, as 64 hexadecimal digits.
 std::string mesh_id_of(const v1::MeshRequest& canonical);
-
-v1::CoordinateType to_proto(CoordinateType type);
-v1::IndexType to_proto(IndexType type);
-v1::Preset to_proto(Preset preset);
-void to_proto(const GridInfo& info, v1::GridInfo& message);
-void to_proto(const MeshPart& part, v1::MeshPart& message);
-void to_proto(const MeshHeader& header, v1::MeshHeader& message);
-void to_proto(const KeptParts& kept, v1::KeptParts& message);
-void to_proto(const LatticeToWorld& to_world, v1::Lattice& message);
-void to_proto(const Improvement& improvement, v1::Improvement& message);
-void to_proto(const QualityStats& stats, v1::QualityStats& message);
-void to_proto(const BoundaryTopology& boundary, v1::BoundaryTopology& message);
-void to_proto(const ThinWalls& walls, v1::ThinWalls& message);
 
 }  // namespace tet

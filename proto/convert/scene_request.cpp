@@ -14,21 +14,7 @@ namespace tet {
 
 namespace {
 
-/// What grids have and scenes have not.
-absl::Status check_scene_alone(const v1::MeshRequest& request) {
-  if (!request.name().empty()) {
-    return invalid_field("name is set beside scene: mesh one or the other");
-  }
-  if (!request.grid_name().empty()) {
-    return invalid_field("grid_name is set, but a scene has no grids");
-  }
-  if (!request.has_iso()) return absl::OkStatus();
-  return invalid_field(absl::StrCat(
-      "iso ", request.iso(),
-      " is for grids: a scene has its surface at 0, and a node `offset` moves it"));
-}
-
-/// The files that its grids are in.
+/// Checks the names of the files that its grids are in.
 absl::Status check_files(const v1::Scene& scene) {
   for (int i = 0; i < scene.nodes_size(); ++i) {
     if (!scene.nodes(i).has_grid()) continue;
@@ -46,7 +32,6 @@ absl::Status in_scene(const absl::Status& status) {
 }  // namespace
 
 absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order) {
-  if (auto status = check_scene_alone(request); !status.ok()) return status;
   absl::StatusOr<scene::Description> described = description_of_message(request.scene());
   if (!described.ok()) return in_scene(described.status());
   if (auto status = check_files(request.scene()); !status.ok()) return in_scene(status);

@@ -10,11 +10,12 @@
 
 namespace tet {
 
-/// What can be told of a scene before its grids are loaded. Errors: kInvalidArgument, with the
-/// field.
+/// Takes a scene as far as it is known before its grids are loaded. Errors: kInvalidArgument,
+/// with the field.
 absl::Status parse_scene(const v1::MeshRequest& request, MeshOrder& order);
 
-/// An order's scene, once its grids are loaded, beside the order's box and spacing. Errors:
+/// Makes an order's scene, whose grids are loaded, and checks it with the order's box and
+/// spacing. Errors:
 /// kInvalidArgument, with the field.
 absl::StatusOr<std::shared_ptr<const Scene>> scene_of_order(const MeshOrder& order);
 

@@ -13,7 +13,7 @@ namespace tet {
 
 namespace {
 
-/// Which file a grid of sizes is in.
+/// Whether the name of the file that a grid of sizes is in can be one.
 absl::Status check_sizing_grid(const v1::MeshRequest& request) {
   if (!request.sizing().has_grid()) return absl::OkStatus();
   const std::string& name = request.sizing().grid().name();
@@ -31,7 +31,6 @@ absl::Status parse_sizing(const v1::MeshRequest& request, MeshRequest& out) {
   absl::StatusOr<Sizing> sizing = sizing_of_message(request.sizing());
   absl::Status status = sizing.status();
   if (status.ok() && request.has_spacing()) status = check_sizing(*sizing, request.spacing());
-  if (status.ok()) status = check_graded_surface(*sizing, out);
   if (!status.ok()) {
     return within_field(kSizingField, invalid_field(std::string(status.message())));
   }

@@ -10,14 +10,14 @@
 
 namespace tet {
 
-/// A sizing by itself, beside a spacing, and beside what `out` has already; beside a default
-/// spacing it is looked at when that is known. Errors: kInvalidArgument, with the field.
+/// Takes a sizing, and checks it with the spacing if that is given; a default spacing is known
+/// later. Errors: kInvalidArgument, with the field.
 absl::Status parse_sizing(const ::tetstream::v1::MeshRequest& request, MeshRequest& out);
 
 /// Fills in every default of a sizing whose grid is loaded. The file is named already.
 void set_canonical_sizing(const Sizing& sizing, ::tetstream::v1::MeshRequest& canonical);
 
-/// Every byte of a canonical request's sizing; nothing for none.
+/// Writes every byte of a canonical request's sizing; the text is empty where there is none.
 std::string exact_sizing(const ::tetstream::v1::MeshRequest& canonical);
 
 }  // namespace tet

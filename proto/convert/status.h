@@ -27,7 +27,7 @@ absl::Status invalid_field(const std::string& message);
 /// Names the field that led to a failure of another reason, in a BadRequest.
 absl::Status with_field(absl::Status status, const std::string& field);
 
-/// The same failure where its field belongs to the message in field `outer`.
+/// Tells the same failure where its field belongs to the message in field `outer`.
 absl::Status within_field(std::string_view outer, const absl::Status& status);
 
 /// Says that it is worth trying again after `delay`.
@@ -51,7 +51,7 @@ absl::Status over_quota(const std::string& client,
                         std::uint64_t value,
                         std::uint64_t limit);
 
-/// The same for what one namespace may have.
+/// Does the same for what one namespace may have.
 absl::Status over_space_quota(const std::string& space,
                               const std::string& what,
                               std::uint64_t value,

@@ -9,6 +9,7 @@
 #include <absl/time/clock.h>
 
 #include "core/vdb/decode_file.h"
+#include "proto/convert/grid_info_message.h"
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"

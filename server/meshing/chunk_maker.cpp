@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/transfer/compact_chunk.h"
 #include "core/transfer/mesh_patch.h"
+#include "proto/convert/chunk_numbers.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/chunk_frame.h"
 #include "proto/wire/serialized.h"
@@ -49,12 +50,7 @@ grpc::ByteBuffer plain_event(const ChunkFrame& frame,
 /// A chunk as protobuf writes it, without what it holds.
 v1::MeshChunk chunk_of(const ChunkNumbers& numbers) {
   v1::MeshChunk chunk;
-  chunk.set_index(static_cast<std::int64_t>(numbers.index));
-  chunk.set_first_vertex(static_cast<std::int64_t>(numbers.first_vertex));
-  chunk.set_vertex_count(static_cast<std::int64_t>(numbers.vertex_count));
-  chunk.set_first_tet(static_cast<std::int64_t>(numbers.first_tet));
-  chunk.set_tet_count(static_cast<std::int64_t>(numbers.tet_count));
-  chunk.set_checksum(numbers.checksum);
+  to_proto(numbers, chunk);
   return chunk;
 }
 

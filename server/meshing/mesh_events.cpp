@@ -2,7 +2,9 @@
 
 #include "core/plan/brick/brick_plan.h"
 #include "core/transfer/mesh_patch.h"
-#include "proto/convert/request.h"
+#include "proto/convert/mesh_header.h"
+#include "proto/convert/mesh_parts.h"
+#include "proto/convert/statistics.h"
 
 namespace tet {
 

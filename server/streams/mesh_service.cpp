@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/plan/make/fill_estimate.h"
+#include "proto/convert/mesh_header.h"
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
 #include "server/streams/mesh_stream.h"

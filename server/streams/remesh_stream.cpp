@@ -9,7 +9,7 @@
 
 #include "core/transfer/mesh_patch.h"
 #include "core/volume/replace_leaves.h"
-#include "proto/convert/grid_names_request.h"
+#include "proto/convert/request_rules.h"
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "proto/wire/sha256.h"
@@ -146,7 +146,7 @@ absl::Status RemeshStream::take(v1::RemeshRequest message) {
 }
 
 absl::Status RemeshStream::take_start(const v1::MeshRequest& request) {
-  if (auto status = check_session_of_grids(request); !status.ok()) return status;
+  if (auto status = check_rules(request, {Feature::kSession}); !status.ok()) return status;
   auto order = parse_mesh_request(request);
   if (!order.ok()) return order.status();
   started_ = true;

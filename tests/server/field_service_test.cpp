@@ -137,6 +137,24 @@ TEST_F(FieldServiceTest, SendsAMeshWholeToWhoeverHasABase) {
   EXPECT_EQ(first->mesh_id, again->mesh_id);
 }
 
+/// A cut adds an array to those of the fields, of which there may be as many without it.
+TEST_F(FieldServiceTest, SendsTheFacesOfACutBesideAllFieldsThatAMeshMayHave) {
+  mesh_.clear_fields();
+  for (std::size_t i = 0; i < VertexField::kMaxFields; ++i) {
+    add("heat", "heat " + std::to_string(i));
+  }
+  set_point(-2, *mesh_.mutable_box()->mutable_min());
+  set_point(0.5, *mesh_.mutable_box()->mutable_max());
+  for (const v1::Encoding encoding : {v1::ENCODING_PLAIN, v1::ENCODING_PACKED}) {
+    const auto there = received(encoding);
+    ASSERT_TRUE(there.ok()) << there.status();
+    const std::vector<FieldArray>& arrays = there->mesh.header.fields;
+    ASSERT_EQ(arrays.size(), VertexField::kMaxFields + 1);
+    EXPECT_EQ(arrays.back().name, kCutFaceArray);
+    expect_heat(there->mesh);
+  }
+}
+
 TEST_F(FieldServiceTest, FollowsAShapeThroughASession) {
   const auto session = client_->begin_session(mesh_, never_);
   ASSERT_TRUE(session.ok()) << session.status();

@@ -12,6 +12,7 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include "client/command/field_options.h"
+#include "client/command/option_rules.h"
 #include "client/library/wire_request.h"
 #include "proto/wire/sha256.h"
 
@@ -122,7 +123,8 @@ absl::StatusOr<JobOrder> understand_job(const JobArguments& arguments) {
   job.set_priority(arguments.priority);
   if (arguments.max_attempts) job.set_max_attempts(*arguments.max_attempts);
   job.set_skip_cache(arguments.skip_cache);
-  absl::Status status = check_field_files(request->fields, arguments.input);
+  absl::Status status = check_rules(*request, order.input);
+  if (status.ok()) status = check_field_files(request->fields, arguments.input);
   if (status.ok()) status = set_times(arguments, job);
   if (status.ok()) status = set_labels(arguments.labels, job);
   if (status.ok() && stored_grid_name(order.input.path).empty()) {

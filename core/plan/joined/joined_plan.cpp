@@ -14,6 +14,7 @@
 #include "core/plan/mesh_progress.h"
 #include "core/plan/mesh_workspace.h"
 #include "core/plan/prepared_mesh.h"
+#include "core/plan/request_rules.h"
 
 namespace tet {
 namespace {
@@ -298,14 +299,6 @@ absl::Status check_grid_names(std::span<const std::string> names) {
   return absl::OkStatus();
 }
 
-absl::Status check_joined_request(const MeshRequest& request) {
-  if (!stuffing_rules(request.preset).both_sides) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "%s are for the inside alone: with preset %s the outsides of several grids "
-      "would overlap",
-      kGridNamesField, preset_name(request.preset)));
-}
-
 JoinedPlan::JoinedPlan(MeshFacts facts, std::vector<JoinedPart> parts)
     : MeshPlan(std::move(facts)), parts_(std::move(parts)) {}
 
@@ -358,7 +351,10 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const PlanJob& job,
                                                             const Cancellation& cancellation) {
   const std::vector<std::string> names = names_of(*grids_of(job.shape));
   absl::Status status = check_grid_names(names);
-  if (status.ok()) status = check_joined_request(job.request);
+  if (status.ok()) {
+    status = check_features(features_of(job.request) | features_of(job.shape),
+                            field_names(job.request));
+  }
   if (!status.ok()) return status;
   PartPlanner planner(job, plan_one, cancellation);
   auto plans = planner.plan_all();

@@ -26,10 +26,6 @@ inline constexpr char kGridNamesField[] = "grid_names";
 /// says its value and what it may be.
 absl::Status check_grid_names(std::span<const std::string> names);
 
-/// What several grids cannot be meshed with. OK or kInvalidArgument; the message begins with
-/// the field.
-absl::Status check_joined_request(const MeshRequest& request);
-
 /// One grid's mesh among those of several.
 struct JoinedPart {
   std::shared_ptr<const MeshPlan> plan;
@@ -70,7 +66,7 @@ using PlanOne =
 
 /// Plans the meshes of a job's grids in turn, by `plan_one`. The limits hold for all meshes
 /// together; neither an earlier plan nor others' surveys are looked at. Errors: those of
-/// `plan_one`, with the grid's name, and those of the two checks above.
+/// `plan_one`, with the grid's name, and those of check_grid_names and check_features.
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const PlanJob& job,
                                                             const PlanOne& plan_one,
                                                             const Cancellation& cancellation);

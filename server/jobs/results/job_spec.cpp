@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "proto/convert/statistics.h"
 #include "server/jobs/store/store_errors.h"
 #include "server/meshing/mesh_events.h"
 

@@ -210,9 +210,9 @@ TEST(GradedSurface, IsRefusedWithTheField) {
             "sizing.grade_surface does not go with manifold: set one of them");
   request = graded(0.1, 0.2);
   request.preset = Preset::kBothSides;
-  EXPECT_EQ(
-      refusal(request),
-      "sizing.grade_surface is for the inside alone; preset both-sides meshes both sides");
+  EXPECT_EQ(refusal(request),
+            "sizing.grade_surface is for the inside alone; preset both-sides meshes both "
+            "sides: leave one of them out");
   MeshLimits limits;
   limits.max_tets = 1000;
   EXPECT_NE(refusal(graded(0.05, 0.05), limits).find("the limit is 1000"), std::string::npos);

@@ -169,7 +169,7 @@ TEST(SceneMesh, RefusesWhatWouldBeTooMuchBeforeItIsMade) {
   MeshRequest at_iso = exact(0.1);
   at_iso.iso = 0.5;
   EXPECT_EQ(refusal(ball, at_iso),
-            "iso 0.5 is for grids; a scene has its surface at 0, and `offset` moves it");
+            "iso 0.5 is for grids: a scene has its surface at 0, and a node `offset` moves it");
 }
 
 TEST(SceneMesh, SaysWhereThereIsNothingInside) {

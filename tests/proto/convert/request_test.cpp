@@ -214,7 +214,9 @@ TEST(Request, RefusesWhatScenesHaveNot) {
   EXPECT_EQ(refusal(request), "name is set beside scene: mesh one or the other");
   request = scene_request();
   request.set_grid_name("density");
-  EXPECT_EQ(refusal(request), "grid_name is set, but a scene has no grids");
+  EXPECT_EQ(refusal(request),
+            "grid_name is set, but a scene has no grids: a scene names its grids itself, in "
+            "its nodes");
   request = scene_request();
   request.set_iso(0);
   EXPECT_THAT(refusal(request), HasSubstr("iso 0 is for grids"));
@@ -228,8 +230,9 @@ TEST(Request, RefusesWhatScenesHaveNot) {
   *stream.mutable_mesh() = scene_request();
   stream.set_base_mesh_id("a");
   stream.set_base_name(valid_request().name());
-  EXPECT_EQ(parse_stream_request(stream).status().message(),
-            "base_name is for grids: a scene's mesh is sent whole");
+  EXPECT_EQ(
+      parse_stream_request(stream).status().message(),
+      "base_name is for grids: a scene's mesh is sent whole; a session keeps parts of it");
 }
 
 TEST(Request, NamesAMeshByItsScene) {
@@ -298,7 +301,8 @@ TEST(Request, NamesTheFieldOfASizing) {
             "coarsest must be set where grade_surface is: leaves at the surface are as long");
   request.mutable_sizing()->set_coarsest(2);
   request.set_manifold(true);
-  EXPECT_EQ(refusal(request), "grade_surface does not go with manifold: set one of them");
+  EXPECT_EQ(refusal(request),
+            "sizing.grade_surface does not go with manifold: set one of them");
 }
 
 TEST(Request, TakesFieldsAndTheFilesThatTheyAreIn) {
