@@ -75,11 +75,7 @@ class Allowance {
                                  conditions...);
   }
 
-  /// On every thread of the process: libraries start some before main.
   absl::Status impose() {
-    if (error_ == 0) {
-      error_ = -::seccomp_attr_set(filter_.get(), SCMP_FLTATR_CTL_TSYNC, 1);
-    }
     if (error_ == 0) error_ = -::seccomp_load(filter_.get());
     return error_ == 0 ? absl::OkStatus() : refused("system calls", error_);
   }
@@ -115,7 +111,7 @@ absl::Status limit_system_calls(int socket, int file, int result) {
   allowed.add(SCMP_SYS(munmap));
   allowed.add(SCMP_SYS(mremap));
   allowed.add(SCMP_SYS(madvise));
-  // Locks and clocks of the libraries, and of the threads that these may have.
+  // Locks and clocks of the libraries, which never wait in one thread.
   allowed.add(SCMP_SYS(futex));
   allowed.add(SCMP_SYS(sched_yield));
   allowed.add(SCMP_SYS(clock_gettime));

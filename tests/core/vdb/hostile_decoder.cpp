@@ -1,7 +1,6 @@
 // A decoder that a hostile file has taken over. What it does is its name's ending:
 //   decoder.segfault, decoder.hang, ...
 // One that hangs over an order says so first: its number is in decoder.hang.hangs
-#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -142,21 +141,7 @@ void end_badly(std::string_view deed) {
   }
 }
 
-/// Opens a file once it may no longer, on a thread that was there before the sandbox.
-void open_on_an_earlier_thread(const Taken& taken) {
-  std::atomic<bool> safe = false;
-  std::thread accomplice([&] {
-    while (!safe) continue;
-    ::open("/etc/passwd", O_RDONLY);
-    ::_exit(6);
-  });
-  taken.sandbox();
-  safe = true;
-  accomplice.join();
-}
-
 void take_too_much(std::string_view deed, const Taken& taken) {
-  if (deed == "accomplice") open_on_an_earlier_thread(taken);
   taken.sandbox();
   if (deed == "spin") spin();
   if (deed == "grow") grow();
