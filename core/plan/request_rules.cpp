@@ -12,6 +12,15 @@ namespace {
 using F = Feature;
 constexpr Outcome kRefused = Outcome::kRefused, kSentWhole = Outcome::kSentWhole;
 
+// Reasons of several rules: an earlier mesh and a session's last one are compared in one way.
+constexpr std::string_view
+    kWithoutBricks = "Meshes are compared brick by brick, and this one is made without bricks.",
+    kMovesOthers = "A change in one place may move the improved vertices of others.",
+    kValuesChange =
+        "Values may change at vertices that stay where they are, and nothing compares them.",
+    kNoBricksToStuff =
+        "The mesh is made as a whole, without bricks that a client could stuff again.";
+
 constexpr RequestRule kRules[] = {
     {F::kStoredGrid, F::kScene, kRefused, "$0 is set beside $1", "mesh one or the other",
      "A scene is meshed instead of a stored grid, and names the grids that it is made of."},
@@ -46,11 +55,9 @@ constexpr RequestRule kRules[] = {
      "A compact chunk leaves out what the rules imply, and they do not imply where an improved "
      "vertex lies."},
     {F::kCompact, F::kGradedSurface, kRefused, "$0 cannot carry a mesh with a graded surface",
-     "leave $1 unset, or ask for $2",
-     "The mesh is made as a whole, without bricks that a client could stuff again."},
+     "leave $1 unset, or ask for $2", kNoBricksToStuff},
     {F::kCompact, F::kCut, kRefused, "$0 cannot carry a mesh that a box cuts",
-     "leave $1 unset, or ask for $2",
-     "The mesh is made as a whole, without bricks that a client could stuff again."},
+     "leave $1 unset, or ask for $2", kNoBricksToStuff},
     {F::kCompact, F::kFields, kRefused, "$0 cannot carry $1, whose grids only the server has",
      "ask for $2",
      "The server would have to make every vertex to know where to sample, and compact chunks "
@@ -67,22 +74,14 @@ constexpr RequestRule kRules[] = {
      "lattices."},
     {F::kSeveralGrids, F::kSession, kRefused, "$0 is set, but $1 follows one grid",
      "set grid_name", "The leaves of a frame do not say which grid they are of."},
-    {F::kEarlierMesh, F::kCut, kSentWhole, "", "",
-     "Meshes are compared brick by brick, and this one is made without bricks."},
-    {F::kEarlierMesh, F::kGradedSurface, kSentWhole, "", "",
-     "Meshes are compared brick by brick, and this one is made without bricks."},
-    {F::kEarlierMesh, F::kImprove, kSentWhole, "", "",
-     "A change in one place may move the improved vertices of others."},
-    {F::kEarlierMesh, F::kFields, kSentWhole, "", "",
-     "Values may change at vertices that stay where they are, and nothing compares them."},
-    {F::kSession, F::kCut, kSentWhole, "", "",
-     "Meshes are compared brick by brick, and this one is made without bricks."},
-    {F::kSession, F::kGradedSurface, kSentWhole, "", "",
-     "Meshes are compared brick by brick, and this one is made without bricks."},
-    {F::kSession, F::kImprove, kSentWhole, "", "",
-     "A change in one place may move the improved vertices of others."},
-    {F::kSession, F::kFields, kSentWhole, "", "",
-     "Values may change at vertices that stay where they are, and nothing compares them."},
+    {F::kEarlierMesh, F::kCut, kSentWhole, "", "", kWithoutBricks},
+    {F::kEarlierMesh, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
+    {F::kEarlierMesh, F::kImprove, kSentWhole, "", "", kMovesOthers},
+    {F::kEarlierMesh, F::kFields, kSentWhole, "", "", kValuesChange},
+    {F::kSession, F::kCut, kSentWhole, "", "", kWithoutBricks},
+    {F::kSession, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
+    {F::kSession, F::kImprove, kSentWhole, "", "", kMovesOthers},
+    {F::kSession, F::kFields, kSentWhole, "", "", kValuesChange},
     {F::kSkipStatistics, F::kJob, Outcome::kIgnored, "", "",
      "A result is stored once for all readers, and some may want its statistics."},
 };

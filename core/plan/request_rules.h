@@ -132,7 +132,7 @@ class FeatureNames {
 
 /// As the service calls them: each begins with the field's name.
 FeatureNames field_names();
-/// The same with the values that a request has.
+/// Each with the value that the request has, where a refusal should show it.
 FeatureNames field_names(const MeshRequest& request);
 
 Features features_of(const MeshRequest& request);
