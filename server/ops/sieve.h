@@ -12,10 +12,11 @@ namespace tet {
 /// Lets one event through a second, and counts the others. Thread-safe.
 class Sieve {
  public:
+  using Clock = std::chrono::steady_clock;
+
   /// How many were left out before this one; nothing if this one is left out, too.
-  std::optional<std::int64_t> pass() {
+  std::optional<std::int64_t> pass(Clock::time_point now = Clock::now()) {
     const std::lock_guard lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
     if (now < next_) {
       ++left_out_;
       return std::nullopt;
@@ -26,7 +27,7 @@ class Sieve {
 
  private:
   std::mutex mutex_;
-  std::chrono::steady_clock::time_point next_;
+  Clock::time_point next_;
   std::int64_t left_out_ = 0;
 };
 
