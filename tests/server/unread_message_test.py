@@ -3,12 +3,15 @@
     TETSTREAM_BIN=build/dev/bin python3 tests/server/unread_message_test.py [unittest options]
 """
 
+import concurrent.futures
 import pathlib
 import re
 import subprocess
 import tempfile
 import unittest
 import zlib
+
+import grpc
 
 from raw_http2 import RawCall, field, message
 from running_server import GENEROUS_END, RunningServer, binaries, wait_until
@@ -98,6 +101,31 @@ class CompressedMessages(UnreadMessageTest):
         call.finish()
         self.assertTrue(call.wait_for_end())
         self.assertLess(self.memory() - before, MOST_GROWTH)
+
+
+class CompressedAnswers(unittest.TestCase):
+    """Our clients beside a server that compresses."""
+
+    class Zeros(grpc.GenericRpcHandler):
+        """Answers whatever is asked with a message that is small while it is compressed."""
+
+        def service(self, _):
+            return grpc.unary_unary_rpc_method_handler(lambda request, context: bytes(200 * MIB))
+
+    def setUp(self):
+        workers = self.enterContext(concurrent.futures.ThreadPoolExecutor())
+        server = grpc.server(workers, handlers=[self.Zeros()], compression=grpc.Compression.Gzip,
+                             options=[("grpc.max_send_message_length", -1)])
+        self.address = f"127.0.0.1:{server.add_insecure_port('127.0.0.1:0')}"
+        server.start()
+        self.addCleanup(lambda: server.stop(None).wait())
+
+    def test_are_refused_in_words_that_say_why(self):
+        for command in (["health"], ["job", "list"]):
+            result = subprocess.run([binaries() / "tetstream", *command, "--server", self.address],
+                                    capture_output=True, text=True, timeout=GENEROUS_END)
+            self.assertEqual(result.returncode, 3, result)
+            self.assertIn("Compression algorithm 'gzip' is disabled", result.stderr)
 
 
 class MalformedMessages(UnreadMessageTest):
