@@ -2,6 +2,16 @@
 # what runs, `dev` what compiles and links.
 include(CMakePackageConfigHelpers)
 
+# What a folder compiles from here on becomes part of libtetstream.so, too. The version script hides what is
+# not public. -fvisibility=hidden would hide the static members of std::call_once as well, of which
+# libopenvdb then finds another copy: the decoder crashes in openvdb::initialize().
+macro(tet_part_of_shared_library)
+  if(TET_SHARED_LIBRARY)
+    set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+    add_compile_options(-fno-semantic-interposition)  # calls within the library stay direct
+  endif()
+endmacro()
+
 # The objects of `api`, with the libraries that they need linked in and hidden.
 function(tet_shared_library api)
   cmake_parse_arguments(ARG "" "HEADERS;MAP" "DEPENDS" ${ARGN})

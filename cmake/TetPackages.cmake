@@ -51,17 +51,24 @@ tet_package(COMPONENT server NAME tetstream-server SECTION science
   TEXT "Stores OpenVDB grids, turns them into tetrahedral meshes, and streams these"
        "over gRPC while they are made. Runs as a systemd service.")
 
-# Static libraries: what they are linked with is not for dpkg-shlibdeps to find.
-get_cmake_property(components COMPONENTS)
-if(dev IN_LIST components)
-  list(APPEND CPACK_COMPONENTS_ALL dev)
-  tet_package(COMPONENT dev NAME libtetstream-dev SECTION libdevel
-    DEPENDS "tetstream-common ${same_version}" libabsl-dev libboost-dev libboost-iostreams-dev libgrpc++-dev
-      libhdf5-dev libisal-dev libopenvdb-dev libprotobuf-dev libssl-dev libtbb-dev
+if(TET_SHARED_LIBRARY)
+  list(APPEND CPACK_COMPONENTS_ALL lib dev)
+  set(library libtetstream${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  tet_package(COMPONENT lib NAME ${library} SECTION libs
+    DEPENDS "tetstream-common ${same_version}"
     SUMMARY "meshes OpenVDB volumes: the C++ library"
-    TEXT "Headers and static libraries with which programs turn volumes into"
-         "tetrahedral meshes, or take these from a server.")
-  set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+    TEXT "Turns volumes into tetrahedral meshes with guaranteed angles within a"
+         "program, or takes these from a server while they are made.")
+  tet_package(COMPONENT dev NAME libtetstream-dev SECTION libdevel
+    DEPENDS "${library} ${same_version}"
+    SUMMARY "meshes OpenVDB volumes: the C++ library's headers"
+    TEXT "Headers, and what CMake and pkg-config need to find the library.")
+  # Programs that link the library take any later release of the same version of its interface.
+  file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs
+    "libtetstream ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} ${library}\n")
+  file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
+  set(CPACK_DEBIAN_LIB_PACKAGE_CONTROL_EXTRA
+    ${PROJECT_BINARY_DIR}/debian/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 endif()
 
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)

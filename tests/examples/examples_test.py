@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Installs the library into an empty folder, and builds and runs the examples against it.
+"""The library as its users meet it: installed into an empty folder, and programs built against that.
 
     examples_test.py SOURCE_DIR BUILD_DIR
 """
@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import unittest
 
 SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 sys.path.insert(0, str(SOURCE / "tests/server"))
@@ -17,62 +18,94 @@ import running_server  # noqa: E402  (its folder is known only now)
 
 
 def run(*command, **options):
-    """What a command writes; all that it said where it fails."""
+    """What a command writes. Where it fails, the error has all that it said."""
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False,
                           **options)
     if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
+        raise AssertionError(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
     return done.stdout
 
 
-def check_snippets():
-    """Every C++ snippet of docs/library.md is part of an example, line by line."""
-    def lines(text):
-        return [line.strip() for line in text.splitlines() if line.strip()]
-
-    examples = ["\n".join(lines(path.read_text(encoding="utf-8")))
-                for path in (SOURCE / "examples/cpp").glob("*.cpp")]
-    page = (SOURCE / "docs/library.md").read_text(encoding="utf-8")
-    for snippet in re.findall(r"```cpp\n(.*?)```", page, re.DOTALL):
-        if not any("\n".join(lines(snippet)) in example for example in examples):
-            sys.exit(f"docs/library.md: no example has\n{snippet}")
+def lines_of(text):
+    """A text's lines without indentation, as one string: snippets are quoted without it."""
+    return "\n".join(line.strip() for line in text.splitlines() if line.strip())
 
 
-def only_ours_is_shown(library):
-    """The library's own names, and none of what is linked into it."""
-    for line in run("nm", "-D", "--defined-only", "--demangle", library).splitlines():
-        name = line.split(maxsplit=2)[2]
-        if "tetstream::" not in name or "tetstream::v1" in name:
-            sys.exit(f"{library} shows {name}")
+class Examples(unittest.TestCase):
+    """What programs outside of this tree can rely on."""
 
+    @classmethod
+    def setUpClass(cls):
+        # pylint: disable=consider-using-with
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        root = pathlib.Path(cls.folder.name)
+        cls.prefix, cls.out = root / "prefix", root / "build"
+        run("cmake", "--install", BUILD, "--prefix", cls.prefix)
+        run("cmake", "-S", SOURCE / "examples/cpp", "-B", cls.out,
+            f"-DCMAKE_PREFIX_PATH={cls.prefix}")
+        run("cmake", "--build", cls.out)
+        cls.server = running_server.RunningServer(root / "store")
+        cls.addClassCleanup(cls.server.close)
 
-def main():
-    check_snippets()
-    with tempfile.TemporaryDirectory() as folder:
-        prefix, out = pathlib.Path(folder, "prefix"), pathlib.Path(folder, "build")
-        run("cmake", "--install", BUILD, "--prefix", prefix)
-        only_ours_is_shown(next(prefix.rglob("libtetstream.so")))
-        run("cmake", "-S", SOURCE / "examples/cpp", "-B", out, f"-DCMAKE_PREFIX_PATH={prefix}")
-        run("cmake", "--build", out)
-        packages = next(prefix.rglob("tetstream.pc")).parent
+    def setUp(self):
+        self.here = pathlib.Path(tempfile.mkdtemp(dir=self.folder.name))
+
+    def test_every_snippet_of_the_pages_is_part_of_an_example(self):
+        examples = [lines_of(path.read_text(encoding="utf-8"))
+                    for path in (SOURCE / "examples/cpp").glob("*.cpp")]
+        for page in ("docs/library.md", "README.md"):
+            text = (SOURCE / page).read_text(encoding="utf-8")
+            snippets = re.findall(r"```cpp\n(.*?)```", text, re.DOTALL)
+            self.assertTrue(snippets, page)
+            for snippet in snippets:
+                self.assertTrue(any(lines_of(snippet) in example for example in examples),
+                                f"{page}: no example has\n{snippet}")
+
+    def test_the_library_shows_its_own_names_alone(self):
+        library = next(self.prefix.rglob("libtetstream.so"))
+        names = [line.split(maxsplit=2)[2] for line in
+                 run("nm", "-D", "--defined-only", "--demangle", library).splitlines()]
+        self.assertGreater(len(names), 30)
+        self.assertEqual([name for name in names
+                          if "tetstream::" not in name or "tetstream::v1" in name], [])
+
+    def test_the_library_needs_nothing_of_the_tree(self):
+        library = next(self.prefix.rglob("libtetstream.so"))
+        dynamic = run("readelf", "--dynamic", "--wide", library)
+        self.assertIn("Library soname: [libtetstream.so.0.2]", dynamic)
+        self.assertNotIn("RUNPATH", dynamic)
+        self.assertNotIn("not found", run("ldd", library))
+
+    def test_a_mesh_is_made_here_and_by_a_server(self):
+        said = run(self.out / "first_mesh", self.server.address, cwd=self.here)
+        tets = re.match(r"(\d+) tets, volume 4\.1", said)
+        self.assertIsNotNone(tets, said)
+        self.assertIn(f"{tets[1]} tets from {self.server.address}", said)
+        self.assertIn("VTKFile", (self.here / "ball.vtu").read_bytes()[:200].decode(errors="replace"))
+
+    def test_a_server_that_is_not_there_is_told_in_words(self):
+        nobody = f"127.0.0.1:{running_server.unused_port()}"
+        done = subprocess.run([self.out / "first_mesh", nobody], cwd=self.here, check=False,
+                              capture_output=True, text=True, timeout=running_server.GENEROUS_END)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn(nobody, done.stderr)
+
+    def test_chunks_are_taken_as_they_come_and_stopped(self):
+        ball = self.here / "ball.vdb"
+        run(running_server.binaries() / "make_fixture", "sphere", "0.04", ball)
+        said = run(self.out / "take_chunks", self.server.address, ball)
+        self.assertRegex(said, r"\d+ vertices, \d+ tets\nstopped after \d+ tets\n")
+
+    def test_pkg_config_leads_to_the_same_library(self):
+        packages = next(self.prefix.rglob("tetstream.pc")).parent
         flags = run("pkg-config", "--cflags", "--libs", "tetstream",
                     env={**os.environ, "PKG_CONFIG_PATH": str(packages)}).split()
-        by_hand = out / "by_hand"
-        run("c++", "-std=c++20", SOURCE / "examples/cpp/first_mesh.cpp", *flags, "-o", by_hand,
+        program = self.here / "by_hand"
+        run("c++", "-std=c++20", SOURCE / "examples/cpp/first_mesh.cpp", *flags, "-o", program,
             f"-Wl,-rpath,{packages.parent}")
-        with running_server.RunningServer(pathlib.Path(folder, "store")) as server:
-            address = server.address
-            here = run(by_hand, cwd=folder)
-            served = run(out / "first_mesh", address, cwd=folder)
-            tets = re.match(r"(\d+) tets", here)[1]
-            assert served.count(f"{tets} tets") == 2, served
-            fixture = pathlib.Path(folder, "ball.vdb")
-            run(running_server.binaries() / "make_fixture", "sphere", "0.04", fixture)
-            chunks = run(out / "take_chunks", address, fixture)
-            assert "stopped after" in chunks, chunks
-            assert pathlib.Path(folder, "ball.vtu").stat().st_size > 10_000
-    print("installed, built by CMake and by pkg-config, and run")
+        self.assertRegex(run(program, cwd=self.here), r"^\d+ tets, volume 4\.1")
 
 
 if __name__ == "__main__":
-    main()
+    unittest.main(argv=sys.argv[:1])
