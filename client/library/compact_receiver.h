@@ -2,17 +2,21 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/transfer/compact_mesh.h"
+#include "core/base/quality_stats.h"
+#include "core/mesh/tet_mesh.h"
 #include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
 
 namespace v1 = ::tetstream::v1;
+
+struct FilledMesh;
 
 /// Gathers compact chunks, and makes the mesh of them when they are all there. Not thread-safe.
 class CompactReceiver {
@@ -20,8 +24,12 @@ class CompactReceiver {
   /// Errors: kDataLoss (a header that no compact mesh has).
   static absl::StatusOr<CompactReceiver> begin(const v1::MeshHeader& header);
 
+  ~CompactReceiver();
+  CompactReceiver(CompactReceiver&&) noexcept;
+  CompactReceiver& operator=(CompactReceiver&&) noexcept;
+
   /// The next chunk. Errors: kDataLoss.
-  absl::Status add(std::span<const std::byte> chunk) { return bricks_.add(chunk); }
+  absl::Status add(std::span<const std::byte> chunk);
 
   /// Makes the mesh on every core, in the memory of `used`. Errors: those of decode_mesh.
   absl::StatusOr<FilledMesh> finish(const MeshHeader& header,
@@ -30,11 +38,10 @@ class CompactReceiver {
                                     Statistics statistics) &&;
 
  private:
-  explicit CompactReceiver(const CompactFrame& frame)
-      : frame_(frame), bricks_(frame.rules.both_sides) {}
+  struct Parts;
+  explicit CompactReceiver(std::unique_ptr<Parts> parts) noexcept;
 
-  CompactFrame frame_;
-  CompactBricks bricks_;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace tet

@@ -5,6 +5,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/parallel.h"
+#include "core/plan/make/fill_mesh.h"
 
 namespace tet {
 

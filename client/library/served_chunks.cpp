@@ -5,6 +5,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/plan/make/fill_mesh.h"
 #include "proto/wire/serialized.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 

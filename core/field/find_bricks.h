@@ -7,31 +7,12 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/base/brick_box.h"
 #include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/field/phi_field.h"
 
 namespace tet {
-
-/// A box of finest-level bricks, both ends included.
-struct BrickBox {
-  BrickCoord min, max;
-};
-
-inline double bricks_in(const BrickBox& box) noexcept {
-  return (box.max.x - box.min.x + 1.0) * (box.max.y - box.min.y + 1.0) *
-         (box.max.z - box.min.z + 1.0);
-}
-
-/// Calls `visit(brick)` for each brick of a box.
-template <class Visit>
-void for_each_brick(const BrickBox& box, const Visit& visit) {
-  for (std::int32_t x = box.min.x; x <= box.max.x; ++x) {
-    for (std::int32_t y = box.min.y; y <= box.max.y; ++y) {
-      for (std::int32_t z = box.min.z; z <= box.max.z; ++z) visit(BrickCoord{x, y, z});
-    }
-  }
-}
 
 struct FoundBricks {
   /// Sorted, unique. Every brick in whose halo phi changes sign (or is zero) is among them.

@@ -5,7 +5,9 @@
 #include <cstddef>
 
 #include "core/lattice/background_tets.h"
+#include "core/lattice/node_numbers.h"
 #include "core/lattice/reach.h"
+#include "core/octree/octree.h"
 
 namespace tet {
 namespace {

@@ -6,13 +6,13 @@
 #include <cstdint>
 
 #include "core/base/brick_mask.h"
+#include "core/base/brick_neighbours.h"
 #include "core/lattice/bcc.h"
-#include "core/lattice/node_numbers.h"
 
 namespace tet {
 
-/// The cells of a brick itself.
-inline constexpr HaloSet kOwnCells = halo_cube(0, 7);
+class NodeNumbers;
+struct OctreeLevel;
 
 /// The four shapes of background tets; see docs/algorithm.md for their dihedral angles.
 ///   BCC: two centres and an edge of the face between them (60, 90)

@@ -13,6 +13,10 @@
 
 namespace tet {
 
+/// Leaves of a brick and of the seven beyond its lower faces, edges and corner, at
+/// 4*x + 2*y + z.
+using LowerLeaves = std::array<const BrickMask*, 8>;
+
 /// Which of the two grids a node belongs to. In doubled coordinates corners are all even and
 /// centres all odd: corner (x, y, z) is at (2x, 2y, 2z), centre (x, y, z) at (2x+1, 2y+1,
 /// 2z+1).
@@ -101,6 +105,8 @@ inline BrickMask brick_part(const HaloSet& nodes, LatticeCoord step) noexcept {
 
 /// The nodes of the brick itself, of either kind.
 inline constexpr HaloSet kOwnNodes = halo_cube(0, 7);
+/// The cells of a brick itself.
+inline constexpr HaloSet kOwnCells = halo_cube(0, 7);
 
 /// An edge family: all edges that nodes of one kind own in one direction. 14 of them hold every
 /// edge of the lattice once.

@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/brick_box.h"
 #include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
 #include "core/base/brick_neighbours.h"
 #include "core/base/heap_bytes.h"
 #include "core/base/mask_column.h"
-#include "core/field/find_bricks.h"
 #include "core/lattice/bcc.h"
 #include "core/lattice/reach.h"
 #include "core/octree/octree.h"
@@ -33,10 +33,6 @@ struct LevelNodes {
     return used.bytes() + corner.bytes() + centre.bytes() + heap_bytes(first_vertex);
   }
 };
-
-/// Leaves of a brick and of the seven beyond its lower faces, edges and corner, at
-/// 4*x + 2*y + z.
-using LowerLeaves = std::array<const BrickMask*, 8>;
 
 /// `leaf` has those of each brick of the level.
 LowerLeaves lower_leaves(const MaskColumn& leaf, const PlacesAround& around) noexcept;

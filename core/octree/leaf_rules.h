@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/field/find_bricks.h"
+#include "core/base/brick_box.h"
 #include "core/octree/cell_set.h"
 
 namespace tet {

@@ -12,11 +12,13 @@
 #include "core/base/heap_bytes.h"
 #include "core/base/mask_column.h"
 #include "core/base/types.h"
-#include "core/field/phi_field.h"
 #include "core/octree/cell_set.h"
 #include "core/octree/leaf_rules.h"
 
 namespace tet {
+
+struct PhiField;
+class PhiSampler;
 
 /// One level of the octree; level 0 is the finest. Columns of equal length.
 struct OctreeLevel {

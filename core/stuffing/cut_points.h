@@ -4,12 +4,15 @@
 #include <array>
 
 #include "core/base/brick_mask.h"
-#include "core/field/phi_field.h"
+#include "core/base/types.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_edges.h"
 #include "core/stuffing/node_signs.h"
 
 namespace tet {
+
+class PhiSampler;
+struct BrickSamples;
 
 /// Cut points of every edge with an end among the nodes in [kNodeMin, kNodeMax]^3.
 ///

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
 #include "core/lattice/reach.h"
 #include "core/stuffing/brick_geometry.h"

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <emmintrin.h>
 
+#include "core/field/phi_field.h"
+
 namespace tet {
 namespace {
 

@@ -4,10 +4,11 @@
 #include <array>
 
 #include "core/base/brick_mask.h"
-#include "core/field/phi_field.h"
 #include "core/lattice/bcc.h"
 
 namespace tet {
+
+struct BrickSamples;
 
 /// Nodes whose signs and warps a brick needs to know: its own, one more on each side.
 inline constexpr int kNodeMin = -1, kNodeMax = 8;

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "core/base/vector_clones.h"
+#include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
 
 namespace tet {

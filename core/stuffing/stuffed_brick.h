@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "core/base/brick_mask.h"
-#include "core/lattice/background.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_points.h"
 #include "core/stuffing/stencil.h"

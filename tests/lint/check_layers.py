@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Checks that includes point one way, and that outside libraries and the system's files stay in place.
+"""Checks that includes point one way and in short chains, and that outside libraries and the system's
+files stay in place.
 
     check_layers.py [ROOT]
 """
@@ -50,6 +51,11 @@ FILE_CALLS = re.compile(
 FILE_FOLDERS = ["core/base/posix"]
 SANDBOX = ["core/vdb/await_order.cpp", "core/vdb/sandbox.cpp", "core/vdb/spawn.cpp"]
 
+# Files in the longest chain of includes of code that ships, the first one and the last one counted: whoever
+# changes a header at its end recompiles all of the chain, and whoever reads its beginning needs all of it.
+LONGEST_CHAIN = 15
+SHIPPED = ["core", "proto", "server", "client"]
+
 SOURCE_FOLDERS = ["core", "proto", "server", "client", "tests", "bench"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 
@@ -98,7 +104,7 @@ def library_errors(file, included):
 
 def file_call_errors(root):
     """Code that ships and asks the system for files by itself."""
-    for folder in ["core", "proto", "server", "client"]:
+    for folder in SHIPPED:
         for path in sorted((root / folder).rglob("*")):
             file = str(path.relative_to(root))
             if path.suffix not in (".h", ".cpp") or file in SANDBOX or any(
@@ -130,6 +136,31 @@ def cycle_errors(includes):
             yield from follow(file, [file])
 
 
+def longest_chains(includes):
+    """{file: the longest chain of includes that begins with it}, where includes have no cycle."""
+    chains = {}
+
+    def follow(file):
+        if file not in chains:
+            below = [follow(included) for included in includes[file] if included in includes]
+            chains[file] = [file, *max(below, key=len, default=[])]
+        return chains[file]
+
+    for file in includes:
+        follow(file)
+    return chains
+
+
+def chain_errors(includes):
+    """The longest chain, where it is longer than allowed."""
+    shipped = {file: included for file, included in includes.items()
+               if file.split("/")[0] in SHIPPED}
+    longest = max(longest_chains(shipped).values(), key=len, default=[])
+    if len(longest) > LONGEST_CHAIN:
+        yield (f"{len(longest)} files include each other in a chain, {LONGEST_CHAIN} may: "
+               f"{' -> '.join(longest)}")
+
+
 def find_errors(root):
     includes = read_includes(root)
     errors = [] if includes else [f"there are no sources under {root}"]
@@ -138,7 +169,9 @@ def find_errors(root):
             errors += layer_errors(file, included)
             errors += public_errors(file, included)
             errors += library_errors(file, included)
-    return errors + list(file_call_errors(root)) + list(cycle_errors(includes))
+    cycles = list(cycle_errors(includes))
+    chains = [] if cycles else list(chain_errors(includes))
+    return errors + list(file_call_errors(root)) + cycles + chains
 
 
 def main():

@@ -70,6 +70,15 @@ class CheckLayers(unittest.TestCase):
             with self.subTest(text):
                 self.assertEqual(len(errors_of({"core/mesh/a.cpp": text})), 1)
 
+    def test_reports_a_chain_of_includes_that_is_too_long(self):
+        def chain(files):
+            return {f"core/base/a{i:02}.h": f'#include "core/base/a{i + 1:02}.h"\n'
+                    for i in range(files)}
+        most = check_layers.LONGEST_CHAIN
+        self.assertEqual(errors_of(chain(most)), [])
+        self.assertIn("16 files include each other in a chain, 15 may: core/base/a00.h -> ",
+                      "".join(errors_of(chain(most + 1))))
+
     def test_reports_a_cycle_between_files(self):
         self.assertEqual(
             errors_of({

@@ -9,6 +9,7 @@
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_format.h>
 
+#include "core/octree/leaf_rules.h"
 #include "core/plan/budget.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/mesh_progress.h"

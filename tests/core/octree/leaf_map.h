@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/field/phi_field.h"
 #include "core/octree/octree.h"
 #include "core/volume/volume_builder.h"
 
