@@ -25,10 +25,14 @@ add_custom_target(everything)
 
 add_library(tet_flags INTERFACE)
 # Shards must agree on every bit: a fused multiply-add in one of them would be another number.
-target_compile_options(tet_flags INTERFACE -ffp-contract=off -march=${TET_MARCH})
-# GCC 12 loads a spilled integer by way of an MMX register, and leaves the floating point unit in
-# a state in which the thread's next long double is NaN.
-target_compile_options(tet_flags INTERFACE -mno-mmx)
+target_compile_options(tet_flags INTERFACE -ffp-contract=off)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  # GCC 12 loads a spilled integer by way of an MMX register, and leaves the floating point unit in
+  # a state in which the thread's next long double is NaN.
+  target_compile_options(tet_flags INTERFACE -march=${TET_MARCH} -mno-mmx)
+else()
+  target_compile_options(tet_flags INTERFACE -Wno-psabi)  # says what compilers before GCC 10 did
+endif()
 target_compile_options(tet_flags INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wnon-virtual-dtor -Wold-style-cast)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")

@@ -1,7 +1,8 @@
 #include "core/base/brick_mask.h"
 
 #include <algorithm>
-#include <emmintrin.h>
+
+#include "core/base/sse.h"
 
 namespace tet {
 namespace {

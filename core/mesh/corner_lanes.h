@@ -3,7 +3,8 @@
 
 #include <array>
 #include <cstdint>
-#include <smmintrin.h>
+
+#include "core/base/sse.h"
 
 namespace tet {
 

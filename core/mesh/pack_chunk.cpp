@@ -2,10 +2,10 @@
 #include <array>
 #include <cstring>
 #include <functional>
-#include <smmintrin.h>
 #include <utility>
 
 #include "core/base/byte_coding.h"
+#include "core/base/sse.h"
 #include "core/mesh/corner_lanes.h"
 #include "core/mesh/packed_chunk.h"
 #include "core/mesh/packed_rows.h"

@@ -3,11 +3,11 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
-#include <smmintrin.h>
 
 #include <absl/strings/str_cat.h>
 
 #include "core/base/byte_coding.h"
+#include "core/base/sse.h"
 #include "core/mesh/corner_lanes.h"
 #include "core/mesh/packed_chunk.h"
 #include "core/mesh/packed_rows.h"

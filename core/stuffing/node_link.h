@@ -5,9 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <emmintrin.h>
 
 #include "core/base/brick_mask.h"
+#include "core/base/sse.h"
 #include "core/lattice/bcc.h"
 
 namespace tet {

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <emmintrin.h>
 
+#include "core/base/sse.h"
 #include "core/field/phi_field.h"
 
 namespace tet {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <emmintrin.h>
 #include <limits>
 
+#include "core/base/sse.h"
 #include "core/base/vector_clones.h"
 
 namespace tet {

@@ -5,9 +5,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <emmintrin.h>
 
 #include "core/base/brick_mask.h"
+#include "core/base/sse.h"
 #include "core/lattice/background.h"
 #include "core/stuffing/local_vertices.h"
 

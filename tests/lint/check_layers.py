@@ -38,6 +38,7 @@ LIBRARIES = {
                              "bench"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
+    "SSE": (r"[a-z]*mmintrin\.h$|simde/", ["core/base/sse.h"]),
     "SQLite": (r"sqlite3", ["server/jobs/store", "tests/server/jobs/store"]),
     "libpq": (r"libpq|postgresql/", ["server/jobs/store", "tests/server/jobs/store"]),
 }

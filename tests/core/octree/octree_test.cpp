@@ -28,7 +28,8 @@ TEST(Octree, BalancesLeavesAcrossFacesAndEdges) {
       const auto at = [&] { return static_cast<int>(random() % 8); };
       const auto brick = [&] { return static_cast<std::int32_t>(random() % 4) - 2; };
       BrickMask mask;
-      mask.set(at(), at(), at());
+      const int z = at(), y = at(), x = at();  // in an order that every compiler keeps to
+      mask.set(x, y, z);
       builder.add({brick(), brick(), brick()}, with_siblings(mask));
     }
     const Octree tree =
