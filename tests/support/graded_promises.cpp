@@ -12,11 +12,11 @@
 
 #include "core/graded/graded_warp.h"
 #include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/plan/make/mesher.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/volume/volume_reader.h"
+#include "tests/support/conformity.h"
 #include "tests/support/cut_faces.h"
 #include "tests/support/random_fields.h"
 #include "tests/support/random_sizing.h"

@@ -15,10 +15,10 @@
 #include <absl/strings/str_format.h>
 
 #include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/plan/make/mesher.h"
 #include "core/volume/volume_reader.h"
+#include "tests/support/conformity.h"
 #include "tests/support/lattice_place.h"
 #include "tests/support/lattice_signs.h"
 #include "tests/support/random_fields.h"

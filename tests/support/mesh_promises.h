@@ -29,7 +29,7 @@ struct Outcome {
 
 /// Meshes the field uniform and graded, and checks of each mesh that
 ///
-/// - it conforms, and its tets are positive (core/mesh/conformity.h);
+/// - it conforms, and its tets are positive (tests/support/conformity.h);
 /// - its dihedral angles keep the preset's bounds, and the reported angles and volume are those
 ///   it has;
 /// - the boundary of the inside lies where the surface passes (the first guarantee): at zero

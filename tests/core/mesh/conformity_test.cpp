@@ -1,4 +1,4 @@
-#include "core/mesh/conformity.h"
+#include "tests/support/conformity.h"
 
 #include <gmock/gmock.h>
 

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.h"
-#include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "tests/core/mesh/small_meshes.h"
+#include "tests/support/conformity.h"
 #include "tests/support/solids.h"
 
 namespace tet {

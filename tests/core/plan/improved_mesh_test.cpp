@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
 #include "core/plan/make/mesher.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/support/conformity.h"
 #include "tests/support/solids.h"
 
 namespace tet {

@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/make/mesher.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/plan/mesh_workspace.h"
 #include "core/volume/volume_reader.h"
+#include "tests/support/conformity.h"
 
 namespace tet::test {
 

@@ -12,10 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/mesh/conformity.h"
 #include "core/mesh/quality.h"
 #include "core/plan/make/mesher.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/support/conformity.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 

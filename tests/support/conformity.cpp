@@ -1,4 +1,4 @@
-#include "core/mesh/conformity.h"
+#include "tests/support/conformity.h"
 
 #include <algorithm>
 #include <bit>
