@@ -4,32 +4,12 @@
 #include <array>
 
 #include "core/base/types.h"
+#include "core/base/vec3.h"
 
 namespace tet {
 
-template <class Real>
-struct BasicVector {
-  Real x, y, z;
-};
-using Vector = BasicVector<double>;
-
 inline Vector from_to(const WorldPoint& a, const WorldPoint& b) noexcept {
   return {b.x - a.x, b.y - a.y, b.z - a.z};
-}
-
-template <class Real>
-BasicVector<Real> operator-(const BasicVector<Real>& u, const BasicVector<Real>& v) noexcept {
-  return {u.x - v.x, u.y - v.y, u.z - v.z};
-}
-
-template <class Real>
-BasicVector<Real> cross(const BasicVector<Real>& u, const BasicVector<Real>& v) noexcept {
-  return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-}
-
-template <class Real>
-Real dot(const BasicVector<Real>& u, const BasicVector<Real>& v) noexcept {
-  return u.x * v.x + u.y * v.y + u.z * v.z;
 }
 
 /// Normals of the faces opposite a, b, c and d: all inwards when the tet is positive, and twice

@@ -6,12 +6,11 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/vec3.h"
 #include "core/volume/to_voxel.h"
 
 namespace tet {
 namespace {
-
-using Triple = std::array<double, 3>;
 
 /// A cube of voxels that hold one value.
 struct Cube {

@@ -4,19 +4,13 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/base/vec3.h"
+
 namespace tet {
 namespace {
 
-using Triple = std::array<double, 3>;
-
 Triple triple_of(const VoxelPoint& p) { return {p.x, p.y, p.z}; }
 Triple triple_of(const WorldPoint& p) { return {p.x, p.y, p.z}; }
-
-double dot(const Triple& a, const Triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Triple difference(const Triple& a, const Triple& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 
 double distance_from_segment(const Triple& point, const Triple& start, const Triple& along) {
   const Triple from = difference(point, start);

@@ -12,12 +12,12 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/vec3.h"
 #include "core/volume/volume.h"
 
 namespace tet::scene {
 
 /// x, y, z.
-using Triple = std::array<double, 3>;
 
 struct Sphere {
   double radius = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/base/vec3.h"
 #include "core/field/cell_signs.h"
 
 namespace tet {
@@ -20,36 +21,31 @@ constexpr float edge_length(int direction) noexcept {
 }
 
 /// A vector in the lattice's axes, of any length.
-struct Vector {
-  float x = 0, y = 0, z = 0;
-};
+using LatticeVector = BasicVector<float>;
 
-Vector to_vector(LatticeCoord v) noexcept {
+LatticeVector to_vector(LatticeCoord v) noexcept {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
 /// In double, as squares of the largest phi leave the range of a float.
-double dot(const Vector& a, const Vector& b) noexcept {
-  const auto product = [](float u, float v) {
-    return static_cast<double>(u) * static_cast<double>(v);
-  };
-  return product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z);
+double wide_dot(const LatticeVector& a, const LatticeVector& b) noexcept {
+  return dot(widened(a), widened(b));
 }
 
 /// True when `gradient` points along `along`, within the angle of kFacing.
-bool faces(const Vector& gradient, const Vector& along) noexcept {
-  const double product = dot(gradient, along);
-  return product > 0 &&
-         product * product >= kFacing * kFacing * dot(gradient, gradient) * dot(along, along);
+bool faces(const LatticeVector& gradient, const LatticeVector& along) noexcept {
+  const double product = wide_dot(gradient, along);
+  return product > 0 && product * product >= kFacing * kFacing * wide_dot(gradient, gradient) *
+                                                 wide_dot(along, along);
 }
 
 /// phi's gradient at a node from its 14 neighbours, which weigh every direction alike.
-Vector gradient_at(const BrickSamples& samples, NodeKind kind, int node) noexcept {
-  Vector sum;
+LatticeVector gradient_at(const BrickSamples& samples, NodeKind kind, int node) noexcept {
+  LatticeVector sum{};
   for (int d = 0; d < kDirections; ++d) {
     const auto& column = end_kind(kind, d) == kCorner ? samples.corner : samples.centre;
     const float phi = column[static_cast<std::size_t>(node + end_offset(kind, d))];
-    const Vector step = to_vector(kDirection[static_cast<std::size_t>(d)]);
+    const LatticeVector step = to_vector(kDirection[static_cast<std::size_t>(d)]);
     sum = {sum.x + phi * step.x, sum.y + phi * step.y, sum.z + phi * step.z};
   }
   return sum;
@@ -94,8 +90,9 @@ void find_along(const BrickSamples& samples,
     // Away from the node: phi grows where the node is inside, and falls where it is outside.
     const bool inside = cuts.signs.inside[kind].test(node);
     const int away = inside ? direction : opposite(direction);
-    const Vector forward = to_vector(kDirection[static_cast<std::size_t>(away)]);
-    const Vector backward = to_vector(kDirection[static_cast<std::size_t>(opposite(away))]);
+    const LatticeVector forward = to_vector(kDirection[static_cast<std::size_t>(away)]);
+    const LatticeVector backward =
+        to_vector(kDirection[static_cast<std::size_t>(opposite(away))]);
     if (!faces(gradient_at(samples, end, node + ahead), forward) ||
         !faces(gradient_at(samples, end, node + behind), backward)) {
       return;
@@ -119,10 +116,10 @@ class EdgeProbe {
   /// True when the surface at `t` faces the edge's upper end (`up`) or its lower one.
   bool faces_end(float t, bool up) noexcept {
     const double step = 0.5 / sampler_.field().spacing_voxels;  // half a voxel
-    const Vector gradient{moved(t, step, 0, 0) - moved(t, -step, 0, 0),
-                          moved(t, 0, step, 0) - moved(t, 0, -step, 0),
-                          moved(t, 0, 0, step) - moved(t, 0, 0, -step)};
-    return faces(gradient, up ? along_ : Vector{-along_.x, -along_.y, -along_.z});
+    const LatticeVector gradient{moved(t, step, 0, 0) - moved(t, -step, 0, 0),
+                                 moved(t, 0, step, 0) - moved(t, 0, -step, 0),
+                                 moved(t, 0, 0, step) - moved(t, 0, 0, -step)};
+    return faces(gradient, up ? along_ : LatticeVector{-along_.x, -along_.y, -along_.z});
   }
 
  private:
@@ -136,7 +133,7 @@ class EdgeProbe {
   struct {
     double x, y, z;
   } origin_;
-  Vector along_;
+  LatticeVector along_;
 };
 
 /// The shortest piece of an edge between two changes of sign.

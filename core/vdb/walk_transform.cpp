@@ -9,12 +9,11 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/base/vec3.h"
 #include "core/vdb/walk_refusal.h"
 
 namespace tet {
 namespace {
-
-using Triple = std::array<double, 3>;
 
 constexpr std::size_t kLongestMapType = 64;
 

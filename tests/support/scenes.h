@@ -20,7 +20,7 @@ class SceneWriter {
     description_.nodes.push_back({name, std::move(kind)});
     return name;
   }
-  std::string add_moved(scene::Triple by, std::string of) {
+  std::string add_moved(Triple by, std::string of) {
     scene::Transform moved;
     moved.of = std::move(of);
     moved.translation = by;

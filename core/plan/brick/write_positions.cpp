@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
+#include "core/base/vec3.h"
 #include "core/base/vector_clones.h"
 
 // Parts of a clone, and compiled for its processor within it only.
@@ -67,25 +68,25 @@ class NodeSlices {
   }
 
  private:
-  using Part = std::array<double, 3>;
-
   double at(std::size_t axis, int cell) const noexcept {
     return frame_.corner()[axis] + frame_.edge() * (0.5 * (2 * cell + kind_));
   }
   TET_INLINE Real* write_all(Real* out) const noexcept {
-    for (const Part& start : start_) {
+    for (const Triple& start : start_) {
       for (std::size_t z = 0; z < kRow; ++z) out = write_one(start, along_z_[z], out);
     }
     return out;
   }
-  TET_INLINE static Real* write_one(const Part& start, const Part& along, Real* out) noexcept {
+  TET_INLINE static Real* write_one(const Triple& start,
+                                    const Triple& along,
+                                    Real* out) noexcept {
     for (std::size_t r = 0; r < 3; ++r) out[r] = static_cast<Real>(start[r] + along[r]);
     return out + 3;
   }
 
   const BrickFrame& frame_;
   NodeKind kind_;
-  std::array<Part, kRow> along_z_, start_;
+  std::array<Triple, kRow> along_z_, start_;
 };
 
 /// Nodes of one kind; `moved` has the stored coordinates of its zero ones.
