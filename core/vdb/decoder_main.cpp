@@ -8,6 +8,7 @@
 
 #include "core/vdb/await_order.h"
 #include "core/vdb/decode_order.h"
+#include "core/vdb/idle_threads.h"
 #include "core/vdb/sandbox.h"
 
 namespace tet {
@@ -18,6 +19,8 @@ enum ExitCode { kAnswered = 0, kUsage = 2, kNoParent = 3, kNoSandbox = 4 };
 int decode_once() {
   if (!enter_custody().ok()) return kNoSandbox;
   prepare_to_carry_out();
+  // A copy has no other thread, and would wait for ever for what one of them holds.
+  if (!await_idle_threads().ok()) return kNoSandbox;
   if (!send_ready(kDecoderSocket)) return kNoParent;
   const std::optional<ReceivedOrder> received = await_order(kDecoderSocket);
   if (!received) return kNoParent;

@@ -16,6 +16,8 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/vdb/idle_threads.h"
+
 namespace tet {
 namespace {
 
@@ -75,7 +77,11 @@ class Allowance {
                                  conditions...);
   }
 
+  /// On every thread of the process: libraries start some before main.
   absl::Status impose() {
+    if (error_ == 0) {
+      error_ = -::seccomp_attr_set(filter_.get(), SCMP_FLTATR_CTL_TSYNC, 1);
+    }
     if (error_ == 0) error_ = -::seccomp_load(filter_.get());
     return error_ == 0 ? absl::OkStatus() : refused("system calls", error_);
   }
@@ -111,8 +117,10 @@ absl::Status limit_system_calls(int socket, int file, int result) {
   allowed.add(SCMP_SYS(munmap));
   allowed.add(SCMP_SYS(mremap));
   allowed.add(SCMP_SYS(madvise));
-  // Locks and clocks of the libraries, which never wait in one thread.
+  // Locks and clocks of the libraries, and of the threads that these may have: they sleep in a
+  // futex, and fall asleep again there when whoever stopped the process lets it go on.
   allowed.add(SCMP_SYS(futex));
+  allowed.add(SCMP_SYS(restart_syscall));
   allowed.add(SCMP_SYS(sched_yield));
   allowed.add(SCMP_SYS(clock_gettime));
   allowed.add(SCMP_SYS(exit_group));
@@ -132,7 +140,9 @@ absl::Status enter_custody() {
 }
 
 absl::Status enter_sandbox(const DecodeLimits& limits, int socket, int file, int result) {
-  absl::Status status = limit(RLIMIT_CPU, limits.cpu_seconds, "processor time");
+  // The filter would kill one that is still starting, and us with it.
+  absl::Status status = await_idle_threads();
+  if (status.ok()) status = limit(RLIMIT_CPU, limits.cpu_seconds, "processor time");
   if (status.ok()) status = limit_resources(limits);
   if (status.ok()) status = limit_system_calls(socket, file, result);
   return status;

@@ -13,7 +13,8 @@ absl::Status enter_custody();
 
 /// From here on the process has the memory and the time of `limits`, no more files or
 /// processes, and only the system calls that reading `file`, writing `result`, answering on
-/// `socket`, allocating and exiting take; any other one kills it.
+/// `socket`, allocating and exiting take; any other one kills it. That holds for every thread
+/// it has, those that libraries have started too.
 ///
 /// Builds with a sanitizer keep only the limit on time: their shadow memory is larger than any
 /// limit, and they make system calls of their own.

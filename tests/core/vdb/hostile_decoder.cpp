@@ -1,12 +1,14 @@
 // A decoder that a hostile file has taken over. What it does is its name's ending:
 //   decoder.segfault, decoder.hang, ...
 // One that hangs over an order says so first: its number is in decoder.hang.hangs
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <sched.h>
 #include <string>
 #include <string_view>
 #include <sys/mman.h>
@@ -141,7 +143,42 @@ void end_badly(std::string_view deed) {
   }
 }
 
+/// Opens a file once it may no longer, on a thread that was there before the sandbox.
+void open_on_an_earlier_thread(const Taken& taken) {
+  std::atomic<bool> safe = false;
+  std::thread accomplice([&] {
+    safe.wait(false);  // asleep, as the threads of libraries are
+    ::open("/etc/passwd", O_RDONLY);
+    ::_exit(6);
+  });
+  taken.sandbox();
+  safe = true;
+  safe.notify_all();
+  accomplice.join();
+}
+
+/// Four threads that are still starting when the sandbox is entered, as those of libraries may
+/// be: they do what they will never do again, and then sleep.
+void decode_beside_starting_threads(const Taken& taken) {
+  static std::atomic<bool> never = false;
+  for (int i = 0; i < 4; ++i) {
+    std::thread([] {
+      constexpr int kCallsAtTheStart = 2000;
+      cpu_set_t processors;
+      for (int call = 0; call < kCallsAtTheStart; ++call) {
+        ::sched_getaffinity(0, sizeof processors, &processors);
+      }
+      never.wait(false);
+    }).detach();
+  }
+  taken.sandbox();
+  taken.answer(taken.decode());
+  ::_exit(0);
+}
+
 void take_too_much(std::string_view deed, const Taken& taken) {
+  if (deed == "starting") decode_beside_starting_threads(taken);
+  if (deed == "accomplice") open_on_an_earlier_thread(taken);
   taken.sandbox();
   if (deed == "spin") spin();
   if (deed == "grow") grow();

@@ -1,9 +1,14 @@
 // What a decoder can no longer do; not in builds with a sanitizer, which keep no sandbox.
 #include "core/vdb/sandbox.h"
 
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/vdb/idle_threads.h"
 #include "tests/core/vdb/decode_test_files.h"
 
 namespace tet {
@@ -14,12 +19,34 @@ using testing::HasSubstr;
 class SandboxTest : public test::DecodeTest {};
 
 TEST_F(SandboxTest, KillsWhoeverDoesMoreThanDecode) {
-  for (const char* deed :
-       {"open", "socket", "exec", "fork", "thread", "kill", "execute", "map", "limits"}) {
+  for (const char* deed : {"open", "accomplice", "socket", "exec", "fork", "thread", "kill",
+                           "execute", "map", "limits"}) {
     const absl::Status status = outcome(deed);
     EXPECT_EQ(failure_name(status), "DECODER_CRASHED") << deed;
     EXPECT_THAT(std::string(status.message()), HasSubstr("signal 31")) << deed;  // SIGSYS
   }
+}
+
+TEST_F(SandboxTest, LetsThreadsThatAreStillStartingComeToRest) {
+  EXPECT_EQ(outcome("starting"), absl::OkStatus());
+}
+
+TEST(IdleThreads, AreAwaitedUntilAllSleep) {
+  std::atomic<bool> working = true, over = false;
+  std::thread busy([&] {
+    while (working) continue;
+    over.wait(false);
+  });
+  std::thread looking([&] {
+    EXPECT_EQ(await_idle_threads(), absl::OkStatus());
+    EXPECT_FALSE(working);
+    over = true;
+    over.notify_all();
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // for it to look at the busy one
+  working = false;
+  looking.join();
+  busy.join();
 }
 
 TEST_F(SandboxTest, EndsWhatGrows) {

@@ -1,0 +1,93 @@
+"""That every thread of a process that parses a file others wrote is in the sandbox.
+
+Libraries start threads before main: log4cplus, which OpenVDB brings along, starts four.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/server/decoder_threads_test.py [unittest options]
+"""
+
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import tempfile
+import unittest
+
+from running_server import GENEROUS_END, RunningServer, binaries
+
+VOXEL = "0.008"  # a file that is decoded for milliseconds at least
+
+
+def children(pid):
+    found = []
+    for task in pathlib.Path(f"/proc/{pid}/task").glob("*"):
+        try:
+            found += map(int, (task / "children").read_text().split())
+        except OSError:
+            continue
+    return found
+
+
+def custody(task):
+    """(Seccomp, NoNewPrivs) of a thread, as the system tells."""
+    status = (task / "status").read_text()
+    return tuple(int(re.search(rf"^{name}:\s+(\d+)", status, re.MULTILINE)[1])
+                 for name in ("Seccomp", "NoNewPrivs"))
+
+
+def threads_while_decoding(decoder):
+    """{thread: custody} of a process that has begun to decode; empty if this one has not."""
+    main = pathlib.Path(f"/proc/{decoder}/task/{decoder}")
+    try:
+        if custody(main)[0] != 2:
+            return {}
+        os.kill(decoder, signal.SIGSTOP)
+        try:
+            return {int(task.name): custody(task) for task in main.parent.glob("*")}
+        finally:
+            os.kill(decoder, signal.SIGCONT)
+    except OSError:  # it has ended
+        return {}
+
+
+class DecoderThreadsTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.file = self.folder / "sphere.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", VOXEL, self.file], check=True)
+
+    def expect_custody(self, parent, command):
+        """Runs the command to its end and looks at every thread of every decoder of `parent`."""
+        seen = []
+        while command.poll() is None:
+            for child in children(parent):
+                if threads := threads_while_decoding(child):
+                    seen.append(threads)
+        self.assertEqual(command.wait(GENEROUS_END), 0)
+        self.assertTrue(seen, "no decoder was seen at work")
+        for threads in seen:
+            self.assertEqual(set(threads.values()), {(2, 1)}, threads)
+        return seen
+
+
+class Command(DecoderThreadsTest):
+    def test_filters_every_thread(self):
+        command = subprocess.Popen([binaries() / "tetstream", "mesh", self.file, "--spacing", "0.1",
+                                    "-o", self.folder / "m.vtu"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        seen = self.expect_custody(command.pid, command)
+        # There are some to filter; with none this test would show nothing.
+        self.assertGreater(max(map(len, seen)), 1)
+
+
+class Server(DecoderThreadsTest):
+    def test_filters_every_thread(self):
+        server = self.enterContext(RunningServer(self.folder / "store"))
+        command = subprocess.Popen([binaries() / "tetstream", "mesh", self.file, "--spacing", "0.1",
+                                    "-o", self.folder / "m.vtu", "--server", server.address],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.expect_custody(server.process.pid, command)
+
+
+if __name__ == "__main__":
+    unittest.main()
