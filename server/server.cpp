@@ -1,8 +1,10 @@
 #include "server/server.h"
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
@@ -15,10 +17,12 @@
 #include "proto/wire/transport.h"
 #include "server/grids/grid_service.h"
 #include "server/jobs_in_server.h"
+#include "server/ops/guard.h"
 #include "server/ops/logging.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
 #include "server/rpc/access.h"
+#include "server/rpc/handler_watch.h"
 #include "server/rpc/heartbeat.h"
 #include "server/rpc/tls.h"
 #include "server/rpc/unread_messages.h"
@@ -180,7 +184,13 @@ bool Server::Parts::listen() {
   }
   builder.SetMaxReceiveMessageSize(static_cast<int>(config.max_request_bytes));
   refuse_compression(builder);
-  watch_messages(builder, unread);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
+  std::set<std::string> services{v1::GridService::service_full_name(),
+                                 v1::MeshService::service_full_name()};
+  if (jobs != nullptr) services.insert(v1::JobService::service_full_name());
+  watches.push_back(watch_handlers(std::move(services)));
+  watches.push_back(watch_messages(unread));
+  builder.experimental().SetInterceptorCreators(std::move(watches));
   grpc::ResourceQuota quota("tetstreamd");
   quota.Resize(config.receive_bytes);
   builder.SetResourceQuota(quota);
@@ -226,6 +236,7 @@ std::string Server::Parts::metrics_text() const {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   static const bool registered = [] {
+    log_contained_exceptions();
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     return true;

@@ -5,6 +5,7 @@
 #include <absl/time/clock.h>
 
 #include "server/jobs_in_server.h"
+#include "server/ops/guard.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
 #include "server/server_readings.h"
@@ -57,6 +58,7 @@ absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config
   }
   auto grids = GridStore::open_beside_server(config.store);
   if (!grids.ok()) return grids.status();
+  log_contained_exceptions();
   auto nobody = Access::open("");
   if (!nobody.ok()) return nobody.status();
   auto parts = std::make_unique<Parts>(config, *std::move(nobody), *std::move(grids));

@@ -17,6 +17,7 @@
 #include <oneapi/tbb/task_arena.h>
 #endif
 
+#include "core/base/contain.h"
 #include "core/base/own_threads.h"
 
 namespace tet {
@@ -130,7 +131,7 @@ void TaskPool::post(std::function<void()> work) {
   }
   impl_->arena.enqueue(
       [impl = impl_.get(), owned = std::make_shared<std::function<void()>>(std::move(work))] {
-        (*owned)();
+        contain("a posted task", *owned);  // oneTBB would drop it, and what is below with it
         *owned = nullptr;  // what it holds is released before the destructor may go on
         const std::lock_guard lock(impl->mutex);
         if (--impl->posted == 0) impl->idle.notify_all();
@@ -189,7 +190,7 @@ struct TaskPool::Impl {
       std::function<void()> task = std::move(queue.front());
       queue.pop_front();
       lock.unlock();
-      task();
+      contain("a posted task", task);
       task = nullptr;
       lock.lock();
     }

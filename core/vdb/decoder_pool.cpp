@@ -5,6 +5,7 @@
 
 #include <absl/functional/function_ref.h>
 
+#include "core/base/contain.h"
 #include "core/base/failure_name.h"
 
 namespace tet {
@@ -79,7 +80,16 @@ void DecoderPool::work() {
     supply.prepare();  // before there is anything for it to do
     const std::optional<Job> job = next_job();
     if (!job) return;
-    job->done(run(*job, supply));
+    contain("a decoder's thread", [&] { job->done(run_contained(*job, supply)); });
+  }
+}
+
+absl::StatusOr<SealedBlock> DecoderPool::run_contained(const Job& job, DecoderSupply& supply) {
+  try {
+    return run(job, supply);
+  } catch (...) {
+    tell_exception("a decoder's thread");
+    return absl::InternalError("the server failed in reading the file");
   }
 }
 

@@ -57,6 +57,7 @@ class DecoderPool {
   void work();
   std::optional<Job> next_job();
   absl::StatusOr<SealedBlock> run(const Job& job, DecoderSupply& supply);
+  absl::StatusOr<SealedBlock> run_contained(const Job& job, DecoderSupply& supply);
 
   const DecoderSettings settings_;
   std::mutex mutex_;

@@ -10,9 +10,8 @@
 #include <sys/socket.h>
 #include <utility>
 
-#include <absl/strings/ascii.h>
-
 #include "core/base/failure_name.h"
+#include "core/base/printable.h"
 #include "core/volume/grid_info.h"
 
 namespace tet {
@@ -138,13 +137,6 @@ bool may_answer(std::uint32_t code) {
   }
 }
 
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return !absl::ascii_isprint(static_cast<unsigned char>(c)); }, '?');
-  return text;
-}
-
 /// The end of a long name says more than its beginning.
 std::string_view end_of(std::string_view name, std::size_t size) {
   return name.substr(name.size() - std::min(name.size(), size));
@@ -219,7 +211,7 @@ std::optional<absl::Status> receive_answer(int socket) {
   if (message.code == 0) return absl::OkStatus();
   if (!may_answer(message.code)) return std::nullopt;
   absl::Status answer(static_cast<absl::StatusCode>(message.code),
-                      printable(message.message.get()));
+                      printable(message.message.get(), kMaxFailureBytes));
   return message.out_of_memory == 1 ? named_failure(kOutOfMemory, std::move(answer)) : answer;
 }
 

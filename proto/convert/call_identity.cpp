@@ -8,6 +8,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/printable.h"
+
 namespace tet {
 
 namespace {
@@ -78,13 +80,6 @@ void tell_identity(const CallIdentity& identity, grpc::CallbackServerContext& co
   context.AddTrailingMetadata(kRequestIdKey, identity.request_id);
   if (identity.span.trace_id.empty()) return;
   context.AddTrailingMetadata(kTraceKey, identity.span.traceparent());
-}
-
-std::string printable(std::string_view text, std::size_t limit) {
-  std::string clean(text.substr(0, limit));
-  std::replace_if(
-      clean.begin(), clean.end(), [](unsigned char c) { return !absl::ascii_isprint(c); }, '?');
-  return clean;
 }
 
 }  // namespace tet

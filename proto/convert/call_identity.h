@@ -34,7 +34,4 @@ CallIdentity identify(const grpc::CallbackServerContext& context);
 /// Sends the request id, and the span where there is one, back as trailing metadata.
 void tell_identity(const CallIdentity& identity, grpc::CallbackServerContext& context);
 
-/// `text` cut to `limit` bytes, with anything but printable ASCII as '?'.
-std::string printable(std::string_view text, std::size_t limit);
-
 }  // namespace tet

@@ -8,9 +8,9 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/failure_name.h"
+#include "core/base/printable.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
-#include "proto/convert/call_identity.h"
 
 namespace tet {
 

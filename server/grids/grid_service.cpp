@@ -8,13 +8,16 @@
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 
+#include "core/base/printable.h"
 #include "core/vdb/decode_file.h"
 #include "proto/convert/grid_info_message.h"
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
+#include "proto/convert/times.h"
 #include "proto/wire/sha256.h"
 #include "server/grids/upload_stream.h"
 #include "server/grids/verify.h"
+#include "server/ops/guard.h"
 #include "server/rpc/explain.h"
 
 namespace tet {
@@ -24,6 +27,7 @@ namespace {
 constexpr int kMaxNames = 1000;
 constexpr int kDefaultPage = 100;
 constexpr int kMaxPage = 1000;
+constexpr std::size_t kMaxQuoted = 60;
 
 /// Memory for the trees of a file without their values, which tell what its grids are.
 constexpr std::uint64_t kInfoBytes = std::uint64_t{1} << 30;
@@ -31,11 +35,7 @@ constexpr std::uint64_t kInfoBytes = std::uint64_t{1} << 30;
 void describe(const ListedGrid& listed, v1::GridFile& file) {
   file.set_name(name_of_grid(listed.digest));
   file.set_size_bytes(static_cast<std::int64_t>(listed.size_bytes));
-  const absl::Duration since_epoch = listed.last_use - absl::UnixEpoch();
-  absl::Duration rest;
-  file.mutable_last_use_time()->set_seconds(
-      absl::IDivDuration(since_epoch, absl::Seconds(1), &rest));
-  file.mutable_last_use_time()->set_nanos(static_cast<int>(absl::ToInt64Nanoseconds(rest)));
+  *file.mutable_last_use_time() = to_proto(listed.last_use);
 }
 
 absl::Status find_missing(GridStore& store,
@@ -75,7 +75,9 @@ absl::Status list_page(const GridStore& store,
     return invalid_field(absl::StrCat("page_size ", request.page_size(), " is negative"));
   }
   if (!request.page_token().empty() && !is_sha256_hex(request.page_token())) {
-    return invalid_field("page_token is not one that this service gave");
+    return invalid_field(
+        absl::StrCat("page_token \"", printable(request.page_token(), kMaxQuoted),
+                     "\" was not given by this server: begin at the first page"));
   }
   const int wanted = request.page_size() == 0 ? kDefaultPage : request.page_size();
   const auto size = static_cast<std::size_t>(std::min(wanted, kMaxPage));
@@ -125,7 +127,9 @@ void grid_info(GridStore& store,
       request, [pending] { return pending->cancelled(); },
       [request, pending, stored = *lease, &store,
        &response](const absl::StatusOr<SealedBlock>& block) {
-        pending->finish(fill_info(store, grid_list_of(block, request), stored, response));
+        pending->finish(guarded("GetGridInfo", [&] {
+          return fill_info(store, grid_list_of(block, request), stored, response);
+        }));
       });
 }
 

@@ -7,6 +7,7 @@
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
+#include "server/ops/guard.h"
 
 namespace tet {
 
@@ -81,18 +82,25 @@ void UploadStream::happened() {
 }
 
 void UploadStream::go_on() {
+  const absl::Status status = guarded("UploadGrid", [&] { return take_turn(); });
+  if (!status.ok()) finish(status);
+}
+
+absl::Status UploadStream::take_turn() {
   absl::Status status = end_piece();
   if (status.ok() && !response_.complete()) {
     // The stream ended, by the client's will or not: what has come is kept either way.
     if (!more_) {
-      return finish(response_.name().empty() ? out_of_order("the stream ended before `start`")
-                                             : absl::OkStatus());
+      if (response_.name().empty()) return out_of_order("the stream ended before `start`");
+      finish(absl::OkStatus());
+      return absl::OkStatus();
     }
     status = call_.registry().cut_off();
     if (status.ok()) status = take_message();
   }
-  if (!status.ok() || response_.complete()) return finish(status);
-  begin_work();
+  if (!status.ok()) return status;
+  response_.complete() ? finish(status) : begin_work();
+  return absl::OkStatus();
 }
 
 /// The piece in work, if there is one, is written and digested, or was not.
@@ -112,6 +120,10 @@ absl::Status UploadStream::take_message() {
   v1::UploadGridRequest message;
   if (!deserialize(message_, message)) return out_of_order("bytes that are no message");
   if (message.has_data()) {
+    if (message.data().offset() < 0) {
+      return within_field("data", invalid_field(absl::StrCat("offset ", message.data().offset(),
+                                                             " is negative")));
+    }
     text_ = std::move(*message.mutable_data()->mutable_data());
     return take_piece(
         {static_cast<std::uint64_t>(message.data().offset()), text_.size(), {text_}, {}});
@@ -164,7 +176,7 @@ void UploadStream::begin_work() {
     self->upload_->digest(self->piece_.bytes);
     self->happened();
   });
-  written_ = upload_->write(piece_.bytes);
+  written_ = guarded("UploadGrid", [&] { return upload_->write(piece_.bytes); });
   happened();
 }
 

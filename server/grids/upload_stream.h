@@ -61,6 +61,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   void happened();
 
   void go_on();
+  absl::Status take_turn();
   absl::Status end_piece();
   absl::Status take_message();
   absl::Status take_start(const v1::UploadStart& start);

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/contain.h"
 #include "core/base/own_threads.h"
 #include "server/rpc/background.h"
 
@@ -19,8 +20,10 @@ constexpr auto kAnyone = [](const std::string&) { return true; };
 std::function<void()> politely(int threads, std::function<void()> work) {
   return [threads, work = std::move(work)] {
     std::jthread([&] {
-      give_way();
-      run_with_own_threads(threads, work);
+      contain("background work", [&] {
+        give_way();
+        run_with_own_threads(threads, work);
+      });
     });
   };
 }
@@ -59,7 +62,7 @@ void LargePlans::start_waiting() {
     TaskPool* const pool = idle_.back();
     idle_.pop_back();
     pool->post([this, pool, work = *std::move(work)] {
-      work();
+      contain("work on a large mesh", work);
       finished(pool);
     });
   }

@@ -13,6 +13,7 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/grids/verify.h"
+#include "server/ops/guard.h"
 #include "server/rpc/explain.h"
 
 namespace tet {
@@ -34,12 +35,16 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
                               key.component.value_or(0)};
     pool.post([&pool, &decoders, request, abandoned = std::move(abandoned),
                done = std::move(done)]() mutable {
-      if (absl::Status intact = verify_stored(request.path); !intact.ok()) return done(intact);
+      const absl::Status intact =
+          guarded("reading a grid", [&] { return verify_stored(request.path); });
+      if (!intact.ok()) return done(intact);
       decoders.decode(
           request, std::move(abandoned),
           [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
             auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
-            pool.post([request, done, block] { done(volume_of(*block, request)); });
+            pool.post([request, done, block] {
+              done(guarded("reading a grid", [&] { return volume_of(*block, request); }));
+            });
           });
     });
   };
@@ -52,6 +57,18 @@ absl::Status explained(const absl::Status& status,
   return about_file(status, key.digest, grid->path.string(),
                     key.component ? GridUse::kField : GridUse::kSurface);
 }
+
+/// Counts one more for as long as it exists.
+class Running {
+ public:
+  explicit Running(std::atomic<int>& count) : count_(count) { count_.fetch_add(1); }
+  ~Running() { count_.fetch_sub(1); }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+ private:
+  std::atomic<int>& count_;
+};
 
 bool has_all_components(const VertexField& field) {
   const auto& components = field.components;
@@ -99,12 +116,12 @@ void Planner::load(const std::string& client,
 
 void Planner::load_shape(Job job) {
   if (job.order.is_scene()) {
-    threads_.pool.post([this, job = std::move(job)] { load_scene(job); });
+    threads_.pool.post([this, job = std::move(job)] { job.guard([&] { load_scene(job); }); });
     return;
   }
   if (job.order.volume != nullptr) {
     job.shape = job.order.volume;
-    threads_.pool.post([this, job = std::move(job)] { load_sizes(job); });
+    threads_.pool.post([this, job = std::move(job)] { job.guard([&] { load_sizes(job); }); });
     return;
   }
   if (!job.order.grid_names.empty()) return load_several(std::move(job));
@@ -144,7 +161,8 @@ void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
   volumes_.get(key, path, cancelled,
                [this, job = std::move(job), key, grid = *std::move(lease),
                 then = std::move(then)](const auto& volume) mutable {
-                 if (volume.ok()) return then(std::move(job), std::move(grid), *volume);
+                 if (volume.ok())
+                   return job.guard([&] { then(job, std::move(grid), *volume); });
                  if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
                  job.fail(key, explained(volume.status(), key, grid));
                });
@@ -154,6 +172,11 @@ void Planner::Job::fail(const VolumeKey& key, const absl::Status& status) const 
   if (key.component) return then(*this, about_field(status, field));
   const bool is_one_of_several = !order.grid_names.empty() && grids_of(shape) == nullptr;
   then(*this, is_one_of_several ? about_grid(status, several.size()) : status);
+}
+
+void Planner::Job::guard(const std::function<void()>& step) const {
+  const absl::Status status = guarded("planning a mesh", step);
+  if (!status.ok()) then(*this, status);
 }
 
 /// On the pool; its grids one after another.
@@ -230,7 +253,7 @@ void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Do
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return done(job.planned(std::move(plan)));
   auto work = [this, job, name, before, done] {
-    auto made = make_plan(job, name, before);
+    auto made = guarded("planning a mesh", [&] { return make_plan(job, name, before); });
     done(made.ok() ? job.planned(*std::move(made))
                    : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
   };
@@ -249,7 +272,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
   // Much may have happened while it waited.
   if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
   if (auto plan = plans_.recall(name)) return plan;
-  running_.fetch_add(1);
+  const Running running(running_);
   auto plan = plan_mesh({.shape = job.shape,
                          .request = job.order.request,
                          .limits = limits_,
@@ -257,7 +280,6 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
                          .surveyed = before.blocks,
                          .earlier = before.earlier.get()},
                         job.watch->cancellation);
-  running_.fetch_sub(1);
   give_back_free_memory();
   if (!plan.ok()) return plan.status();
   return job.order.is_frame ? plans_.admit(*std::move(plan))

@@ -125,6 +125,8 @@ class Planner {
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
     /// Ends it, on the pool: what `key` names cannot be had.
     void fail(const VolumeKey& key, const absl::Status& status) const;
+    /// Takes a step of it; what that throws ends it.
+    void guard(const std::function<void()>& step) const;
   };
 
   /// On the pool: the job, with what was loaded.

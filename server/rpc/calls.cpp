@@ -5,7 +5,9 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/printable.h"
 #include "proto/convert/status.h"
+#include "server/ops/guard.h"
 #include "server/ops/logging.h"
 
 namespace tet {
@@ -149,7 +151,8 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
     reactor->Finish(call->finish(admitted));
   } else {
     disk.post([call, reactor, work = std::move(work)] {
-      reactor->Finish(call->finish(work(*call)));
+      reactor->Finish(
+          call->finish(guarded(call->method().c_str(), [&] { return work(*call); })));
     });
   }
   return reactor;
@@ -167,7 +170,10 @@ grpc::ServerUnaryReactor* answer_later(
   if (const absl::Status admitted = call->admission(); !admitted.ok()) {
     pending->finish(admitted);
   } else {
-    disk.post([pending, begin = std::move(begin)] { begin(pending); });
+    disk.post([pending, begin = std::move(begin)] {
+      pending->finish_unless_ok(
+          guarded(pending->call().method().c_str(), [&] { begin(pending); }));
+    });
   }
   return reactor;
 }

@@ -1,6 +1,7 @@
 // Running calls: admitted, counted, and logged when they end.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -76,6 +77,7 @@ class Call {
   Call& operator=(const Call&) = delete;
 
   CallRegistry& registry() const { return registry_; }
+  const std::string& method() const { return method_; }
 
   /// Errors: those of Access::admit and Admission::admit_call. To be asked before anything
   /// else.
@@ -127,7 +129,7 @@ grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);
 
-/// A unary call whose end comes from elsewhere. `finish` once, by the last who holds it.
+/// A unary call whose end comes from elsewhere. Only the first `finish` counts.
 class PendingAnswer {
  public:
   PendingAnswer(std::shared_ptr<Call> call,
@@ -138,12 +140,18 @@ class PendingAnswer {
   const Call& call() const { return *call_; }
   /// Whether the client has gone. Not after `finish`.
   bool cancelled() const { return context_.IsCancelled(); }
-  void finish(const absl::Status& status) { reactor_.Finish(call_->finish(status)); }
+  void finish(const absl::Status& status) {
+    if (!finished_.exchange(true)) reactor_.Finish(call_->finish(status));
+  }
+  void finish_unless_ok(const absl::Status& status) {
+    if (!status.ok()) finish(status);
+  }
 
  private:
   std::shared_ptr<Call> call_;
   grpc::CallbackServerContext& context_;
   grpc::ServerUnaryReactor& reactor_;
+  std::atomic<bool> finished_{false};
 };
 
 /// Answers a call whose work waits, unlike that of `answer`: `begin` runs on `disk` and sees to

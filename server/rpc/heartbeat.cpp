@@ -3,6 +3,8 @@
 #include <stop_token>
 #include <utility>
 
+#include "core/base/contain.h"
+
 namespace tet {
 
 Heartbeat::Heartbeat(std::chrono::milliseconds interval, std::function<void()> beat)
@@ -10,7 +12,7 @@ Heartbeat::Heartbeat(std::chrono::milliseconds interval, std::function<void()> b
         std::unique_lock lock(mutex_);
         while (
             !stopped_.wait_for(lock, stop, interval, [&] { return stop.stop_requested(); })) {
-          beat();
+          contain("a heartbeat", beat);
         }
       }) {}
 

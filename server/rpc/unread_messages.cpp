@@ -1,11 +1,8 @@
 #include "server/rpc/unread_messages.h"
 
-#include <memory>
 #include <string>
-#include <utility>
 
 #include <absl/strings/match.h>
-#include <grpcpp/support/server_interceptor.h>
 
 #include "proto/convert/status.h"
 #include "server/ops/logging.h"
@@ -94,10 +91,9 @@ void refuse_compression(grpc::ServerBuilder& builder) {
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
 }
 
-void watch_messages(grpc::ServerBuilder& builder, UnreadMessages& unread) {
-  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
-  creators.push_back(std::make_unique<MessageWatches>(unread));
-  builder.experimental().SetInterceptorCreators(std::move(creators));
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> watch_messages(
+    UnreadMessages& unread) {
+  return std::make_unique<MessageWatches>(unread);
 }
 
 bool count_compressed(std::string_view message) {

@@ -6,10 +6,12 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
 #include <grpcpp/server_builder.h>
+#include <grpcpp/support/server_interceptor.h>
 
 #include "server/ops/metrics.h"
 
@@ -31,9 +33,10 @@ class UnreadMessages {
 /// there.
 void refuse_compression(grpc::ServerBuilder& builder);
 
-/// Makes the server that is built tell `unread` of the calls with a single message that could
+/// For the builder of a server: tells `unread` of the calls with a single message that could
 /// not be read, and their clients that it was MALFORMED. `unread` must outlive the server.
-void watch_messages(grpc::ServerBuilder& builder, UnreadMessages& unread);
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> watch_messages(
+    UnreadMessages& unread);
 
 /// gRPC logs what refuse_compression refuses, and tells nobody else: whether `message` of its
 /// log is about that. Counts it, for all servers of the process, if so.

@@ -10,6 +10,8 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
+#include "server/ops/guard.h"
+#include "server/rpc/deadline.h"
 
 namespace tet {
 
@@ -25,7 +27,7 @@ ChunkStream::ChunkStream(MeshEngine& engine,
     : engine_(engine),
       context_(context),
       call_(engine.calls, context, std::move(method)),
-      watch_(std::make_shared<PlanningWatch>(context.deadline())) {}
+      watch_(std::make_shared<PlanningWatch>(deadline_of(context))) {}
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
     const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed) {
@@ -41,11 +43,13 @@ void ChunkStream::begin(ChunkReactor& reactor, const absl::Status& parsed) {
   const absl::Status may_call = call_.admission();
   const absl::Status status = may_call.ok() ? parsed : may_call;
   if (!status.ok()) return close(status);
-  admitted();
-  call_.on_cut([weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->cut();
+  guard([this] {
+    admitted();
+    call_.on_cut([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->cut();
+    });
+    await();
   });
-  await();
 }
 
 void ChunkStream::queue() {
@@ -105,7 +109,12 @@ void ChunkStream::enter(absl::StatusOr<Ticket> ticket) {
     if (phase_ == Phase::kEnded) return;
     ticket_ = *std::move(ticket);
   }
-  open();
+  guard([this] { open(); });
+}
+
+void ChunkStream::guard(const std::function<void()>& step) {
+  const absl::Status status = guarded(call_.method().c_str(), step);
+  if (!status.ok()) close(status);
 }
 
 // Each interval has an alarm of its own: one cannot be set again from within its own callback.
@@ -115,7 +124,7 @@ void ChunkStream::watch_progress() {
   const auto next = std::chrono::system_clock::now() + kProgressInterval;
   progress_timer_ = std::make_unique<grpc::Alarm>();
   progress_timer_->Set(next, [self = shared_from_this()](bool fired) {
-    if (fired) self->report_progress();
+    if (fired) contain("progress", [&] { self->report_progress(); });
   });
 }
 
@@ -134,18 +143,22 @@ void ChunkStream::begin_chunks(const absl::Status& opened,
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::kEnded) return;
-    note_opening();
-    const absl::Status status = opened.ok() ? set_range(start, end_chunk) : opened;
-    if (!status.ok()) {
-      end(status);
-    } else {
-      phase_ = Phase::kHeader;
-      const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
-      slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
-      post_chunks();
-    }
+    const absl::Status status = guarded(call_.method().c_str(), [&] {
+      note_opening();
+      const absl::Status begins = opened.ok() ? set_range(start, end_chunk) : opened;
+      if (begins.ok()) begin_window();
+      return begins;
+    });
+    if (!status.ok()) end(status);
   }
   advance();
+}
+
+void ChunkStream::begin_window() {
+  phase_ = Phase::kHeader;
+  const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
+  slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
+  post_chunks();
 }
 
 /// Settles which chunks to send.
@@ -189,10 +202,10 @@ void ChunkStream::fill_slot(std::uint64_t index, Block block) {
   absl::Status status = absl::OkStatus();
   if (watch_->cancellation.requested()) {
     status = client_gone(watch_->cancellation);
-  } else if (auto made = make(index, std::move(block)); made.ok()) {
-    slot.made = *std::move(made);
   } else {
+    auto made = guarded(call_.method().c_str(), [&] { return make(index, std::move(block)); });
     status = made.status();
+    if (made.ok()) slot.made = *std::move(made);
   }
   engine_.activity.chunks_in_flight.fetch_sub(1);
   {
@@ -220,6 +233,10 @@ void ChunkStream::advance() {
 ChunkStream::Step ChunkStream::next_step() {
   const std::lock_guard lock(mutex_);
   if (writing_ || finished_ || held_) return Step::kWait;
+  bool prepared = false;
+  const absl::Status status =
+      guarded(call_.method().c_str(), [&] { prepared = prepare_message(); });
+  if (!status.ok()) end(status);
   if (phase_ == Phase::kEnded) {
     finished_ = true;
     progress_timer_.reset();
@@ -228,7 +245,7 @@ ChunkStream::Step ChunkStream::next_step() {
     call_.note("bytes_out", bytes_written_);
     return Step::kFinish;
   }
-  if (!prepare_message()) return Step::kWait;
+  if (!prepared) return Step::kWait;
   writing_ = true;
   write_start_ = Stallable::Clock::now();
   written_ = phase_;
@@ -269,9 +286,12 @@ void ChunkStream::written(bool ok) {
       watch_->cancellation.cancel();
       end(client_gone(watch_->cancellation));
     }
-    if (phase_ != Phase::kEnded) all = after_write();
+    const absl::Status status = guarded(call_.method().c_str(), [&] {
+      if (phase_ != Phase::kEnded) all = after_write();
+    });
+    if (!status.ok()) end(status);
   }
-  if (all) sent_all();
+  if (all) guard([this] { sent_all(); });
   advance();
 }
 

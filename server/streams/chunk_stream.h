@@ -87,6 +87,8 @@ class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkS
   virtual void sent_all() { close(absl::OkStatus()); }
   /// The call ends with `status`, as soon as nothing is being written.
   void close(const absl::Status& status);
+  /// Takes a step of this call's, on any thread; what that throws ends the call.
+  void guard(const std::function<void()>& step);
   /// Makes room for others while this call waits for what is to be opened next.
   void give_turn_back();
   /// Begins to open that. False when the call ends.
@@ -117,6 +119,7 @@ class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkS
 
   void enter(absl::StatusOr<Ticket> ticket);
   void report_progress();
+  void begin_window();
   absl::Status set_range(std::uint64_t start, std::uint64_t end);
   std::uint64_t window() const;
   void post_chunks();

@@ -1,5 +1,6 @@
 #include "server/streams/mesh_service.h"
 
+#include <atomic>
 #include <memory>
 #include <utility>
 
@@ -7,6 +8,8 @@
 #include "proto/convert/mesh_header.h"
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
+#include "server/ops/guard.h"
+#include "server/rpc/deadline.h"
 #include "server/streams/mesh_stream.h"
 #include "server/streams/remesh_stream.h"
 
@@ -24,7 +27,8 @@ class Estimate final : public grpc::ServerUnaryReactor,
                                          v1::MeshHeader& response) {
     const std::shared_ptr<Estimate> estimate(new Estimate(engine, context, response));
     estimate->self_ = estimate;
-    estimate->begin(request);
+    const absl::Status begun = guarded("EstimateMesh", [&] { estimate->begin(request); });
+    if (!begun.ok()) estimate->end(begun);
     return estimate.get();
   }
 
@@ -32,14 +36,14 @@ class Estimate final : public grpc::ServerUnaryReactor,
   Estimate(MeshEngine& engine, grpc::CallbackServerContext& context, v1::MeshHeader& response)
       : engine_(engine),
         call_(engine.calls, context, "EstimateMesh"),
-        watch_(std::make_shared<PlanningWatch>(context.deadline())),
+        watch_(std::make_shared<PlanningWatch>(deadline_of(context))),
         response_(response) {}
 
   void begin(const v1::MeshRequest& request) {
     auto order = parse_mesh_request(request);
     const absl::Status admitted = call_.admission();
     const absl::Status status = admitted.ok() ? within_field("mesh", order.status()) : admitted;
-    if (!status.ok()) return Finish(call_.finish(status));
+    if (!status.ok()) return end(status);
     order_ = *std::move(order);
     if (!order_.digest.empty()) call_.note("grid", order_.digest);
     order_.space = call_.space();
@@ -55,25 +59,38 @@ class Estimate final : public grpc::ServerUnaryReactor,
   void plan(absl::StatusOr<Ticket> ticket) {
     if (!ticket.ok()) return finish(ticket.status());
     ticket_ = *std::move(ticket);
-    engine_.planner.plan(
-        call_.client(), order_, watch_,
-        [self = shared_from_this()](const auto& planned) { self->finish(planned); });
+    const absl::Status asked = guarded("EstimateMesh", [&] {
+      engine_.planner.plan(
+          call_.client(), order_, watch_,
+          [self = shared_from_this()](const auto& planned) { self->finish(planned); });
+    });
+    if (!asked.ok()) end(asked);
   }
 
   void finish(const absl::StatusOr<PlannedMesh>& planned) {
-    if (planned.ok()) {
-      to_proto(planned->plan->header(), response_);
-      response_.set_fill_seconds(estimate_fill(*planned->plan, watch_->cancellation).seconds);
-      v1::MeshRequest& canonical = *response_.mutable_canonical_request();
-      canonical = planned->canonical;
-      canonical.set_improve(improve_);
-      response_.set_mesh_id(mesh_id_of(canonical));
-      call_.note("mesh_id", response_.mesh_id());
-      call_.note("tets", response_.tet_count());
-    }
+    const absl::Status told = guarded("EstimateMesh", [&] {
+      if (planned.ok()) tell(*planned);
+      return planned.status();
+    });
     ticket_.reset();
     const absl::Status cut = call_.registry().cut_off();
-    Finish(call_.finish(planned.ok() || cut.ok() ? planned.status() : cut));
+    end(told.ok() || cut.ok() ? told : cut);
+  }
+
+  void tell(const PlannedMesh& planned) {
+    to_proto(planned.plan->header(), response_);
+    response_.set_fill_seconds(estimate_fill(*planned.plan, watch_->cancellation).seconds);
+    v1::MeshRequest& canonical = *response_.mutable_canonical_request();
+    canonical = planned.canonical;
+    canonical.set_improve(improve_);
+    response_.set_mesh_id(mesh_id_of(canonical));
+    call_.note("mesh_id", response_.mesh_id());
+    call_.note("tets", response_.tet_count());
+  }
+
+  /// Only the first end counts.
+  void end(const absl::Status& status) {
+    if (!ended_.exchange(true)) Finish(call_.finish(status));
   }
 
   // Whoever leaves the queue is not answered there.
@@ -91,6 +108,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
   bool improve_ = false;
   Admission::Place place_ = 0;  ///< in the queue; 0: in none
   Ticket ticket_;
+  std::atomic<bool> ended_{false};
   std::shared_ptr<Estimate> self_;
 };
 

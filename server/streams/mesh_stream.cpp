@@ -8,6 +8,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
+#include "server/ops/guard.h"
 
 namespace tet {
 
@@ -27,7 +28,7 @@ absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
     MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
   const std::shared_ptr<MeshStream> stream(new MeshStream(engine, context));
-  auto order = parse(request);
+  auto order = guarded("StreamMesh", [&] { return parse(request); });
   if (order.ok()) stream->order_ = *std::move(order);
   return ChunkStream::start(stream, order.status());
 }
@@ -41,8 +42,7 @@ void MeshStream::admitted() {
 void MeshStream::open() {
   if (engine_.results == nullptr || order_.stored_name.empty()) return plan();
   engine_.pool.post([self = self()] {
-    if (self->find_stored()) return self->begin(self->check_mesh());
-    self->plan();
+    self->guard([&] { self->find_stored() ? self->begin(self->check_mesh()) : self->plan(); });
   });
 }
 
@@ -62,7 +62,7 @@ void MeshStream::plan() {
                        [self = self()](const absl::StatusOr<PlannedMesh>& planned) {
                          const bool found =
                              planned.ok() && planned->mesh_id == self->order_.base_mesh_id;
-                         self->plan_mesh(found ? planned->plan : nullptr);
+                         self->guard([&] { self->plan_mesh(found ? planned->plan : nullptr); });
                        });
 }
 
@@ -71,7 +71,7 @@ void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
                        [self = self(), base](absl::StatusOr<PlannedMesh> planned) {
                          if (!planned.ok()) return self->begin(planned.status());
                          self->planned_ = *std::move(planned);
-                         self->find_patches(base);
+                         self->guard([&] { self->find_patches(base); });
                        },
                        {.earlier = base});
 }

@@ -120,7 +120,7 @@ void RemeshStream::read_done(bool ok) {
     read_start_.reset();
   }
   if (!ok) return close(started_ ? absl::OkStatus() : out_of_order("it ended before `start`"));
-  engine_.pool.post([self = self()] { self->take_message(); });
+  engine_.pool.post([self = self()] { self->guard([&] { self->take_message(); }); });
 }
 
 /// On the pool.
@@ -232,7 +232,7 @@ void RemeshStream::keep_lattice() {
 void RemeshStream::open() {
   engine_.planner.plan(call_.client(), order_, watch_,
                        [self = self()](absl::StatusOr<PlannedMesh> planned) {
-                         self->planned(std::move(planned));
+                         self->guard([&] { self->planned(std::move(planned)); });
                        },
                        {.earlier = source_.plan});
 }

@@ -39,6 +39,8 @@ LIBRARIES = {
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
     "SSE": (r"[a-z]*mmintrin\.h$|simde/", ["core/base/sse.h"]),
+    # Its functions end the process where a time is out of range: proto/convert/times.h.
+    "protobuf's TimeUtil": (r"google/protobuf/util/time_util", ["proto/convert"]),
     "SQLite": (r"sqlite3", ["server/jobs/store", "tests/server/jobs/store"]),
     "libpq": (r"libpq|postgresql/", ["server/jobs/store", "tests/server/jobs/store"]),
 }

@@ -1,4 +1,5 @@
 // `tetstream job wait`
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -81,9 +82,10 @@ absl::Status wait_for(JobSession& session,
 }
 
 absl::StatusOr<absl::Duration> parse_patience(const std::string& text) {
-  absl::Duration time = absl::Hours(24 * 365);
+  constexpr absl::Duration kForEver = absl::Hours(24 * 365 * 100);  // clocks can say no more
+  absl::Duration time = kForEver;
   if (text.empty() || (absl::ParseDuration(text, &time) && time > absl::ZeroDuration()))
-    return time;
+    return std::min(time, kForEver);
   return absl::InvalidArgumentError(
       absl::StrCat("--patience ", text, " is not a time such as 90s, 30m or 12h"));
 }

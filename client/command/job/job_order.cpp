@@ -14,6 +14,7 @@
 #include "client/command/field_options.h"
 #include "client/command/option_rules.h"
 #include "client/library/wire_request.h"
+#include "proto/convert/times.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -22,19 +23,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kGroup = "Job";
+constexpr absl::Duration kLongest = absl::Hours(24 * 365 * 100);  ///< as servers have it
 
 absl::StatusOr<google::protobuf::Duration> parse_duration(const char* option,
                                                           const std::string& text) {
   absl::Duration time;
-  if (!absl::ParseDuration(text, &time) || time <= absl::ZeroDuration() ||
-      time == absl::InfiniteDuration()) {
+  if (!absl::ParseDuration(text, &time) || time <= absl::ZeroDuration()) {
     return absl::InvalidArgumentError(
         absl::StrCat(option, " ", text, " is not a time such as 90s, 30m or 12h"));
   }
-  google::protobuf::Duration message;
-  message.set_seconds(absl::IDivDuration(time, absl::Seconds(1), &time));
-  message.set_nanos(static_cast<std::int32_t>(absl::ToInt64Nanoseconds(time)));
-  return message;
+  if (time > kLongest) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(option, " ", text, " is more than ", absl::FormatDuration(kLongest),
+                     ", a hundred years: leave it out for no end"));
+  }
+  return to_proto(time);
 }
 
 absl::Status set_times(const JobArguments& arguments, v1::Job& job) {

@@ -16,6 +16,7 @@
 
 #include "client/command/job/job_json.h"
 #include "client/command/job/journal.h"
+#include "proto/convert/times.h"
 
 namespace tet {
 namespace {
@@ -42,9 +43,11 @@ absl::StatusOr<google::protobuf::Timestamp> parse_moment(const char* option,
     return absl::InvalidArgumentError(absl::StrCat(
         option, " ", text, " is neither how long ago (90m) nor a time (2026-01-31T18:00:00Z)"));
   }
-  google::protobuf::Timestamp message;
-  message.set_seconds(absl::ToUnixSeconds(time));
-  return message;
+  if (time < earliest_time() || time > latest_time()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(option, " ", text, " is not in the years 1 to 9999"));
+  }
+  return to_proto(absl::FromUnixSeconds(absl::ToUnixSeconds(time)));
 }
 
 /// The name that a line begins with, or that its object holds.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <absl/strings/str_cat.h>
+
 #include "server/jobs/results/job_spec.h"
 #include "server/jobs/service/job_messages.h"
 #include "server/jobs/store/store_errors.h"
@@ -28,6 +30,10 @@ absl::StatusOr<std::vector<std::int64_t>> JobContext::lost_chunks(const Job& job
   if (job.chunk_count == 0) return lost;
   const auto plan = plan_of(job);
   if (!plan.ok()) return plan.status();
+  if (plan->header().chunk_count() != job.chunk_count) {
+    return store_broken(absl::StrCat("job ", job.id, " has ", job.chunk_count,
+                                     " chunks, and its plan ", plan->header().chunk_count()));
+  }
   const auto folder = results.make({job.space, plan->header().mesh_id()});
   if (!folder.ok()) return folder.status();
   for (std::int64_t first = 0; first < job.chunk_count; first += kPage) {

@@ -2,26 +2,25 @@
 
 #include <algorithm>
 
-#include <absl/strings/escaping.h>
+#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 #include <absl/time/clock.h>
-#include <google/protobuf/util/time_util.h>
 
-#include "proto/convert/call_identity.h"
+#include "core/base/printable.h"
 #include "proto/convert/status.h"
+#include "proto/convert/times.h"
 #include "server/jobs/store/store_errors.h"
 
 namespace tet {
 
 namespace {
 
-using google::protobuf::util::TimeUtil;
-
 constexpr char kPrefix[] = "jobs/";
 constexpr std::size_t kIdDigits = 24;
 constexpr std::size_t kMaxQuoted = 60;
 constexpr int kDefaultJobs = 100, kMaxJobs = 1000;
+constexpr std::int64_t kMostShards = 1'000'000;  ///< more than a job has
 constexpr absl::Duration kMaxWait = absl::Hours(1);
 
 bool is_job_id(std::string_view text) {
@@ -29,40 +28,11 @@ bool is_job_id(std::string_view text) {
   return text.size() == kIdDigits && std::ranges::all_of(text, is_digit);
 }
 
-// Protobuf's own limits are checked where a message is read, not before.
-bool is_valid(const google::protobuf::Duration& duration) {
-  return duration.seconds() >= TimeUtil::kDurationMinSeconds &&
-         duration.seconds() <= TimeUtil::kDurationMaxSeconds &&
-         std::abs(duration.nanos()) < 1'000'000'000;
-}
-
-absl::Duration duration_of(const google::protobuf::Duration& duration) {
-  return absl::Seconds(duration.seconds()) + absl::Nanoseconds(duration.nanos());
-}
-
-void set(absl::Duration duration, google::protobuf::Duration& message) {
-  message.set_seconds(absl::IDivDuration(duration, absl::Seconds(1), &duration));
-  message.set_nanos(static_cast<int>(absl::ToInt64Nanoseconds(duration)));
-}
-
-void set(absl::Time time, google::protobuf::Timestamp& message) {
-  message = TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(time));
-}
-
-absl::Time time_of(const google::protobuf::Timestamp& time) {
-  return absl::FromUnixSeconds(time.seconds()) + absl::Nanoseconds(time.nanos());
-}
-
-/// `field` is unset, or more than nothing.
-absl::StatusOr<absl::Duration> parse_span(bool is_set,
-                                          const google::protobuf::Duration& duration,
-                                          const std::string& field) {
-  if (!is_set) return absl::InfiniteDuration();
-  if (!is_valid(duration)) return invalid_field(absl::StrCat(field, " is no duration"));
-  const absl::Duration span = duration_of(duration);
-  if (span > absl::ZeroDuration()) return span;
-  return invalid_field(
-      absl::StrCat(field, " ", absl::FormatDuration(span), " is not positive"));
+/// `field` is unset, which is for ever; what else it may be the store says.
+absl::StatusOr<absl::Duration> parse_end(bool is_set,
+                                         const google::protobuf::Duration& duration,
+                                         const std::string& field) {
+  return is_set ? parse_span(field, duration) : absl::InfiniteDuration();
 }
 
 /// Fields that say how a job stands are not the client's to set.
@@ -82,9 +52,9 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   if (auto status = check_unset(job); !status.ok()) return status;
   const auto mesh = parse_mesh_request(job.mesh());
   if (!mesh.ok()) return within_field("mesh", mesh.status());
-  const auto ttl = parse_span(job.has_ttl(), job.ttl(), "ttl");
+  const auto ttl = parse_end(job.has_ttl(), job.ttl(), "ttl");
   if (!ttl.ok()) return ttl.status();
-  const auto timeout = parse_span(job.has_timeout(), job.timeout(), "timeout");
+  const auto timeout = parse_end(job.has_timeout(), job.timeout(), "timeout");
   if (!timeout.ok()) return timeout.status();
   stored::JobSpec spec;
   *spec.mutable_mesh() = job.mesh();
@@ -122,15 +92,15 @@ void set_progress(const Job& job, v1::JobProgress& progress) {
   progress.set_chunks_per_second(rate);
   if (rate == 0 || is_finished(job.state)) return;
   const auto left = static_cast<double>(job.chunk_count - job.done_chunks);
-  set(absl::Seconds(left / rate), *progress.mutable_eta());
+  *progress.mutable_eta() = to_proto(absl::Seconds(left / rate));
 }
 
 void set_asked(const Job& job, v1::Job& message) {
   stored::JobSpec spec;
   if (!spec.ParseFromString(job.spec)) return;
   *message.mutable_mesh() = std::move(*spec.mutable_mesh());
-  if (spec.has_ttl()) *message.mutable_ttl() = spec.ttl();
-  if (spec.has_timeout()) *message.mutable_timeout() = spec.timeout();
+  if (spec.has_ttl()) *message.mutable_ttl() = within_range(spec.ttl());
+  if (spec.has_timeout()) *message.mutable_timeout() = within_range(spec.timeout());
   message.set_skip_cache(spec.skip_cache());
 }
 
@@ -142,11 +112,11 @@ void set_plan(const Job& job, bool with_header, v1::Job& message) {
 }
 
 void set_times(const Job& job, v1::Job& message) {
-  set(job.create_time, *message.mutable_create_time());
+  *message.mutable_create_time() = to_proto(job.create_time);
   const absl::Time never = absl::InfiniteFuture();
-  if (job.start_time != never) set(job.start_time, *message.mutable_start_time());
-  if (job.finish_time != never) set(job.finish_time, *message.mutable_finish_time());
-  if (job.stop_time != never) set(job.stop_time, *message.mutable_stop_time());
+  if (job.start_time != never) *message.mutable_start_time() = to_proto(job.start_time);
+  if (job.finish_time != never) *message.mutable_finish_time() = to_proto(job.finish_time);
+  if (job.stop_time != never) *message.mutable_stop_time() = to_proto(job.stop_time);
 }
 
 }  // namespace
@@ -185,9 +155,15 @@ absl::StatusOr<ListJobs> parse_list(const v1::ListJobsRequest& request,
   }
   query.filter.labels = {filter.labels().begin(), filter.labels().end()};
   query.filter.name_prefix = filter.display_name_prefix();
-  if (filter.has_created_from()) query.filter.created_from = time_of(filter.created_from());
+  if (filter.has_created_from()) {
+    const auto from = parse_time("created_from", filter.created_from());
+    if (!from.ok()) return within_field("filter", from.status());
+    query.filter.created_from = *from;
+  }
   if (filter.has_created_before()) {
-    query.filter.created_before = time_of(filter.created_before());
+    const auto before = parse_time("created_before", filter.created_before());
+    if (!before.ok()) return within_field("filter", before.status());
+    query.filter.created_before = *before;
   }
   query.page_size = *page_size;
   query.page_token = request.page_token();
@@ -196,17 +172,27 @@ absl::StatusOr<ListJobs> parse_list(const v1::ListJobsRequest& request,
 
 absl::StatusOr<absl::Duration> parse_wait(const v1::WaitJobRequest& request) {
   if (!request.has_timeout()) return kMaxWait;
-  const absl::Duration timeout =
-      is_valid(request.timeout()) ? duration_of(request.timeout()) : absl::InfiniteDuration();
-  if (timeout >= absl::ZeroDuration() && timeout <= kMaxWait) return timeout;
-  return invalid_field(
-      absl::StrCat("timeout ", absl::FormatDuration(timeout), " is not from 0 to an hour"));
+  const auto timeout = parse_span("timeout", request.timeout());
+  if (!timeout.ok() || (*timeout >= absl::ZeroDuration() && *timeout <= kMaxWait)) {
+    return timeout;
+  }
+  return invalid_field(absl::StrCat("timeout ", absl::FormatDuration(*timeout),
+                                    " is not from 0 to an hour: wait again after an hour"));
 }
 
 absl::StatusOr<std::int64_t> parse_page_size(std::int32_t page_size) {
   if (page_size < 0)
     return invalid_field(absl::StrCat("page_size ", page_size, " is negative"));
   return page_size == 0 ? kDefaultJobs : std::min(page_size, kMaxJobs);
+}
+
+absl::StatusOr<std::int64_t> parse_shard_token(const std::string& token) {
+  std::int64_t shards = 0;
+  if (token.empty()) return shards;
+  if (absl::SimpleAtoi(token, &shards) && shards >= 0 && shards <= kMostShards) return shards;
+  return invalid_field(
+      absl::StrCat("page_token \"", printable(token, kMaxQuoted),
+                   "\" was not given by this server: begin at the first page"));
 }
 
 std::string name_of_job(const std::string& id) { return kPrefix + id; }
@@ -239,7 +225,7 @@ void to_proto(const JobEvent& event, v1::JobEvent& message) {
   progress.set_shard_count(event.shard_count);
   progress.set_done_shards(event.done_shards);
   progress.set_dead_shards(event.dead_shards);
-  set(event.time, *message.mutable_time());
+  *message.mutable_time() = to_proto(event.time);
 }
 
 void to_proto(const DeadLetter& letter, v1::DeadShard& message) {
@@ -248,7 +234,7 @@ void to_proto(const DeadLetter& letter, v1::DeadShard& message) {
   message.set_attempts(static_cast<int>(letter.attempts));
   message.set_worker(letter.worker);
   message.mutable_error()->ParseFromString(encode_status(letter.error));
-  set(letter.time, *message.mutable_time());
+  *message.mutable_time() = to_proto(letter.time);
 }
 
 }  // namespace tet

@@ -25,6 +25,8 @@ absl::StatusOr<ListJobs> parse_list(const v1::ListJobsRequest& request,
                                     const std::string& space);
 /// How long to wait.
 absl::StatusOr<absl::Duration> parse_wait(const v1::WaitJobRequest& request);
+/// How many shards were on the pages before: what `next_page_token` of ListDeadShards said.
+absl::StatusOr<std::int64_t> parse_shard_token(const std::string& token);
 /// 1 to 1000.
 absl::StatusOr<std::int64_t> parse_page_size(std::int32_t page_size);
 

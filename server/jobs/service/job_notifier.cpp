@@ -6,6 +6,8 @@
 
 #include <absl/time/clock.h>
 
+#include "server/ops/guard.h"
+
 namespace tet {
 
 namespace {
@@ -40,13 +42,14 @@ void JobNotifier::leave(std::uint64_t number) {
 // happened before has no other messenger.
 void JobNotifier::run(const std::stop_token& stopping) {
   while (wait_for_listeners(stopping)) {
-    const auto last = jobs_.revision();
-    if (!last.ok()) {
-      absl::SleepFor(kNewsInterval);
-      continue;
-    }
-    tell_all();
-    read_on(*last, stopping);
+    const absl::Status told = guarded("news of jobs", [&] {
+      const auto last = jobs_.revision();
+      if (!last.ok()) return last.status();
+      tell_all();
+      read_on(*last, stopping);
+      return absl::OkStatus();
+    });
+    if (!told.ok()) absl::SleepFor(kNewsInterval);
   }
 }
 

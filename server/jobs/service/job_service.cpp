@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 
@@ -103,25 +102,21 @@ absl::Status list(JobContext& shared,
   return absl::OkStatus();
 }
 
-// A page token is how many shards there were before.
 absl::Status list_dead(JobContext& shared,
                        const std::string& space,
                        const v1::ListDeadShardsRequest& request,
                        v1::ListDeadShardsResponse& response) {
   const auto size = parse_page_size(request.page_size());
   if (!size.ok()) return size.status();
-  std::int64_t first = 0;
-  const std::string& token = request.page_token();
-  if (!token.empty() && (!absl::SimpleAtoi(token, &first) || first < 0)) {
-    return invalid_field("page_token is not one that this service gave");
-  }
+  const auto first = parse_shard_token(request.page_token());
+  if (!first.ok()) return first.status();
   const auto job = shared.find(space, request.name());
   if (!job.ok()) return job.status();
   const auto letters = shared.jobs.dead_letters(job->id);
   if (!letters.ok()) return letters.status();
   const std::int64_t count = std::ssize(*letters);
-  const std::int64_t end = std::min(first + *size, count);
-  for (std::int64_t i = first; i < end; ++i) {
+  const std::int64_t end = std::min(*first + *size, count);
+  for (std::int64_t i = *first; i < end; ++i) {
     to_proto((*letters)[static_cast<std::size_t>(i)], *response.add_shards());
   }
   if (end < count) response.set_next_page_token(absl::StrCat(end));

@@ -5,6 +5,8 @@
 
 #include "proto/convert/status.h"
 #include "server/jobs/service/job_messages.h"
+#include "server/ops/guard.h"
+#include "server/rpc/deadline.h"
 
 namespace tet {
 
@@ -14,7 +16,7 @@ grpc::ServerUnaryReactor* JobWait::start(JobContext& shared,
                                          v1::Job& response) {
   const std::shared_ptr<JobWait> wait(new JobWait(shared, context, response));
   wait->self_ = wait;
-  wait->begin(request);
+  wait->answer_failure(guarded("WaitJob", [&] { wait->begin(request); }));
   return wait.get();
 }
 
@@ -28,8 +30,9 @@ void JobWait::begin(const v1::WaitJobRequest& request) {
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->answer(shutting_down(), {});
   });
-  shared_.threads.post(
-      [self = shared_from_this(), timeout = *timeout] { self->wait(timeout); });
+  shared_.threads.post([self = shared_from_this(), timeout = *timeout] {
+    self->answer_failure(guarded("WaitJob", [&] { self->wait(timeout); }));
+  });
 }
 
 void JobWait::wait(absl::Duration timeout) {
@@ -45,7 +48,7 @@ void JobWait::wait(absl::Duration timeout) {
     timer_ = std::make_unique<grpc::Alarm>();
     timer_->Set(std::chrono::system_clock::now() + absl::ToChronoMicroseconds(timeout),
                 [self = shared_from_this()](bool fired) {
-                  if (fired) self->time_is_up();
+                  if (fired) contain("WaitJob", [&] { self->time_is_up(); });
                 });
   }
   look_soon();
@@ -66,7 +69,9 @@ void JobWait::look_soon() {
     look_again_ = looking_;
     if (answered_ || std::exchange(looking_, true)) return;
   }
-  shared_.threads.post([self = shared_from_this()] { self->look(); });
+  shared_.threads.post([self = shared_from_this()] {
+    self->answer_failure(guarded("WaitJob", [&] { self->look(); }));
+  });
 }
 
 void JobWait::look() {
@@ -92,11 +97,18 @@ void JobWait::answer(const absl::Status& status, const Job& job) {
     timer = std::move(timer_);
     subscription_.reset();
   }
-  if (status.ok()) to_proto(job, true, response_);
-  Finish(call_.finish(status));
+  const auto told = guarded("WaitJob", [&] {
+    if (status.ok()) to_proto(job, true, response_);
+    return status;
+  });
+  Finish(call_.finish(told));
 }
 
-void JobWait::OnCancel() { answer(client_gone(Cancellation(context_.deadline())), {}); }
+void JobWait::answer_failure(const absl::Status& status) {
+  if (!status.ok()) answer(status, {});
+}
+
+void JobWait::OnCancel() { answer(client_gone(Cancellation(deadline_of(context_))), {}); }
 
 void JobWait::OnDone() { const std::shared_ptr<JobWait> last = std::move(self_); }
 

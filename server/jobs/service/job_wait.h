@@ -44,6 +44,7 @@ class JobWait final : public grpc::ServerUnaryReactor,
   void look_soon();
   void look();
   void answer(const absl::Status& status, const Job& job);
+  void answer_failure(const absl::Status& status);
 
   JobContext& shared_;
   grpc::CallbackServerContext& context_;  ///< there until gRPC is done

@@ -6,6 +6,8 @@
 
 #include "proto/convert/status.h"
 #include "server/jobs/service/job_messages.h"
+#include "server/ops/guard.h"
+#include "server/rpc/deadline.h"
 
 namespace tet {
 
@@ -21,7 +23,8 @@ grpc::ServerWriteReactor<v1::JobEvent>* JobWatch::start(JobContext& shared,
   const std::shared_ptr<JobWatch> watch(new JobWatch(shared, context));
   watch->self_ = watch;
   shared.engine.stalls.add(watch);
-  watch->begin(request);
+  const absl::Status begun = guarded("WatchJobs", [&] { watch->begin(request); });
+  if (!begun.ok()) watch->end_from_outside(begun);
   return watch.get();
 }
 
@@ -40,9 +43,12 @@ void JobWatch::begin(const v1::WatchJobsRequest& request) {
     if (const auto self = weak.lock()) self->end_from_outside(shutting_down());
   });
   shared_.threads.post([self = shared_from_this(), name = request.name()] {
-    const absl::Status found = self->find_job(name);
-    if (!found.ok()) return self->end_from_outside(found);
-    self->subscribe();
+    const absl::Status begun = guarded("WatchJobs", [&] {
+      const absl::Status found = self->find_job(name);
+      if (found.ok()) self->subscribe();
+      return found;
+    });
+    if (!begun.ok()) return self->end_from_outside(begun);
     self->advance();
   });
 }
@@ -77,7 +83,7 @@ void JobWatch::news() {
 
 /// Only this task touches the query.
 void JobWatch::read() {
-  auto page = shared_.jobs.watch(query_);
+  auto page = guarded("WatchJobs", [&] { return shared_.jobs.watch(query_); });
   {
     const std::lock_guard lock(mutex_);
     reading_ = false;
@@ -114,15 +120,21 @@ JobWatch::Step JobWatch::next_step() {
   const std::lock_guard lock(mutex_);
   if (writing_ || finished_ || cancelling_) return Step::kWait;
   if (events_.empty() && deleted_) end(absl::OkStatus());
+  const bool any = !ended_ && !events_.empty();
+  if (any) {
+    const absl::Status told = guarded("WatchJobs", [&] {
+      outgoing_.Clear();
+      to_proto(events_.front(), outgoing_);
+      events_.pop_front();
+    });
+    if (!told.ok()) end(told);
+  }
   if (ended_) {
     finished_ = true;
     call_.note("events", written_);
     return Step::kFinish;
   }
-  if (!events_.empty()) {
-    outgoing_.Clear();
-    to_proto(events_.front(), outgoing_);
-    events_.pop_front();
+  if (any) {
     writing_ = true;
     write_start_ = Stallable::Clock::now();
     return Step::kWrite;
@@ -181,8 +193,7 @@ void JobWatch::give_up(std::chrono::seconds waited) {
 }
 
 void JobWatch::OnCancel() {
-  end_from_outside(
-      client_gone(Cancellation(Cancellation::Clock::time_point(context_.deadline()))));
+  end_from_outside(client_gone(Cancellation(deadline_of(context_))));
 }
 
 void JobWatch::OnDone() {

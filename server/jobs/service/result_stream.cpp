@@ -8,6 +8,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/jobs/service/job_messages.h"
+#include "server/ops/guard.h"
 
 namespace tet {
 
@@ -40,7 +41,8 @@ absl::Status not_succeeded(const Job& job) {
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ResultStream::start(
     JobContext& shared, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
   const std::shared_ptr<ResultStream> stream(new ResultStream(shared, context));
-  const absl::Status parsed = parse(request, stream->request_);
+  const absl::Status parsed =
+      guarded("ReadJobResult", [&] { return parse(request, stream->request_); });
   return ChunkStream::start(stream, parsed);
 }
 
@@ -48,7 +50,7 @@ void ResultStream::admitted() { call_.note("job", request_.name()); }
 
 void ResultStream::open() {
   shared_.threads.post([self = self()] {
-    self->begin_chunks(self->find_result(),
+    self->begin_chunks(guarded("ReadJobResult", [&] { return self->find_result(); }),
                        static_cast<std::uint64_t>(self->request_.start_chunk()),
                        static_cast<std::uint64_t>(self->request_.end_chunk()));
   });
@@ -69,7 +71,8 @@ absl::Status ResultStream::find_result() {
 }
 
 std::uint64_t ResultStream::chunk_count() const {
-  return static_cast<std::uint64_t>(plan_.header().chunk_count());
+  return static_cast<std::uint64_t>(
+      std::clamp<std::int64_t>(plan_.header().chunk_count(), 0, kMostChunks));
 }
 
 v1::MeshEvent ResultStream::header() const {

@@ -29,6 +29,13 @@ std::string name_of(JobState state);
 
 using Labels = std::map<std::string, std::string>;
 
+/// A hundred years: the most that a `ttl` or `timeout` may be, so that no time that is made of
+/// one is beyond what databases, clocks and the wire can say.
+inline constexpr absl::Duration kLongestSpan = absl::Hours(24 * 365 * 100);
+
+/// The most chunks that a job is believed to have: more tets than there is memory for.
+inline constexpr std::int64_t kMostChunks = std::int64_t{1} << 40;
+
 /// What a client asks for.
 struct NewJob {
   std::string space;  ///< the namespace whose job it is; 1 to 128 printable ASCII
@@ -39,11 +46,13 @@ struct NewJob {
   /// Names of what the job reads, with a space between two: all must stay. At most 2400 bytes
   /// of printable ASCII.
   std::string input;
-  Labels labels;                                  ///< at most 32
-  std::int64_t priority = 0;                      ///< -100 to 100, the highest first
-  absl::Duration ttl = absl::InfiniteDuration();  ///< from creation to its end, else EXPIRED
-  absl::Duration timeout = absl::InfiniteDuration();  ///< from the first claim on, else FAILED
-  std::int64_t max_attempts = 3;                      ///< of each shard, 1 to 100
+  Labels labels;              ///< at most 32
+  std::int64_t priority = 0;  ///< -100 to 100, the highest first
+  /// From creation to its end, else EXPIRED; at most kLongestSpan, or infinite. So is
+  /// `timeout`, from the first claim on, else FAILED.
+  absl::Duration ttl = absl::InfiniteDuration();
+  absl::Duration timeout = absl::InfiniteDuration();
+  std::int64_t max_attempts = 3;  ///< of each shard, 1 to 100
 };
 
 /// What a job reads, in its namespace.

@@ -1,7 +1,10 @@
 #include "server/jobs/store/job_rows.h"
 
+#include <algorithm>
+
 #include <absl/strings/str_cat.h>
 
+#include "proto/convert/times.h"
 #include "server/jobs/store/new_job.h"
 #include "server/jobs/store/store_errors.h"
 
@@ -9,12 +12,15 @@ namespace tet {
 
 namespace {
 
+constexpr std::int64_t kMostCounted = std::int64_t{1} << 53;
+
 std::int64_t duration_us(absl::Duration duration) {
   return duration == absl::InfiniteDuration() ? kNeverUs : absl::ToInt64Microseconds(duration);
 }
 
 absl::Duration duration_from(std::int64_t us) {
-  return us == kNeverUs ? absl::InfiniteDuration() : absl::Microseconds(us);
+  if (us == kNeverUs) return absl::InfiniteDuration();
+  return std::clamp(absl::Microseconds(us), absl::ZeroDuration(), kLongestSpan);
 }
 
 void add_event(SqlTransaction& t, const Job& job, JobChange change) {
@@ -29,11 +35,36 @@ void add_event(SqlTransaction& t, const Job& job, JobChange change) {
 }  // namespace
 
 std::int64_t to_us(absl::Time time) {
-  return time == absl::InfiniteFuture() ? kNeverUs : absl::ToUnixMicros(time);
+  if (time == absl::InfiniteFuture()) return kNeverUs;
+  return absl::ToUnixMicros(std::clamp(time, earliest_time(), latest_time()));
 }
 
 absl::Time from_us(std::int64_t us) {
-  return us == kNeverUs ? absl::InfiniteFuture() : absl::FromUnixMicros(us);
+  if (us == kNeverUs) return absl::InfiniteFuture();
+  return std::clamp(absl::FromUnixMicros(us), earliest_time(), latest_time());
+}
+
+std::int64_t bounded(std::int64_t value, std::int64_t least, std::int64_t most) {
+  return std::clamp(value, least, most);
+}
+
+JobState state_from(std::int64_t number) {
+  return static_cast<JobState>(
+      bounded(number, number_of(JobState::kQueued), number_of(JobState::kExpired)));
+}
+
+Phase phase_from(std::int64_t number) {
+  return static_cast<Phase>(bounded(number, number_of(Phase::kPlan), number_of(Phase::kMesh)));
+}
+
+JobChange change_from(std::int64_t number) {
+  return static_cast<JobChange>(
+      bounded(number, number_of(JobChange::kCreated), number_of(JobChange::kDeleted)));
+}
+
+ChunkRange range_from(std::int64_t first, std::int64_t end) {
+  const std::int64_t begin = bounded(first, 0, kMostChunks);
+  return {begin, bounded(end, begin, kMostChunks)};
 }
 
 std::int64_t after_us(std::int64_t start_us, absl::Duration duration) {
@@ -57,16 +88,18 @@ JobRow job_row(const SqlRow& row) {
   Job& job = read.job;
   std::size_t column = 0;
   const auto integer = [&] { return row.integer(column++); };
+  const auto count = [&] { return bounded(integer(), 0, kMostCounted); };
+  const auto chunks = [&] { return bounded(integer(), 0, kMostChunks); };
   const auto time = [&] { return from_us(row.integer(column++)); };
   job.id = row.text(column++);
   job.space = row.text(column++);
   job.display_name = row.blob(column++);
   job.labels = decode_labels(row.text(column++));
-  job.priority = -integer();
-  job.max_attempts = integer();
-  job.state = static_cast<JobState>(integer());
-  read.phase = static_cast<Phase>(integer());
-  job.version = integer();
+  job.priority = -bounded(integer(), -kMaxPriority, kMaxPriority);
+  job.max_attempts = bounded(integer(), 1, kMaxAttempts);
+  job.state = state_from(integer());
+  read.phase = phase_from(integer());
+  job.version = count();
   job.error = decode_status(row.blob(column++));
   read.ttl = duration_from(integer());
   read.timeout = duration_from(integer());
@@ -76,13 +109,13 @@ JobRow job_row(const SqlRow& row) {
   job.finish_time = time();
   read.expire_us = integer();
   job.stop_time = time();
-  job.chunk_count = integer();
-  job.done_chunks = integer();
-  job.shard_count = integer();
-  job.done_shards = integer();
-  job.dead_shards = integer();
-  job.alarms = integer();
-  job.leased_shards = integer();
+  job.chunk_count = chunks();
+  job.done_chunks = chunks();
+  job.shard_count = count();
+  job.done_shards = count();
+  job.dead_shards = count();
+  job.alarms = count();
+  job.leased_shards = count();
   if (column < row.size()) {
     job.spec = row.blob(column++);
     job.header = row.blob(column);

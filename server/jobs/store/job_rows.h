@@ -22,10 +22,17 @@ constexpr std::int64_t number_of(Enum value) {
   return static_cast<std::int64_t>(value);
 }
 
-/// Microseconds since the epoch; kNeverUs for the infinite future.
+/// Microseconds since the epoch; kNeverUs for the infinite future. Both bring other times into
+/// the years 1 to 9999: what a row says is not to be trusted beyond what everybody can say.
 std::int64_t to_us(absl::Time time);
 absl::Time from_us(std::int64_t us);
-/// `start_us` + `duration`, or kNeverUs.
+/// A number of a row, which may be damaged or another's, within what we would have written.
+std::int64_t bounded(std::int64_t value, std::int64_t least, std::int64_t most);
+JobState state_from(std::int64_t number);
+Phase phase_from(std::int64_t number);
+JobChange change_from(std::int64_t number);
+ChunkRange range_from(std::int64_t first, std::int64_t end);
+/// `start_us` + `duration`, kNeverUs if that is infinite.
 std::int64_t after_us(std::int64_t start_us, absl::Duration duration);
 
 /// A job with the columns that only the store needs.

@@ -22,8 +22,6 @@ constexpr std::size_t kMaxInputBytes = 2400;
 constexpr std::size_t kMaxSpecBytes = 64 << 10;
 constexpr std::size_t kMaxLabels = 32;
 constexpr std::size_t kMaxLabelBytes = 63;
-constexpr std::int64_t kMaxPriority = 100;
-constexpr std::int64_t kMaxAttempts = 100;
 constexpr std::size_t kMaxShards = 100'000;
 
 bool is_printable(const std::string& text) {
@@ -52,10 +50,15 @@ absl::Status check_range(const std::string& field,
   return invalid_field(absl::StrCat(field, " ", value, " is not from ", min, " to ", max));
 }
 
-absl::Status check_positive(const std::string& field, absl::Duration value) {
-  if (value > absl::ZeroDuration()) return absl::OkStatus();
-  return invalid_field(
-      absl::StrCat(field, " ", absl::FormatDuration(value), " is not positive"));
+absl::Status check_span(const std::string& field, absl::Duration value) {
+  if (value <= absl::ZeroDuration()) {
+    return invalid_field(
+        absl::StrCat(field, " ", absl::FormatDuration(value), " is not positive"));
+  }
+  if (value <= kLongestSpan || value == absl::InfiniteDuration()) return absl::OkStatus();
+  return invalid_field(absl::StrCat(field, " ", absl::FormatDuration(value), " is more than ",
+                                    absl::FormatDuration(kLongestSpan),
+                                    ", a hundred years: leave it out for no end"));
 }
 
 absl::Status check_text(const std::string& field,
@@ -108,7 +111,7 @@ absl::Status check(const NewJob& job) {
        check_size("spec", job.spec.size(), kMaxSpecBytes), check_labels(job.labels),
        check_range("priority", job.priority, -kMaxPriority, kMaxPriority),
        check_range("max_attempts", job.max_attempts, 1, kMaxAttempts),
-       check_positive("ttl", job.ttl), check_positive("timeout", job.timeout)});
+       check_span("ttl", job.ttl), check_span("timeout", job.timeout)});
 }
 
 absl::Status check(const Plan& plan) {

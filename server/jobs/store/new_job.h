@@ -9,6 +9,9 @@
 
 namespace tet {
 
+inline constexpr std::int64_t kMaxPriority = 100;  ///< and as low below 0
+inline constexpr std::int64_t kMaxAttempts = 100;
+
 /// Errors: kInvalidArgument (INVALID_FIELD; names the field, its value and what it may be).
 absl::Status check(const NewJob& job);
 

@@ -1,5 +1,7 @@
 #include "server/jobs/store/page_token.h"
 
+#include <algorithm>
+
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
 
@@ -12,7 +14,8 @@ namespace tet {
 
 namespace {
 
-constexpr std::size_t kIdDigits = 24;
+constexpr std::size_t kIdDigits = 24, kDigestDigits = 8;
+constexpr std::size_t kMostShown = 40;
 
 std::string digest_of(const JobFilter& filter) {
   std::string text = absl::StrCat(filter.space, "\n", filter.name_prefix.size(), "\n",
@@ -22,7 +25,7 @@ std::string digest_of(const JobFilter& filter) {
                   absl::FormatTime(filter.created_before));
   Sha256 digest;
   digest.add(text);
-  return digest.finish_hex().substr(0, 8);
+  return digest.finish_hex().substr(0, kDigestDigits);
 }
 
 }  // namespace
@@ -33,9 +36,10 @@ std::string make_page_token(const std::string& job, const JobFilter& filter) {
 
 absl::StatusOr<std::string> job_after_token(const std::string& token, const JobFilter& filter) {
   if (token.empty()) return std::string();
-  if (token.size() != kIdDigits + 8) {
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (token.size() != kIdDigits + kDigestDigits || !std::ranges::all_of(token, is_digit)) {
     return invalid_field(
-        absl::StrCat("page_token '", absl::CHexEscape(token),
+        absl::StrCat("page_token '", absl::CHexEscape(token.substr(0, kMostShown)),
                      "' was not given by this server: begin at the first page"));
   }
   if (token.substr(kIdDigits) != digest_of(filter)) {

@@ -6,6 +6,8 @@
 #include <poll.h>
 #include <utility>
 
+#include "core/base/contain.h"
+
 namespace tet {
 
 namespace {
@@ -69,20 +71,27 @@ bool PostgresListener::listen() {
 }
 
 void PostgresListener::run() {
-  while (true) {
-    const bool listening = listen();
-    if (!listening) std::this_thread::sleep_for(kBetweenConnects);
-    bool tell = false;
-    {
-      const std::lock_guard lock(mutex_);
-      if (stopping_) return;
-      tell = listening && std::exchange(pending_, false);
-    }
-    if (tell && connection_->run_script("NOTIFY tetstream_jobs").ok()) {
-      std::this_thread::sleep_for(kBetweenNotifications);
-    }
-    if (listening) listen_once();
+  bool stopping = false;
+  while (!stopping) {
+    contain("listening to PostgreSQL", [&] { stopping = !tell_and_listen(); });
   }
+}
+
+/// False when it is to end.
+bool PostgresListener::tell_and_listen() {
+  const bool listening = listen();
+  if (!listening) std::this_thread::sleep_for(kBetweenConnects);
+  bool tell = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return false;
+    tell = listening && std::exchange(pending_, false);
+  }
+  if (tell && connection_->run_script("NOTIFY tetstream_jobs").ok()) {
+    std::this_thread::sleep_for(kBetweenNotifications);
+  }
+  if (listening) listen_once();
+  return true;
 }
 
 void PostgresListener::listen_once() {

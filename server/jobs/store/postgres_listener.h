@@ -31,6 +31,7 @@ class PostgresListener {
 
  private:
   void run();
+  bool tell_and_listen();
   bool listen();
   void listen_once();
   void raise();

@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "server/jobs/store/new_job.h"
 #include "server/jobs/store/store_errors.h"
 
 namespace tet {
@@ -65,8 +66,8 @@ std::optional<LeasedRow> lock_leased(SqlTransaction& t, const LeaseId& lease) {
             {lease.shard.job, number_of(lease.shard.phase), lease.shard.number, lease.token});
   if (found.rows.empty()) return std::nullopt;
   const SqlRow& row = found.rows[0];
-  return LeasedRow{
-      lease.shard, {row.integer(0), row.integer(1)}, lease.token, row.integer(2), row.text(3)};
+  return LeasedRow{lease.shard, range_from(row.integer(0), row.integer(1)), lease.token,
+                   bounded(row.integer(2), 0, kMaxAttempts), row.text(3)};
 }
 
 void settle(SqlTransaction& t,

@@ -119,9 +119,9 @@ class Claiming {
             "job_id, phase, number, first_chunk, end_chunk, attempt"),
         {rank, space, most, token_, request_.worker, expires_us_});
     for (const SqlRow& row : taken.rows) {
-      const ShardKey key{row.text(0), static_cast<Phase>(row.integer(1)), row.integer(2)};
+      const ShardKey key{row.text(0), phase_from(row.integer(1)), row.integer(2)};
       leases_.push_back({{key, token_},
-                         {row.integer(3), row.integer(4)},
+                         range_from(row.integer(3), row.integer(4)),
                          row.integer(5),
                          from_us(expires_us_)});
     }

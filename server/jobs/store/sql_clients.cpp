@@ -106,10 +106,10 @@ Where where_of(const JobFilter& filter) {
     where.add("substr(display_name, 1, length($)) = $", Blob{filter.name_prefix});
   }
   if (filter.created_from != absl::InfinitePast()) {
-    where.add("create_us >= $", absl::ToUnixMicros(filter.created_from));
+    where.add("create_us >= $", to_us(filter.created_from));
   }
   if (filter.created_before != absl::InfiniteFuture()) {
-    where.add("create_us < $", absl::ToUnixMicros(filter.created_before));
+    where.add("create_us < $", to_us(filter.created_before));
   }
   return where;
 }

@@ -150,7 +150,7 @@ void put_back(SqlTransaction& t,
 }
 
 absl::Duration delay_after(const SqlJobStore::Options& options, std::int64_t attempt) {
-  const std::int64_t doublings = std::min<std::int64_t>(attempt - 1, 30);
+  const std::int64_t doublings = std::clamp<std::int64_t>(attempt - 1, 0, 30);
   return std::min(options.retry_delay * (std::int64_t{1} << doublings),
                   options.max_retry_delay);
 }
@@ -177,7 +177,7 @@ std::vector<LeaseId> find_expired(SqlTransaction& t) {
   std::vector<LeaseId> expired;
   for (const SqlRow& row : found.rows) {
     expired.push_back(
-        {{row.text(0), static_cast<Phase>(row.integer(1)), row.integer(2)}, row.integer(3)});
+        {{row.text(0), phase_from(row.integer(1)), row.integer(2)}, row.integer(3)});
   }
   return expired;
 }

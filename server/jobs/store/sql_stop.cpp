@@ -61,7 +61,7 @@ void bury_lost(SqlTransaction& t, JobRow& row, std::span<const std::int64_t> chu
     for (const SqlRow& shard : buried.rows) {
       --row.job.done_shards;
       ++row.job.dead_shards;
-      row.job.done_chunks -= shard.integer(1) - shard.integer(0);
+      row.job.done_chunks -= range_from(shard.integer(0), shard.integer(1)).size();
     }
   }
 }
@@ -166,14 +166,14 @@ absl::StatusOr<StoreCounts> SqlJobStore::counts() {
   const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
     counts = {};
     for (const SqlRow& row : t.run("SELECT state, count(*) FROM jobs GROUP BY state").rows) {
-      counts.jobs[static_cast<JobState>(row.integer(0))] = row.integer(1);
+      counts.jobs[state_from(row.integer(0))] += row.integer(1);
     }
     count_shards(t, counts);
     const auto oldest = t.run(
         "SELECT create_us FROM jobs WHERE id = (SELECT min(job_id) FROM queue WHERE state = "
         "0)");
     if (!oldest.rows.empty()) {
-      counts.oldest_ready_age = absl::Microseconds(t.now_us() - oldest.rows[0].integer(0));
+      counts.oldest_ready_age = from_us(t.now_us()) - from_us(oldest.rows[0].integer(0));
     }
     return absl::OkStatus();
   });

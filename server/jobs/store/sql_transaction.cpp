@@ -1,8 +1,25 @@
 #include "server/jobs/store/sql_transaction.h"
 
+#include <variant>
+
+#include "core/base/contain.h"
+#include "server/jobs/store/store_errors.h"
+
 namespace tet {
 
 namespace {
+
+/// A row that is not as it should be is an error of the store's, and ends nothing else.
+absl::Status run_body(SqlBody body, SqlTransaction& transaction) {
+  try {
+    return body(transaction);
+  } catch (const std::bad_variant_access&) {
+    return store_broken("a row of the jobs' database has a column of another type: restore it");
+  } catch (...) {
+    tell_exception("the job store");
+    return store_broken("a row of the jobs' database could not be read: restore it");
+  }
+}
 
 // Deadlocks are avoided by the order in which rows are locked, so that one try is the rule.
 constexpr int kMostTries = 10;
@@ -13,7 +30,7 @@ absl::Status try_once(SqlDatabase& database, SqlBody body, bool& give_way) {
   const auto now_us = (*connection)->begin();
   if (!now_us.ok()) return now_us.status();
   SqlTransaction transaction(**connection, database, *now_us);
-  const absl::Status outcome = body(transaction);
+  const absl::Status outcome = run_body(body, transaction);
   if (transaction.status().ok() && outcome.ok()) {
     const absl::Status committed = (*connection)->commit();
     // Who finds no work waits for news, and would be woken by its own search for ever.
@@ -59,7 +76,7 @@ absl::Status read(SqlDatabase& database, SqlBody body) {
   auto connection = database.reader();
   if (!connection.ok()) return connection.status();
   SqlTransaction statements(**connection, database, 0);
-  const absl::Status outcome = body(statements);
+  const absl::Status outcome = run_body(body, statements);
   return statements.status().ok() ? outcome : statements.status();
 }
 

@@ -4,6 +4,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "proto/convert/status.h"
+#include "server/jobs/store/new_job.h"
 #include "server/jobs/store/queue_rows.h"
 #include "server/jobs/store/sql_job_store.h"
 #include "server/jobs/store/store_errors.h"
@@ -73,8 +74,8 @@ JobEvent event_of(const SqlRow& row) {
   event.job = row.text(1);
   event.space = row.text(2);
   event.version = row.integer(3);
-  event.change = static_cast<JobChange>(row.integer(4));
-  event.state = static_cast<JobState>(row.integer(5));
+  event.change = change_from(row.integer(4));
+  event.state = state_from(row.integer(5));
   event.chunk_count = row.integer(6);
   event.done_chunks = row.integer(7);
   event.shard_count = row.integer(8);
@@ -190,7 +191,7 @@ absl::StatusOr<std::map<std::int64_t, ChunkDigest>> SqlJobStore::chunk_digests(
                           "RANGE_BEYOND_MESH");
     }
     for (const SqlRow& row : select_digests(t, id, Phase::kMesh, range).rows) {
-      const std::int64_t first = row.integer(0);
+      const std::int64_t first = bounded(row.integer(0), 0, kMostChunks);
       const std::int64_t end = first + std::ssize(row.blob(1)) / kDigestBytes;
       for (auto c = std::max(first, range.first); c < std::min(end, range.end); ++c) {
         digests[c] = digest_at(row.blob(1), c - first);
@@ -228,9 +229,9 @@ absl::StatusOr<std::vector<DeadLetter>> SqlJobStore::dead_letters(const std::str
         "WHERE job_id = $1 AND outcome = 2 ORDER BY phase, number",
         {id});
     for (const SqlRow& row : found.rows) {
-      letters.push_back({{id, static_cast<Phase>(row.integer(0)), row.integer(1)},
-                         {row.integer(2), row.integer(3)},
-                         row.integer(4),
+      letters.push_back({{id, phase_from(row.integer(0)), row.integer(1)},
+                         range_from(row.integer(2), row.integer(3)),
+                         bounded(row.integer(4), 0, kMaxAttempts),
                          row.text(5),
                          decode_status(row.blob(6)),
                          from_us(row.integer(7))});

@@ -7,6 +7,12 @@
 
 namespace tet {
 
+namespace {
+
+constexpr int kLastCode = static_cast<int>(absl::StatusCode::kUnauthenticated);
+
+}  // namespace
+
 absl::Status store_unavailable(const std::string& message) {
   return with_retry(with_reason(absl::UnavailableError(message), "JOB_STORE_UNAVAILABLE"),
                     absl::Seconds(1));
@@ -41,7 +47,10 @@ std::string encode_status(const absl::Status& status) {
 absl::Status decode_status(const std::string& bytes) {
   google::rpc::Status rpc;
   if (!rpc.ParseFromString(bytes)) return store_broken("a stored error cannot be read");
-  absl::Status status(static_cast<absl::StatusCode>(rpc.code()), std::string(rpc.message()));
+  const bool known = rpc.code() >= 0 && rpc.code() <= kLastCode;
+  absl::Status status(
+      known ? static_cast<absl::StatusCode>(rpc.code()) : absl::StatusCode::kUnknown,
+      std::string(rpc.message()));
   for (const auto& detail : rpc.details()) {
     status.SetPayload(detail.type_url(), absl::Cord(detail.value()));
   }

@@ -8,6 +8,7 @@
 
 #include "proto/convert/status.h"
 #include "server/jobs/store/store_errors.h"
+#include "server/ops/guard.h"
 #include "server/ops/logging.h"
 #include "server/rpc/background.h"
 
@@ -78,7 +79,10 @@ std::vector<JobWorker::HeldShard> JobWorker::held() {
 void JobWorker::claim_shards(const std::stop_token& stopping) {
   while (wait_for_room(stopping)) {
     const std::uint64_t seen = jobs_.signal();
-    if (!claim_some()) jobs_.wait(seen, kPoll);
+    const auto claimed =
+        guarded("a claim of shards", [&]() -> absl::StatusOr<bool> { return claim_some(); });
+    if (!claimed.ok()) absl::SleepFor(kStorePause);
+    if (claimed.ok() && !*claimed) jobs_.wait(seen, kPoll);
   }
 }
 
@@ -123,8 +127,9 @@ void JobWorker::do_shards(const std::stop_token& stopping) {
       shard = waiting_.front();
       waiting_.pop_front();
     }
-    const absl::Status outcome = maker_.run(shard->lease, shard->watch);
-    settle(shard, outcome, stopping);
+    const absl::Status outcome =
+        guarded("a shard", [&] { return maker_.run(shard->lease, shard->watch); });
+    contain("the end of a shard", [&] { settle(shard, outcome, stopping); });
     let_go(shard);
     if (ShardMaker::lacks_room(outcome)) pause(stopping, kRoomPause);
   }
@@ -178,12 +183,15 @@ void JobWorker::beat(const std::stop_token& stopping) {
   std::uint64_t seen = jobs_.signal();
   while (pause(stopping, std::min(interval, kLook))) {
     const std::uint64_t signal = jobs_.signal();
-    if (Clock::now() >= due) {
-      due = Clock::now() + interval;
-      extend_leases();
-    } else if (signal != seen) {
-      look_at_leases();
-    }
+    const bool is_due = Clock::now() >= due;
+    if (is_due) due = Clock::now() + interval;
+    contain("a worker's leases", [&] {
+      if (is_due) {
+        extend_leases();
+      } else if (signal != seen) {
+        look_at_leases();
+      }
+    });
     seen = signal;
   }
 }

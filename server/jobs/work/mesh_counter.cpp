@@ -1,5 +1,6 @@
 #include "server/jobs/work/mesh_counter.h"
 
+#include <exception>
 #include <future>
 #include <utility>
 
@@ -68,10 +69,14 @@ void MeshCounter::run_large(const CountOrder& order, absl::FunctionRef<void()> w
   const std::lock_guard one_at_a_time(counting_);
   std::promise<void> done;
   engine_.large.post(background_client(order.mesh.space), [&work, &done] {
-    work();
-    done.set_value();
+    try {
+      work();
+      done.set_value();
+    } catch (...) {
+      done.set_exception(std::current_exception());
+    }
   });
-  done.get_future().wait();
+  done.get_future().get();  // throws what the work did, in the shard's own thread
 }
 
 }  // namespace tet

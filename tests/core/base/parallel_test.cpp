@@ -29,6 +29,20 @@ TEST(Parallel, VisitsEveryIndexOnce) {
   EXPECT_EQ(*std::min_element(visits.begin(), visits.end()), 1);
 }
 
+TEST(Parallel, LosesATaskThatThrowsAndNothingElse) {
+  std::atomic<int> done{0};
+  {
+    TaskPool pool(2);
+    for (int i = 0; i < 8; ++i) {
+      pool.post([&, i] {
+        if (i % 2 == 0) throw std::runtime_error("what a test throws");
+        ++done;
+      });
+    }
+  }  // waits for all
+  EXPECT_EQ(done, 4);
+}
+
 TEST(Parallel, CoversTheRangeWithRanges) {
   TaskPool pool(3);
   std::atomic<std::size_t> covered{0};

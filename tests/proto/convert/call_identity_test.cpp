@@ -35,10 +35,5 @@ TEST(TraceSpan, IgnoresWhatIsMalformed) {
   }
 }
 
-TEST(Printable, CutsAndMasks) {
-  EXPECT_EQ(printable("a\nb\xff", 10), "a?b?");
-  EXPECT_EQ(printable("abcdef", 3), "abc");
-}
-
 }  // namespace
 }  // namespace tet
