@@ -15,6 +15,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/printable.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 #include "server/ops/config.h"
@@ -117,7 +118,8 @@ int cannot_start(const absl::Status& status) {
 int print_new_token(const std::string& name) {
   const absl::StatusOr<tet::NewToken> token = tet::make_token(name);
   if (!token.ok()) {
-    std::cerr << "tetstreamd: " << token.status().message() << "\n";
+    std::cerr << "tetstreamd: " << tet::for_terminal(std::string(token.status().message()))
+              << "\n";
     return kRefused;
   }
   std::cerr << "This is the token; it is shown once. The rest is for the file of --tokens.\n"
@@ -191,7 +193,7 @@ int main(int argc, char** argv) {
   if (!line.new_token.empty()) return print_new_token(line.new_token);
   tet::Config config;
   if (const absl::Status status = read_settings(line, config); !status.ok()) {
-    std::cerr << "tetstreamd: " << status.message() << "\n";
+    std::cerr << "tetstreamd: " << tet::for_terminal(std::string(status.message())) << "\n";
     return kRefused;
   }
   if (line.print_config) {

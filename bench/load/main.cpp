@@ -21,6 +21,7 @@
 #include "client/command/interruption.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/printable.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 
@@ -39,7 +40,7 @@ LoadSetting setting_of(const LoadOptions& options, const RequestMix& mix) {
 absl::Status write_report(const std::string& text,
                           const std::string& json_path,
                           const std::string& json) {
-  std::fputs(text.c_str(), stdout);
+  std::fputs(lines_for_terminal(text).c_str(), stdout);
   std::fflush(stdout);
   return json_path.empty() ? absl::OkStatus() : write_text_file(json_path, json);
 }
@@ -130,7 +131,7 @@ absl::Status run(const LoadOptions& options, const Cancellation& interruption) {
 }
 
 int fail(const absl::Status& status, int exit_code) {
-  const std::string message(status.message());
+  const std::string message = for_terminal(std::string(status.message()));
   std::fprintf(stderr, "tetstream-load: %s\n", message.c_str());
   return exit_code;
 }
@@ -141,7 +142,8 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
     app.exit(error);
     return static_cast<int>(ExitCode::kDone);
   }
-  std::fprintf(stderr, "tetstream-load: %s; try tetstream-load --help\n", error.what());
+  std::fprintf(stderr, "tetstream-load: %s; try tetstream-load --help\n",
+               for_terminal(error.what()).c_str());
   return static_cast<int>(ExitCode::kUsage);
 }
 

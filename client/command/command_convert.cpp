@@ -12,6 +12,7 @@
 #include "client/command/progress_bar.h"
 #include "client/command/surface_input.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -53,7 +54,7 @@ absl::Status run_convert(const ConvertOptions& options, const Cancellation& inte
   const absl::StatusOr<ConversionReport> report =
       surface_to_vdb(input->surface, input->voxel_size, options.output);
   if (!report.ok()) return report.status();
-  std::printf("%s: %s\n", options.output.c_str(),
+  std::printf("%s: %s\n", for_terminal(options.output).c_str(),
               describe_conversion(*report, input->voxel_size).c_str());
   return absl::OkStatus();
 }

@@ -15,6 +15,7 @@
 #include "client/command/stopwatch.h"
 #include "client/library/mesh_client.h"
 #include "core/base/parallel.h"
+#include "core/base/printable.h"
 #include "core/plan/make/fill_estimate.h"
 #include "core/plan/make/plan_mesh.h"
 
@@ -112,8 +113,9 @@ absl::Status run_estimate(const EstimateArguments& arguments,
                                        : estimate_on_server(*options, bar, interruption);
   }
   if (!estimate.ok()) return estimate.status();
-  std::printf("%s\n", arguments.json ? json_of(*estimate).c_str()
-                                     : line_of(options->input, *estimate).c_str());
+  std::printf("%s\n", arguments.json
+                          ? json_of(*estimate).c_str()
+                          : for_terminal(line_of(options->input, *estimate)).c_str());
   return absl::OkStatus();
 }
 

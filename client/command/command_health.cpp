@@ -7,6 +7,7 @@
 #include "client/command/command.h"
 #include "client/command/server_options.h"
 #include "client/library/mesh_client.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -34,7 +35,7 @@ absl::Status run_health(const HealthArguments& arguments, const Cancellation& in
   const absl::Status status = (*client)->check_health(arguments.service, interruption);
   // Whatever the answer was, it is the server that is not well.
   if (!status.ok()) return absl::UnavailableError(status.message());
-  std::printf("%s: serving\n", server.address.c_str());
+  std::printf("%s: serving\n", for_terminal(server.address).c_str());
   return absl::OkStatus();
 }
 

@@ -8,6 +8,7 @@
 
 #include "client/command/command.h"
 #include "client/library/read_grids.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -43,11 +44,12 @@ void print_table(const std::vector<GridInfo>& grids) {
   std::printf(kRow, "grid", "type", "class", "voxel size", "active voxels", "box", "field",
               "meshable");
   for (const GridInfo& grid : grids) {
-    std::printf(kRow, grid.name.c_str(), grid.value_type.c_str(), grid.grid_class.c_str(),
-                absl::StrFormat("%g", grid.voxel_size).c_str(),
-                std::to_string(grid.active_voxels).c_str(), extent_of(grid.active_box).c_str(),
-                field_of(grid),
-                grid.not_meshable.empty() ? "yes" : ("no: " + grid.not_meshable).c_str());
+    std::printf(
+        kRow, for_terminal(grid.name).c_str(), for_terminal(grid.value_type).c_str(),
+        for_terminal(grid.grid_class).c_str(), absl::StrFormat("%g", grid.voxel_size).c_str(),
+        std::to_string(grid.active_voxels).c_str(), extent_of(grid.active_box).c_str(),
+        field_of(grid),
+        grid.not_meshable.empty() ? "yes" : for_terminal("no: " + grid.not_meshable).c_str());
   }
 }
 
@@ -75,7 +77,8 @@ void print_json(const std::vector<GridInfo>& grids) {
   for (const GridInfo& grid : grids) list.push_back(json_of(grid));
   // Names come from files and need not be UTF-8.
   const auto lenient = nlohmann::ordered_json::error_handler_t::replace;
-  std::printf("%s\n", list.dump(2, ' ', false, lenient).c_str());
+  constexpr bool kAscii = true;  // for a terminal: nothing in it acts
+  std::printf("%s\n", list.dump(2, ' ', kAscii, lenient).c_str());
 }
 
 absl::Status run_info(const InfoOptions& options, const Cancellation& interruption) {

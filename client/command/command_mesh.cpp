@@ -14,6 +14,7 @@
 #include "client/command/mesh_report.h"
 #include "client/command/stopwatch.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/printable.h"
 #include "core/files/mesh_file.h"
 
 namespace tet {
@@ -128,7 +129,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     const std::string report = report_json(*made, options->request, seconds);
     if (auto status = write_text_file(options->report, report); !status.ok()) return status;
   }
-  std::printf("%s\n", summary_line(options->output, *made, seconds).c_str());
+  std::printf("%s\n", for_terminal(summary_line(options->output, *made, seconds)).c_str());
   if (made->thin_walls.any()) {
     std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
   }

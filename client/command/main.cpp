@@ -9,7 +9,9 @@
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
 #include "client/library/error_details.h"
+#include "core/base/contain.h"
 #include "core/base/parallel.h"
+#include "core/base/printable.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 
@@ -58,11 +60,21 @@ std::string message_of(const absl::Status& status) {
   return request.empty() ? message : message + " (request " + request + ")";
 }
 
+/// What libraries throw ends like every other failure: with a line and a code.
+absl::Status run_contained(const Command& command, const Cancellation& interruption) {
+  try {
+    return command(interruption);
+  } catch (...) {
+    return absl::InternalError("it failed in a way that nobody foresaw, please report it: " +
+                               words_of_exception());
+  }
+}
+
 int run(const NamedCommand& command, const Cancellation& interruption) {
-  const absl::Status status = command.run(interruption);
+  const absl::Status status = run_contained(command.run, interruption);
   if (status.ok()) return static_cast<int>(ExitCode::kDone);
   std::fprintf(stderr, "tetstream %s: %s\n", command.app->get_name().c_str(),
-               message_of(status).c_str());
+               for_terminal(message_of(status)).c_str());
   if (const int signal = interrupting_signal(); signal != 0) return 128 + signal;
   return static_cast<int>(exit_code_of(status.code()));
 }
@@ -78,7 +90,7 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
   for (const std::string& rest : app.remaining(true)) {
     if (rest.starts_with("-")) message = "unknown option " + rest;
   }
-  std::fprintf(stderr, "tetstream: %s; try tetstream --help\n", message.c_str());
+  std::fprintf(stderr, "tetstream: %s; try tetstream --help\n", for_terminal(message).c_str());
   return static_cast<int>(ExitCode::kUsage);
 }
 

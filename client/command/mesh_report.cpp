@@ -158,7 +158,8 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
     report["parts"].push_back(json_of(part, made.mesh));
   }
   if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
-  return report.dump(2) + "\n";
+  // Names come from files and need not be UTF-8; a terminal may be where it goes.
+  return report.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace tet

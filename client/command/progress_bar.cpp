@@ -10,6 +10,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/printable.h"
+
 namespace tet {
 namespace {
 
@@ -43,8 +45,9 @@ std::string progress_line(const std::string& stage,
                           double done,
                           double total,
                           double seconds) {
-  if (!(total > 0)) return absl::StrCat(stage, " ...");
-  const double fraction = std::clamp(done / total, 0.0, 1.0);
+  const double share = done / total;
+  if (!(total > 0) || std::isnan(share)) return absl::StrCat(stage, " ...");
+  const double fraction = std::clamp(share, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(fraction * kBarWidth);
   std::string line =
       absl::StrFormat("%-9s [%s%s] %3d%%", stage, std::string(filled, '#'),
@@ -78,7 +81,14 @@ void ProgressBar::update(double done, double total) {
 void ProgressBar::say(const std::string& line, std::FILE* to) {
   const std::lock_guard lock(mutex_);
   erase();
-  std::fprintf(to, "%s\n", line.c_str());
+  std::fprintf(to, "%s\n", for_terminal(line).c_str());
+  std::fflush(to);
+}
+
+void ProgressBar::say_lines(const std::string& text, std::FILE* to) {
+  const std::lock_guard lock(mutex_);
+  erase();
+  std::fprintf(to, "%s\n", lines_for_terminal(text).c_str());
   std::fflush(to);
 }
 
@@ -86,7 +96,7 @@ void ProgressBar::draw(double done, double total) {
   if (!visible_) return;
   last_drawn_ = Clock::now();
   const double seconds = std::chrono::duration<double>(last_drawn_ - stage_start_).count();
-  const std::string line = progress_line(stage_, unit_, done, total, seconds);
+  const std::string line = for_terminal(progress_line(stage_, unit_, done, total, seconds));
   std::fprintf(stderr, "%s%s", kEraseLine, line.c_str());
 }
 

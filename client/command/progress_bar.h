@@ -23,8 +23,11 @@ class ProgressBar {
   /// A total of 0 is not known yet.
   void update(double done, double total);
 
-  /// A line for the reader that stays, terminal or not; the bar goes on below it.
+  /// A line for the reader that stays, terminal or not; the bar goes on below it. It may hold
+  /// names and messages of others.
   void say(const std::string& line, std::FILE* to = stderr);
+  /// Says several lines; whatever may hold a line's end of its own, say it `for_terminal`.
+  void say_lines(const std::string& text, std::FILE* to);
 
  private:
   using Clock = std::chrono::steady_clock;

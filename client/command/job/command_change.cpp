@@ -9,6 +9,7 @@
 #include "client/command/job/job_json.h"
 #include "client/command/job/job_session.h"
 #include "client/command/job/job_text.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -69,7 +70,8 @@ absl::Status delete_job(JobSession& session,
                         const Cancellation& cancellation) {
   const absl::Status status = session.jobs.remove(name, cancellation);
   if (!status.ok()) return status;
-  session.print({{"name", name}, {"deleted", true}}, absl::StrCat(name, "  deleted"));
+  session.print({{"name", name}, {"deleted", true}},
+                for_terminal(absl::StrCat(name, "  deleted")));
   return absl::OkStatus();
 }
 

@@ -19,6 +19,7 @@
 #include "client/command/stopwatch.h"
 #include "client/library/stream_checks.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/printable.h"
 #include "core/files/mesh_file.h"
 #include "core/files/write_vtkhdf.h"
 
@@ -165,7 +166,7 @@ class Fetcher {
 
   void tell(const v1::Job& job, const std::string& path, const std::string& text, bool before) {
     session_.print({{"name", job.name()}, {"file", path}, {"fetched_before", before}},
-                   before ? absl::StrCat(path, ": ", text) : text);
+                   for_terminal(before ? absl::StrCat(path, ": ", text) : text));
   }
 
   JobSession& session_;

@@ -13,6 +13,7 @@
 #include "client/command/job/job_session.h"
 #include "client/command/job/manifest.h"
 #include "client/command/job/submit_jobs.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -107,7 +108,7 @@ SubmitWatch watch_for(JobSession& session, std::size_t total) {
                            {"input", job.order.input.path},
                            {"request_id", job.request_id},
                            {"submitted_before", job.before}},
-                          absl::StrCat(job.name, "  ", job.order.input.path));
+                          for_terminal(absl::StrCat(job.name, "  ", job.order.input.path)));
           },
       .refused = [&](const JobOrder& order,
                      const absl::Status& status) { session.failed(order.input.path, status); },

@@ -1,14 +1,13 @@
 #include "client/command/job/job_json.h"
 
 #include <google/protobuf/util/json_util.h>
-#include <google/protobuf/util/time_util.h>
 
 #include "client/library/error_details.h"
+#include "proto/convert/times.h"
 
 namespace tet {
 namespace {
 
-using google::protobuf::util::TimeUtil;
 using Json = nlohmann::ordered_json;
 
 double seconds_of(const google::protobuf::Duration& duration) {
@@ -41,10 +40,10 @@ Json progress_json(const v1::JobProgress& progress) {
 }
 
 void add_times(const v1::Job& job, Json& json) {
-  if (job.has_create_time()) json["create_time"] = TimeUtil::ToString(job.create_time());
-  if (job.has_start_time()) json["start_time"] = TimeUtil::ToString(job.start_time());
-  if (job.has_finish_time()) json["finish_time"] = TimeUtil::ToString(job.finish_time());
-  if (job.has_stop_time()) json["stop_time"] = TimeUtil::ToString(job.stop_time());
+  if (job.has_create_time()) json["create_time"] = text_of(job.create_time());
+  if (job.has_start_time()) json["start_time"] = text_of(job.start_time());
+  if (job.has_finish_time()) json["finish_time"] = text_of(job.finish_time());
+  if (job.has_stop_time()) json["stop_time"] = text_of(job.stop_time());
   if (job.has_ttl()) json["ttl_seconds"] = seconds_of(job.ttl());
   if (job.has_timeout()) json["timeout_seconds"] = seconds_of(job.timeout());
 }
@@ -104,7 +103,7 @@ Json as_json(const v1::Job& job) {
 
 Json as_json(const v1::JobEvent& event) {
   return {{"revision", event.revision()},
-          {"time", TimeUtil::ToString(event.time())},
+          {"time", text_of(event.time())},
           {"name", event.name()},
           {"version", event.version()},
           {"change", name_of(event.change())},
@@ -118,11 +117,12 @@ Json as_json(const v1::DeadShard& shard) {
           {"attempts", shard.attempts()},
           {"worker", shard.worker()},
           {"error", as_json(to_absl(shard.error()))},
-          {"time", TimeUtil::ToString(shard.time())}};
+          {"time", text_of(shard.time())}};
 }
 
 std::string line_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  constexpr bool kAscii = true;  // for a terminal: nothing in it acts
+  return json.dump(-1, ' ', kAscii, Json::error_handler_t::replace);
 }
 
 }  // namespace tet

@@ -26,7 +26,7 @@ absl::StatusOr<std::unique_ptr<JobSession>> JobSession::open(
 }
 
 void JobSession::print(const nlohmann::ordered_json& object, const std::string& text) {
-  bar.say(json ? line_of(object) : text, stdout);
+  json ? bar.say(line_of(object), stdout) : bar.say_lines(text, stdout);
 }
 
 void JobSession::failed(const std::string& name, const absl::Status& status) {

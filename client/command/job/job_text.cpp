@@ -10,6 +10,7 @@
 
 #include "client/command/job/job_json.h"
 #include "client/library/error_details.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -34,7 +35,7 @@ std::string show(const v1::JobProgress& progress) {
 
 std::string show_labels(const v1::Job& job) {
   const std::map<std::string, std::string> sorted(job.labels().begin(), job.labels().end());
-  return absl::StrJoin(sorted, " ", absl::PairFormatter("="));
+  return for_terminal(absl::StrJoin(sorted, " ", absl::PairFormatter("=")));
 }
 
 std::string age_of(const v1::Job& job) {
@@ -46,8 +47,9 @@ std::string age_of(const v1::Job& job) {
 std::string show(const google::rpc::Status& error) {
   const absl::Status status = to_absl(error);
   const std::string reason = reason_of_failure(status);
-  return absl::StrCat(reason.empty() ? absl::StatusCodeToString(status.code()) : reason, ": ",
-                      error.message());
+  return for_terminal(
+      absl::StrCat(reason.empty() ? absl::StatusCodeToString(status.code()) : reason, ": ",
+                   error.message()));
 }
 
 std::string show_rate(const v1::JobProgress& progress) {
@@ -63,11 +65,11 @@ std::string show_rate(const v1::JobProgress& progress) {
   return text;
 }
 
-/// Lines of `key   value`, of what there is to say.
+/// Lines of `key   value`, of what there is to say. Values are the server's words.
 class Description {
  public:
   void add(const char* key, const std::string& value) {
-    if (!value.empty()) absl::StrAppendFormat(&text_, "  %-12s %s\n", key, value);
+    if (!value.empty()) absl::StrAppendFormat(&text_, "  %-12s %s\n", key, for_terminal(value));
   }
   const std::string& text() const { return text_; }
 
@@ -115,30 +117,30 @@ std::string table_header() {
 }
 
 std::string table_line(const v1::Job& job) {
-  return absl::StrFormat("%-29s  %-9s  %-18s  %9s  %s  %s", job.name(), name_of(job.state()),
-                         show(job.progress()), age_of(job), job.display_name(),
-                         show_labels(job));
+  return absl::StrFormat("%-29s  %-9s  %-18s  %9s  %s  %s", for_terminal(job.name()),
+                         name_of(job.state()), show(job.progress()), age_of(job),
+                         for_terminal(job.display_name()), show_labels(job));
 }
 
 std::string description_of(const v1::Job& job, const std::vector<v1::DeadShard>& dead_shards) {
   Description description;
   describe_request(job, description);
   describe_state(job, description);
-  std::string text =
-      absl::StrCat(job.name(), "  ", name_of(job.state()), "\n", description.text());
+  std::string text = absl::StrCat(for_terminal(job.name()), "  ", name_of(job.state()), "\n",
+                                  description.text());
   for (const v1::DeadShard& shard : dead_shards) {
     absl::StrAppendFormat(&text, "  chunks %d to %d failed, attempts: %d (%s), %s\n",
                           shard.first_chunk(), shard.end_chunk(), shard.attempts(),
-                          shard.worker(), show(shard.error()));
+                          for_terminal(shard.worker()), show(shard.error()));
   }
   return text;
 }
 
 std::string outcome_line(const v1::Job& job) {
   const bool deleted = job.state() == v1::JOB_STATE_UNSPECIFIED;
-  std::string line =
-      absl::StrFormat("%s  %-9s  %s", job.name(), deleted ? "DELETED" : name_of(job.state()),
-                      job.display_name());
+  std::string line = absl::StrFormat("%s  %-9s  %s", for_terminal(job.name()),
+                                     deleted ? "DELETED" : name_of(job.state()),
+                                     for_terminal(job.display_name()));
   if (job.has_error()) absl::StrAppend(&line, ": ", show(job.error()));
   return line;
 }
@@ -147,8 +149,8 @@ std::string event_line(const v1::JobEvent& event) {
   return absl::StrFormat(
       "%s  %d  %s  %-12s  %-9s  %s",
       absl::FormatTime("%H:%M:%S", time_of(event.time()), absl::LocalTimeZone()),
-      event.revision(), event.name(), name_of(event.change()), name_of(event.state()),
-      show(event.progress()));
+      event.revision(), for_terminal(event.name()), name_of(event.change()),
+      name_of(event.state()), show(event.progress()));
 }
 
 }  // namespace tet
