@@ -79,7 +79,8 @@ bool JobNotifier::tell(const EventPage& page) {
   {
     const std::lock_guard lock(mutex_);
     if (listeners_.empty()) return false;
-    for (const auto& [number, listener] : listeners_) {
+    for (const auto& entry : listeners_) {
+      const auto& listener = entry.second;  // Clang 14 captures no part of a pair
       const bool news = std::ranges::any_of(page.events, [&](const JobEvent& event) {
         return concerns(event, listener.space, listener.job);
       });
