@@ -39,7 +39,8 @@ std::string label_of(const MixArguments& arguments, const std::string& grid) {
     absl::StrAppend(&label, " --grid ", name);
   if (request.iso) absl::StrAppendFormat(&label, " --iso %g", *request.iso);
   if (request.spacing) absl::StrAppendFormat(&label, " --spacing %g", *request.spacing);
-  if (request.levels != kMaxLevels) absl::StrAppend(&label, " --levels ", request.levels);
+  if (const auto levels = arguments.request.levels)
+    absl::StrAppend(&label, " --levels ", *levels);
   if (arguments.request.preset != "default") {
     absl::StrAppend(&label, " --preset ", arguments.request.preset);
   }

@@ -1,5 +1,7 @@
 #include "client/command/request_options.h"
 
+#include <map>
+
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
@@ -30,8 +32,12 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
   app.add_option("--spacing", request.spacing,
                  "Finest lattice spacing, world units [voxel size; of a scene its longest "
                  "extent / 128]");
-  app.add_option("--levels", request.levels,
-                 "Coarser octree levels inside; 0 is uniform [all]");
+  app.add_option("--levels", arguments.levels,
+                 "Coarser octree levels inside: 0 is uniform, max as coarse as the inside "
+                 "allows [1; max with a sizing that has coarsest, growth or a grid]")
+      ->transform(
+          CLI::Transformer(std::map<std::string, int>{{"max", kMaxLevels}}).description(""))
+      ->type_name("N|max");
   app.add_option("--sizing", arguments.sizing.sizing,
                  "JSON file, or JSON, that says how large tets may be, and where: "
                  "docs/sizing.md")
@@ -81,6 +87,7 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);
+  request.levels = arguments.levels.value_or(default_levels(request.sizing));
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);

@@ -21,6 +21,7 @@ namespace tet {
 struct RequestArguments {
   std::vector<std::string> grids;  ///< empty takes the only meshable grid
   MeshRequest request;
+  std::optional<int> levels;
   std::string preset = "default";
   std::optional<std::array<double, 6>> box;
   std::string coordinates;

@@ -118,6 +118,11 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
   return {};
 }
 
+int default_levels(const Sizing& sizing) noexcept {
+  const bool bounds_every_leaf = sizing.coarsest || sizing.growth != 1 || sizing.grid;
+  return bounds_every_leaf ? kMaxLevels : 1;
+}
+
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
   const Features features = features_of(request) | features_of(shape);
   if (auto status = check_features(features, field_names(request)); !status.ok()) return status;

@@ -21,7 +21,7 @@ namespace tet {
 
 /// Goes up whenever the bytes of some mesh may change, or of the statistics that are stored
 /// with its chunks: part of what names a mesh.
-inline constexpr char kAlgorithmVersion[] = "4";
+inline constexpr char kAlgorithmVersion[] = "5";
 
 /// Warp limits with known angle bounds; see docs/algorithm.md.
 enum class Preset : std::uint8_t { kDefault, kMinAngle, kBothSides };
@@ -30,6 +30,12 @@ inline constexpr std::array kPresets{Preset::kDefault, Preset::kMinAngle, Preset
 
 /// Enough for every volume: leaves stop coarsening long before.
 inline constexpr int kMaxLevels = 24;
+
+/// What users get who name no number of levels: one, so that tets inside are at most twice as
+/// long as those at the surface, and what is solved on the mesh converges as the spacing falls
+/// (docs/sizing.md has the table). A sizing that bounds every leaf (`coarsest`, `growth`,
+/// `grid`) is taken at its word: as many as it leaves.
+int default_levels(const Sizing& sizing) noexcept;
 
 struct MeshRequest {
   /// World units; unless given the grid's voxel size, or a scene's longest extent / 128.

@@ -101,7 +101,6 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = parse_fields(request, order.request); !status.ok()) return status;
   if (request.has_spacing()) order.request.spacing = request.spacing();
   if (request.has_iso()) order.request.iso = request.iso();
-  if (request.has_levels()) order.request.levels = request.levels();
   order.request.preset = *preset;
   order.request.box = *box;
   order.request.origin = *origin;
@@ -110,6 +109,8 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.improve = request.improve();
   order.request.skip_statistics = request.skip_statistics();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
+  order.request.levels =
+      request.has_levels() ? request.levels() : default_levels(order.request.sizing);
   if (const auto status = parse_grid_names(request, order); !status.ok()) return status;
   if (!order.is_scene() || order.scene.has_grids()) return order;
   const auto made = scene_of_order(order);

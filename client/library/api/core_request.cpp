@@ -61,10 +61,10 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   tet::MeshRequest core;
   core.spacing = request.spacing;
   core.iso = request.iso;
-  core.levels = request.levels;
   core.preset = to_core(request.preset);
   if (request.box) core.box = {to_core(request.box->min), to_core(request.box->max)};
   core.sizing = *std::move(sizing);
+  core.levels = request.levels.value_or(tet::default_levels(core.sizing));
   core.improve = request.improve;
   core.manifold = request.manifold;
   core.skip_statistics = !request.statistics;

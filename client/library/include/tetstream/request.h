@@ -40,7 +40,9 @@ struct Request {
   std::optional<double> spacing = {};
   /// The surface's value; unless given 0 for level sets and 0.5 for densities.
   std::optional<double> iso = {};
-  int levels = 24;  ///< octree levels above the finest, 0 (uniform) to 24
+  /// Octree levels above the finest: 0 (uniform) to 24 (as coarse as the inside allows). Unless
+  /// given 1, or 24 with a sizing that has `coarsest` or `growth`.
+  std::optional<int> levels = {};
   Preset preset = Preset::kDefault;
   /// With kBothSides how far both sides go, else where the inside is cut off with flat faces.
   std::optional<Box> box = {};
