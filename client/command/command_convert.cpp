@@ -1,7 +1,6 @@
 // `tetstream convert`: a surface in, a .vdb level set out.
 #include <cstdio>
 #include <memory>
-#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
@@ -18,17 +17,19 @@ namespace tet {
 namespace {
 
 constexpr const char* kConvertExamples = R"(
-A closed surface becomes the level set of what it encloses. A surface with holes has no inside:
-it becomes a shell one voxel thick, and the command says so.
+A closed surface becomes the level set of what it goes around: solids that overlap are one, and a
+surface that is wound inwards within another is a cavity. Small holes are closed, and that is said.
+A surface that is open has no inside: it is refused unless --open says what to make of it.
 
 Examples:
   tetstream convert part.stl part.vdb --voxel 0.5
   tetstream convert bunny.ply bunny.vdb          voxels of the longest extent / 128
+  tetstream convert scan.ply scan.vdb --open close   its holes get caps
 )";
 
 struct ConvertOptions {
   std::string input, output;
-  std::optional<double> voxel;
+  SurfaceChoices surface;
 };
 
 absl::Status check_options(const ConvertOptions& options) {
@@ -47,15 +48,17 @@ absl::Status run_convert(const ConvertOptions& options, const Cancellation& inte
   if (auto status = check_options(options); !status.ok()) return status;
   ProgressBar bar;
   bar.begin("reading");
-  const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+  const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.surface);
   if (!input.ok()) return input.status();
   if (interruption.requested()) return absl::CancelledError("stopped");
   bar.begin("converting");
   const absl::StatusOr<ConversionReport> report =
-      surface_to_vdb(input->surface, input->voxel_size, options.output);
+      surface_to_vdb(input->surface, input->voxel_size, options.output, input->open);
   if (!report.ok()) return report.status();
-  std::printf("%s: %s\n", for_terminal(options.output).c_str(),
-              describe_conversion(*report, input->voxel_size).c_str());
+  std::printf("%s: %s\n", for_terminal(options.output).c_str(), report->text().c_str());
+  for (const std::string& warning : report->warnings()) {
+    std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());
+  }
   return absl::OkStatus();
 }
 
@@ -66,7 +69,7 @@ Command add_convert_command(CLI::App& app) {
   app.footer(kConvertExamples);
   app.add_option("IN", options->input, "A .obj, .stl or .ply surface")->required();
   app.add_option("OUT", options->output, "The .vdb file to write")->required();
-  app.add_option("--voxel", options->voxel, "Voxel size, world units [longest extent / 128]");
+  describe_surface(app, options->surface);
   return [options](const Cancellation& interruption) {
     return run_convert(*options, interruption);
   };

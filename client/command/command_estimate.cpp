@@ -45,14 +45,14 @@ struct MeshEstimate {
 absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
                                               ProgressBar& bar,
                                               const Cancellation& interruption) {
-  const absl::StatusOr<Shape> shape = read_shape(options, bar, interruption);
-  if (!shape.ok()) return shape.status();
+  const absl::StatusOr<ReadShape> input = read_shape(options, bar, interruption);
+  if (!input.ok()) return input.status();
   absl::StatusOr<MeshRequest> request = read_request(options, interruption);
   if (!request.ok()) return request.status();
   request->improve = false;  // counts are the same, and it would make the mesh
   bar.begin("counting");
   Stopwatch watch;
-  const auto plan = plan_mesh({.shape = *shape, .request = *request}, interruption);
+  const auto plan = plan_mesh({.shape = input->shape, .request = *request}, interruption);
   if (!plan.ok()) return plan.status();
   const double seconds = watch.lap();
   const MeshHeader& header = (*plan)->header();
@@ -78,7 +78,7 @@ absl::StatusOr<MeshEstimate> estimate_on_server(const MeshOptions& options,
   if (!request.ok()) return request.status();
   bar.begin("counting");
   Stopwatch watch;
-  const auto header = (*client)->estimate(*request, interruption);
+  const auto header = (*client)->estimate(request->message, interruption);
   if (!header.ok()) return header.status();
   const auto count = [](std::int64_t value) { return static_cast<std::uint64_t>(value); };
   return MeshEstimate{count(header->vertex_count()), count(header->tet_count()),

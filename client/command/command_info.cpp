@@ -50,6 +50,9 @@ void print_table(const std::vector<GridInfo>& grids) {
         std::to_string(grid.active_voxels).c_str(), extent_of(grid.active_box).c_str(),
         field_of(grid),
         grid.not_meshable.empty() ? "yes" : for_terminal("no: " + grid.not_meshable).c_str());
+    if (!grid.made_of.empty()) {
+      std::printf("  of a surface: %s\n", for_terminal(grid.made_of).c_str());
+    }
   }
 }
 
@@ -65,6 +68,7 @@ nlohmann::ordered_json json_of(const GridInfo& grid) {
                               {"field_components", grid.field_components},
                               {"meshable", grid.not_meshable.empty()}};
   if (!grid.not_meshable.empty()) json["not_meshable"] = grid.not_meshable;
+  if (!grid.made_of.empty()) json["made_of"] = grid.made_of;
   if (!grid.active_box.empty()) {
     json["active_box"] = {{"min", json_of(grid.active_box.min)},
                           {"max", json_of(grid.active_box.max)}};

@@ -43,6 +43,8 @@ Examples:
       a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
       a closed surface; it becomes a level set with voxels of 0.1 first
+  tetstream mesh scan.ply -o scan.vtu --open close
+      a surface with holes, which get caps
   tetstream mesh part.json -o part.vtu --spacing 0.05
       a scene: solids as formulas, and grids, put together; docs/scenes.md
   tetstream mesh bunny.vdb -o bunny.vtu --sizing '{"growth": 0.25, "coarsest": 0.4}'
@@ -121,6 +123,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     ProgressBar bar;
     made = make_mesh(*options, bar, interruption);
     if (!made.ok()) return made.status();
+    made->cuts_inside = options->request.box || options->request.iso;
     if (auto status = write_made_mesh(options->output, *made, bar, interruption); !status.ok())
       return status;
   }
@@ -132,6 +135,9 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   std::printf("%s\n", for_terminal(summary_line(options->output, *made, seconds)).c_str());
   if (made->thin_walls.any()) {
     std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
+  }
+  if (const std::string warning = volume_warning(*made); !warning.empty()) {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
   return absl::OkStatus();
 }

@@ -1,5 +1,6 @@
 #include "client/command/finish_mesh.h"
 
+#include <optional>
 #include <utility>
 
 #include "client/command/stopwatch.h"
@@ -13,6 +14,7 @@ MadeMesh made_of(StreamedMesh&& streamed, std::vector<Stage> stages) {
           .boundary = streamed.boundary,
           .improvement = streamed.improvement,
           .thin_walls = std::move(streamed.thin_walls),
+          .surface = std::nullopt,
           .stages = std::move(stages)};
 }
 

@@ -4,7 +4,7 @@ namespace tet {
 
 GridUploads::Upload& GridUploads::upload_of(const MeshInput& input) {
   const std::lock_guard lock(mutex_);
-  auto& upload = uploads_[{input.path, input.voxel.value_or(0)}];
+  auto& upload = uploads_[{input.path, input.surface}];
   if (!upload) upload = std::make_unique<Upload>();
   return *upload;
 }

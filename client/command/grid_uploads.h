@@ -36,7 +36,7 @@ class GridUploads {
 
   MeshClient& client_;
   std::mutex mutex_;
-  std::map<std::pair<std::string, double>, std::unique_ptr<Upload>> uploads_;
+  std::map<std::pair<std::string, SurfaceChoices>, std::unique_ptr<Upload>> uploads_;
 };
 
 }  // namespace tet

@@ -15,7 +15,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
                                         const Cancellation& interruption) {
   Stopwatch watch;
   TaskPool pool(options.threads);
-  absl::StatusOr<Shape> input = absl::UnknownError("not read");
+  absl::StatusOr<ReadShape> input = absl::UnknownError("not read");
   pool.run([&] { input = read_shape(options, bar, interruption); });
   if (!input.ok()) return input.status();
   const absl::StatusOr<MeshRequest> request = read_request(options, interruption);
@@ -29,13 +29,15 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     bar.update(fraction, 1);
   };
   absl::StatusOr<MeshResult> result = mesh_volume(
-      pool, {.shape = *std::move(input), .request = *request, .progress = show}, interruption);
+      pool, {.shape = std::move(input->shape), .request = *request, .progress = show},
+      interruption);
   if (!result.ok()) return result.status();
   MadeMesh made{.mesh = std::move(result->mesh),
                 .quality = result->quality,
                 .boundary = result->boundary,
                 .improvement = result->improvement,
                 .thin_walls = std::move(result->thin_walls),
+                .surface = std::move(input->surface),
                 .stages = {{"reading", reading_seconds},
                            {"planning", result->plan_seconds},
                            {"meshing", result->fill_seconds}}};

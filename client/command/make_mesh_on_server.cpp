@@ -54,17 +54,18 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
                                            ProgressBar& bar,
                                            const Cancellation& interruption) {
   Stopwatch watch;
-  const absl::StatusOr<v1::MeshRequest> request =
-      prepare_request(client, options, bar, interruption);
+  absl::StatusOr<PreparedRequest> request = prepare_request(client, options, bar, interruption);
   if (!request.ok()) return request.status();
   const double uploading_seconds = watch.lap();
 
   StreamWatch stream(bar);
   absl::StatusOr<StreamedMesh> streamed = client.stream_mesh(
-      *request, stream.callbacks(), interruption,
+      request->message, stream.callbacks(), interruption,
       {.encoding = encoding_of(options), .skip_cache = options.skip_cache, .used = {}});
   if (!streamed.ok()) return streamed.status();
-  return made_of(*std::move(streamed), stream.stages(uploading_seconds));
+  MadeMesh made = made_of(*std::move(streamed), stream.stages(uploading_seconds));
+  made.surface = std::move(request->surface);
+  return made;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ absl::Status check_all_grids_option(const MeshOptions& options) {
 }
 
 MeshInput input_of(const MeshOptions& options) {
-  return {options.input, options.grids, options.voxel};
+  return {options.input, options.grids, options.surface};
 }
 
 /// What excludes what is the same here as on a server.
@@ -71,7 +71,7 @@ void describe_input(CLI::App& app, MeshArguments& arguments) {
   app.add_option("--sizing-grid", arguments.request.sizing.grid,
                  "A .vdb with the sizing's grid of sizes, if that is not in the input")
       ->type_name("FILE");
-  app.add_option("--voxel", options.voxel, "Voxel size for a surface [longest extent / 128]");
+  describe_surface(app, options.surface);
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--trust", options.trust, kTrustHelp);

@@ -40,13 +40,20 @@ class ScratchDirectory {
 absl::Status convert_surface(const MeshInput& input,
                              const std::string& vdb_path,
                              const UploadWatch& watch) {
-  const absl::StatusOr<SurfaceInput> read = read_surface_input(input.path, input.voxel);
+  const absl::StatusOr<SurfaceInput> read = read_surface_input(input.path, input.surface);
   if (!read.ok()) return read.status();
   const absl::StatusOr<ConversionReport> report =
-      surface_to_vdb(read->surface, read->voxel_size, vdb_path);
+      surface_to_vdb(read->surface, read->voxel_size, vdb_path, read->open);
   if (!report.ok()) return report.status();
-  watch.say(input.path + ": " + describe_conversion(*report, read->voxel_size));
+  if (watch.converted) watch.converted(*report);
   return absl::OkStatus();
+}
+
+/// Checks --open of an input that is no surface.
+absl::Status check_open(const MeshInput& input) {
+  if (!input.surface.open) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--open is for surfaces, and ", input.path, " is none"));
 }
 
 }  // namespace
@@ -58,18 +65,18 @@ absl::Status check_mesh_input(const MeshInput& input) {
         absl::StrCat("--grid ", input.grids.front(), ": a surface file has no grids"));
   }
   if (is_scene_file(input.path)) {
-    if (!input.voxel) return absl::OkStatus();
+    if (!input.surface.voxel) return check_open(input);
     return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
   }
   if (!absl::EndsWith(absl::AsciiStrToLower(input.path), ".vdb")) {
     return absl::InvalidArgumentError(
         absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl, .ply or .json"));
   }
-  if (input.voxel) {
+  if (input.surface.voxel) {
     return absl::InvalidArgumentError(
         "--voxel is for surfaces; use --spacing to mesh a .vdb at another size");
   }
-  return absl::OkStatus();
+  return check_open(input);
 }
 
 std::string stored_grid_name(const std::string& text) {

@@ -8,6 +8,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "client/command/surface_input.h"
 #include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
 
@@ -17,7 +18,7 @@ namespace tet {
 struct MeshInput {
   std::string path;
   std::vector<std::string> grids;  ///< of a .vdb file; empty takes its only meshable one
-  std::optional<double> voxel;     ///< of a surface that is converted first, world units
+  SurfaceChoices surface;          ///< where it is one
 };
 
 /// Whether it can be an input, by its ending. Errors: kInvalidArgument.
@@ -29,7 +30,8 @@ std::string stored_grid_name(const std::string& text);
 /// Who is told of an upload.
 struct UploadWatch {
   std::function<void(std::uint64_t done, std::uint64_t total)> bytes;
-  std::function<void(const std::string& line)> say;  ///< what a surface was converted to
+  /// What a surface was converted to, once it was.
+  std::function<void(const ConversionReport& report)> converted;
 };
 
 /// The stored file's name; not of a scene. A surface goes up as the level set it becomes here.

@@ -15,6 +15,7 @@
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/thin_walls.h"
+#include "core/vdb/conversion_report.h"
 
 namespace tet {
 
@@ -30,6 +31,8 @@ struct MadeMesh {
   std::optional<BoundaryTopology> boundary;
   std::optional<Improvement> improvement;  ///< where the request asked for it
   ThinWalls thin_walls;
+  std::optional<ConversionReport> surface = std::nullopt;  ///< of one that was converted first
+  bool cuts_inside = false;   ///< the mesh is not of all that is inside
   std::vector<Stage> stages;  ///< in the order they ran
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "client/command/surface_input.h"
 #include "client/library/channel.h"
 #include "core/plan/mesh_request.h"
 
@@ -15,7 +16,7 @@ struct MeshOptions {
   std::vector<std::string> grids;  ///< empty takes the only meshable grid
   bool all_grids = false;          ///< all that can be meshed, instead
   bool trust = false;              ///< read the .vdb file in this process
-  std::optional<double> voxel;     ///< of a surface that is converted first, world units
+  SurfaceChoices surface;          ///< where the input is one
   MeshRequest request;
   int threads = 0;          ///< 0 takes every core
   std::string server;       ///< HOST:PORT; empty meshes in this process

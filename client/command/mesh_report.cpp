@@ -1,5 +1,7 @@
 #include "client/command/mesh_report.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -51,6 +53,35 @@ Json json_of(const ThinWalls& walls) {
   return {{"inside_spots", walls.inside},       {"outside_spots", walls.outside},
           {"region_count", walls.region_count}, {"regions", std::move(regions)},
           {"thickness", walls.thickness},       {"suggested_spacing", walls.suggested_spacing}};
+}
+
+/// What may be wrong with a mesh of a converted surface.
+std::vector<std::string> surface_warnings(const MadeMesh& made) {
+  std::vector<std::string> warnings = made.surface->warnings();
+  if (std::string own = volume_warning(made); !own.empty()) warnings.push_back(std::move(own));
+  return warnings;
+}
+
+Json surface_json(const MadeMesh& made) {
+  const ConversionReport& surface = *made.surface;
+  Json json{{"converted_to", name_of(surface.kind)},
+            {"voxel", surface.voxel_size},
+            {"area", surface.area},
+            {"converted_volume", surface.volume},
+            {"open_edges", surface.open_edges},
+            {"holes", surface.holes},
+            {"hole_area", surface.hole_area},
+            {"doubled_triangles", surface.doubled_triangles},
+            {"turned_triangles", surface.turned_triangles},
+            {"turned_bodies", surface.turned_bodies},
+            {"overlaps", surface.overlaps},
+            {"lost_bodies", surface.lost_bodies},
+            {"hidden_walls", surface.hidden_walls},
+            {"hidden_gaps", surface.hidden_gaps},
+            {"text", surface.text()},
+            {"warnings", surface_warnings(made)}};
+  if (surface.surface_volume) json["volume"] = *surface.surface_volume;
+  return json;
 }
 
 Json json_of(const std::vector<Stage>& stages) {
@@ -130,11 +161,32 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
 
 std::string thin_walls_warning(const ThinWalls& walls) {
   if (!walls.any()) return "";
+  const std::string advice =
+      walls.suggested_spacing > 0
+          ? absl::StrFormat("a grid sampled and meshed at about %.3g would",
+                            walls.suggested_spacing)
+          : "no spacing is known that would: they are few, or come down to nothing, as at "
+            "sharp "
+            "edges and where surfaces touch";
   return absl::StrFormat(
       "warning: the lattice does not resolve %d spots of thin walls and %d of narrow gaps, "
-      "in %d region%s; a grid sampled and meshed at about %.3g would",
+      "in %d region%s; %s",
       walls.inside, walls.outside, walls.region_count, walls.region_count == 1 ? "" : "s",
-      walls.suggested_spacing);
+      advice);
+}
+
+std::string volume_warning(const MadeMesh& made) {
+  const auto& surface = made.surface;
+  if (!surface || !surface->surface_volume || made.quality.empty()) return "";
+  if (made.mesh.header.has_regions || made.cuts_inside) return "";
+  const double spacing = std::max(surface->voxel_size, made.mesh.header.spacing);
+  const double off = std::abs(made.quality.volume - *surface->surface_volume);
+  if (off <= surface->volume_tolerance(spacing)) return "";
+  return absl::StrFormat(
+      "the mesh has a volume of %.6g, and the surface of %.6g: a spacing of %g does not "
+      "resolve "
+      "it",
+      made.quality.volume, *surface->surface_volume, spacing);
 }
 
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds) {
@@ -157,6 +209,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
   for (const MeshPart& part : made.mesh.header.parts) {
     report["parts"].push_back(json_of(part, made.mesh));
   }
+  if (made.surface) report["surface"] = surface_json(made);
   if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   // Names come from files and need not be UTF-8; a terminal may be where it goes.
   return report.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";

@@ -16,6 +16,10 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
 /// What to tell of walls that the lattice cannot resolve, in one line; empty without any.
 std::string thin_walls_warning(const ThinWalls& walls);
 
+/// What to tell of a mesh whose volume is not that of the surface which was converted for it,
+/// beyond what the spacing explains; empty where it is, or where they cannot be compared.
+std::string volume_warning(const MadeMesh& made);
+
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
 /// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary (of the
 /// inside; restored_nodes where a manifold was asked for and the box cuts no surface), of
@@ -24,7 +28,9 @@ std::string thin_walls_warning(const ThinWalls& walls);
 /// max_dihedral_deg), and of improved ones
 /// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
 /// seconds), and thin_walls (inside_spots, outside_spots, region_count, regions, thickness,
-/// suggested_spacing).
+/// suggested_spacing), and of converted surfaces surface (converted_to, voxel, area, volume of
+/// the surface where it has one, converted_volume, text, warnings, and counts of all that was
+/// found).
 ///
 /// Measures what was not counted with the mesh.
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);

@@ -1,5 +1,6 @@
 #include "client/command/prepare_request.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,14 +17,19 @@ namespace {
 absl::StatusOr<std::string> upload(GridUploads& uploads,
                                    const MeshInput& input,
                                    ProgressBar& bar,
-                                   const Cancellation& interruption) {
+                                   const Cancellation& interruption,
+                                   std::optional<ConversionReport>* surface = nullptr) {
   bar.begin("uploading", "B");
   const UploadWatch watch{.bytes =
                               [&](std::uint64_t done, std::uint64_t total) {
                                 bar.update(static_cast<double>(done),
                                            static_cast<double>(total));
                               },
-                          .say = [&](const std::string& line) { bar.say(line); }};
+                          .converted =
+                              [&](const ConversionReport& report) {
+                                bar.say(input.path + ": " + describe_conversion(report));
+                                if (surface != nullptr) *surface = report;
+                              }};
   return uploads.name_of(input, watch, interruption);
 }
 
@@ -46,7 +52,7 @@ absl::Status upload_others(GridUploads& uploads,
 
 }  // namespace
 
-absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
+absl::StatusOr<PreparedRequest> prepare_request(MeshClient& client,
                                                 const MeshOptions& options,
                                                 ProgressBar& bar,
                                                 const Cancellation& interruption) {
@@ -63,18 +69,20 @@ absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
     if (!scene.ok()) return scene.status();
     v1::MeshRequest request = wire_request(named, "", {});
     *request.mutable_scene() = *std::move(scene);
-    return request;
+    return PreparedRequest{std::move(request), std::nullopt};
   }
+  PreparedRequest prepared;
   const absl::StatusOr<std::string> name =
-      upload(uploads, {options.input, options.grids, options.voxel}, bar, interruption);
+      upload(uploads, {options.input, options.grids, options.surface}, bar, interruption,
+             &prepared.surface);
   if (!name.ok()) return name.status();
-  v1::MeshRequest request = wire_request(named, *name, options.grids);
-  if (!options.all_grids) return request;
+  prepared.message = wire_request(named, *name, options.grids);
+  if (!options.all_grids) return prepared;
   const auto grids = client.meshable_grids(*name, interruption);
   if (!grids.ok()) return grids.status();
   if (auto status = check_all_grids(options.input, *grids); !status.ok()) return status;
-  request.mutable_grid_names()->Assign(grids->begin(), grids->end());
-  return request;
+  prepared.message.mutable_grid_names()->Assign(grids->begin(), grids->end());
+  return prepared;
 }
 
 }  // namespace tet

@@ -1,6 +1,8 @@
 // What a server needs before it can mesh: its request, and the files that it is about.
 #pragma once
 
+#include <optional>
+
 #include <absl/status/statusor.h>
 
 #include "client/command/mesh_options.h"
@@ -10,9 +12,14 @@
 
 namespace tet {
 
+struct PreparedRequest {
+  v1::MeshRequest message;
+  std::optional<ConversionReport> surface;  ///< where the input is one
+};
+
 /// The request for a command's input, once the server has what it needs of it. Errors: those of
 /// upload_input and read_scene_message.
-absl::StatusOr<v1::MeshRequest> prepare_request(MeshClient& client,
+absl::StatusOr<PreparedRequest> prepare_request(MeshClient& client,
                                                 const MeshOptions& options,
                                                 ProgressBar& bar,
                                                 const Cancellation& interruption);

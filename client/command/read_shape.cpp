@@ -16,20 +16,18 @@ FileTrust trust(const MeshOptions& options) {
   return options.trust ? FileTrust::kFull : FileTrust::kNone;
 }
 
-absl::StatusOr<Volume> convert_surface(const MeshOptions& options, ProgressBar& bar) {
-  absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.voxel);
+absl::StatusOr<ReadShape> convert_surface(const MeshOptions& options, ProgressBar& bar) {
+  const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.surface);
   if (!input.ok()) return input.status();
   absl::StatusOr<SurfaceVolume> converted =
-      surface_to_volume(input->surface, input->voxel_size);
+      surface_to_volume(input->surface, input->voxel_size, input->open);
   if (!converted.ok()) return converted.status();
-  bar.say(options.input + ": " + describe_conversion(converted->report, input->voxel_size));
-  return std::move(converted->volume);
+  bar.say(options.input + ": " + describe_conversion(converted->report));
+  return ReadShape{std::make_shared<const Volume>(std::move(converted->volume)),
+                   std::move(converted->report)};
 }
 
-absl::StatusOr<Volume> read_grid(const MeshOptions& options,
-                                 ProgressBar& bar,
-                                 const Cancellation& interruption) {
-  if (is_surface_file(options.input)) return convert_surface(options, bar);
+absl::StatusOr<Volume> read_grid(const MeshOptions& options, const Cancellation& interruption) {
   return read_volume(options.input, options.grids.empty() ? "" : options.grids.front(),
                      trust(options), interruption);
 }
@@ -67,6 +65,12 @@ absl::StatusOr<Shape> shared(absl::StatusOr<Input> read) {
   return std::make_shared<const Input>(*std::move(read));
 }
 
+/// A shape that was no surface.
+absl::StatusOr<ReadShape> alone(absl::StatusOr<Shape> shape) {
+  if (!shape.ok()) return shape.status();
+  return ReadShape{*std::move(shape), std::nullopt};
+}
+
 absl::Status read_sizes(const MeshOptions& options,
                         const Cancellation& interruption,
                         Sizing& sizing) {
@@ -96,16 +100,17 @@ absl::Status read_components(const MeshOptions& options,
 
 }  // namespace
 
-absl::StatusOr<Shape> read_shape(const MeshOptions& options,
-                                 ProgressBar& bar,
-                                 const Cancellation& interruption) {
+absl::StatusOr<ReadShape> read_shape(const MeshOptions& options,
+                                     ProgressBar& bar,
+                                     const Cancellation& interruption) {
   bar.begin("reading");
   const auto read = [&](const std::string& path, const std::string& grid_name) {
     return read_volume(path, grid_name, trust(options), interruption);
   };
-  if (options.has_several_grids()) return read_several(options, bar, interruption);
-  return is_scene_file(options.input) ? shared(read_scene(options.input, read))
-                                      : shared(read_grid(options, bar, interruption));
+  if (options.has_several_grids()) return alone(read_several(options, bar, interruption));
+  if (is_surface_file(options.input)) return convert_surface(options, bar);
+  return alone(is_scene_file(options.input) ? shared(read_scene(options.input, read))
+                                            : shared(read_grid(options, interruption)));
 }
 
 absl::StatusOr<MeshRequest> read_request(const MeshOptions& options,

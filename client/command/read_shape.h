@@ -1,6 +1,8 @@
 // What is meshed in this process: files become shapes.
 #pragma once
 
+#include <optional>
+
 #include <absl/status/statusor.h>
 
 #include "client/command/mesh_options.h"
@@ -10,11 +12,16 @@
 
 namespace tet {
 
+struct ReadShape {
+  Shape shape;
+  std::optional<ConversionReport> surface;  ///< where the input is one
+};
+
 /// The input of a command; run it on a TaskPool. Errors: those of read_volume, read_scene and
 /// surface_to_volume.
-absl::StatusOr<Shape> read_shape(const MeshOptions& options,
-                                 ProgressBar& bar,
-                                 const Cancellation& interruption);
+absl::StatusOr<ReadShape> read_shape(const MeshOptions& options,
+                                     ProgressBar& bar,
+                                     const Cancellation& interruption);
 
 /// The request with the grids of its sizing and its fields. Errors: those of read_volume and
 /// read_field.

@@ -1,4 +1,4 @@
-// Closed surfaces as input: read, given a voxel size, and told about.
+// Surfaces as input: read, given a voxel size, converted, and told about.
 #pragma once
 
 #include <optional>
@@ -8,20 +8,41 @@
 
 #include "core/vdb/surface_to_volume.h"
 
+namespace CLI {
+class App;
+}
+
 namespace tet {
 
 /// Whether a path ends like a surface file: .obj, .stl or .ply.
 bool is_surface_file(const std::string& path);
 
-/// A surface and the voxel size to convert it with.
+/// What the command line says of a surface that is converted first.
+struct SurfaceChoices {
+  std::optional<double> voxel;      ///< world units; default_voxel unless given
+  std::optional<OpenSurface> open;  ///< refused unless given
+
+  friend auto operator<=>(const SurfaceChoices&, const SurfaceChoices&) = default;
+};
+
+/// Adds --voxel and --open.
+void describe_surface(CLI::App& app, SurfaceChoices& choices);
+
+/// A surface and what to convert it with.
 struct SurfaceInput {
   TriangleSurface surface;
-  double voxel_size = 0;  ///< as asked, or the longest extent / 128
+  double voxel_size = 0;
+  OpenSurface open = OpenSurface::kRefuse;
 };
 absl::StatusOr<SurfaceInput> read_surface_input(const std::string& path,
-                                                std::optional<double> voxel_size);
+                                                const SurfaceChoices& choices);
 
-/// What was found and done, in a sentence or two.
-std::string describe_conversion(const ConversionReport& report, double voxel_size);
+/// The longest extent / 128: fine enough to show the shape, coarse enough to mesh in seconds.
+/// Less where walls are thinner than two voxels of that, as far as that takes no more than 2e7
+/// voxels.
+double default_voxel(const TriangleSurface& surface);
+
+/// What was found and done, and a line for each warning.
+std::string describe_conversion(const ConversionReport& report);
 
 }  // namespace tet

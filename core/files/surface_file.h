@@ -12,10 +12,10 @@ namespace tet {
 
 /// Reads a surface file; its ending (.obj, .stl or .ply, in any case) says how.
 ///
-/// Polygons become fans of triangles. Colours, normals, texture coordinates and everything else
-/// that is no triangle is passed over.
-/// Errors: kNotFound and kPermissionDenied (the file), kInvalidArgument (an unknown ending, a
-/// file that is malformed, truncated or without triangles: with its line or byte).
+/// Polygons become triangles, concave ones, too. Colours, normals, texture coordinates and
+/// everything else that is no triangle is passed over. Errors: kNotFound and kPermissionDenied
+/// (the file), kInvalidArgument (an unknown ending, a file that is malformed, truncated or
+/// without triangles: with its line or byte).
 absl::StatusOr<TriangleSurface> read_surface(const std::string& path);
 
 /// These read a file's bytes. Errors: kInvalidArgument, with the line or byte.

@@ -7,6 +7,8 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/surface/triangulate_polygon.h"
+
 namespace tet {
 namespace {
 
@@ -58,8 +60,15 @@ bool take_point(std::string_view& text, WorldPoint& point) {
 }
 
 void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surface) {
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    surface.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+  const bool known = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t id) {
+    return id < surface.vertices.size();
+  });
+  std::vector<WorldPoint> points(corners.size());
+  for (std::size_t i = 0; known && i < corners.size(); ++i) {
+    points[i] = surface.vertices[corners[i]];
+  }
+  for (const auto& [a, b, c] : triangulate_polygon(points)) {
+    surface.triangles.push_back({corners[a], corners[b], corners[c]});
   }
 }
 

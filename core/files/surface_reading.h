@@ -44,7 +44,8 @@ bool parse_number(std::string_view word, std::int64_t& value);
 /// Takes three finite numbers off the front of `text`.
 bool take_point(std::string_view& text, WorldPoint& point);
 
-/// Adds a polygon as a fan around its first corner; corners are in range already.
+/// Adds a polygon as triangles, by ears that are cut off it; as a fan around its first corner
+/// where its vertices are not read yet.
 void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surface);
 
 /// The surface, or why it is none: no triangles, too many vertices.

@@ -1,5 +1,6 @@
 #include "core/vdb/load.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <ios>
@@ -7,6 +8,7 @@
 #include <type_traits>
 
 #include <absl/status/status.h>
+#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
@@ -14,6 +16,7 @@
 #include "core/base/failure_name.h"
 #include "core/base/posix/file.h"
 #include "core/vdb/check_file.h"
+#include "core/vdb/conversion_report.h"
 #include "core/vdb/copy_grid.h"
 #include "core/vdb/tree_type.h"
 #include "core/vdb/vdb_file.h"
@@ -91,6 +94,25 @@ VoxelBox active_box(const openvdb::GridBase& grid) {
           {box.max().x(), box.max().y(), box.max().z()}};
 }
 
+/// What the conversion of a surface left in the grid: as a file has it, in characters that can
+/// be printed, and no more than is worth showing.
+std::string made_of(const openvdb::GridBase& grid) {
+  constexpr std::size_t kMostBytes = 1000;
+  std::string text;
+  for (auto entry = grid.beginMeta(); entry != grid.endMeta(); ++entry) {
+    if (!entry->first.starts_with(kSurfaceMetadata)) continue;
+    const bool warning = entry->first != kSurfaceMetadata;
+    if (entry->second->typeName() != openvdb::StringMetadata::staticTypeName()) continue;
+    if (warning) text += text.empty() ? "warning: " : "; warning: ";
+    text += entry->second->str();
+  }
+  text.resize(std::min(text.size(), kMostBytes));
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return !absl::ascii_isprint(static_cast<unsigned char>(c)); }, '?');
+  return text;
+}
+
 GridInfo describe(VdbFile& file, std::size_t i) {
   file.read_topology(i);
   const openvdb::GridBase& grid = file.grid(i);
@@ -105,6 +127,7 @@ GridInfo describe(VdbFile& file, std::size_t i) {
   info.not_meshable = std::string(check_meshable(grid).message());
   if (info.not_meshable.empty() && grid.empty()) info.not_meshable = "it is empty";
   info.field_components = field_components(grid);
+  info.made_of = made_of(grid);
   return info;
 }
 

@@ -1,7 +1,6 @@
 #include "core/vdb/surface_to_volume.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <exception>
@@ -14,9 +13,14 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/ValueTransformer.h>
 
-#include "core/surface/surface_edges.h"
+#include "core/surface/close_surface.h"
+#include "core/surface/outer_surface.h"
 #include "core/vdb/copy_grid.h"
+#include "core/vdb/level_set_volume.h"
+#include "core/vdb/sign_distances.h"
 #include "core/vdb/vdb_grids.h"
+#include "core/vdb/vdb_transform.h"
+#include "core/vdb/voxel_surface.h"
 #include "core/vdb/write_vdb.h"
 
 namespace tet {
@@ -25,17 +29,23 @@ namespace {
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
-constexpr double kHalfBand = 3;   // voxels
 constexpr double kHalfShell = 1;  // voxels; any thinner and the lattice would tear it
 
-/// Conversion takes about 16 bytes for a voxel of the band.
-constexpr double kMaxBandVoxels = 1e9;
+/// Vertices so near are one where edges are open, and where that is not enough those that are
+/// nearer than half a voxel, which the grid could not tell apart.
+constexpr double kWeldVoxels = 1e-3, kGapVoxels = 0.52;
 
-/// The surface as OpenVDB asks for it: in voxels, in double.
+/// Surfaces that overlap are cut into pieces no longer than this, unless that would be more
+/// than about five times so many, which take 80 bytes each.
+constexpr double kPieceVoxels = 1, kMostPieces = 1e7;
+
+/// Holes no wider than this are not to be seen in the grid.
+constexpr double kHoleVoxels = 2;
+
+/// A surface in voxels as OpenVDB asks for it.
 class IndexSpaceMesh {
  public:
-  IndexSpaceMesh(const TriangleSurface& surface, double voxel_size)
-      : surface_(&surface), voxel_size_(voxel_size) {}
+  explicit IndexSpaceMesh(const TriangleSurface& surface) : surface_(&surface) {}
 
   // OpenVDB's names.
   std::size_t polygonCount() const { return surface_->triangles.size(); }
@@ -43,80 +53,56 @@ class IndexSpaceMesh {
   std::size_t vertexCount(std::size_t /*polygon*/) const { return 3; }
   void getIndexSpacePoint(std::size_t polygon, std::size_t corner, Vec3d& point) const {
     const WorldPoint& p = surface_->vertices[surface_->triangles[polygon][corner]];
-    point = Vec3d(p.x, p.y, p.z) / voxel_size_;
+    point = Vec3d(p.x, p.y, p.z);
   }
 
  private:
   const TriangleSurface* surface_;
-  double voxel_size_;
 };
 
-openvdb::BBoxd bounds(const IndexSpaceMesh& mesh) {
-  openvdb::BBoxd box;
-  Vec3d point;
-  for (std::size_t i = 0; i < mesh.polygonCount(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      mesh.getIndexSpacePoint(i, c, point);
-      box.expand(point);
-    }
-  }
-  return box;
-}
+/// Distances in voxels to a surface in voxels, and the triangle that each is to.
+struct Distances {
+  FloatGrid::Ptr grid;
+  openvdb::Int32Grid::Ptr nearest = openvdb::Int32Grid::create(openvdb::util::INVALID_IDX);
+};
 
-/// About how many voxels lie within the band: around each triangle, and no more than the box
-/// holds.
-double estimate_band_voxels(const IndexSpaceMesh& mesh, const openvdb::BBoxd& box) {
-  constexpr double kBand = 2 * kHalfBand + 1;
-  double around = 0;
-  std::array<Vec3d, 3> p;
-  for (std::size_t i = 0; i < mesh.polygonCount(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) mesh.getIndexSpacePoint(i, c, p[c]);
-    const double area = (p[1] - p[0]).cross(p[2] - p[0]).length() / 2;
-    const double length = std::max((p[1] - p[0]).length(), (p[2] - p[0]).length());
-    around += area * kBand + length * kBand * kBand;
-  }
-  const Vec3d within = box.extents() + Vec3d(kBand);
-  return std::min(around, within.x() * within.y() * within.z());
-}
-
-absl::Status check_size(const IndexSpaceMesh& mesh, double voxel_size) {
-  const openvdb::BBoxd box = bounds(mesh);
-  const double farthest = std::max(-box.min()[openvdb::math::MinIndex(box.min())],
-                                   box.max()[openvdb::math::MaxIndex(box.max())]);
-  constexpr double kMargin = 128;  // voxels: the band, and the nodes that hold it
-  if (!(farthest < kMaxVoxelCoord - kMargin)) {
-    return absl::ResourceExhaustedError(absl::StrFormat(
-        "with voxel size %g the surface reaches %g voxels from the origin and the limit is %d: "
-        "use larger voxels, or move the surface to the origin",
-        voxel_size, farthest, kMaxVoxelCoord));
-  }
-  const double voxels = estimate_band_voxels(mesh, box);
-  if (voxels > kMaxBandVoxels) {
-    return absl::ResourceExhaustedError(absl::StrFormat(
-        "with voxel size %g the band around the surface holds about %.3g voxels and the limit "
-        "is %.3g: use larger voxels",
-        voxel_size, voxels, kMaxBandVoxels));
-  }
-  return absl::OkStatus();
-}
-
-FloatGrid::Ptr convert_closed(const IndexSpaceMesh& mesh,
-                              const openvdb::math::Transform& transform) {
-  return openvdb::tools::meshToVolume<FloatGrid>(mesh, transform, kHalfBand, kHalfBand);
+Distances measure_distances(const TriangleSurface& surface, double half_band) {
+  Distances distances;
+  const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
+  distances.grid = openvdb::tools::meshToVolume<FloatGrid>(
+      IndexSpaceMesh(surface), *transform, static_cast<float>(half_band), 0,
+      openvdb::tools::UNSIGNED_DISTANCE_FIELD, distances.nearest.get());
+  return distances;
 }
 
 /// The level set of all points within kHalfShell of the surface.
-FloatGrid::Ptr convert_open(const IndexSpaceMesh& mesh,
-                            const openvdb::math::Transform& transform) {
-  const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
-      mesh, transform, static_cast<float>(kHalfBand + kHalfShell), 0,
-      openvdb::tools::UNSIGNED_DISTANCE_FIELD);
-  const auto half_shell = static_cast<float>(kHalfShell * transform.voxelSize().x());
-  openvdb::tools::foreach (
-      grid->beginValueOn(),
-      [half_shell](const FloatGrid::ValueOnIter& it) { it.setValue(*it - half_shell); });
-  openvdb::tools::changeBackground(grid->tree(), grid->background() - half_shell);
+FloatGrid::Ptr make_shell(const TriangleSurface& surface) {
+  const FloatGrid::Ptr grid = measure_distances(surface, kHalfBand + kHalfShell).grid;
+  constexpr auto kHalf = static_cast<float>(kHalfShell);
+  openvdb::tools::foreach (grid->beginValueOn(),
+                           [](const FloatGrid::ValueOnIter& it) { it.setValue(*it - kHalf); });
+  openvdb::tools::changeBackground(grid->tree(), grid->background() - kHalf);
   return grid;
+}
+
+FloatGrid::Ptr make_solid(const ClosedSurface& closed, ConversionReport& report) {
+  const WindingTree tree(closed.surface);
+  Distances distances = measure_distances(closed.surface, kHalfBand);
+  SignFindings found =
+      sign_distances(closed.surface, tree, *distances.nearest, *distances.grid);
+  report.overlaps = found.overlaps;
+  if (found.overlaps) {
+    // Sheets within the solid would be told as its surface by the distances to them.
+    const double piece = std::max(kPieceVoxels, std::sqrt(closed.area / kMostPieces));
+    const TriangleSurface outer = outer_surface(closed.surface, tree, piece);
+    distances = measure_distances(outer, kHalfBand);
+    found = sign_distances(outer, tree, *distances.nearest, *distances.grid);
+  } else {
+    report.lost_bodies = count_lost_bodies(closed, *distances.nearest, *distances.grid);
+  }
+  report.hidden_walls = found.hidden.walls;
+  report.hidden_gaps = found.hidden.gaps;
+  return distances.grid;
 }
 
 bool has_inside(const FloatGrid& grid) {
@@ -126,41 +112,104 @@ bool has_inside(const FloatGrid& grid) {
   return false;
 }
 
+/// Whether a grid is made of the surface, and of which kind.
+absl::StatusOr<ConvertedTo> choose_kind(const ClosedSurface& closed, OpenSurface open) {
+  if (closed.holes == 0) return ConvertedTo::kSolid;
+  if (closed.nearly_closed(kHoleVoxels)) return ConvertedTo::kMendedSolid;
+  if (open == OpenSurface::kShell) return ConvertedTo::kShell;
+  if (open == OpenSurface::kClose) return ConvertedTo::kClosedSolid;
+  return absl::FailedPreconditionError("the surface is not closed");
+}
+
+ConversionReport describe(const TriangleSurface& surface,
+                          const ClosedSurface& closed,
+                          double voxel_size) {
+  const double square = voxel_size * voxel_size;
+  ConversionReport report;
+  report.vertices = surface.vertices.size();
+  report.triangles = surface.triangles.size();
+  report.voxel_size = voxel_size;
+  report.open_edges = closed.open_edges;
+  report.non_manifold_edges = closed.non_manifold_edges;
+  report.holes = closed.holes;
+  report.doubled_triangles = closed.doubled_triangles;
+  report.turned_triangles = closed.turned_triangles;
+  report.turned_bodies = closed.turned_bodies;
+  report.area = closed.area * square;
+  report.hole_area = closed.cap_area * square;
+  report.widest_hole = closed.widest_hole * voxel_size;
+  return report;
+}
+
+/// The advice is a voxel size that shows a plate of the surface's volume and area.
+absl::Status nothing_inside(const ClosedSurface& closed, double voxel_size) {
+  const double thickness = closed.area > 0 ? 2 * closed.volume / closed.area : 0;
+  if (!(thickness > 1e-6)) {
+    return absl::InvalidArgumentError(
+        "the surface encloses nothing: it is a sheet without thickness, which no voxel size "
+        "makes a solid; choose --open shell, or give it a thickness");
+  }
+  return absl::InvalidArgumentError(
+      absl::StrFormat("voxel size %g is too large: no voxel centre lies inside the surface, "
+                      "whose walls are about "
+                      "%.3g thick; use at most %.3g",
+                      voxel_size, thickness * voxel_size, thickness * voxel_size / 2.5));
+}
+
 struct Converted {
-  FloatGrid::Ptr grid;
+  FloatGrid::Ptr grid;  ///< in world units, with metadata
   ConversionReport report;
 };
 
-absl::StatusOr<Converted> convert(const TriangleSurface& surface, double voxel_size) {
-  if (!(voxel_size > 0) || !std::isfinite(voxel_size)) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("voxel size %g is not positive", voxel_size));
+/// From voxels to world units; the metadata say what the grid was made of.
+void finish(const VoxelSurface& voxels, Converted& converted) {
+  FloatGrid& grid = *converted.grid;
+  const auto size = static_cast<float>(voxels.voxel_size);
+  const float background = grid.background() * size;
+  if (size != 1) {
+    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+      float* const value = leaf->buffer().data();
+      std::for_each(value, value + kBrickCells, [&](float& v) { v *= size; });
+    }
+    auto tile = grid.tree().beginValueAll();
+    tile.setMaxDepth(FloatGrid::TreeType::ValueAllIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) tile.setValue(*tile * size);
+    grid.tree().root().setBackground(background, /*updateChildNodes=*/false);
   }
-  if (surface.triangles.empty()) {
-    return absl::InvalidArgumentError("the surface has no triangle");
+  grid.setTransform(uniform_transform(voxels.voxel_size, voxels.translation));
+  grid.setGridClass(openvdb::GRID_LEVEL_SET);
+  grid.setName("surface");
+  grid.insertMeta(kSurfaceMetadata, openvdb::StringMetadata(converted.report.text()));
+  const auto warnings = converted.report.warnings();
+  for (std::size_t i = 0; i < warnings.size(); ++i) {
+    grid.insertMeta(absl::StrFormat("%s_warning_%d", kSurfaceMetadata, i + 1),
+                    openvdb::StringMetadata(warnings[i]));
   }
-  const IndexSpaceMesh mesh(surface, voxel_size);
-  if (absl::Status s = check_size(mesh, voxel_size); !s.ok()) return s;
+}
 
+absl::StatusOr<Converted> convert(const TriangleSurface& surface,
+                                  double voxel_size,
+                                  OpenSurface open) {
+  const absl::StatusOr<VoxelSurface> voxels = to_voxels(surface, voxel_size);
+  if (!voxels.ok()) return voxels.status();
   openvdb::initialize();
-  const SurfaceEdges edges = count_edges(surface);
-  const auto transform = openvdb::math::Transform::createLinearTransform(voxel_size);
-  const bool closed = edges.open == 0;
+  const double weld = std::clamp(2 * voxels->noise, kWeldVoxels, kGapVoxels / 2);
+  const ClosedSurface closed = close_surface(voxels->surface, weld, kGapVoxels);
   Converted result;
-  result.grid = closed ? convert_closed(mesh, *transform) : convert_open(mesh, *transform);
-  if (!has_inside(*result.grid)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "voxel size %g is too large: no voxel centre lies inside the surface", voxel_size));
+  result.report = describe(surface, closed, voxel_size);
+  const absl::StatusOr<ConvertedTo> kind = choose_kind(closed, open);
+  if (!kind.ok()) {
+    return absl::FailedPreconditionError(open_surface_refusal(result.report));
   }
-  result.grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  result.grid->setName("surface");
-  result.report = {surface.vertices.size(),
-                   surface.triangles.size(),
-                   edges.open,
-                   edges.non_manifold,
-                   closed,
-                   0};
+  result.report.kind = *kind;
+  const bool shell = *kind == ConvertedTo::kShell;
+  result.grid = shell ? make_shell(voxels->surface) : make_solid(closed, result.report);
+  if (!has_inside(*result.grid)) return nothing_inside(closed, voxel_size);
+  const double cube = voxel_size * voxel_size * voxel_size;
+  result.report.volume = level_set_volume(*result.grid) * cube;
+  if (!shell && !result.report.overlaps) result.report.surface_volume = closed.volume * cube;
   result.report.active_voxels = result.grid->activeVoxelCount();
+  finish(*voxels, result);
   return result;
 }
 
@@ -177,27 +226,11 @@ std::invoke_result_t<Work> guarded(const Work& work) {
 
 }  // namespace
 
-std::string ConversionReport::text() const {
-  const std::string found =
-      absl::StrFormat("%d triangles, %d vertices", triangles, vertices) +
-      (non_manifold_edges == 0
-           ? ""
-           : absl::StrFormat(", %d non-manifold edges", non_manifold_edges));
-  if (closed) {
-    return absl::StrFormat(
-        "closed surface (%s): a signed level set of what it encloses, %d active voxels", found,
-        active_voxels);
-  }
-  return absl::StrFormat(
-      "open surface (%s, %d open edges): it has no inside, so it became a shell two voxels "
-      "thick, %d active voxels",
-      found, open_edges, active_voxels);
-}
-
 absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
-                                                double voxel_size) {
+                                                double voxel_size,
+                                                OpenSurface open) {
   return guarded([&]() -> absl::StatusOr<SurfaceVolume> {
-    const absl::StatusOr<Converted> converted = convert(surface, voxel_size);
+    const absl::StatusOr<Converted> converted = convert(surface, voxel_size, open);
     if (!converted.ok()) return converted.status();
     absl::StatusOr<Volume> volume = copy_grid(*converted->grid);
     if (!volume.ok()) return volume.status();
@@ -207,9 +240,10 @@ absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
 
 absl::StatusOr<ConversionReport> surface_to_vdb(const TriangleSurface& surface,
                                                 double voxel_size,
-                                                const std::string& path) {
+                                                const std::string& path,
+                                                OpenSurface open) {
   return guarded([&]() -> absl::StatusOr<ConversionReport> {
-    const absl::StatusOr<Converted> converted = convert(surface, voxel_size);
+    const absl::StatusOr<Converted> converted = convert(surface, voxel_size, open);
     if (!converted.ok()) return converted.status();
     if (absl::Status s = write_vdb(converted->grid, path); !s.ok()) return s;
     return converted->report;

@@ -1,27 +1,15 @@
 // Triangle surfaces in, level sets out: in memory or as a .vdb file.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include <absl/status/statusor.h>
 
 #include "core/surface/triangle_surface.h"
+#include "core/vdb/conversion_report.h"
 #include "core/volume/volume.h"
 
 namespace tet {
-
-/// What a conversion found and did.
-struct ConversionReport {
-  std::uint64_t vertices = 0, triangles = 0;
-  std::uint64_t open_edges = 0;          ///< edges of one triangle only
-  std::uint64_t non_manifold_edges = 0;  ///< edges of three or more
-  bool closed = false;                   ///< no open edge: inside is what the surface encloses
-  std::uint64_t active_voxels = 0;
-
-  /// Tells the user in one sentence which it was, and what was done.
-  std::string text() const;
-};
 
 struct SurfaceVolume {
   Volume volume;
@@ -30,19 +18,24 @@ struct SurfaceVolume {
 
 /// The narrow-band level set (half width 3 voxels) of a surface, named "surface".
 ///
-/// A closed surface's inside is what cannot be reached from far away, so hollows are filled. An
-/// open one has no inside: it becomes a shell two voxels thick, one on either side. Vertices of
-/// equal coordinates count as one. Error of the values: OpenVDB's, below a hundredth of a voxel
-/// near the surface. Errors: kInvalidArgument (voxel size not positive, or so large that
-/// nothing is inside), kResourceExhausted (so small that the band would not fit; says the value
-/// and the limit).
+/// Inside is what the surface goes around, by its winding number: solids that overlap are one,
+/// and a shell that is wound inwards within another is a cavity. Surfaces that are closed but
+/// for small faults are mended (core/surface/close_surface.h); of one that is open `open` says
+/// what becomes. Error of the values: below a hundredth of a voxel near the surface. The grid
+/// is the same for the same surface at any place and of any size, but for surfaces near to the
+/// origin, whose voxels are multiples of their size. Errors: kInvalidArgument (voxel size not
+/// positive, or so large that nothing is inside), kFailedPrecondition (the surface is open),
+/// kResourceExhausted (so small that the band would not fit; says the value and the limit).
 absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
-                                                double voxel_size);
+                                                double voxel_size,
+                                                OpenSurface open = OpenSurface::kRefuse);
 
 /// Converts a surface and writes the volume to `path` as a .vdb file, which is whole and on
-/// disk, or not there at all. Errors: also kUnavailable (the file cannot be written).
+/// disk, or not there at all. The grid's metadata say what it was made of. Errors: also
+/// kUnavailable (the file cannot be written).
 absl::StatusOr<ConversionReport> surface_to_vdb(const TriangleSurface& surface,
                                                 double voxel_size,
-                                                const std::string& path);
+                                                const std::string& path,
+                                                OpenSurface open = OpenSurface::kRefuse);
 
 }  // namespace tet

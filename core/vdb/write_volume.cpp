@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/vdb/vdb_grids.h"
+#include "core/vdb/vdb_transform.h"
 #include "core/vdb/write_vdb.h"
 
 namespace tet {
@@ -25,9 +26,20 @@ openvdb::Coord lowest_voxel(const BrickCoord& brick) {
   return {brick.x * kBrickEdge, brick.y * kBrickEdge, brick.z * kBrickEdge};
 }
 
+bool is_upright(const VoxelTransform& transform) {
+  const auto& a = transform.linear;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (a[i][j] != (i == j ? transform.voxel_size : 0)) return false;
+    }
+  }
+  return true;
+}
+
 openvdb::math::Transform::Ptr transform_of(const VoxelTransform& transform) {
   const auto& a = transform.linear;
   const auto& t = transform.translation;
+  if (is_upright(transform)) return uniform_transform(transform.voxel_size, {t[0], t[1], t[2]});
   // OpenVDB's vectors are rows.
   const openvdb::Mat4d matrix(a[0][0], a[1][0], a[2][0], 0.0,  //
                               a[0][1], a[1][1], a[2][1], 0.0,  //

@@ -17,7 +17,7 @@ namespace tet {
 namespace {
 
 constexpr std::array<char, 8> kListMagic{'t', 'e', 't', '-', 'i', 'n', 'f', '\n'};
-constexpr std::uint32_t kListVersion = 1;
+constexpr std::uint32_t kListVersion = 2;
 constexpr std::size_t kMaxTextBytes = 1000;
 
 struct ListHeader {
@@ -40,8 +40,10 @@ struct Record {
   std::uint32_t grid_class_bytes = 0;
   std::uint32_t not_meshable_bytes = 0;
   std::uint32_t field_components = 0;
+  std::uint32_t made_of_bytes = 0;
+  std::uint32_t reserved = 0;
 };
-static_assert(sizeof(Record) == 64);
+static_assert(sizeof(Record) == 72);
 
 Record record_of(const GridInfo& grid) {
   Record record;
@@ -54,6 +56,7 @@ Record record_of(const GridInfo& grid) {
   record.grid_class_bytes = static_cast<std::uint32_t>(grid.grid_class.size());
   record.not_meshable_bytes = static_cast<std::uint32_t>(grid.not_meshable.size());
   record.field_components = grid.field_components;
+  record.made_of_bytes = static_cast<std::uint32_t>(grid.made_of.size());
   return record;
 }
 
@@ -102,13 +105,15 @@ absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text)
   if (!take(text, record.name_bytes, kMaxGridNameBytes, grid.name) ||
       !take(text, record.value_type_bytes, kMaxTextBytes, grid.value_type) ||
       !take(text, record.grid_class_bytes, kMaxTextBytes, grid.grid_class) ||
-      !take(text, record.not_meshable_bytes, kMaxTextBytes, grid.not_meshable)) {
+      !take(text, record.not_meshable_bytes, kMaxTextBytes, grid.not_meshable) ||
+      !take(text, record.made_of_bytes, kMaxTextBytes, grid.made_of)) {
     return wrong_list("a text is too long");
   }
   if (!is_printable(grid.value_type) || !is_printable(grid.grid_class) ||
-      !is_printable(grid.not_meshable)) {
+      !is_printable(grid.not_meshable) || !is_printable(grid.made_of)) {
     return wrong_list("a text is not printable");
   }
+  if (record.reserved != 0) return wrong_list("a reserved number is not zero");
   if (!is_box(record.active_box)) return wrong_list("a box is none");
   if (!is_component_count(record.field_components))
     return wrong_list("a field has no such values");
@@ -130,7 +135,8 @@ absl::Status write_flat_grid_list(std::span<const GridInfo> grids, const ByteSin
   std::string text;
   for (const GridInfo& grid : grids) {
     records.push_back(record_of(grid));
-    absl::StrAppend(&text, grid.name, grid.value_type, grid.grid_class, grid.not_meshable);
+    absl::StrAppend(&text, grid.name, grid.value_type, grid.grid_class, grid.not_meshable,
+                    grid.made_of);
   }
   ListHeader header;
   header.grid_count = records.size();

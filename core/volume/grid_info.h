@@ -22,6 +22,7 @@ struct GridInfo {
   float background = 0;                ///< 0 for grids that are not float or double
   std::string not_meshable;            ///< why the mesher refuses it; empty when it does not
   std::uint32_t field_components = 0;  ///< 1 or 3 of a grid that can be a field; else 0
+  std::string made_of;  ///< what the grid says of the surface that it was converted from
 };
 
 }  // namespace tet

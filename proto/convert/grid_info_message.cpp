@@ -11,6 +11,7 @@ void to_proto(const GridInfo& info, v1::GridInfo& message) {
   message.set_background(info.background);
   message.set_not_meshable_reason(info.not_meshable);
   message.set_field_components(static_cast<std::int32_t>(info.field_components));
+  message.set_made_of(info.made_of);
   if (info.active_box.empty()) return;
   v1::VoxelBox& box = *message.mutable_active_box();
   box.set_min_x(info.active_box.min.x);

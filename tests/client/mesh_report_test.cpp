@@ -153,5 +153,33 @@ TEST(ExitCode, TellsWhoIsToBlame) {
   EXPECT_EQ(exit_code_of(absl::StatusCode::kDataLoss), ExitCode::kServer);
 }
 
+TEST(MeshReport, SuggestsNoSpacingWhereNoneIsKnown) {
+  MadeMesh made = made_cube();
+  made.thin_walls.inside = 30;
+  made.thin_walls.region_count = 1;
+  EXPECT_THAT(thin_walls_warning(made.thin_walls),
+              testing::HasSubstr("no spacing is known that would"));
+}
+
+TEST(MeshReport, ComparesTheMeshWithTheSurfaceThatWasConverted) {
+  MadeMesh made = made_cube();
+  EXPECT_EQ(volume_warning(made), "");
+  ConversionReport surface;
+  surface.area = 6;
+  surface.voxel_size = 0.125;
+  surface.volume = made.quality.volume;
+  surface.surface_volume = made.quality.volume + 0.03;
+  made.surface = surface;
+  EXPECT_EQ(volume_warning(made), "") << "within a twentieth of spacing times area";
+  made.surface->surface_volume = made.quality.volume + 8;
+  EXPECT_THAT(volume_warning(made), testing::HasSubstr("does not resolve it"));
+  const auto told = report_of(made)["surface"];
+  EXPECT_EQ(told["converted_to"], "solid");
+  EXPECT_EQ(told["volume"], made.quality.volume + 8);
+  EXPECT_EQ(told["warnings"].size(), 2U) << "of the level set, and of the mesh";
+  made.cuts_inside = true;
+  EXPECT_EQ(volume_warning(made), "") << "a part of it has another volume";
+}
+
 }  // namespace
 }  // namespace tet

@@ -50,13 +50,13 @@ def commands_of(text):
     return commands
 
 
-def octahedron(path):
-    """A closed surface in an .obj file: small, but sixty voxels of 0.02 across."""
+def octahedron(path, missing=0):
+    """A surface in an .obj file, closed unless faces are missing: small, but sixty voxels of 0.02 across."""
     r = 0.6
     corners = [(r, 0, 0), (-r, 0, 0), (0, r, 0), (0, -r, 0), (0, 0, r), (0, 0, -r)]
     faces = [(1, 3, 5), (3, 2, 5), (2, 4, 5), (4, 1, 5), (3, 1, 6), (2, 3, 6), (4, 2, 6), (1, 4, 6)]
     path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) +
-                    "".join(f"f {a} {b} {c}\n" for a, b, c in faces))
+                    "".join(f"f {a} {b} {c}\n" for a, b, c in faces[missing:]))
 
 
 class Commands(ServerTest):
@@ -67,6 +67,7 @@ class Commands(ServerTest):
         (self.out / "docs").symlink_to(ROOT / "docs")
         (self.out / "scans").mkdir()
         octahedron(self.out / "bunny.obj")
+        octahedron(self.out / "scan.obj", missing=1)
         for name, (kind, voxel) in FILES.items():
             subprocess.run([binaries() / "make_fixture", kind, str(voxel), self.out / name],
                            check=True)

@@ -92,7 +92,7 @@ std::string deterministic_bytes(const v1::Job& job) {
 
 void describe_job(CLI::App& app, JobArguments& arguments) {
   describe_request(app, arguments.request);
-  app.add_option("--voxel", arguments.voxel, "Voxel size for a surface [longest extent / 128]");
+  describe_surface(app, arguments.surface);
   app.add_option("--name", arguments.name, "What people call the job [the file's name]")
       ->group(kGroup);
   app.add_option("--label", arguments.labels, "To find the job by; may be repeated")
@@ -118,7 +118,7 @@ void describe_job(CLI::App& app, JobArguments& arguments) {
 absl::StatusOr<JobOrder> understand_job(const JobArguments& arguments) {
   absl::StatusOr<MeshRequest> request = understand_request(arguments.request);
   if (!request.ok()) return request.status();
-  JobOrder order{{arguments.input, arguments.request.grids, arguments.voxel}, {}};
+  JobOrder order{{arguments.input, arguments.request.grids, arguments.surface}, {}};
   for (VertexField& field : request->fields) field.file = place_of(field.file);
   v1::Job& job = order.job;
   *job.mutable_mesh() = wire_request(*request, "", arguments.request.grids);
@@ -141,7 +141,11 @@ std::string digest_of(const JobOrder& order) {
   const std::string place = place_of(order.input.path);
   Sha256 digest;
   digest.add(absl::StrCat(place.size(), ":", place));
-  digest.add(absl::StrFormat("%a:", order.input.voxel.value_or(0)));
+  digest.add(absl::StrFormat("%a:", order.input.surface.voxel.value_or(0)));
+  // It adds nothing where it is not said, so that orders of earlier versions are known again.
+  if (const auto& open = order.input.surface.open) {
+    digest.add(absl::StrFormat("%d:", static_cast<int>(*open)));
+  }
   digest.add(deterministic_bytes(order.job));
   return digest.finish_hex();
 }

@@ -21,7 +21,7 @@ namespace tet {
 /// Before it is understood.
 struct JobArguments {
   std::string input;  ///< a path, or the name or digest of a stored file
-  std::optional<double> voxel;
+  SurfaceChoices surface;
   RequestArguments request;
   std::string name;                 ///< empty takes the file's, without its ending
   std::vector<std::string> labels;  ///< KEY=VALUE; of two with one key the later holds

@@ -125,7 +125,11 @@ class Submitter {
             [&](std::uint64_t done, std::uint64_t total) {
               progress(worker, static_cast<double>(done) / static_cast<double>(total));
             },
-        .say = watch_.say};
+        .converted =
+            [&](const ConversionReport& report) {
+              watch_.say(
+                  absl::StrCat(orders_[i].input.path, ": ", describe_conversion(report)));
+            }};
     const auto store = [&](const MeshInput& input) {
       if (anew) uploads_.forget(input);
       return uploads_.name_of(input, watch, cancellation_);

@@ -31,10 +31,23 @@ Result<Volume> public_volume(absl::StatusOr<tet::Volume> volume) {
       Volume::Impl{{std::make_shared<const tet::Volume>(*std::move(volume))}}));
 }
 
+tet::OpenSurface choice_of(OpenSurface open) {
+  switch (open) {
+    case OpenSurface::kClose:
+      return tet::OpenSurface::kClose;
+    case OpenSurface::kShell:
+      return tet::OpenSurface::kShell;
+    default:
+      return tet::OpenSurface::kRefuse;
+  }
+}
+
 absl::StatusOr<tet::Volume> converted(const absl::StatusOr<tet::TriangleSurface>& surface,
-                                      double voxel_size) {
+                                      double voxel_size,
+                                      OpenSurface open) {
   if (!surface.ok()) return surface.status();
-  absl::StatusOr<tet::SurfaceVolume> made = tet::surface_to_volume(*surface, voxel_size);
+  absl::StatusOr<tet::SurfaceVolume> made =
+      tet::surface_to_volume(*surface, voxel_size, choice_of(open));
   if (!made.ok()) return made.status();
   return std::move(made->volume);
 }
@@ -102,12 +115,18 @@ Result<Volume> Volume::values_from_vdb(const std::string& path, const VdbOptions
   return guarded([&] { return read_values(path, options); });
 }
 
-Result<Volume> Volume::from_triangles(const Triangles& triangles, double voxel_size) {
-  return guarded([&] { return public_volume(converted(surface_of(triangles), voxel_size)); });
+Result<Volume> Volume::from_triangles(const Triangles& triangles,
+                                      double voxel_size,
+                                      OpenSurface open) {
+  return guarded(
+      [&] { return public_volume(converted(surface_of(triangles), voxel_size, open)); });
 }
 
-Result<Volume> Volume::from_surface_file(const std::string& path, double voxel_size) {
-  return guarded([&] { return public_volume(converted(tet::read_surface(path), voxel_size)); });
+Result<Volume> Volume::from_surface_file(const std::string& path,
+                                         double voxel_size,
+                                         OpenSurface open) {
+  return guarded(
+      [&] { return public_volume(converted(tet::read_surface(path), voxel_size, open)); });
 }
 
 VolumeKind Volume::kind() const noexcept {

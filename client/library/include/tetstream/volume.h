@@ -41,6 +41,13 @@ struct Triangles {
   std::span<const std::uint32_t> triangles;  ///< three vertex ids of each triangle
 };
 
+/// What becomes of a surface with openings, which has no inside.
+enum class OpenSurface : std::uint8_t {
+  kRefuse,  ///< nothing: someone has to say what is meant
+  kClose,   ///< each opening gets a cap
+  kShell,   ///< a solid two voxels thick around the surface
+};
+
 /// How a .vdb file is read.
 struct VdbOptions {
   std::string grid = {};  ///< its name; empty takes the only one that fits
@@ -65,14 +72,20 @@ class TETSTREAM_API Volume {
   static Result<Volume> values_from_vdb(const std::string& path,
                                         const VdbOptions& options = {});
 
-  /// Makes a level set, three voxels to either side, of a closed surface. One that is not
-  /// closed becomes a shell two voxels thick. Errors: kInvalidArgument (an id without vertex,
-  /// no triangles, a voxel size that is not positive or larger than the inside),
-  /// kResourceExhausted (too many voxels).
-  static Result<Volume> from_triangles(const Triangles& triangles, double voxel_size);
+  /// Makes a level set, three voxels to either side, of what a closed surface goes around:
+  /// solids that overlap are one, and a shell that is wound inwards within another is a cavity.
+  /// Holes that are small are closed. Errors: kInvalidArgument (an id without vertex, no
+  /// triangles, a voxel size that is not positive or larger than the inside),
+  /// kFailedPrecondition (the surface is open, and `open` refuses it), kResourceExhausted (too
+  /// many voxels).
+  static Result<Volume> from_triangles(const Triangles& triangles,
+                                       double voxel_size,
+                                       OpenSurface open = OpenSurface::kRefuse);
   /// Makes a level set of an .obj, .stl or .ply file. Errors also: kNotFound, kInvalidArgument
   /// (with the line or byte).
-  static Result<Volume> from_surface_file(const std::string& path, double voxel_size);
+  static Result<Volume> from_surface_file(const std::string& path,
+                                          double voxel_size,
+                                          OpenSurface open = OpenSurface::kRefuse);
 
   VolumeKind kind() const noexcept;
   /// World units.

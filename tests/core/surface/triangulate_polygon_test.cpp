@@ -1,0 +1,76 @@
+#include "core/surface/triangulate_polygon.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/base/tet_geometry.h"
+
+namespace tet {
+namespace {
+
+/// Sums of the triangles' areas: as they are wound along the polygon's own normal, and without
+/// their signs.
+struct Areas {
+  double wound = 0, all = 0;
+};
+
+Areas areas_of(const std::vector<WorldPoint>& polygon) {
+  Areas areas;
+  for (const auto& [a, b, c] : triangulate_polygon(polygon)) {
+    const Vector n = cross(from_to(polygon[a], polygon[b]), from_to(polygon[a], polygon[c]));
+    areas.wound += n.z / 2;
+    areas.all += std::abs(n.z) / 2;
+  }
+  return areas;
+}
+
+std::vector<WorldPoint> turned_by(std::vector<WorldPoint> polygon, std::size_t first) {
+  std::rotate(polygon.begin(), polygon.begin() + static_cast<std::ptrdiff_t>(first),
+              polygon.end());
+  return polygon;
+}
+
+TEST(TriangulatePolygon, CoversConcavePolygonsOnceWhereverTheyBegin) {
+  const std::vector<WorldPoint> l{{0, 0, 0}, {3, 0, 0}, {3, 1, 0},
+                                  {1, 1, 0}, {1, 3, 0}, {0, 3, 0}};
+  std::vector<WorldPoint> comb{{0, -1, 0}, {20, -1, 0}};
+  for (int i = 20; i >= 0; --i) comb.push_back({1.0 * i, i % 2 == 0 ? 0.0 : 5.0, 0});
+  std::vector<WorldPoint> star;
+  for (int i = 0; i < 14; ++i) {
+    const double r = i % 2 == 0 ? 3 : 1, angle = M_PI * i / 7;
+    star.push_back({r * std::cos(angle), r * std::sin(angle), 0.1 * std::sin(5 * angle)});
+  }
+  for (const auto& polygon : {l, comb, star}) {
+    double area = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const WorldPoint &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+      area += (p.x * q.y - q.x * p.y) / 2;
+    }
+    for (std::size_t first = 0; first < polygon.size(); ++first) {
+      auto from_there = turned_by(polygon, first);
+      EXPECT_EQ(triangulate_polygon(from_there).size(), polygon.size() - 2);
+      EXPECT_NEAR(areas_of(from_there).wound, area, 1e-9);
+      EXPECT_NEAR(areas_of(from_there).all, area, 1e-9);
+      std::reverse(from_there.begin(), from_there.end());
+      EXPECT_NEAR(areas_of(from_there).wound, -area, 1e-9);
+      EXPECT_NEAR(areas_of(from_there).all, area, 1e-9);
+    }
+  }
+}
+
+TEST(TriangulatePolygon, FansConvexPolygonsAndWhatIsNone) {
+  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+  const std::vector<WorldPoint> square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  EXPECT_EQ(triangulate_polygon(square), (Triangles{{0, 1, 2}, {0, 2, 3}}));
+  const std::vector<WorldPoint> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  EXPECT_EQ(triangulate_polygon(line).size(), 2U);
+  const std::vector<WorldPoint> bow{{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 3, 0}};
+  EXPECT_EQ(triangulate_polygon(bow).size(), 2U);
+  EXPECT_TRUE(triangulate_polygon(std::span(square).first(2)).empty());
+  EXPECT_TRUE(triangulate_polygon({}).empty());
+}
+
+}  // namespace
+}  // namespace tet
