@@ -18,6 +18,12 @@ absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin
         absl::StrFormat("nothing%s is inside at iso %g, so there is nothing to mesh",
                         prepared.space.domain ? " in the box" : "", asked.iso));
   }
+  if (thin.suggested_spacing == 0) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
+        "left to mesh; sample a grid more finely, if it has more than its edges to show",
+        asked.iso, asked.spacing));
+  }
   return absl::FailedPreconditionError(absl::StrFormat(
       "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
       "left to mesh; a grid sampled and meshed at about %.3g would resolve it",

@@ -25,7 +25,9 @@ struct ThinWalls {
   std::vector<Region> regions;  ///< the kMaxRegions with the most spots, most first
   /// A quarter of the spots are thinner than this. 0 without spots, like the next.
   double thickness = 0;
-  /// A grid sampled this finely and meshed at this spacing would resolve walls so thick.
+  /// A grid sampled this finely and meshed at this spacing would resolve them. 0 where no
+  /// spacing is known to: at sharp edges, and where surfaces touch, walls and gaps come down to
+  /// nothing.
   double suggested_spacing = 0;
 
   bool any() const noexcept { return inside + outside > 0; }

@@ -77,20 +77,41 @@ std::vector<Group> gather_groups(const std::vector<ThinBrick>& bricks) {
   return groups;
 }
 
-/// Finds the chord that a quarter of the spots do not reach, in spacings.
-double lower_quartile(const std::vector<ThinBrick>& bricks) {
-  std::array<std::uint64_t, ThinSpots::kBins> chords{};
-  std::uint64_t spots = 0;
-  for (const ThinBrick& thin : bricks) {
-    for (std::size_t bin = 0; bin < chords.size(); ++bin) {
-      chords[bin] += thin.spots.chords[bin];
-      spots += thin.spots.chords[bin];
+/// The chords of all spots, in spacings.
+class Chords {
+ public:
+  explicit Chords(const std::vector<ThinBrick>& bricks) {
+    for (const ThinBrick& thin : bricks) {
+      for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+        bins_[bin] += thin.spots.chords[bin];
+        spots_ += thin.spots.chords[bin];
+      }
     }
   }
-  std::size_t bin = 0;
-  for (std::uint64_t before = chords[0]; before * 4 <= spots; before += chords[bin]) ++bin;
-  return (static_cast<double>(bin) + 0.5) / ThinSpots::kBinsPerSpacing;
-}
+
+  /// The chord that one in `one_in` spots does not reach.
+  double quantile(std::uint64_t one_in) const {
+    std::size_t bin = 0;
+    for (std::uint64_t before = bins_[0]; before * one_in <= spots_; before += bins_[bin])
+      ++bin;
+    return (static_cast<double>(bin) + 0.5) / ThinSpots::kBinsPerSpacing;
+  }
+
+  /// The thickness of the walls that the spots lie in; 0 where they tell of none.
+  ///
+  /// Chords in walls are about as long as the walls are thick. At a sharp edge, or where two
+  /// surfaces touch, they are of any length down to nothing, and at a finer spacing the same is
+  /// seen on a smaller scale. Few spots tell neither.
+  double wall() const {
+    constexpr std::uint64_t kFewSpots = 48;
+    const double quarter = quantile(4);
+    return spots_ >= kFewSpots && quantile(20) >= quarter / 2 ? quarter : 0;
+  }
+
+ private:
+  std::array<std::uint64_t, ThinSpots::kBins> bins_{};
+  std::uint64_t spots_ = 0;
+};
 
 /// Reaches half a spacing beyond the spots' nodes.
 WorldBox world_box(const Group& group, const VoxelTransform& lattice) {
@@ -115,8 +136,9 @@ ThinWalls gather_thin_walls(const std::vector<ThinBrick>& bricks,
   for (const Group& group : std::span(groups).first(listed)) {
     walls.regions.push_back({world_box(group, lattice), group.inside, group.outside});
   }
-  walls.thickness = lower_quartile(bricks) * lattice.voxel_size;
-  walls.suggested_spacing = walls.thickness / kCellsAcross;
+  const Chords chords(bricks);
+  walls.thickness = chords.quantile(4) * lattice.voxel_size;
+  walls.suggested_spacing = chords.wall() * lattice.voxel_size / kCellsAcross;
   return walls;
 }
 

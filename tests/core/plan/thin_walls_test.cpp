@@ -107,6 +107,33 @@ TEST(ThinWalls, SuggestASpacingThatResolvesThem) {
   }
 }
 
+/// A wedge of `degrees`, `edge` voxels long on each side, turned.
+Volume wedge(double degrees, double edge) {
+  const double half = degrees * M_PI / 360, c = std::cos(0.7), s = std::sin(0.7);
+  const auto reach = static_cast<std::int32_t>(edge) + 6;
+  return test::narrow_band_volume(
+      {{-reach, -reach, -reach}, {reach, reach, reach}}, 3, [&](const VoxelCoord& v) {
+        const double x = c * v.x - s * v.y + edge / 2, u = s * v.x + c * v.y;
+        const double y = c * u - s * v.z, z = s * u + c * v.z;
+        const double sides = std::abs(y) * std::cos(half) - x * std::sin(half);
+        const double phi = std::max({sides, x - edge, std::abs(z) - edge / 2});
+        return static_cast<float>(std::clamp(phi, -3.0, 3.0));
+      });
+}
+
+TEST(ThinWalls, SuggestNoSpacingWhereAWallComesDownToNothing) {
+  for (const double degrees : {20.0, 40.0, 60.0}) {
+    for (const double edge : {24.0, 48.0}) {
+      SCOPED_TRACE(degrees);
+      const Meshed made = mesh(wedge(degrees, edge));
+      ASSERT_TRUE(made.status.ok()) << made.status;
+      EXPECT_TRUE(made.walls.any()) << edge;
+      EXPECT_EQ(made.walls.suggested_spacing, 0) << edge;
+      EXPECT_GT(made.walls.thickness, 0);
+    }
+  }
+}
+
 TEST(ThinWalls, TellGapsFromWalls) {
   const Meshed narrow = mesh(test::ball_with_gap(24, 0.8));
   ASSERT_TRUE(narrow.status.ok());

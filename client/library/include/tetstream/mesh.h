@@ -77,7 +77,7 @@ struct Statistics {
   /// Places where the lattice is too coarse for the surface's walls.
   struct ThinWalls {
     std::uint64_t inside = 0, outside = 0;
-    double suggested_spacing = 0;  ///< that would resolve most of them; 0 where there are none
+    double suggested_spacing = 0;  ///< that would resolve them; 0 where none is known
   };
 
   std::optional<Quality> quality;
