@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/surface/surface_edges.h"
+#include "core/surface/close_surface.h"
 #include "tests/support/test_directory.h"
 
 namespace tet {
@@ -81,9 +81,9 @@ TEST(ReadObj, ReadsTheBunnyAsAClosedSurface) {
   ASSERT_TRUE(surface.ok()) << surface.status();
   EXPECT_EQ(surface->vertices.size(), 34835U);
   EXPECT_EQ(surface->triangles.size(), 69666U);
-  const SurfaceEdges edges = count_edges(*surface);
-  EXPECT_EQ(edges.open, 0U);
-  EXPECT_EQ(edges.non_manifold, 0U);
+  const ClosedSurface closed = close_surface(*surface, 1e-6, 1e-6);
+  EXPECT_EQ(closed.open_edges, 0U);
+  EXPECT_EQ(closed.non_manifold_edges, 0U);
 }
 
 constexpr const char* kAsciiStl =
@@ -256,27 +256,6 @@ TEST(ReadSurface, SurvivesBytesThatChangedAtRandom) {
       }
     }
   }
-}
-
-TEST(CountEdges, TellsAnOpenSurfaceFromAClosedOne) {
-  // A tetrahedron whose faces share no vertices, as STL would have it.
-  TriangleSurface surface;
-  const std::array<WorldPoint, 4> p{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  for (const Corners& corners :
-       {Corners{0, 2, 1}, Corners{0, 1, 3}, Corners{1, 2, 3}, Corners{0, 3, 2}}) {
-    const auto first = static_cast<std::uint32_t>(surface.vertices.size());
-    for (const std::uint32_t c : corners) surface.vertices.push_back(p[c]);
-    surface.triangles.push_back({first, first + 1, first + 2});
-  }
-  EXPECT_EQ(count_edges(surface).open, 0U);
-  surface.triangles.push_back({0, 0, 1});  // a line hurts nobody
-  EXPECT_EQ(count_edges(surface).open, 0U);
-  surface.triangles.push_back(surface.triangles[0]);
-  EXPECT_EQ(count_edges(surface).non_manifold, 3U);
-  surface.triangles.erase(surface.triangles.begin(), surface.triangles.begin() + 1);
-  EXPECT_EQ(count_edges(surface).open, 0U);
-  surface.triangles.pop_back();
-  EXPECT_EQ(count_edges(surface).open, 3U);
 }
 
 }  // namespace

@@ -152,5 +152,23 @@ TEST(CloseSurface, FindsNothingInASheet) {
   EXPECT_NEAR(result.cap_area, 16, 1e-9);
 }
 
+TEST(CloseSurface, TellsAnOpenSurfaceFromAClosedOne) {
+  // A tetrahedron whose faces share no vertices, as STL would have it.
+  TriangleSurface tetrahedron;
+  tetrahedron.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  TriangleSurface surface = test::torn(tetrahedron);
+  EXPECT_EQ(closed(surface).open_edges, 0U);
+  surface.triangles.push_back({0, 0, 1});  // a line hurts nobody
+  EXPECT_EQ(closed(surface).open_edges, 0U);
+  const auto away = static_cast<std::uint32_t>(surface.vertices.size());
+  surface.vertices.push_back({5, 5, 5});
+  surface.triangles.push_back({0, 1, away});  // another side on one of its edges
+  EXPECT_EQ(closed(surface).non_manifold_edges, 1U);
+  surface.triangles.pop_back();
+  surface.triangles.erase(surface.triangles.begin());
+  EXPECT_EQ(closed(surface).open_edges, 3U);
+}
+
 }  // namespace
 }  // namespace tet
