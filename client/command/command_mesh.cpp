@@ -137,7 +137,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
   }
   if (const std::string warning = volume_warning(*made); !warning.empty()) {
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());
   }
   return absl::OkStatus();
 }
