@@ -13,7 +13,7 @@ namespace tet {
 namespace {
 
 std::optional<PlyType> parse_type(std::string_view word) {
-  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
+  static constexpr std::array<std::pair<std::string_view, PlyType>, 18> kTypes{{
       {"char", {PlyType::kSigned, 1}},
       {"int8", {PlyType::kSigned, 1}},
       {"uchar", {PlyType::kUnsigned, 1}},
@@ -26,6 +26,8 @@ std::optional<PlyType> parse_type(std::string_view word) {
       {"int32", {PlyType::kSigned, 4}},
       {"uint", {PlyType::kUnsigned, 4}},
       {"uint32", {PlyType::kUnsigned, 4}},
+      {"int64", {PlyType::kSigned, 8}},
+      {"uint64", {PlyType::kUnsigned, 8}},
       {"float", {PlyType::kFloat, 4}},
       {"float32", {PlyType::kFloat, 4}},
       {"double", {PlyType::kFloat, 8}},
@@ -89,7 +91,8 @@ absl::Status parse_line(std::string_view keyword, std::string_view words, PlyHea
   if (keyword == "format") return parse_format(words, header);
   if (keyword == "element") return parse_element(words, header);
   if (keyword == "property") return parse_property(words, header);
-  if (keyword == "comment" || keyword == "obj_info") return absl::OkStatus();
+  const bool says_nothing = keyword.empty() || keyword == "comment" || keyword == "obj_info";
+  if (says_nothing) return absl::OkStatus();
   return bad("unknown keyword", keyword);
 }
 
@@ -97,14 +100,20 @@ absl::Status parse_line(std::string_view keyword, std::string_view words, PlyHea
 
 absl::StatusOr<PlyHeader> read_ply_header(std::string_view bytes) {
   PlyHeader header;
-  LineReader lines(bytes);
-  if (!lines.next() || lines.line() != "ply")
+  if (absl::Status s = check_not_utf16(bytes); !s.ok()) return s;
+  LineReader lines(without_byte_order_mark(bytes));
+  std::string_view first = lines.next() ? lines.line() : std::string_view();
+  if (take_word(first) != "ply" || !take_word(first).empty()) {
     return line_error(1, "the first line is not 'ply'");
+  }
+  const bool ends_with_return = lines.line_end() == "\r";
   while (lines.next()) {
     std::string_view words = lines.line();
     const std::string_view keyword = take_word(words);
     if (keyword == "end_header") {
       header.body = bytes.size() - lines.rest().size();
+      // Where \r ends every line, \n is the first byte of the body.
+      if (ends_with_return && lines.line_end() == "\r\n") --header.body;
       for (const PlyElement& element : header.elements) {
         if (element.properties.empty()) return bad("no properties in element", element.name);
       }

@@ -1,3 +1,9 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <absl/strings/str_format.h>
 
 #include "core/files/surface_file.h"
@@ -39,25 +45,84 @@ absl::Status read_face(std::string_view words,
   return absl::OkStatus();
 }
 
+/// Whether the next line goes on with this one: of a vertex or a face. A comment or a name may
+/// end in a backslash, as paths do, and must not take the next vertex with it.
+bool goes_on(std::string_view line) {
+  if (!line.ends_with('\\') || line.find('#') != std::string_view::npos) return false;
+  const std::string_view keyword = take_word(line);
+  return keyword == "v" || keyword == "f" || keyword == "fo";
+}
+
+/// The statements of a text: lines, put together where a backslash ends one.
+class StatementReader {
+ public:
+  explicit StatementReader(std::string_view text) : lines_(text) {}
+
+  bool next() {
+    if (!lines_.next()) return false;
+    number_ = lines_.number();
+    statement_ = lines_.line();
+    if (goes_on(statement_)) join();
+    return true;
+  }
+  std::string_view statement() const noexcept { return statement_; }
+  std::size_t number() const noexcept { return number_; }  ///< of its first line
+
+ private:
+  void join() {
+    joined_.clear();
+    bool more = true;
+    while (more) {
+      std::string_view line = lines_.line();
+      more = line.ends_with('\\');
+      if (more) line.remove_suffix(1);
+      joined_.append(line).push_back(' ');
+      more = more && lines_.next();
+    }
+    statement_ = joined_;
+  }
+
+  LineReader lines_;
+  std::string_view statement_;
+  std::string joined_;
+  std::size_t number_ = 0;
+};
+
+/// Surfaces that are no polygons, and files within files: to leave them out would leave holes.
+bool is_unreadable(std::string_view keyword) {
+  constexpr std::array<std::string_view, 5> kUnreadable{"surf", "bzp", "bsp", "cdp", "call"};
+  return std::ranges::find(kUnreadable, keyword) != kUnreadable.end();
+}
+
+absl::Status read_statement(std::string_view words,
+                            std::vector<std::uint32_t>& corners,
+                            TriangleSurface& surface) {
+  const std::string_view keyword = take_word(words);
+  // "fo" is a face of version 2.
+  if (keyword == "f" || keyword == "fo") return read_face(words, corners, surface);
+  if (is_unreadable(keyword)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "'%s' cannot be read, only polygons: export the surface as polygons", keyword));
+  }
+  if (keyword != "v") return absl::OkStatus();
+  WorldPoint point;
+  if (!take_point(words, point)) {
+    return absl::InvalidArgumentError("a vertex needs three finite numbers");
+  }
+  surface.vertices.push_back(point);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<TriangleSurface> read_obj(std::string_view text) {
+  if (absl::Status s = check_not_utf16(text); !s.ok()) return s;
   TriangleSurface surface;
   std::vector<std::uint32_t> corners;
-  LineReader lines(text);
-  while (lines.next()) {
-    std::string_view words = lines.line();
-    const std::string_view keyword = take_word(words);
-    if (keyword == "v") {
-      WorldPoint point;
-      if (!take_point(words, point)) {
-        return line_error(lines.number(), "a vertex needs three finite numbers");
-      }
-      surface.vertices.push_back(point);
-    } else if (keyword == "f") {
-      const absl::Status status = read_face(words, corners, surface);
-      if (!status.ok()) return line_error(lines.number(), std::string(status.message()));
-    }
+  StatementReader statements(without_byte_order_mark(text));
+  while (statements.next()) {
+    const absl::Status status = read_statement(statements.statement(), corners, surface);
+    if (!status.ok()) return line_error(statements.number(), std::string(status.message()));
   }
   return checked(std::move(surface));
 }

@@ -20,7 +20,7 @@ double decode_as(const std::array<char, 8>& bytes) {
   return static_cast<double>(number);
 }
 
-/// A number of up to four bytes for integers and eight for floats: a double holds them all.
+/// A double holds them all, but for integers of eight bytes beyond 2^53, which are no corners.
 double decode(const std::array<char, 8>& bytes, PlyType type) {
   const bool is_signed = type.kind == PlyType::kSigned;
   if (type.kind == PlyType::kFloat) {
@@ -31,6 +31,8 @@ double decode(const std::array<char, 8>& bytes, PlyType type) {
       return is_signed ? decode_as<std::int8_t>(bytes) : decode_as<std::uint8_t>(bytes);
     case 2:
       return is_signed ? decode_as<std::int16_t>(bytes) : decode_as<std::uint16_t>(bytes);
+    case 8:
+      return is_signed ? decode_as<std::int64_t>(bytes) : decode_as<std::uint64_t>(bytes);
     default:
       return is_signed ? decode_as<std::int32_t>(bytes) : decode_as<std::uint32_t>(bytes);
   }
@@ -51,6 +53,12 @@ class PlyBody {
     return format_ == PlyFormat::kAscii ? 2 : type.size;
   }
 
+  /// Whether nothing follows but blanks, or zeros that fill a block.
+  bool is_over() const noexcept {
+    constexpr std::string_view kNothing(" \t\r\n\0\x1A", 6);
+    return bytes_.find_first_not_of(kNothing, at_) == std::string_view::npos;
+  }
+
   bool next(PlyType type, double& value) {
     return format_ == PlyFormat::kAscii ? next_word(value) : next_binary(type, value);
   }
@@ -61,7 +69,7 @@ class PlyBody {
     const std::size_t start = std::min(bytes_.find_first_not_of(kBlanks, at_), bytes_.size());
     const std::size_t end = std::min(bytes_.find_first_of(kBlanks, start), bytes_.size());
     at_ = start;
-    if (!parse_number(bytes_.substr(start, end - start), value)) return false;
+    if (!parse_any_number(bytes_.substr(start, end - start), value)) return false;
     at_ = end;
     return true;
   }
@@ -178,20 +186,70 @@ absl::Status read_vertices(PlyBody& body, const PlyElement& element, TriangleSur
   return absl::OkStatus();
 }
 
+absl::Status check_has_corners(const PlyElement& element) {
+  const bool has_corners =
+      std::ranges::any_of(element.properties, [](const PlyProperty& property) {
+        return property.count_type && holds_corners(property);
+      });
+  if (has_corners || element.count == 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "its element '%s' has no list 'vertex_indices' or 'vertex_index'", element.name));
+}
+
+/// A corner's vertex; `what` and `i` are what names it.
+absl::StatusOr<std::uint32_t> parse_corner(const PlyBody& body,
+                                           double corner,
+                                           std::string_view what,
+                                           std::uint64_t i) {
+  if (corner >= 0 && corner < 0xFFFFFFFF && corner == std::floor(corner)) {
+    return static_cast<std::uint32_t>(corner);
+  }
+  return byte_error(body, absl::StrFormat("%s %d names vertex %g", what, i, corner));
+}
+
 absl::Status read_faces(PlyBody& body, const PlyElement& element, TriangleSurface& surface) {
-  surface.triangles.reserve(element.count);
+  if (absl::Status s = check_has_corners(element); !s.ok()) return s;
+  surface.triangles.reserve(surface.triangles.size() + element.count);
   PlyRow row;
   std::vector<std::uint32_t> corners;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     if (absl::Status s = read_row(body, element, row); !s.ok()) return s;
     corners.clear();
-    for (const double corner : row.list) {
-      if (!(corner >= 0 && corner < 0xFFFFFFFF) || corner != std::floor(corner)) {
-        return byte_error(body, absl::StrFormat("face %d names vertex %g", i, corner));
-      }
-      corners.push_back(static_cast<std::uint32_t>(corner));
+    for (const double entry : row.list) {
+      const absl::StatusOr<std::uint32_t> corner = parse_corner(body, entry, "face", i);
+      if (!corner.ok()) return corner.status();
+      corners.push_back(*corner);
     }
     add_polygon(corners, surface);
+  }
+  return absl::OkStatus();
+}
+
+/// Every corner of a strip makes a triangle with the two before it, turned the other way each
+/// time; -1 begins another strip.
+absl::Status read_strips(PlyBody& body, const PlyElement& element, TriangleSurface& surface) {
+  if (absl::Status s = check_has_corners(element); !s.ok()) return s;
+  PlyRow row;
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    if (absl::Status s = read_row(body, element, row); !s.ok()) return s;
+    std::uint32_t before_last = 0, last = 0;
+    std::size_t length = 0;
+    for (const double entry : row.list) {
+      if (entry == -1) {
+        length = 0;
+        continue;
+      }
+      const absl::StatusOr<std::uint32_t> corner = parse_corner(body, entry, "strip", i);
+      if (!corner.ok()) return corner.status();
+      if (length >= 2 && length % 2 == 0) {
+        surface.triangles.push_back({before_last, last, *corner});
+      } else if (length >= 2) {
+        surface.triangles.push_back({last, before_last, *corner});
+      }
+      before_last = last;
+      last = *corner;
+      ++length;
+    }
   }
   return absl::OkStatus();
 }
@@ -200,6 +258,7 @@ absl::Status read_element(PlyBody& body, const PlyElement& element, TriangleSurf
   if (absl::Status s = check_count(body, element); !s.ok()) return s;
   if (element.name == "vertex") return read_vertices(body, element, surface);
   if (element.name == "face") return read_faces(body, element, surface);
+  if (element.name == "tristrips") return read_strips(body, element, surface);
   PlyRow skipped;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     if (absl::Status s = read_row(body, element, skipped); !s.ok()) return s;
@@ -228,6 +287,10 @@ absl::StatusOr<TriangleSurface> read_ply(std::string_view bytes) {
   TriangleSurface surface;
   for (const PlyElement& element : header->elements) {
     if (absl::Status s = read_element(body, element, surface); !s.ok()) return s;
+  }
+  if (!body.is_over()) {
+    return byte_error(body,
+                      "the header's elements end here, but more follows: a count is wrong");
   }
   if (absl::Status s = check_corners(surface); !s.ok()) return s;
   return checked(std::move(surface));

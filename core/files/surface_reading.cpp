@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <system_error>
 #include <utility>
 
 #include <absl/strings/str_format.h>
@@ -15,23 +16,40 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
 template <class Number>
-bool parse_whole(std::string_view word, Number& value) {
+std::errc parse_whole(std::string_view word, Number& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const char* const end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data(), end, value);
-  return error == std::errc() && stop == end;
+  return stop == end ? error : std::errc::invalid_argument;
+}
+
+/// Tells, of a number that no double can hold, that it is too small.
+bool is_tiny(std::string_view word) {
+  const std::size_t exponent = word.find_first_of("eE");
+  return exponent != std::string_view::npos && word.substr(exponent + 1).starts_with('-');
 }
 
 }  // namespace
 
 bool LineReader::next() {
   if (rest_.empty()) return false;
-  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
   line_ = rest_.substr(0, end);
-  if (line_.ends_with('\r')) line_.remove_suffix(1);
-  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  rest_.remove_prefix(end);
+  line_end_ = rest_.substr(0, rest_.starts_with("\r\n") ? 2 : 1);
+  rest_.remove_prefix(line_end_.size());
   ++number_;
   return true;
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
+absl::Status check_not_utf16(std::string_view text) {
+  if (!text.starts_with("\xFF\xFE") && !text.starts_with("\xFE\xFF")) return absl::OkStatus();
+  return absl::InvalidArgumentError("it is text in UTF-16: save it as ASCII or UTF-8");
 }
 
 std::string_view take_word(std::string_view& text) {
@@ -46,12 +64,19 @@ absl::Status line_error(std::size_t line, std::string_view why) {
   return absl::InvalidArgumentError(absl::StrFormat("line %d: %s", line, why));
 }
 
+bool parse_any_number(std::string_view word, double& value) {
+  const std::errc error = parse_whole(word, value);
+  if (error != std::errc::result_out_of_range || !is_tiny(word)) return error == std::errc();
+  value = 0;
+  return true;
+}
+
 bool parse_number(std::string_view word, double& value) {
-  return parse_whole(word, value) && std::isfinite(value);
+  return parse_any_number(word, value) && std::isfinite(value);
 }
 
 bool parse_number(std::string_view word, std::int64_t& value) {
-  return parse_whole(word, value);
+  return parse_whole(word, value) == std::errc();
 }
 
 bool take_point(std::string_view& text, WorldPoint& point) {

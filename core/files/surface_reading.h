@@ -19,17 +19,25 @@ class LineReader {
  public:
   explicit LineReader(std::string_view text) : rest_(text) {}
 
-  /// Moves to the next line; false at the end. Line ends are \n or \r\n.
+  /// Moves to the next line; false at the end. Line ends are \n, \r\n or \r.
   bool next();
   std::string_view line() const noexcept { return line_; }
   std::size_t number() const noexcept { return number_; }
+  /// What ended the current line; empty at the end of the text.
+  std::string_view line_end() const noexcept { return line_end_; }
   /// What follows the current line.
   std::string_view rest() const noexcept { return rest_; }
 
  private:
-  std::string_view rest_, line_;
+  std::string_view rest_, line_, line_end_;
   std::size_t number_ = 0;
 };
+
+/// The text behind a byte order mark of UTF-8, if it begins with one.
+std::string_view without_byte_order_mark(std::string_view text);
+
+/// Errors: kInvalidArgument where it begins with a byte order mark of UTF-16.
+absl::Status check_not_utf16(std::string_view text);
 
 /// Takes the next word off the front of `text`; empty when there is none.
 std::string_view take_word(std::string_view& text);
@@ -37,6 +45,9 @@ std::string_view take_word(std::string_view& text);
 /// "line 12: why"
 absl::Status line_error(std::size_t line, std::string_view why);
 
+/// The whole word as a number, which may be infinite or none. What is too small for a double
+/// is 0.
+bool parse_any_number(std::string_view word, double& value);
 /// The whole word as a finite number.
 bool parse_number(std::string_view word, double& value);
 bool parse_number(std::string_view word, std::int64_t& value);

@@ -1,6 +1,8 @@
 #include "core/files/surface_file.h"
 
+#include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -61,6 +63,29 @@ TEST(ReadObj, CutsAPolygonIntoAFan) {
               ElementsAre(Corners{0, 1, 2}, Corners{0, 2, 3}, Corners{0, 3, 4}));
 }
 
+TEST(ReadObj, ReadsTextAsProgramsWriteIt) {
+  for (const char* text : {
+           "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+           "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
+           "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 \\\r\n3",
+           "# C:\\\nv 0 0 0\no a\\\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+           "v 0 0 0 1 .5 .5\nv 1 0 1e-999\nv 0 1 0\nfo 1// 2// 3//\n",
+       }) {
+    const auto surface = read_obj(text);
+    ASSERT_TRUE(surface.ok()) << surface.status() << '\n' << text;
+    EXPECT_THAT(surface->vertices,
+                ElementsAre(WorldPoint{0, 0, 0}, WorldPoint{1, 0, 0}, WorldPoint{0, 1, 0}));
+    EXPECT_THAT(surface->triangles, ElementsAre(Corners{0, 1, 2}));
+  }
+}
+
+TEST(ReadObj, LeavesNoSurfaceOutThatItCannotRead) {
+  EXPECT_THAT(message(read_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nsurf 0 1 0 1 1 2 3\n")),
+              HasSubstr("line 5: 'surf'"));
+  EXPECT_THAT(message(read_obj("call more.obj\n")), HasSubstr("line 1: 'call'"));
+  EXPECT_THAT(message(read_obj("\xFF\xFEv")), HasSubstr("UTF-16"));
+}
+
 TEST(ReadObj, NamesTheLineThatIsWrong) {
   EXPECT_THAT(message(read_obj("v 0 0 0\nv 0 0\n")), HasSubstr("line 2"));
   EXPECT_THAT(message(read_obj("v 0 0 nan\n")), HasSubstr("line 1"));
@@ -117,9 +142,58 @@ TEST(ReadStl, GivesEqualCornersOneVertexInTextAndInBinary) {
 TEST(ReadStl, RefusesWhatItsSizeDoesNotAllow) {
   EXPECT_THAT(message(read_stl(binary_stl(3))), HasSubstr("claims 3 triangles"));
   EXPECT_THAT(message(read_stl(binary_stl(0xFFFFFFFF))), HasSubstr("claims 4294967295"));
-  EXPECT_THAT(message(read_stl(binary_stl(0))), HasSubstr("no triangle"));
+  EXPECT_THAT(message(read_stl(binary_stl(0))), HasSubstr("claims 0 triangles"));
+  EXPECT_THAT(message(read_stl(binary_stl(0).substr(0, 84))), HasSubstr("no triangle"));
+  // A count that leaves triangles out, whatever follows.
+  for (const char* more : {"", "x"}) {
+    EXPECT_THAT(message(read_stl(binary_stl(1) + more)),
+                HasSubstr("byte 80: it claims 1 triangles, but its"));
+  }
   EXPECT_THAT(message(read_stl("")), HasSubstr("0 bytes"));
   EXPECT_THAT(message(read_stl("solid")), HasSubstr("no triangle"));
+}
+
+TEST(ReadStl, ReadsBinaryFilesThatBeginAsTextDoesOrEndInForeignBytes) {
+  for (const std::string header : {"solid", "solid facet normal 0 0 1 vertex 0 0 0", ""}) {
+    for (const std::string& end :
+         {std::string("\n"), std::string("ab"), std::string(512, '\0')}) {
+      const auto surface = read_stl(binary_stl(2, header) + end);
+      ASSERT_TRUE(surface.ok()) << surface.status();
+      EXPECT_EQ(surface->triangles.size(), 2U);
+    }
+  }
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != std::string::npos;
+       at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+  return text;
+}
+
+TEST(ReadStl, ReadsTextAsProgramsWriteIt) {
+  const std::string text = kAsciiStl;
+  std::string upper = text;
+  std::transform(upper.begin(), upper.end(), upper.begin(), ::toupper);
+  const std::vector<std::string> files{
+      replaced(text, "\n", "\r"),
+      replaced(text, "\n", "\r\n"),
+      replaced(text, "\n", " "),
+      replaced(text, " two\n", "\n"),
+      replaced(text, "two", "two facets of a vertex 1 2"),
+      replaced(text, "0 0 1\n", "nan -nan(ind) 1\n"),
+      upper,
+      "\xEF\xBB\xBF" + text,
+      "\n \n; exported\n# by hand\n" + text,
+      "  " + text,
+  };
+  for (const std::string& file : files) {
+    const auto surface = read_stl(file);
+    ASSERT_TRUE(surface.ok()) << surface.status() << '\n' << file;
+    EXPECT_THAT(surface->triangles, ElementsAre(Corners{0, 1, 2}, Corners{1, 3, 2})) << file;
+  }
+  EXPECT_EQ(read_stl(text + replaced(text, "two", "three"))->triangles.size(), 4U);
 }
 
 TEST(ReadStl, NamesThePlaceThatIsWrong) {
@@ -173,6 +247,50 @@ TEST(ReadPly, ReadsEveryFormat) {
     EXPECT_THAT(surface->triangles,
                 ElementsAre(Corners{0, 1, 2}, Corners{0, 1, 2}, Corners{0, 2, 3}));
   }
+}
+
+/// A line end of each kind, and a body that begins with one.
+TEST(ReadPly, ReadsHeadersOfEveryLineEnd) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const std::string header = replaced(
+        "ply\nformat binary_big_endian 1.0\n\ncomment x\nelement vertex 3\n"
+        "property uchar first\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar uint64 vertex_indices\nend_header\n",
+        "\n", end);
+    const auto vertex = [](float x, float y) {
+      return "\n" + big(packed(x)) + big(packed(y)) + big(packed(0.F));
+    };
+    std::string bytes = header + vertex(0, 0) + vertex(1, 0) + vertex(0, 1) + "\3";
+    for (const std::uint64_t id : {0U, 1U, 2U}) bytes += big(packed(id));
+    const auto surface = read_ply(bytes);
+    ASSERT_TRUE(surface.ok()) << surface.status();
+    EXPECT_EQ(surface->vertices[1], (WorldPoint{1, 0, 0}));
+    EXPECT_THAT(surface->triangles, ElementsAre(Corners{0, 1, 2}));
+  }
+}
+
+TEST(ReadPly, ReadsStripsOfTriangles) {
+  const std::string start =
+      "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+      "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+      "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n5 5 5\n";
+  const auto surface = read_ply(start + "9 0 1 2 3 4 -1 0 1 5\n");
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_THAT(surface->triangles, ElementsAre(Corners{0, 1, 2}, Corners{2, 1, 3},
+                                              Corners{2, 3, 4}, Corners{0, 1, 5}));
+  EXPECT_THAT(message(read_ply(start + "3 0 1 -2\n")), HasSubstr("strip 0 names vertex -2"));
+}
+
+TEST(ReadPly, TakesAnyNumberWhereItNeedsNone) {
+  const auto surface = read_ply(replaced(ascii_ply(), "255 0 0 0", "nan 0 0 0"));
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_TRUE(read_ply("\xEF\xBB\xBF" + ascii_ply() + " \n").ok());
+}
+
+TEST(ReadPly, LeavesNoFaceOut) {
+  EXPECT_THAT(message(read_ply(ascii_ply() + "3 0 1 2 1\n")), HasSubstr("more follows"));
+  EXPECT_THAT(message(read_ply(replaced(ascii_ply(), "vertex_indices", "corners"))),
+              HasSubstr("'face' has no list 'vertex_indices'"));
 }
 
 TEST(ReadPly, RefusesEveryTruncation) {
