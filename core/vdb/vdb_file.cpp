@@ -4,6 +4,8 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/vdb/grid_names.h"
+
 namespace tet {
 namespace {
 
@@ -63,6 +65,9 @@ void VdbFile::read_entries() {
     if (random_access) entry.descriptor.seekToEnd(stream_);
     entries_.push_back(std::move(entry));
   }
+  std::vector<std::string> stored;
+  for (const Entry& entry : entries_) stored.push_back(entry.descriptor.uniqueName());
+  names_ = shown_names(stored);
 }
 
 void VdbFile::check_extent(const Entry& entry, std::int64_t position) const {
@@ -88,10 +93,6 @@ void VdbFile::read_header(Entry& entry) {
   metadata_->gridMetadata() = static_cast<const vdb::MetaMap&>(*entry.grid);
   vdb::io::setGridClass(stream_, static_cast<std::uint32_t>(entry.grid->getGridClass()));
   entry.grid->readTransform(stream_);
-}
-
-std::string VdbFile::grid_name(std::size_t i) const {
-  return vdb::io::GridDescriptor::nameAsString(entries_[i].descriptor.uniqueName());
 }
 
 VdbFile::Entry& VdbFile::tree_owner(Entry& entry) {

@@ -29,8 +29,8 @@ class VdbFile : private openvdb::io::Archive {
 
   std::size_t grid_count() const noexcept { return entries_.size(); }
 
-  /// The grid's name; "name[0]", "name[1]", ... where several share one.
-  std::string grid_name(std::size_t i) const;
+  /// The grid's name, by shown_names.
+  const std::string& grid_name(std::size_t i) const { return names_[i]; }
 
   /// The grid; its tree is empty before `read_topology` and without values before
   /// `read_values`.
@@ -61,6 +61,7 @@ class VdbFile : private openvdb::io::Archive {
   std::istream stream_;
   std::int64_t size_ = 0;
   std::vector<Entry> entries_;
+  std::vector<std::string> names_;
 };
 
 }  // namespace tet

@@ -45,7 +45,7 @@ enum class WalkDepth : std::uint8_t {
 };
 
 struct GridOutline {
-  std::string name;         ///< "name[0]", "name[1]", ... where several grids share one
+  std::string name;         ///< by shown_names: "name[0]", ... where several share one
   std::string unique_name;  ///< as stored: "name\x1e0", ...
   std::string tree_type;    ///< "Tree_float_5_4_3", ...; without the ending for half floats
   std::string grid_class;   ///< "level set", "fog volume", ...; empty when the file has none

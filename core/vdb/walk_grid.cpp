@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "core/base/utf8.h"
 #include "core/vdb/memory_charge.h"
 #include "core/vdb/tree_type.h"
 #include "core/vdb/walk_refusal.h"
@@ -17,7 +15,6 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kLongestTreeType = 64;
-constexpr char kSuffixSeparator = '\x1e';
 
 /// Where a grid says that its parts lie; all 0 in files without offsets.
 struct Extent {
@@ -31,13 +28,6 @@ struct GridDescriptor {
   std::string parent;  // unique name of the grid whose tree it shares
   Extent extent;
 };
-
-/// "name", or "name[2]" for the third of that name.
-std::string display_name(const std::string& unique_name) {
-  const std::size_t at = unique_name.find(kSuffixSeparator);
-  if (at == std::string::npos) return unique_name;
-  return absl::StrCat(unique_name.substr(0, at), "[", unique_name.substr(at + 1), "]");
-}
 
 Extent read_extent(VdbCursor& cursor) {
   Extent extent;
@@ -53,7 +43,6 @@ GridDescriptor read_descriptor(VdbCursor& cursor, const WalkLimits& limits) {
   descriptor.at = cursor.position();
   GridOutline& grid = descriptor.grid;
   grid.unique_name = cursor.read_string(limits.name_bytes, "grid name", "grid name text");
-  grid.name = display_name(grid.unique_name);
   grid.tree_type = cursor.read_string(kLongestTreeType, "grid type", "grid type text");
   constexpr std::string_view kHalf = "_HalfFloat";
   grid.half_float = grid.tree_type.ends_with(kHalf);
@@ -66,10 +55,6 @@ GridDescriptor read_descriptor(VdbCursor& cursor, const WalkLimits& limits) {
 }
 
 void check_name(const GridDescriptor& descriptor, const VdbOutline& outline) {
-  if (!is_utf8(descriptor.grid.unique_name)) {
-    refuse_at(descriptor.at, absl::StrFormat("the grid name %s is not UTF-8",
-                                             quoted_name(descriptor.grid.unique_name)));
-  }
   const auto same = [&](const GridOutline& grid) {
     return grid.unique_name == descriptor.grid.unique_name;
   };

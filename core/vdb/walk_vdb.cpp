@@ -1,13 +1,16 @@
 #include "core/vdb/walk_vdb.h"
 
 #include <cctype>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
 #include "core/base/posix/file.h"
 #include "core/vdb/check_file.h"
+#include "core/vdb/grid_names.h"
 #include "core/vdb/walk_grid.h"
 #include "core/vdb/walk_refusal.h"
 
@@ -85,6 +88,13 @@ std::int32_t read_grid_count(VdbCursor& cursor, const WalkLimits& limits) {
   return count;
 }
 
+void name_grids(VdbOutline& outline) {
+  std::vector<std::string> stored;
+  for (const GridOutline& grid : outline.grids) stored.push_back(grid.unique_name);
+  const std::vector<std::string> names = shown_names(stored);
+  for (std::size_t i = 0; i < names.size(); ++i) outline.grids[i].name = names[i];
+}
+
 VdbOutline walk_file(VdbCursor& cursor, const ByteSource& source, const WalkLimits& limits) {
   VdbOutline outline;
   outline.file_bytes = source.size();
@@ -97,6 +107,7 @@ VdbOutline walk_file(VdbCursor& cursor, const ByteSource& source, const WalkLimi
   for (std::int32_t i = 0; i < count; ++i) {
     outline.grids.push_back(walk_grid(cursor, source, outline, limits));
   }
+  name_grids(outline);
   if (cursor.left() != 0) {
     refuse_at(cursor.position(),
               absl::StrFormat("%d bytes follow the last grid", cursor.left()));

@@ -127,8 +127,7 @@ TEST(WalkLies, InMetadataAreTold) {
 }
 
 TEST(WalkLies, OfAGridAreTold) {
-  expect_told({Lie{kBlosc, "grid name text", 0, 0xff, "is not UTF-8"},
-               Lie{kBlosc, "grid name", 0, 1U << 31, "characters; the limit is 1024"},
+  expect_told({Lie{kBlosc, "grid name", 0, 1U << 31, "characters; the limit is 1024"},
                Lie{kBlosc, "grid type", 0, 65, "characters; the limit is 64"},
                Lie{kBlosc, "instance parent", 0, 1025, "characters; the limit is 1024"},
                Lie{kBlosc, "grid offset", 0, 0, "start offset is 0 instead of"},
