@@ -10,6 +10,7 @@
 
 #include "client/command/command.h"
 #include "client/command/mesh_arguments.h"
+#include "client/command/mesh_report.h"
 #include "client/command/prepare_request.h"
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
@@ -40,6 +41,7 @@ struct MeshEstimate {
   std::uint64_t vertices = 0, tets = 0, bytes = 0;
   double count_seconds = 0;  ///< that it took
   double fill_seconds = 0;   ///< that it would
+  std::string inside_guess;  ///< as MeshHeader::inside_guess
 };
 
 absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
@@ -57,7 +59,8 @@ absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
   const double seconds = watch.lap();
   const MeshHeader& header = (*plan)->header();
   const FillEstimate fill = estimate_fill(**plan, interruption);
-  return MeshEstimate{header.vertex_count, header.tet_count, fill.bytes, seconds, fill.seconds};
+  return MeshEstimate{header.vertex_count, header.tet_count,   fill.bytes, seconds,
+                      fill.seconds,        header.inside_guess};
 }
 
 absl::StatusOr<MeshEstimate> estimate_here(const MeshOptions& options,
@@ -82,7 +85,8 @@ absl::StatusOr<MeshEstimate> estimate_on_server(const MeshOptions& options,
   if (!header.ok()) return header.status();
   const auto count = [](std::int64_t value) { return static_cast<std::uint64_t>(value); };
   return MeshEstimate{count(header->vertex_count()), count(header->tet_count()),
-                      count(header->mesh_bytes()), watch.lap(), header->fill_seconds()};
+                      count(header->mesh_bytes()),   watch.lap(),
+                      header->fill_seconds(),        header->inside_guess()};
 }
 
 std::string line_of(const std::string& input, const MeshEstimate& estimate) {
@@ -93,11 +97,12 @@ std::string line_of(const std::string& input, const MeshEstimate& estimate) {
 }
 
 std::string json_of(const MeshEstimate& estimate) {
-  const nlohmann::ordered_json json{{"vertices", estimate.vertices},
-                                    {"tets", estimate.tets},
-                                    {"bytes", estimate.bytes},
-                                    {"count_seconds", estimate.count_seconds},
-                                    {"fill_seconds", estimate.fill_seconds}};
+  nlohmann::ordered_json json{{"vertices", estimate.vertices},
+                              {"tets", estimate.tets},
+                              {"bytes", estimate.bytes},
+                              {"count_seconds", estimate.count_seconds},
+                              {"fill_seconds", estimate.fill_seconds}};
+  if (!estimate.inside_guess.empty()) json["inside_guess"] = estimate.inside_guess;
   return json.dump(2);
 }
 
@@ -116,6 +121,9 @@ absl::Status run_estimate(const EstimateArguments& arguments,
   std::printf("%s\n", arguments.json
                           ? json_of(*estimate).c_str()
                           : for_terminal(line_of(options->input, *estimate)).c_str());
+  if (!estimate->inside_guess.empty()) {
+    std::fprintf(stderr, "%s\n", inside_note(estimate->inside_guess).c_str());
+  }
   return absl::OkStatus();
 }
 

@@ -1,14 +1,19 @@
 // `tetstream info`: the grids of a .vdb file.
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
 #include "client/command/command.h"
 #include "client/library/read_grids.h"
 #include "core/base/printable.h"
+#include "core/volume/inside.h"
 
 namespace tet {
 namespace {
@@ -17,13 +22,22 @@ constexpr const char* kInfoExamples = R"(
 Examples:
   tetstream info bunny.vdb
   tetstream info bunny.vdb --json | jq '.[].name'
+  tetstream info smoke.vdb --no-values     what its header says, in no time
+
+The values of float and double grids are read: their range, and the side of the surface that
+is inside by the grid's class, or else by the values; docs/inside.md.
 )";
 
 struct InfoOptions {
   std::string path;
   bool json = false;
   bool trust = false;
+  bool no_values = false;
 };
+
+FileTrust trust_of(const InfoOptions& options) {
+  return options.trust ? FileTrust::kFull : FileTrust::kNone;
+}
 
 std::string extent_of(const VoxelBox& box) {
   if (box.empty()) return "empty";
@@ -32,7 +46,38 @@ std::string extent_of(const VoxelBox& box) {
                          std::int64_t{box.max.z} - box.min.z + 1);
 }
 
-constexpr const char* kRow = "%-16s %-8s %-11s %12s %14s %20s  %-6s  %s\n";
+/// What the values of a grid tell.
+struct GridValues {
+  ValueRange range;
+  InsideSide inside = InsideSide::kBelow;
+  KindSource source = KindSource::kMaker;
+};
+
+struct KnownGrid {
+  GridInfo info;
+  std::optional<GridValues> values;  ///< of those that can be meshed, if they are read
+};
+
+std::string range_of(const KnownGrid& grid) {
+  if (!grid.values) return "";
+  return absl::StrFormat("%g to %g", grid.values->range.min, grid.values->range.max);
+}
+
+std::string inside_of(const KnownGrid& grid) {
+  if (!grid.values) return "";
+  switch (grid.values->source) {
+    case KindSource::kMaker:
+    case KindSource::kClass:
+      return side_name(grid.values->inside);
+    case KindSource::kValues:
+      return absl::StrCat(side_name(grid.values->inside), "?");
+    case KindSource::kNobody:
+      return "unclear";
+  }
+  return "";
+}
+
+constexpr const char* kRow = "%-16s %-8s %-11s %12s %14s %20s  %-6s  %-20s %10s  %-7s  %s\n";
 
 /// Whether its values can be given to the vertices of a mesh.
 const char* field_of(const GridInfo& grid) {
@@ -40,15 +85,17 @@ const char* field_of(const GridInfo& grid) {
   return grid.field_components == 1 ? "scalar" : "vector";
 }
 
-void print_table(const std::vector<GridInfo>& grids) {
+void print_table(const std::vector<KnownGrid>& grids) {
   std::printf(kRow, "grid", "type", "class", "voxel size", "active voxels", "box", "field",
-              "meshable");
-  for (const GridInfo& grid : grids) {
+              "values", "background", "inside", "meshable");
+  for (const KnownGrid& known : grids) {
+    const GridInfo& grid = known.info;
     std::printf(
         kRow, for_terminal(grid.name).c_str(), for_terminal(grid.value_type).c_str(),
         for_terminal(grid.grid_class).c_str(), absl::StrFormat("%g", grid.voxel_size).c_str(),
         std::to_string(grid.active_voxels).c_str(), extent_of(grid.active_box).c_str(),
-        field_of(grid),
+        field_of(grid), range_of(known).c_str(), absl::StrFormat("%g", grid.background).c_str(),
+        inside_of(known).c_str(),
         grid.not_meshable.empty() ? "yes" : for_terminal("no: " + grid.not_meshable).c_str());
     if (!grid.made_of.empty()) {
       std::printf("  of a surface: %s\n", for_terminal(grid.made_of).c_str());
@@ -58,7 +105,8 @@ void print_table(const std::vector<GridInfo>& grids) {
 
 nlohmann::ordered_json json_of(const VoxelCoord& voxel) { return {voxel.x, voxel.y, voxel.z}; }
 
-nlohmann::ordered_json json_of(const GridInfo& grid) {
+nlohmann::ordered_json json_of(const KnownGrid& known) {
+  const GridInfo& grid = known.info;
   nlohmann::ordered_json json{{"name", grid.name},
                               {"value_type", grid.value_type},
                               {"class", grid.grid_class},
@@ -69,6 +117,13 @@ nlohmann::ordered_json json_of(const GridInfo& grid) {
                               {"meshable", grid.not_meshable.empty()}};
   if (!grid.not_meshable.empty()) json["not_meshable"] = grid.not_meshable;
   if (!grid.made_of.empty()) json["made_of"] = grid.made_of;
+  if (known.values) {
+    const GridValues& values = *known.values;
+    json["values"] = {{"min", values.range.min}, {"max", values.range.max}};
+    json["inside"] =
+        values.source == KindSource::kNobody ? "unclear" : side_name(values.inside);
+    json["inside_is_guessed"] = values.source == KindSource::kValues;
+  }
   if (!grid.active_box.empty()) {
     json["active_box"] = {{"min", json_of(grid.active_box.min)},
                           {"max", json_of(grid.active_box.max)}};
@@ -76,18 +131,50 @@ nlohmann::ordered_json json_of(const GridInfo& grid) {
   return json;
 }
 
-void print_json(const std::vector<GridInfo>& grids) {
+void print_json(const std::vector<KnownGrid>& grids) {
   auto list = nlohmann::ordered_json::array();
-  for (const GridInfo& grid : grids) list.push_back(json_of(grid));
+  for (const KnownGrid& grid : grids) list.push_back(json_of(grid));
   // Names come from files and need not be UTF-8.
   const auto lenient = nlohmann::ordered_json::error_handler_t::replace;
   constexpr bool kAscii = true;  // for a terminal: nothing in it acts
   std::printf("%s\n", list.dump(2, ' ', kAscii, lenient).c_str());
 }
 
+/// What cannot be read cannot be meshed, and the list says why.
+absl::Status read_values(const InfoOptions& options,
+                         KnownGrid& grid,
+                         const Cancellation& interruption) {
+  if (!grid.info.not_meshable.empty()) return absl::OkStatus();
+  const absl::StatusOr<Volume> volume =
+      read_volume(options.path, grid.info.name, trust_of(options), interruption);
+  if (volume.ok()) {
+    grid.values = {value_range(*volume), own_side(*volume), volume->kind_source};
+  } else if (absl::IsFailedPrecondition(volume.status())) {
+    grid.info.not_meshable = std::string(volume.status().message());
+  } else {
+    return volume.status();
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<KnownGrid>> read_grids(const InfoOptions& options,
+                                                  const Cancellation& interruption) {
+  const absl::StatusOr<std::vector<GridInfo>> listed =
+      read_grid_list(options.path, trust_of(options), interruption);
+  if (!listed.ok()) return listed.status();
+  std::vector<KnownGrid> grids;
+  for (const GridInfo& info : *listed) {
+    grids.push_back({info, {}});
+    if (options.no_values) continue;
+    if (auto status = read_values(options, grids.back(), interruption); !status.ok()) {
+      return status;
+    }
+  }
+  return grids;
+}
+
 absl::Status run_info(const InfoOptions& options, const Cancellation& interruption) {
-  const absl::StatusOr<std::vector<GridInfo>> grids = read_grid_list(
-      options.path, options.trust ? FileTrust::kFull : FileTrust::kNone, interruption);
+  const absl::StatusOr<std::vector<KnownGrid>> grids = read_grids(options, interruption);
   if (!grids.ok()) return grids.status();
   options.json ? print_json(*grids) : print_table(*grids);
   return absl::OkStatus();
@@ -100,6 +187,8 @@ Command add_info_command(CLI::App& app) {
   app.footer(kInfoExamples);
   app.add_option("FILE", options->path, "A .vdb file")->required();
   app.add_flag("--json", options->json, "As JSON, for programs");
+  app.add_flag("--no-values", options->no_values,
+               "Leave out what takes reading the values: their range, and the inside");
   app.add_flag("--trust", options->trust, kTrustHelp);
   return
       [options](const Cancellation& interruption) { return run_info(*options, interruption); };

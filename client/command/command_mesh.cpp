@@ -133,6 +133,12 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     if (auto status = write_text_file(options->report, report); !status.ok()) return status;
   }
   std::printf("%s\n", for_terminal(summary_line(options->output, *made, seconds)).c_str());
+  if (!made->mesh.header.inside_guess.empty()) {
+    std::fprintf(stderr, "%s\n", inside_note(made->mesh.header.inside_guess).c_str());
+  }
+  if (made->mesh.header.box) {
+    std::fprintf(stderr, "%s\n", box_note(*made->mesh.header.box).c_str());
+  }
   if (made->thin_walls.any()) {
     std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
   }

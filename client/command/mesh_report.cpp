@@ -8,6 +8,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
+#include <absl/strings/str_replace.h>
 #include <nlohmann/json.hpp>
 
 #include "core/mesh/boundary.h"
@@ -159,6 +160,17 @@ std::string summary_line(const std::string& output, const MadeMesh& made, double
                          angles_of(made.quality), restored_nodes(made.boundary), seconds);
 }
 
+std::string inside_note(const std::string& guess) {
+  return "note: " + absl::StrReplaceAll(guess, {{"\n", "\nnote: "}});
+}
+
+std::string box_note(const WorldBox& box) {
+  const auto& [min, max] = box;
+  return absl::StrFormat(
+      "note: the box was rounded outward to %g %g %g %g %g %g, whole bricks of 8 spacings",
+      min.x, min.y, min.z, max.x, max.y, max.z);
+}
+
 std::string thin_walls_warning(const ThinWalls& walls) {
   if (!walls.any()) return "";
   const std::string advice =
@@ -202,6 +214,11 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
               {"boundary", boundary_json(made, request)},
               {"thin_walls", json_of(made.thin_walls)},
               {"dihedral_histogram", made.quality.histogram}};
+  const std::string& guess = made.mesh.header.inside_guess;
+  if (!guess.empty()) report["inside_guess"] = guess;
+  if (const auto& box = made.mesh.header.box) {
+    report["box"] = {{"min", json_of(box->min)}, {"max", json_of(box->max)}};
+  }
   if (made.mesh.header.has_regions) {
     report["regions"] = {{"inside", region_json(made.mesh, MeshRegion::kInside)},
                          {"outside", region_json(made.mesh, MeshRegion::kOutside)}};

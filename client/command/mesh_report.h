@@ -14,6 +14,12 @@ namespace tet {
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// What to tell of walls that the lattice cannot resolve, in one line; empty without any.
+/// Notes of a header's guess of the inside.
+std::string inside_note(const std::string& guess);
+
+/// Says where a request's box was rounded to.
+std::string box_note(const WorldBox& box);
+
 std::string thin_walls_warning(const ThinWalls& walls);
 
 /// What to tell of a mesh whose volume is not that of the surface which was converted for it,

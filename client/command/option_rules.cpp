@@ -12,6 +12,7 @@ FeatureNames option_names(const MeshRequest& request) {
                       "several --grid",
                       "a scene",
                       "--iso",
+                      "--inside",
                       "--preset both-sides",
                       "--box",
                       "--manifold",

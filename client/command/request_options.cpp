@@ -8,6 +8,7 @@
 
 #include "client/command/field_options.h"
 #include "core/plan/joined/joined_plan.h"
+#include "core/volume/inside.h"
 
 namespace tet {
 namespace {
@@ -29,6 +30,10 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
       ->type_name("NAME")
       ->allow_extra_args(false);
   app.add_option("--iso", request.iso, "Value of the surface [0; 0.5 for fog volumes]");
+  app.add_option("--inside", arguments.inside,
+                 "Which side of the iso value is inside: above or below [what the grid's class "
+                 "says, or else its values: docs/inside.md]")
+      ->check(CLI::IsMember({"above", "below"}));
   app.add_option("--spacing", request.spacing,
                  "Finest lattice spacing, world units [voxel size; of a scene its longest "
                  "extent / 128]");
@@ -77,6 +82,7 @@ absl::Status check_all_grids(const std::string& input, const std::vector<std::st
 
 absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments) {
   MeshRequest request = arguments.request;
+  request.inside = parse_side(arguments.inside);
   request.preset = *parse_preset(arguments.preset);
   if (arguments.box) {
     const auto [x0, y0, z0, x1, y1, z1] = *arguments.box;

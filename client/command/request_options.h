@@ -22,6 +22,7 @@ struct RequestArguments {
   std::vector<std::string> grids;  ///< empty takes the only meshable grid
   MeshRequest request;
   std::optional<int> levels;
+  std::string inside;  ///< "above", "below" or nothing
   std::string preset = "default";
   std::optional<std::array<double, 6>> box;
   std::string coordinates;
@@ -29,7 +30,8 @@ struct RequestArguments {
   std::vector<std::string> fields;
 };
 
-/// Adds --grid (any number of times), --iso, --spacing, --levels, --sizing, --preset, --box,
+/// Adds --grid (any number of times), --iso, --inside, --spacing, --levels, --sizing, --preset,
+/// --box,
 /// --manifold, --improve,
 /// --coordinates, --field.
 void describe_request(CLI::App& app, RequestArguments& arguments);

@@ -308,10 +308,13 @@ absl::Status check_surface_bricks(double bricks, std::size_t most) {
 absl::Status check_inside_ends(const PhiField& field) {
   if (field.scene != nullptr) return check_ends(*field.scene);
   if (!(field.phi(field.volume->background) < 0)) return absl::OkStatus();
+  const Volume& volume = *field.volume;
+  const InsideSide inside = inside_side(volume, field.inside);
   return absl::FailedPreconditionError(absl::StrFormat(
-      "the background value %g is inside at iso %g, so the inside has no end; choose another "
-      "iso value, or mesh within a box",
-      field.volume->background, field.iso));
+      "%s, so the inside has no end; choose another iso value, say that the inside is %s it "
+      "(--inside), or mesh within a box",
+      describe_inverted(volume, inside, field.iso),
+      side_name(inside == InsideSide::kAbove ? InsideSide::kBelow : InsideSide::kAbove)));
 }
 
 void keep_domain(const BrickBox& domain, FoundBricks& found) {

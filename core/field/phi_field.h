@@ -10,6 +10,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
+#include "core/volume/inside.h"
 #include "core/volume/volume.h"
 #include "core/volume/volume_reader.h"
 
@@ -27,6 +28,7 @@ struct PhiField {
   const Volume* volume = nullptr;
   const Scene* scene = nullptr;  ///< instead of a volume
   float iso = 0;
+  std::optional<InsideSide> inside = {};  ///< of a volume; its own unless given
   double spacing_voxels = 1;
 
   /// Larger values are cut to this, so that sums of eight stay finite.
@@ -36,7 +38,7 @@ struct PhiField {
   /// Between two nodes lie voxels that they do not see.
   bool coarser_than_voxels() const noexcept { return scene == nullptr && spacing_voxels > 1; }
   bool negated() const noexcept {
-    return scene == nullptr && volume->kind == VolumeKind::kFogVolume;
+    return scene == nullptr && inside_side(*volume, inside) == InsideSide::kAbove;
   }
   float phi(float value) const noexcept;
   /// phi within what sums can bear; no zero has a sign.

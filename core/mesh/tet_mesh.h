@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,6 +60,12 @@ struct MeshHeader {
   /// The grids' parts of a mesh of several grids, one behind the other; `spacing` is then the
   /// smallest of theirs, and `levels` the most. Empty for a mesh of one grid.
   std::vector<MeshPart> parts = {};
+  /// World units: what the request's box was rounded outward to, along the lattice's axes; and
+  /// where that is turned, what holds it.
+  std::optional<WorldBox> box = {};
+  /// For people: which side of the grid's surface was taken for the inside, and why, where
+  /// neither its class nor the request says it.
+  std::string inside_guess = {};
 
   /// float32 values that a vertex has, of all fields together.
   std::size_t field_values() const noexcept;

@@ -1,9 +1,24 @@
 #include "core/plan/check_tets.h"
 
+#include <string>
+
 #include <absl/strings/str_format.h>
+
+#include "core/volume/inside.h"
 
 namespace tet {
 namespace {
+
+/// Tells which iso values a grid has a surface at; a scene has no others.
+std::string values_of(const PhiField& field) {
+  if (field.scene != nullptr) return "";
+  const auto [min, max] = value_range(*field.volume);
+  const InsideSide side = inside_side(*field.volume, field.inside);
+  return absl::StrFormat(
+      ": the grid's values are from %g to %g, and the inside is %s the iso value; choose "
+      "another iso value, or the other side (--inside)",
+      min, max, side_name(side));
+}
 
 /// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin) {
@@ -14,9 +29,9 @@ absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin
         asked.iso));
   }
   if (!thin.any()) {
-    return absl::FailedPreconditionError(
-        absl::StrFormat("nothing%s is inside at iso %g, so there is nothing to mesh",
-                        prepared.space.domain ? " in the box" : "", asked.iso));
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "nothing%s is inside at iso %g, so there is nothing to mesh%s",
+        prepared.space.domain ? " in the box" : "", asked.iso, values_of(prepared.field)));
   }
   if (thin.suggested_spacing == 0) {
     return absl::FailedPreconditionError(absl::StrFormat(

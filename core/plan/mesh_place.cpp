@@ -7,6 +7,8 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/scene/scene.h"
+#include "core/volume/inside.h"
 #include "core/volume/to_voxel.h"
 
 namespace tet {
@@ -66,6 +68,11 @@ VoxelBox corner_box(const BrickBox& domain) {
   return {corner(domain.min), corner({last.x + 1, last.y + 1, last.z + 1})};
 }
 
+WorldBox world_box_of(const BrickBox& domain, const PhiField& field) {
+  const VoxelBox corners = corner_box(domain);
+  return field.lattice_transform().to_world_box(point_of(corners.min), point_of(corners.max));
+}
+
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept {
   const auto reach = [&](const WorldPoint& p) {
     return std::max(
@@ -87,6 +94,9 @@ absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
   header.bounds = lattice.to_world_box(shifted(point_of(corners.min), -beyond),
                                        shifted(point_of(corners.max), beyond));
   header.spacing = lattice.voxel_size;
+  header.inside_guess = field.scene != nullptr
+                            ? field.scene->inside_guess
+                            : describe_guess(*field.volume, request.inside, field.iso);
   const bool far = reach_from(*origin, corners) > kMaxFloat32Extent;
   header.coordinate_type =
       request.coordinates.value_or(far ? CoordinateType::kFloat64 : CoordinateType::kFloat32);

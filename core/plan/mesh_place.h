@@ -15,13 +15,16 @@ namespace tet {
 /// The corners at the ends of a domain.
 VoxelBox corner_box(const BrickBox& domain);
 
+/// A domain in world units; what holds it where the lattice is turned.
+WorldBox world_box_of(const BrickBox& domain, const PhiField& field);
+
 /// Whether float32 coordinates from `origin` on would bend the angle bounds of a mesh.
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept;
 
 /// Puts the origin where the request says, or in the middle of `corners`, a box of lattice
 /// corners; all vertices are no farther than `beyond` spacings outside of it. Fills in the
-/// header's origin, bounds, spacing and type of coordinates. Errors: kInvalidArgument (an
-/// origin far from the lattice).
+/// header's origin, bounds, spacing, type of coordinates and guess of the inside. Errors:
+/// kInvalidArgument (an origin far from the lattice).
 absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               const VoxelBox& corners,
                                               double beyond,

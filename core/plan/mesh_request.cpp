@@ -12,6 +12,7 @@
 #include "core/octree/sized_cells.h"
 #include "core/plan/request_rules.h"
 #include "core/scene/scene.h"
+#include "core/volume/inside.h"
 
 namespace tet {
 namespace {
@@ -38,6 +39,14 @@ absl::Status check_sizing_of(const MeshRequest& request, double spacing) {
   }
   if (status.ok()) return status;
   return absl::InvalidArgumentError(absl::StrCat(kSizingField, ".", status.message()));
+}
+
+/// Where the inside has to have an end of its own, a background that is inside is told of by
+/// check_inside_ends.
+absl::Status check_inside_of(const Volume& volume, const MeshRequest& request, double iso) {
+  if (auto status = check_side(volume, request.inside); !status.ok()) return status;
+  const bool has_box = request.box || stuffing_rules(request.preset).both_sides;
+  return has_box ? check_background(volume, request.inside, iso) : absl::OkStatus();
 }
 
 /// A spacing does not follow from every scene.
@@ -74,9 +83,9 @@ double default_spacing(const Shape& shape) {
   return volume_of(shape)->transform.voxel_size;
 }
 
-double default_iso(const Shape& shape) {
+double default_iso(const Shape& shape, const MeshRequest& request) {
   const Volume* volume = volume_of(shape);
-  return volume != nullptr ? default_iso(volume->kind) : 0;
+  return volume != nullptr ? default_iso(*volume, request.inside) : 0;
 }
 
 std::optional<Preset> parse_preset(std::string_view name) {
@@ -135,9 +144,13 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
     return absl::InvalidArgumentError(
         absl::StrFormat("spacing %g is not a positive number", out.spacing));
   }
-  out.iso = request.iso.value_or(default_iso(shape));
+  out.iso = request.iso.value_or(default_iso(shape, request));
   if (!std::isfinite(static_cast<float>(out.iso))) {
     return absl::InvalidArgumentError(absl::StrFormat("iso %g is not a finite float", out.iso));
+  }
+  if (const Volume* volume = volume_of(shape)) {
+    out.inside = inside_side(*volume, request.inside);
+    if (auto status = check_inside_of(*volume, request, out.iso); !status.ok()) return status;
   }
   out.levels = request.levels;
   if (out.levels < 0 || out.levels > kMaxLevels) {

@@ -40,8 +40,10 @@ int default_levels(const Sizing& sizing) noexcept;
 struct MeshRequest {
   /// World units; unless given the grid's voxel size, or a scene's longest extent / 128.
   std::optional<double> spacing;
-  std::optional<double> iso;  ///< of grids; unless given 0 for level sets, 0.5 for fog volumes
-  int levels = kMaxLevels;    ///< octree levels above the finest; 0 is the uniform mesh
+  std::optional<double> iso;  ///< of grids; unless given their default_iso
+  /// The side of the iso value that is inside, of grids; what their classes say unless given.
+  std::optional<InsideSide> inside = {};
+  int levels = kMaxLevels;  ///< octree levels above the finest; 0 is the uniform mesh
   Preset preset = Preset::kDefault;
   /// World units, rounded outward (see domain.h): what is meshed of both sides, all that the
   /// grid stores or the scene reaches unless given; or what the inside is cut off at.
@@ -100,13 +102,14 @@ struct MeshLimits {
 struct CanonicalRequest {
   double spacing = 0;  ///< world units
   double iso = 0;
-  int levels = 0;  ///< that the sizing leaves
+  InsideSide inside = InsideSide::kBelow;  ///< of a grid
+  int levels = 0;                          ///< that the sizing leaves
   Preset preset = Preset::kDefault;
 };
 
 /// What a request without them means. No spacing is 0: a scene without an end has none.
 double default_spacing(const Shape& shape);
-double default_iso(const Shape& shape);
+double default_iso(const Shape& shape, const MeshRequest& request);
 
 /// Errors: kInvalidArgument, naming the field, its value and its limit.
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape);

@@ -22,6 +22,7 @@ PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
   const Volume& volume = *volume_of(shape);
   field.volume = &volume;
   field.iso = static_cast<float>(request.iso);
+  field.inside = request.inside;
   const double ratio = request.spacing / volume.transform.voxel_size;
   // A spacing typed with a few digits means the voxels themselves.
   constexpr double kSameSpacing = 1e-6;

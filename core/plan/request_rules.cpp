@@ -33,6 +33,9 @@ constexpr RequestRule kRules[] = {
     {F::kIso, F::kScene, kRefused, "$0 is for grids",
      "a scene has its surface at 0, and a node `offset` moves it",
      "The values of a scene are distances, and its grids have an iso value in their nodes."},
+    {F::kInside, F::kScene, kRefused, "$0 is for grids",
+     "a scene's grids have an `inside` of their own, in their nodes",
+     "A scene is inside where its distance is negative."},
     {F::kGridName, F::kSeveralGrids, kRefused, "$0 is set beside $1", "set one of them",
      "Both say which grids of the file are meshed."},
     {F::kSeveralGrids, F::kBothSides, kRefused,
@@ -121,6 +124,7 @@ FeatureNames field_names() {
                        "grid_names",
                        "scene",
                        "iso",
+                       "inside",
                        "preset both-sides",
                        "box",
                        "manifold",
@@ -149,6 +153,7 @@ Features features_of(const MeshRequest& request) {
   const Sizing& sizing = request.sizing;
   return Features()
       .add(F::kIso, request.iso.has_value())
+      .add(F::kInside, request.inside.has_value())
       .add(F::kBothSides, stuffing_rules(request.preset).both_sides)
       .add(F::kCut, has_cut(request))
       .add(F::kManifold, request.manifold)

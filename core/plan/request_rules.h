@@ -26,6 +26,7 @@ enum class Feature : std::uint8_t {
   kSeveralGrids,
   kScene,
   kIso,
+  kInside,
   // How it is meshed.
   kBothSides,
   kCut,

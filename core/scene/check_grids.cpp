@@ -9,9 +9,11 @@
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 
 #include "core/scene/check_nodes.h"
 #include "core/scene/scene.h"
+#include "core/volume/inside.h"
 
 namespace tet::scene {
 namespace {
@@ -68,6 +70,10 @@ Interval known_to(const Instruction& leaf, const GridSource& grid) {
   return background < 0 ? Interval{background, all.high} : Interval{all.low, background};
 }
 
+double iso_of(const GridSolid& grid) {
+  return grid.iso.value_or(default_iso(*grid.volume, grid.inside));
+}
+
 absl::Status check_leaf(const std::string& path,
                         const Instruction& leaf,
                         const Interval& asked,
@@ -100,6 +106,30 @@ absl::Status check_grid_count(const Description& description) {
         path_of(description, i), " is one grid too many; the limit is ", Scene::kMaxGrids));
   }
   return absl::OkStatus();
+}
+
+absl::Status check_insides(const Description& description) {
+  for (std::size_t i = 0; i < description.nodes.size(); ++i) {
+    const auto* grid = std::get_if<GridSolid>(&description.nodes[i].kind);
+    if (grid == nullptr) continue;
+    absl::Status status = check_side(*grid->volume, grid->inside);
+    if (status.ok()) status = check_background(*grid->volume, grid->inside, iso_of(*grid));
+    if (status.ok()) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat(path_of(description, i), ".", status.message()));
+  }
+  return absl::OkStatus();
+}
+
+std::string guessed_insides(const Description& description) {
+  std::set<std::string> guesses;  // once for all leaves of one grid
+  for (const Node& node : description.nodes) {
+    const auto* grid = std::get_if<GridSolid>(&node.kind);
+    if (grid == nullptr) continue;
+    std::string guess = describe_guess(*grid->volume, grid->inside, iso_of(*grid));
+    if (!guess.empty()) guesses.insert(std::move(guess));
+  }
+  return absl::StrJoin(guesses, "\n");
 }
 
 absl::Status check_loaded(const Description& description) {

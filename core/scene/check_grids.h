@@ -19,6 +19,12 @@ absl::Status check_grid_count(const Description& description);
 
 absl::Status check_loaded(const Description& description);
 
+/// Whether it is known of each grid, which is loaded, which side is inside.
+absl::Status check_insides(const Description& description);
+
+/// A line for each grid whose inside is guessed: MeshHeader::inside_guess.
+std::string guessed_insides(const Description& description);
+
 /// Beyond a grid's narrow band every distance is the same, so that an offset, a shell or a
 /// blend that reaches so far would take all of space for near. Refused is what asks for more
 /// than the grid's values hold, and a grid without a surface.

@@ -11,6 +11,7 @@
 
 #include "core/scene/scene.h"
 #include "core/scene/waves.h"
+#include "core/volume/inside.h"
 
 namespace tet::scene {
 namespace {
@@ -154,8 +155,8 @@ class Compiler {
   }
 
   void write(std::uint32_t node, const GridSolid& g, const Frame& frame) {
-    const double iso = g.iso.value_or(default_iso(g.volume->kind));
-    const double sign = g.volume->kind == VolumeKind::kFogVolume ? -1 : 1;
+    const double iso = g.iso.value_or(default_iso(*g.volume, g.inside));
+    const double sign = inside_side(*g.volume, g.inside) == InsideSide::kAbove ? -1 : 1;
     leaf(node, Op::kGrid, to_voxels(frame, g.volume->transform), {iso, sign, 0});
     program_.back().grid = number_of(g.volume);
   }

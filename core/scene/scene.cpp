@@ -64,6 +64,7 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
   const absl::StatusOr<scene::Parts> parts = checked_parts(description);
   if (!parts.ok()) return parts.status();
   if (auto status = scene::check_loaded(description); !status.ok()) return status;
+  if (auto status = scene::check_insides(description); !status.ok()) return status;
   scene::Program program = scene::compile(description, *parts);
   Scene made;
   made.program = std::move(program.instructions);
@@ -72,6 +73,7 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
       !status.ok()) {
     return status;
   }
+  made.inside_guess = scene::guessed_insides(description);
   made.stack_depth = deepest_stack(made.program);
   made.extent = scene::extent_of(made.program, made.grids);
   if (is_infinite(made.extent)) {

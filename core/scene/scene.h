@@ -29,7 +29,8 @@ struct Scene {
   /// Holds all that is inside, to within rounding errors; infinite where the scene has no end,
   /// empty (min > max) where nothing can be inside.
   WorldBox extent;
-  std::string endless;  ///< the node that has no end, where the extent is infinite
+  std::string inside_guess;  ///< as MeshHeader::inside_guess: a line for each grid
+  std::string endless;       ///< the node that has no end, where the extent is infinite
 
   bool ends() const noexcept { return endless.empty(); }
 

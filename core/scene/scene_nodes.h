@@ -90,6 +90,7 @@ struct GridSolid {
   std::string name;                                ///< within the file; empty: its only one
   std::optional<double> iso;                       ///< the grid's default_iso unless given
   std::shared_ptr<const Volume> volume = nullptr;  ///< loaded before the scene is made
+  std::optional<InsideSide> inside = {};           ///< as MeshRequest::inside
 };
 
 struct Node {

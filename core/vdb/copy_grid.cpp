@@ -10,6 +10,7 @@
 
 #include "core/base/parallel.h"
 #include "core/vdb/vdb_transform.h"
+#include "core/volume/inside.h"
 #include "core/volume/volume_builder.h"
 
 namespace tet {
@@ -110,27 +111,24 @@ absl::StatusOr<Volume> copy_values(const GridT& grid, Component component, Volum
   return index_volume(std::move(volume), std::move(constants));
 }
 
-bool any_negative(const Volume& volume) {
-  const auto below_zero = [](const auto& item) { return item.value < 0; };
-  return volume.background < 0 ||
-         std::any_of(volume.ranges.begin(), volume.ranges.end(),
-                     [](const ValueRange& range) { return range.min < 0; }) ||
-         std::any_of(volume.cubes.begin(), volume.cubes.end(), below_zero) ||
-         std::any_of(volume.regions.begin(), volume.regions.end(), [](const Region& region) {
-           return *std::min_element(region.constant.begin(), region.constant.end()) < 0;
-         });
-}
-
-VolumeKind kind_of(openvdb::GridClass grid_class, const Volume& volume) {
-  if (grid_class == openvdb::GRID_LEVEL_SET) return VolumeKind::kLevelSet;
-  if (grid_class == openvdb::GRID_FOG_VOLUME) return VolumeKind::kFogVolume;
-  return any_negative(volume) ? VolumeKind::kLevelSet : VolumeKind::kFogVolume;
+/// The grid's class first; what else it may be called says nothing of an inside.
+KindOfValues kind_of(openvdb::GridClass grid_class, const Volume& volume) {
+  if (grid_class == openvdb::GRID_LEVEL_SET) {
+    return {VolumeKind::kLevelSet, KindSource::kClass};
+  }
+  if (grid_class == openvdb::GRID_FOG_VOLUME) {
+    return {VolumeKind::kFogVolume, KindSource::kClass};
+  }
+  return kind_of_values(value_range(volume), volume.background);
 }
 
 template <class GridT>
 absl::StatusOr<Volume> copy_scalar_grid(const GridT& grid) {
   absl::StatusOr<Volume> volume = copy_values(grid, Component{}, VolumeKind::kLevelSet);
-  if (volume.ok()) volume->kind = kind_of(grid.getGridClass(), *volume);
+  if (!volume.ok()) return volume;
+  const KindOfValues kind = kind_of(grid.getGridClass(), *volume);
+  volume->kind = kind.kind;
+  volume->kind_source = kind.source;
   return volume;
 }
 

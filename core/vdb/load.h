@@ -33,8 +33,8 @@ absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& file,
 /// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
 /// file.
 ///
-/// A grid class says level set or fog volume; a grid of another class is a fog volume when
-/// neither its background nor any of its values is negative, and a level set otherwise. Errors:
+/// A grid class says level set or fog volume; what the values of a grid without class mean is
+/// guessed: core/volume/inside.h. Errors:
 /// kNotFound (file or grid name; the message lists what there is), kPermissionDenied,
 /// kInvalidArgument (corrupt file), kFailedPrecondition (a grid that cannot be meshed, or
 /// several that can and no name: says why and what to do), kResourceExhausted (over `limits`).

@@ -48,8 +48,12 @@ openvdb::math::Transform::Ptr transform_of(const VoxelTransform& transform) {
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-openvdb::GridClass class_of(VolumeKind kind) {
-  switch (kind) {
+/// A guess does not become what a file says.
+openvdb::GridClass class_of(const Volume& volume) {
+  const bool is_guess =
+      volume.kind_source == KindSource::kValues || volume.kind_source == KindSource::kNobody;
+  if (is_guess) return openvdb::GRID_UNKNOWN;
+  switch (volume.kind) {
     case VolumeKind::kLevelSet:
       return openvdb::GRID_LEVEL_SET;
     case VolumeKind::kFogVolume:
@@ -95,7 +99,7 @@ FloatGrid::Ptr grid_of(const Volume& volume) {
   }
   add_bricks(volume, tree);
   grid->setTransform(transform_of(volume.transform));
-  grid->setGridClass(class_of(volume.kind));
+  grid->setGridClass(class_of(volume));
   grid->setName(volume.name);
   return grid;
 }

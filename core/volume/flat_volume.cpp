@@ -20,7 +20,7 @@ namespace tet {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'t', 'e', 't', '-', 'v', 'o', 'l', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 /// Bricks beyond these have voxels beyond kMaxVoxelCoord; the arithmetic on those within is
 /// safe.
@@ -36,7 +36,7 @@ struct Header {
   std::uint64_t constant_count = 0;
   std::uint64_t cube_count = 0;
   float background = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t kind_source = 0;
   VoxelTransform transform;
 };
 static_assert(sizeof(VoxelTransform) == 13 * sizeof(double));
@@ -86,6 +86,7 @@ std::uint64_t block_bytes(const Header& header) {
 Header header_of(const Volume& volume, std::size_t constant_count) {
   Header header;
   header.kind = static_cast<std::uint32_t>(volume.kind);
+  header.kind_source = static_cast<std::uint32_t>(volume.kind_source);
   header.name_bytes = volume.name.size();
   header.brick_count = volume.bricks.size();
   header.constant_count = constant_count;
@@ -106,7 +107,7 @@ absl::StatusOr<Header> read_header(FlatReader& reader, std::size_t block_size) {
   Header header;
   std::memcpy(&header, bytes->data(), sizeof(Header));
   if (header.magic != kMagic) return wrong_volume("it does not begin with its magic number");
-  if (header.version != kVersion || header.reserved != 0) {
+  if (header.version != kVersion) {
     return wrong_volume(
         absl::StrFormat("its version is %d and only %d can be read", header.version, kVersion));
   }
@@ -116,6 +117,9 @@ absl::StatusOr<Header> read_header(FlatReader& reader, std::size_t block_size) {
   }
   if (header.kind > static_cast<std::uint32_t>(VolumeKind::kVectorField)) {
     return wrong_volume(absl::StrFormat("kind %d is none", header.kind));
+  }
+  if (header.kind_source > static_cast<std::uint32_t>(KindSource::kNobody)) {
+    return wrong_volume(absl::StrFormat("source %d of its kind is none", header.kind_source));
   }
   if (header.name_bytes > kMaxGridNameBytes) {
     return wrong_volume(absl::StrFormat("its name has %d bytes and the limit is %d",
@@ -224,6 +228,7 @@ Volume copy_columns(const Header& header, const Columns& columns) {
   Volume volume;
   volume.name.assign(columns.name.begin(), columns.name.end());
   volume.kind = static_cast<VolumeKind>(header.kind);
+  volume.kind_source = static_cast<KindSource>(header.kind_source);
   volume.transform = header.transform;
   volume.background = header.background;
   volume.bricks.assign(columns.bricks.begin(), columns.bricks.end());

@@ -155,6 +155,7 @@ absl::StatusOr<Volume> replace_leaves(const Volume& volume, std::vector<LeafValu
   Volume merged;
   merged.name = volume.name;
   merged.kind = volume.kind;
+  merged.kind_source = volume.kind_source;
   merged.transform = volume.transform;
   merged.background = volume.background;
   Remainder rest(volume, leaves);

@@ -27,10 +27,16 @@ constexpr std::uint32_t components_of(VolumeKind kind) noexcept {
   return kind == VolumeKind::kVectorField ? 3 : 1;
 }
 
-/// The value at the surface unless another is asked for.
-constexpr double default_iso(VolumeKind kind) noexcept {
-  return kind == VolumeKind::kFogVolume ? 0.5 : 0;
-}
+/// Who says what kind a volume is of.
+enum class KindSource : std::uint8_t {
+  kMaker,   ///< whoever made it in memory
+  kClass,   ///< the class that the file's grid has
+  kValues,  ///< its values: it has no class, and they tell
+  kNobody,  ///< it has no class, and its values do not tell: a request has to
+};
+
+/// The side of the iso value that is inside.
+enum class InsideSide : std::uint8_t { kBelow, kAbove };
 
 /// world = linear * voxel + translation, where `linear` is `voxel_size` times a rotation (or a
 /// rotation and a mirror: every angle is kept).
@@ -86,6 +92,7 @@ struct ValueRange {
 struct Volume {
   std::string name;
   VolumeKind kind = VolumeKind::kLevelSet;
+  KindSource kind_source = KindSource::kMaker;
   VoxelTransform transform;
   float background = 0;
 

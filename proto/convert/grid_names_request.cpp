@@ -41,6 +41,10 @@ void set_canonical_grids(const MeshOrder& order,
   canonical.set_name(name_of_grid(order.digest));
   for (const auto& grid : grids) canonical.add_grid_names(grid->name);
   if (order.request.iso) canonical.set_iso(*order.request.iso);
+  if (order.request.inside) {
+    canonical.set_inside(*order.request.inside == InsideSide::kAbove ? v1::INSIDE_ABOVE
+                                                                     : v1::INSIDE_BELOW);
+  }
   if (order.request.spacing) canonical.set_spacing(*order.request.spacing);
 }
 

@@ -45,6 +45,7 @@ absl::Status check_spacing(double spacing, int levels) {
 absl::Status check_place(const v1::MeshHeader& message) {
   if (!is_finite(message.origin())) return bad("origin is not finite");
   if (!is_finite(message.bounds())) return bad("bounds are not finite");
+  if (message.has_box() && !is_finite(message.box())) return bad("box is not finite");
   return check_spacing(message.spacing(), message.levels());
 }
 
@@ -184,6 +185,8 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
     array.set_components(static_cast<std::int32_t>(field.components));
   }
   for (const MeshPart& part : header.parts) to_proto(part, *message.add_parts());
+  if (header.box) to_proto(*header.box, *message.mutable_box());
+  message.set_inside_guess(header.inside_guess);
   message.set_mesh_bytes(
       signed_count(ChunkSizes(header, header.vertex_count, header.tet_count).total()));
 }
@@ -212,6 +215,8 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   header.has_regions = message.has_regions();
   header.fields = *std::move(fields);
   header.parts = *std::move(parts);
+  if (message.has_box()) header.box = from_proto(message.box());
+  header.inside_guess = message.inside_guess();
   return header;
 }
 

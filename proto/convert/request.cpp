@@ -8,6 +8,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/volume/inside.h"
 #include "proto/convert/box_request.h"
 #include "proto/convert/field_request.h"
 #include "proto/convert/grid_names_request.h"
@@ -52,6 +53,23 @@ absl::StatusOr<std::optional<CoordinateType>> parse_coordinates(v1::CoordinateTy
   }
 }
 
+absl::StatusOr<std::optional<InsideSide>> parse_inside(v1::Inside inside) {
+  switch (inside) {
+    case v1::INSIDE_UNSPECIFIED:
+      return std::nullopt;
+    case v1::INSIDE_BELOW:
+      return InsideSide::kBelow;
+    case v1::INSIDE_ABOVE:
+      return InsideSide::kAbove;
+    default:
+      return invalid_field(absl::StrCat("inside ", static_cast<int>(inside), " is unknown"));
+  }
+}
+
+v1::Inside to_proto(InsideSide side) {
+  return side == InsideSide::kAbove ? v1::INSIDE_ABOVE : v1::INSIDE_BELOW;
+}
+
 absl::Status check_numbers(const v1::MeshRequest& request) {
   if (request.has_spacing() && !(request.spacing() > 0 && std::isfinite(request.spacing()))) {
     return invalid_field(
@@ -65,6 +83,17 @@ absl::Status check_numbers(const v1::MeshRequest& request) {
         absl::StrCat("levels ", request.levels(), " is not from 0 to ", kMaxLevels));
   }
   return absl::OkStatus();
+}
+
+/// Empty where the inside is below, as in every mesh before there was a choice, and where each
+/// of several grids says it.
+std::string exact_inside(const v1::MeshRequest& canonical) {
+  if (!canonical.grid_names().empty()) {
+    return canonical.inside() == v1::INSIDE_UNSPECIFIED
+               ? ""
+               : absl::StrCat(" inside ", static_cast<int>(canonical.inside()));
+  }
+  return canonical.inside() == v1::INSIDE_ABOVE ? " above" : "";
 }
 
 absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
@@ -92,6 +121,8 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = check_numbers(request); !status.ok()) return status;
   const auto preset = parse_preset_field(request.preset());
   if (!preset.ok()) return preset.status();
+  const auto inside = parse_inside(request.inside());
+  if (!inside.ok()) return inside.status();
   const auto box = parse_box(request);
   if (!box.ok()) return box.status();
   const auto origin = parse_origin(request);
@@ -101,6 +132,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = parse_fields(request, order.request); !status.ok()) return status;
   if (request.has_spacing()) order.request.spacing = request.spacing();
   if (request.has_iso()) order.request.iso = request.iso();
+  order.request.inside = *inside;
   order.request.preset = *preset;
   order.request.box = *box;
   order.request.origin = *origin;
@@ -122,6 +154,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
 void to_proto(const MeshRequest& request, v1::MeshRequest& message) {
   if (request.spacing) message.set_spacing(*request.spacing);
   if (request.iso) message.set_iso(*request.iso);
+  if (request.inside) message.set_inside(to_proto(*request.inside));
   message.set_levels(request.levels);
   message.set_preset(to_proto(request.preset));
   if (request.coordinates) message.set_coordinate_type(to_proto(*request.coordinates));
@@ -198,7 +231,8 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   } else if (const Volume* volume = volume_of(shape)) {
     canonical.set_name(name_of_grid(order.digest));
     canonical.set_grid_name(volume->name);
-    canonical.set_iso(order.request.iso.value_or(default_iso(shape)));
+    canonical.set_iso(order.request.iso.value_or(default_iso(shape, order.request)));
+    canonical.set_inside(to_proto(inside_side(*volume, order.request.inside)));
   } else {
     set_canonical_scene(order, canonical);
   }
@@ -238,7 +272,7 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
-                   exact_fields(canonical), exact_grids(canonical)),
+                   exact_fields(canonical), exact_grids(canonical), exact_inside(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();

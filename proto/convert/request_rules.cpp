@@ -23,6 +23,7 @@ Features features_of(const v1::MeshRequest& request) {
       .add(Feature::kSeveralGrids, !request.grid_names().empty())
       .add(Feature::kScene, request.has_scene())
       .add(Feature::kIso, request.has_iso())
+      .add(Feature::kInside, request.inside() != v1::INSIDE_UNSPECIFIED)
       .add(Feature::kBothSides, both_sides)
       .add(Feature::kCut, request.has_box() && !both_sides)
       .add(Feature::kManifold, request.manifold())

@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/scene/scene.h"
+#include "core/volume/inside.h"
 #include "proto/convert/status.h"
 #include "proto/scene/scene_message.h"
 
@@ -60,7 +61,14 @@ void set_canonical_scene(const MeshOrder& order, v1::MeshRequest& canonical) {
     if (grid == nullptr) continue;
     v1::GridSolid& named = *canonical.mutable_scene()->mutable_nodes(i)->mutable_grid();
     named.set_grid_name(grid->volume->name);
-    named.set_iso(grid->iso.value_or(default_iso(grid->volume->kind)));
+    named.set_iso(grid->iso.value_or(default_iso(*grid->volume, grid->inside)));
+    // A side that the grid has of itself is left out: the scene's id is as it was.
+    const InsideSide side = inside_side(*grid->volume, grid->inside);
+    if (side == own_side(*grid->volume)) {
+      named.clear_inside();
+    } else {
+      named.set_inside(side_name(side));
+    }
   }
 }
 

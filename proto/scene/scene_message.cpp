@@ -6,6 +6,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/volume/inside.h"
 #include "proto/scene/message_parts.h"
 
 namespace tet {
@@ -70,8 +71,13 @@ class NodeReader {
   }
 
   scene::GridSolid grid(const v1::GridSolid& given) {
-    scene::GridSolid grid{given.name(), given.grid_name(), {}, nullptr};
+    scene::GridSolid grid{given.name(), given.grid_name(), {}, nullptr, {}};
     if (given.has_iso()) grid.iso = given.iso();
+    grid.inside = parse_side(given.inside());
+    if (!given.inside().empty() && !grid.inside && complaint_.empty()) {
+      complaint_ = absl::StrCat("grid.inside \"", given.inside().substr(0, 20),
+                                "\" is neither \"below\" nor \"above\"");
+    }
     return grid;
   }
 

@@ -10,6 +10,7 @@
 #include "core/octree/sizing.h"
 #include "core/plan/joined/joined_plan.h"
 #include "core/plan/vertex_field.h"
+#include "core/volume/inside.h"
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
 
@@ -80,10 +81,12 @@ absl::Status about_grid(const absl::Status& status, std::size_t i) {
 }
 
 absl::Status about_mesh(const absl::Status& status) {
-  // What is below a default spacing, or the name of a grid, is known only now.
+  // What is below a default spacing, the name of a grid, or what its values tell is known only
+  // now.
   if (absl::IsInvalidArgument(status) &&
       (absl::StartsWith(status.message(), absl::StrCat(kSizingField, ".")) ||
-       absl::StartsWith(status.message(), absl::StrCat(kFieldsField, "[")))) {
+       absl::StartsWith(status.message(), absl::StrCat(kFieldsField, "[")) ||
+       absl::StartsWith(status.message(), absl::StrCat(kInsideField, " ")))) {
     return within_field("mesh", invalid_field(std::string(status.message())));
   }
   return status.ok() ? status : with_reason_of(status, kOfMesh);

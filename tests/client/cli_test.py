@@ -75,6 +75,9 @@ class Mesh(CommandTest):
         self.assertEqual(report["boundary"]["components"], 1)
         self.assertEqual(report["boundary"]["euler_characteristic"], 2)
         self.assertGreaterEqual(report["min_dihedral_deg"], 9.4)
+        for end, rounded in (("min", [-1.6, -1.6, -1.6]), ("max", [1.6, 1.6, 2])):
+            for number, meant in zip(report["box"][end], rounded):
+                self.assertAlmostEqual(number, meant, delta=1e-9)
 
     def test_both_sides_without_a_box_mesh_all_that_is_stored(self):
         _, inside = self.mesh_and_report("sphere.vdb")
@@ -240,6 +243,17 @@ class Usage(CommandTest):
         self.assert_fails(self.tetstream("frobnicate"), USAGE)
         self.assert_fails(self.tetstream(), USAGE)
 
+    def test_commands_that_are_spelt_nearly_so(self):
+        for words, meant in ((["mehs"], "mesh"), (["conver"], "convert"), (["inof"], "info"),
+                             (["job", "wiat"], "wait")):
+            self.assert_fails(self.tetstream(*words), USAGE,
+                              f"unknown command {words[-1]}; did you mean {meant}?")
+        self.assert_fails(self.tetstream("frobnicate"), USAGE, "unknown command frobnicate;")
+
+    def test_servers_have_a_port(self):
+        for server in ("127.0.0.1", "localhost", "localhost:1,farm", "::1", "localhost:", "h:http"):
+            self.assert_fails(self.tetstream("health", "--server", server), REFUSED, "port")
+
     def test_missing_arguments(self):
         self.assert_fails(self.tetstream("mesh", "a.vdb"), USAGE, "--output")
         self.assert_fails(self.tetstream("health"), USAGE, "--server")
@@ -274,7 +288,7 @@ class Info(CommandTest):
     def test_prints_a_table(self):
         result = self.tetstream("info", self.inputs / "sphere.vdb")
         self.assert_done(result)
-        self.assertRegex(result.stdout, r"sphere +float +level set +0\.05 +\d+ +[\d x]+ +scalar +yes")
+        self.assertRegex(result.stdout, r"sphere +float +level set +0\.05 +\d+ +[\d x]+ +scalar +-?[\d.]+ to [\d.]+ +[\d.]+ +below +yes")
 
     def test_says_why_a_grid_cannot_be_meshed(self):
         result = self.tetstream("info", self.inputs / "vec3.vdb")

@@ -210,6 +210,18 @@ TEST(Library, SaysThatThereIsMoreToCome) {
   EXPECT_EQ(chunks.finish().status().code(), StatusCode::kFailedPrecondition);
 }
 
+TEST(Library, MeshesTheSideThatTheRequestSays) {
+  const Volume ball = BallSamples(16).volume();
+  const double below =
+      mesh(ball, {.inside = Inside::kBelow}).value().statistics().quality->volume;
+  EXPECT_EQ(below, mesh(ball).value().statistics().quality->volume);
+  const Box box{{-2, -2, -2}, {2, 2, 2}};
+  const Mesh rest = mesh(ball, {.inside = Inside::kAbove, .box = box}).value();
+  const Mesh whole = mesh(ball, {.inside = Inside::kBelow, .box = box}).value();
+  EXPECT_GT(rest.statistics().quality->volume, 4 * whole.statistics().quality->volume);
+  EXPECT_EQ(rest.header().inside_guess, "");
+}
+
 TEST(Library, NamesTheFieldOfARequestThatIsWrong) {
   const Volume ball = BallSamples(8).volume();
   EXPECT_EQ(mesh(ball, {.spacing = 0}).status().code(), StatusCode::kInvalidArgument);

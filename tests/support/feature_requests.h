@@ -43,6 +43,8 @@ class FeatureRequest {
         return mesh.mutable_scene()->add_nodes()->mutable_sphere()->set_radius(1);
       case Feature::kIso:
         return mesh.set_iso(0.125);
+      case Feature::kInside:
+        return mesh.set_inside(v1::INSIDE_BELOW);
       case Feature::kBothSides:
         return mesh.set_preset(v1::PRESET_BOTH_SIDES);
       case Feature::kCut:

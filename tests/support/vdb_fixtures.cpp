@@ -104,6 +104,43 @@ GridBase::Ptr random_signs(double voxel) {
   return grid;
 }
 
+/// A ball of 1000 in air of -1000, as a scanner in Hounsfield units has it: no class says what
+/// is inside.
+GridBase::Ptr scan(double voxel) {
+  constexpr float kAir = -1000;
+  FloatGrid::Ptr grid = FloatGrid::create(kAir);
+  FloatGrid::Accessor values = grid->getAccessor();
+  for_each_voxel(voxel, [&](const Coord& c, const Vec3d& p) {
+    const double within = std::clamp(0.5 - (p.length() - 1) / (2 * voxel), 0.0, 1.0);
+    if (within > 0) values.setValue(c, kAir + 2000 * static_cast<float>(within));
+  });
+  return grid;
+}
+
+/// A density without class, with a voxel just below 0.
+GridBase::Ptr raw_density(double voxel) {
+  const auto grid = openvdb::gridPtrCast<FloatGrid>(fog(voxel));
+  grid->setGridClass(openvdb::GRID_UNKNOWN);
+  grid->tree().setValue({0, 0, static_cast<int>(1.5 / voxel)}, -1e-6F);
+  return grid;
+}
+
+/// Positive inside, and negative outside.
+GridBase::Ptr inverted(double voxel) {
+  const auto grid = openvdb::gridPtrCast<FloatGrid>(level_set(
+      [](const Vec3d& p) {
+        return sphere(p, {0, 0, 0}, 1);
+      },
+      voxel));
+  const auto turned = FloatGrid::create(-grid->background());
+  turned->topologyUnion(*grid);
+  for (auto value = turned->beginValueAll(); value; ++value) {
+    value.setValue(-grid->tree().getValue(value.getCoord()));
+  }
+  turned->setGridClass(openvdb::GRID_LEVEL_SET);
+  return turned;
+}
+
 GridBase::Ptr vec3() {
   openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
   grid->tree().setValue({1, 2, 3}, {1, 2, 3});
@@ -215,6 +252,9 @@ const std::vector<std::pair<std::string_view, Maker>>& makers() {
       {"cavity", level_set_of(cavity)},
       {"random-signs", random_signs},
       {"fog", fog},
+      {"scan", scan},
+      {"raw-density", raw_density},
+      {"inverted", inverted},
       {"empty", [](double) { return FloatGrid::create(1); }},
       {"vec3", [](double) { return vec3(); }},
       {"points", points},

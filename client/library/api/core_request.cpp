@@ -61,6 +61,10 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   tet::MeshRequest core;
   core.spacing = request.spacing;
   core.iso = request.iso;
+  if (request.inside) {
+    core.inside =
+        *request.inside == Inside::kAbove ? tet::InsideSide::kAbove : tet::InsideSide::kBelow;
+  }
   core.preset = to_core(request.preset);
   if (request.box) core.box = {to_core(request.box->min), to_core(request.box->max)};
   core.sizing = *std::move(sizing);

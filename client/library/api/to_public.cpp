@@ -79,6 +79,7 @@ MeshHeader to_public(const tet::MeshHeader& header, std::string id) {
                     .fields = {},
                     .field_values = 0,
                     .parts = {},
+                    .inside_guess = header.inside_guess,
                     .id = std::move(id)};
   for (const tet::FieldArray& field : header.fields) {
     result.fields.push_back({field.name, field.components, result.field_values});

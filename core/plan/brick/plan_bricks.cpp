@@ -112,6 +112,7 @@ absl::StatusOr<LatticeToWorld> place_mesh(const CountedMesh& mesh,
   const std::optional<BrickBox>& domain = prepared.space.domain;
   // Moved nodes and cut points may lie beyond their brick, by less than half a spacing. The
   // faces of a domain that no surface cuts are flat.
+  if (domain && request.box) header.box = world_box_of(*domain, prepared.field);
   const bool is_flat_box = domain && !mesh.survey().box_cuts_surface;
   return place_in_world(prepared.field, domain ? corner_box(*domain) : corner_box_of(mesh),
                         is_flat_box ? 0 : 0.5, request, header);

@@ -275,8 +275,13 @@ void add_to_header(const std::string& name, const MeshHeader& of, MeshHeader& he
   header.tet_count += of.tet_count;
   header.chunk_count += of.chunk_count;
   header.bounds = box_around(header.bounds, of.bounds);
+  if (header.box && of.box) header.box = box_around(*header.box, *of.box);
   header.spacing = std::min(header.spacing, of.spacing);
   header.levels = std::max(header.levels, of.levels);
+  if (header.parts.size() > 1 && !of.inside_guess.empty()) {
+    absl::StrAppend(&header.inside_guess, header.inside_guess.empty() ? "" : "\n",
+                    of.inside_guess);
+  }
 }
 
 }  // namespace

@@ -138,6 +138,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
 
   MeshHeader header = header_of_whole(stuffed, job.request, job.limits.chunk_bytes);
   if (auto status = check_not_empty(header, prepared, {}); !status.ok()) return status;
+  if (prepared.space.domain) header.box = world_box_of(*prepared.space.domain, field);
   // Rounding takes a vertex no farther from the box around all than half a spacing.
   const absl::StatusOr<LatticeToWorld> to_world =
       place_in_world(field, stuffed.corner_box(), 0.5, job.request, header);

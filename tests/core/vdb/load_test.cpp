@@ -141,18 +141,63 @@ TEST_F(Load, TellsTheKindFromTheGridClass) {
   EXPECT_EQ(load_volume(path_, "")->kind, VolumeKind::kLevelSet);
 }
 
-TEST_F(Load, GuessesTheKindOfAnUnknownClassFromItsSigns) {
-  const auto kind = [&](float background, float value) {
+TEST_F(Load, GuessesTheKindOfAnUnknownClassFromItsValues) {
+  const auto kind = [&](float background, std::initializer_list<float> values) {
     const FloatGrid::Ptr grid = FloatGrid::create(background);
-    grid->tree().setValue({0, 0, 0}, value);
-    return loaded({grid})->kind;
+    int x = 0;
+    for (const float value : values) grid->tree().setValue({x++, 0, 0}, value);
+    const absl::StatusOr<Volume> volume = loaded({grid});
+    return std::pair(volume->kind, volume->kind_source);
   };
-  EXPECT_EQ(kind(0, 1), VolumeKind::kFogVolume);
-  EXPECT_EQ(kind(1, -1), VolumeKind::kLevelSet);
-  EXPECT_EQ(kind(-1, 1), VolumeKind::kLevelSet);
+  const std::pair density(VolumeKind::kFogVolume, KindSource::kValues);
+  const std::pair level_set(VolumeKind::kLevelSet, KindSource::kValues);
+  const std::pair unclear(VolumeKind::kLevelSet, KindSource::kNobody);
+  EXPECT_EQ(kind(0, {1}), density);
+  EXPECT_EQ(kind(0, {1, -1e-6F}), density);
+  EXPECT_EQ(kind(1, {-1}), level_set);
+  EXPECT_EQ(kind(0, {-1}), level_set);
+  EXPECT_EQ(kind(0, {-1, 1}), unclear);
+  EXPECT_EQ(kind(-1, {1}), unclear);
+  EXPECT_EQ(kind(-1024, {40, 1200}), unclear);
+  EXPECT_EQ(kind(1, {-1e-6F}), unclear);
   const FloatGrid::Ptr tile = FloatGrid::create(0);
   tile->fill({Coord(0, 0, 0), Coord(7, 7, 7)}, -1);
   EXPECT_EQ(loaded({tile})->kind, VolumeKind::kLevelSet);
+}
+
+TEST_F(Load, BelievesTheClassWhateverTheValuesAre) {
+  for (const float background : {-1.F, 0.F, 1.F}) {
+    const FloatGrid::Ptr grid = FloatGrid::create(background);
+    grid->tree().setValue({0, 0, 0}, 2);
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    EXPECT_EQ(loaded({grid})->kind, VolumeKind::kLevelSet);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    const absl::StatusOr<Volume> fog = loaded({grid});
+    EXPECT_EQ(fog->kind, VolumeKind::kFogVolume);
+    EXPECT_EQ(fog->kind_source, KindSource::kClass);
+  }
+}
+
+TEST_F(Load, HidesNoGridBehindTheNumberedNameOfAnother) {
+  const FloatGrid::Ptr literal = ball(12, "ball[0]"), first = ball(4, "ball"),
+                       second = ball(8, "ball");
+  EXPECT_EQ(loaded({first, second, literal}, "ball[0]")->bricks.size(),
+            literal->tree().leafCount());
+  const auto listed = list_grids(path_);
+  ASSERT_TRUE(listed.ok()) << listed.status();
+  EXPECT_EQ((*listed)[2].name, "ball[0]");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const absl::StatusOr<Volume> volume = load_volume(path_, (*listed)[i].name);
+    ASSERT_TRUE(volume.ok()) << volume.status();
+    EXPECT_EQ(volume->bricks.size(), (i == 0 ? first : second)->tree().leafCount());
+  }
+}
+
+TEST_F(Load, ReadsGridsWhoseNamesAreLatin1OrEmpty) {
+  const FloatGrid::Ptr latin = ball(4, "dichte f\xfcr"), nameless = ball(8, "");
+  EXPECT_EQ(loaded({latin, nameless}, "dichte f\xc3\xbcr")->bricks.size(),
+            latin->tree().leafCount());
+  EXPECT_EQ(load_volume(path_, "[0]")->bricks.size(), nameless->tree().leafCount());
 }
 
 TEST_F(Load, KeepsRotationTranslationAndMirror) {

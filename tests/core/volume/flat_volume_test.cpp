@@ -35,7 +35,7 @@ enum Field : std::size_t {
   kConstantCount = 40,
   kCubeCount = 48,
   kBackground = 56,
-  kReserved = 60,
+  kKindSource = 60,
   kLinear = 64,
   kTranslation = 64 + 72,
   kVoxelSize = 64 + 96,
@@ -196,9 +196,9 @@ std::vector<Lie> lies() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<Lie> all{
       field<char>("magic", kMagic, 'x'),
-      field<std::uint32_t>("version", kVersion, 2),
+      field<std::uint32_t>("version", kVersion, 1),
       field<std::uint32_t>("kind", kKind, 4),
-      field<std::uint32_t>("reserved", kReserved, 1),
+      field<std::uint32_t>("source of the kind", kKindSource, 4),
       field<float>("background", kBackground, kNan),
       field<double>("nan in the map", kLinear, std::nan("")),
       field<double>("infinite map", kLinear, kInf),

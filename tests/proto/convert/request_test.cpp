@@ -79,6 +79,9 @@ TEST(Request, NamesTheFieldAndItsValue) {
   request.set_preset(static_cast<v1::Preset>(9));
   EXPECT_THAT(refusal(request), HasSubstr("preset 9"));
   request = valid_request();
+  request.set_inside(static_cast<v1::Inside>(9));
+  EXPECT_THAT(refusal(request), HasSubstr("inside 9"));
+  request = valid_request();
   request.set_name("grids/ABC");
   EXPECT_THAT(refusal(request), HasSubstr("\"grids/ABC\""));
 }
@@ -150,6 +153,7 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   spelled.set_iso(0.5);
   spelled.set_levels(kMaxLevels);
   spelled.set_preset(v1::PRESET_DEFAULT);
+  spelled.set_inside(v1::INSIDE_ABOVE);
   const auto id = [&](const v1::MeshRequest& request) {
     return mesh_id_of(canonical_request(*parse_mesh_request(request), fog, nullptr));
   };
@@ -172,6 +176,24 @@ TEST(MeshId, IsTheSameWithoutStatistics) {
   EXPECT_EQ(name_of_request(only), name_of_request(valid_request()));
   EXPECT_TRUE(canonical(only).skip_statistics());
   EXPECT_FALSE(canonical(valid_request()).skip_statistics());
+}
+
+TEST(MeshId, TellsTheSidesApart) {
+  const auto volume = std::make_shared<Volume>();
+  volume->background = 1;
+  const auto canonical = [&](v1::Inside inside, const Shape& shape) {
+    v1::MeshRequest request = valid_request();
+    request.set_inside(inside);
+    request.set_iso(0.25);
+    return canonical_request(*parse_mesh_request(request), shape, nullptr);
+  };
+  for (const Shape& shape : {Shape(volume), Shape(GridList{volume})}) {
+    EXPECT_NE(mesh_id_of(canonical(v1::INSIDE_ABOVE, shape)),
+              mesh_id_of(canonical(v1::INSIDE_BELOW, shape)));
+  }
+  EXPECT_EQ(canonical(v1::INSIDE_UNSPECIFIED, volume).inside(), v1::INSIDE_BELOW);
+  volume->kind = VolumeKind::kFogVolume;
+  EXPECT_EQ(canonical(v1::INSIDE_UNSPECIFIED, volume).inside(), v1::INSIDE_ABOVE);
 }
 
 TEST(MeshId, TellsEveryBoxAndManifoldsApart) {

@@ -51,7 +51,10 @@ struct MeshHeader {
   std::vector<FieldArray> fields;  ///< that every vertex has values of
   std::uint32_t field_values = 0;  ///< floats that a vertex has, of all fields together
   std::vector<MeshPart> parts;     ///< of a mesh of several grids; else empty
-  std::string id;                  ///< from a server: the same id is the same bytes
+  /// For people: which side of a grid's surface was taken for the inside, and why, where
+  /// neither its class nor the request says it; a line for each such grid.
+  std::string inside_guess;
+  std::string id;  ///< from a server: the same id is the same bytes
 };
 
 /// What is told of a whole mesh beside itself.

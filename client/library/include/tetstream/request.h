@@ -21,6 +21,9 @@ enum class Preset : std::uint8_t {
   kBothSides,  ///< inside and outside in one mesh, up to a box: 9.4 to 157.4 degrees
 };
 
+/// The side of the iso value that is inside.
+enum class Inside : std::uint8_t { kBelow, kAbove };
+
 enum class Coordinates : std::uint8_t {
   kAutomatic,  ///< float, and double where float would bend the angle bounds
   kFloat32,
@@ -40,6 +43,9 @@ struct Request {
   std::optional<double> spacing = {};
   /// The surface's value; unless given 0 for level sets and 0.5 for densities.
   std::optional<double> iso = {};
+  /// Which side of the iso value is inside; unless given what the volume's kind says. Must be
+  /// given where a .vdb file's grid has no class and its values do not tell: docs/inside.md.
+  std::optional<Inside> inside = {};
   /// Octree levels above the finest: 0 (uniform) to 24 (as coarse as the inside allows). Unless
   /// given 1, or 24 with a sizing that has `coarsest` or `growth`.
   std::optional<int> levels = {};
