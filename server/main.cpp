@@ -1,4 +1,6 @@
 // tetstreamd: reads its settings, serves until a signal, drains, exits.
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -7,6 +9,7 @@
 #include <map>
 #include <pthread.h>
 #include <string>
+#include <string_view>
 #include <sys/resource.h>
 #include <utility>
 
@@ -48,24 +51,46 @@ struct CommandLine {
   std::string new_token;
 };
 
+/// A worker answers no calls.
+bool concerns_worker(std::string_view key) {
+  constexpr std::array<std::string_view, 12> kKeys{
+      "store",        "resident_bytes", "plan_bytes",     "decoder",
+      "decoders",     "decode_seconds", "threads",        "jobs",
+      "result_bytes", "log_level",      "metrics_listen", "max_tets"};
+  return key.starts_with("job_") || std::ranges::find(kKeys, key) != kKeys.end();
+}
+
+void declare_setting(CLI::App& app, const tet::Setting& setting, CommandLine& line) {
+  const std::string key = setting.key;
+  app.add_option_function<std::string>(
+      setting.flag(), [&line, key](const std::string& text) { line.given[key] = text; },
+      absl::StrCat(setting.help, " [", setting.environment(), "]"));
+}
+
+void declare_worker(CLI::App& app, CommandLine& line) {
+  CLI::App* const worker =
+      app.add_subcommand("worker", "do batch jobs for servers that share --store and --jobs");
+  worker->fallthrough()->callback([&line] { line.worker = true; });
+  worker->footer(
+      "The same settings may stand in a file (--config) or the environment. Those of "
+      "tetstreamd "
+      "that are not listed\nhere are about calls; a worker, which answers none, ignores them.");
+  for (const tet::Setting& setting : tet::settings()) {
+    if (concerns_worker(setting.key)) declare_setting(*worker, setting, line);
+  }
+}
+
 void declare_options(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", "tetstreamd " TETSTREAM_VERSION);
   tet::add_manual_option(app, "8", "tetstream " TETSTREAM_VERSION);
   app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
       ->envname("TETSTREAM_CONFIG");
-  app.add_subcommand("worker", "do batch jobs for servers that share --store and --jobs")
-      ->fallthrough()
-      ->callback([&line] { line.worker = true; });
+  declare_worker(app, line);
   app.add_flag("--print-config", line.print_config, "print the settings as TOML and exit");
   app.add_option("--new-token", line.new_token,
                  "make a token for NAME: print it to stderr, its entry of --tokens to stdout")
       ->type_name("NAME");
-  for (const tet::Setting& setting : tet::settings()) {
-    const std::string key = setting.key;
-    app.add_option_function<std::string>(
-        setting.flag(), [&line, key](const std::string& text) { line.given[key] = text; },
-        absl::StrCat(setting.help, " [", setting.environment(), "]"));
-  }
+  for (const tet::Setting& setting : tet::settings()) declare_setting(app, setting, line);
 }
 
 absl::Status read_settings(const CommandLine& line, tet::Config& config) {

@@ -1,20 +1,30 @@
 // `tetstream convert`: a surface in, a .vdb level set out.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <absl/strings/str_replace.h>
 
+#include "client/command/abandonable.h"
 #include "client/command/command.h"
 #include "client/command/progress_bar.h"
+#include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 
 namespace tet {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char* kConvertExamples = R"(
 A closed surface becomes the level set of what it goes around: solids that overlap are one, and a
@@ -44,21 +54,38 @@ absl::Status check_options(const ConvertOptions& options) {
   return check_can_create(options.output);
 }
 
-absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
-  if (auto status = check_options(options); !status.ok()) return status;
-  ProgressBar bar;
-  bar.begin("reading");
+/// Reads and converts into `made`; errors name the file that was asked for.
+absl::StatusOr<ConversionReport> convert(const ConvertOptions& options, const std::string& made) {
   const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.surface);
   if (!input.ok()) return input.status();
-  if (interruption.requested()) return absl::CancelledError("stopped");
+  const absl::StatusOr<ConversionReport> report =
+      surface_to_vdb(input->surface, input->voxel_size, made, input->open);
+  if (report.ok()) return report;
+  const std::string message(report.status().message());
+  return absl::Status(report.status().code(),
+                      absl::StrReplaceAll(message, {{made, options.output}}));
+}
+
+/// The file is written beside the output, where nothing is left of it if it is not finished.
+absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
+  if (auto status = check_options(options); !status.ok()) return status;
+  const fs::path folder = fs::absolute(options.output).parent_path();
+  const ScratchDirectory scratch(folder);
+  const std::string made = scratch.file("made.vdb");
+  ProgressBar bar;
   bar.begin("converting");
   const absl::StatusOr<ConversionReport> report =
-      surface_to_vdb(input->surface, input->voxel_size, options.output, input->open);
+      run_abandonable<ConversionReport>([options, made] { return convert(options, made); },
+                                        [&] { bar.update(0, 0); }, interruption);
   if (!report.ok()) return report.status();
-  std::printf("%s: %s\n", for_terminal(options.output).c_str(), report->text().c_str());
-  for (const std::string& warning : report->warnings()) {
-    std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());
+  std::error_code error;
+  fs::rename(made, options.output, error);
+  if (error) {
+    return absl::UnavailableError(
+        absl::StrFormat("'%s' cannot be written: %s", options.output, error.message()));
   }
+  bar.say(options.output + ": " + report->text(), stdout);
+  for (const std::string& warning : report->warnings()) bar.say("warning: " + warning);
   return absl::OkStatus();
 }
 

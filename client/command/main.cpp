@@ -1,11 +1,14 @@
 // tetstream: VDB volumes and closed surfaces in, tetrahedral meshes out.
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "client/command/abandonable.h"
 #include "client/command/command.h"
+#include "client/command/did_you_mean.h"
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
 #include "client/library/error_details.h"
@@ -75,7 +78,11 @@ int run(const NamedCommand& command, const Cancellation& interruption) {
   if (status.ok()) return static_cast<int>(ExitCode::kDone);
   std::fprintf(stderr, "tetstream %s: %s\n", command.app->get_name().c_str(),
                for_terminal(message_of(status)).c_str());
-  if (const int signal = interrupting_signal(); signal != 0) return 128 + signal;
+  if (const int signal = interrupting_signal(); signal != 0) {
+    // What was left behind still runs, and would keep the process.
+    if (has_abandoned_work()) std::_Exit(128 + signal);
+    return 128 + signal;
+  }
   return static_cast<int>(exit_code_of(status.code()));
 }
 
@@ -87,6 +94,7 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
     return static_cast<int>(ExitCode::kDone);
   }
   std::string message = error.what();
+  if (const std::string unknown = unknown_command(app); !unknown.empty()) message = unknown;
   for (const std::string& rest : app.remaining(true)) {
     if (rest.starts_with("-")) message = "unknown option " + rest;
   }

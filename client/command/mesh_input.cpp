@@ -1,13 +1,14 @@
 #include "client/command/mesh_input.h"
 
 #include <filesystem>
-#include <stdlib.h>
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/command/abandonable.h"
 #include "client/command/scene_input.h"
+#include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
 #include "proto/wire/sha256.h"
 
@@ -16,37 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A directory of our own that is gone with us.
-class ScratchDirectory {
- public:
-  ScratchDirectory() {
-    path_ = (fs::temp_directory_path() / "tetstream.XXXXXX").string();
-    made_ = mkdtemp(path_.data()) != nullptr;
-  }
-  ~ScratchDirectory() {
-    std::error_code ignored;
-    if (made_) fs::remove_all(path_, ignored);
-  }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
-
-  std::string file(const std::string& name) const { return fs::path(path_) / name; }
-
- private:
-  std::string path_;
-  bool made_ = false;
-};
-
-absl::Status convert_surface(const MeshInput& input,
-                             const std::string& vdb_path,
-                             const UploadWatch& watch) {
+absl::StatusOr<ConversionReport> convert_surface(const MeshInput& input,
+                                                 const std::string& vdb_path) {
   const absl::StatusOr<SurfaceInput> read = read_surface_input(input.path, input.surface);
   if (!read.ok()) return read.status();
-  const absl::StatusOr<ConversionReport> report =
-      surface_to_vdb(read->surface, read->voxel_size, vdb_path, read->open);
-  if (!report.ok()) return report.status();
-  if (watch.converted) watch.converted(*report);
-  return absl::OkStatus();
+  return surface_to_vdb(read->surface, read->voxel_size, vdb_path, read->open);
 }
 
 /// Checks --open of an input that is no surface.
@@ -91,9 +66,15 @@ absl::StatusOr<std::string> upload_input(MeshClient& client,
   std::string path = input.path;
   std::optional<ScratchDirectory> scratch;
   if (is_surface_file(path)) {
-    path = scratch.emplace().file("surface.vdb");
-    absl::Status status = convert_surface(input, path, watch);
-    if (!status.ok()) return status;
+    path = scratch.emplace(fs::temp_directory_path()).file("surface.vdb");
+    const absl::StatusOr<ConversionReport> report = run_abandonable<ConversionReport>(
+        [input, path] { return convert_surface(input, path); },
+        [&] {
+          if (watch.bytes) watch.bytes(0, 1);
+        },
+        cancellation);
+    if (!report.ok()) return report.status();
+    if (watch.converted) watch.converted(*report);
   }
   const ClientProgress progress{.upload = watch.bytes, .planning = {}, .tets = {}};
   return client.upload_file(path, progress, cancellation);

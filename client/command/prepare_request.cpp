@@ -10,6 +10,7 @@
 #include "client/command/request_options.h"
 #include "client/command/scene_input.h"
 #include "client/library/wire_request.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -27,7 +28,7 @@ absl::StatusOr<std::string> upload(GridUploads& uploads,
                               },
                           .converted =
                               [&](const ConversionReport& report) {
-                                bar.say(input.path + ": " + describe_conversion(report));
+                                bar.say_lines(for_terminal(input.path) + ": " + describe_conversion(report), stderr);
                                 if (surface != nullptr) *surface = report;
                               }};
   return uploads.name_of(input, watch, interruption);

@@ -1,13 +1,17 @@
 #include "client/command/read_shape.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "client/command/abandonable.h"
 #include "client/command/request_options.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
 #include "client/library/read_grids.h"
+#include "core/base/parallel.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -16,13 +20,30 @@ FileTrust trust(const MeshOptions& options) {
   return options.trust ? FileTrust::kFull : FileTrust::kNone;
 }
 
-absl::StatusOr<ReadShape> convert_surface(const MeshOptions& options, ProgressBar& bar) {
-  const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.surface);
+absl::StatusOr<SurfaceVolume> convert_file(const std::string& path,
+                                          const SurfaceChoices& choices) {
+  const absl::StatusOr<SurfaceInput> input = read_surface_input(path, choices);
   if (!input.ok()) return input.status();
-  absl::StatusOr<SurfaceVolume> converted =
-      surface_to_volume(input->surface, input->voxel_size, input->open);
+  return surface_to_volume(input->surface, input->voxel_size, input->open);
+}
+
+/// The thread that converts has a pool of its own.
+absl::StatusOr<ReadShape> convert_surface(const MeshOptions& options,
+                                          ProgressBar& bar,
+                                          const Cancellation& interruption) {
+  bar.begin("converting");
+  const auto work = [path = options.input, choices = options.surface,
+                     threads = options.threads] {
+    absl::StatusOr<SurfaceVolume> converted = absl::UnknownError("not converted");
+    TaskPool pool(threads);
+    pool.run([&] { converted = convert_file(path, choices); });
+    return converted;
+  };
+  absl::StatusOr<SurfaceVolume> converted = run_abandonable<SurfaceVolume>(
+      work, [&] { bar.update(0, 0); }, interruption);
   if (!converted.ok()) return converted.status();
-  bar.say(options.input + ": " + describe_conversion(converted->report));
+  bar.say_lines(for_terminal(options.input) + ": " + describe_conversion(converted->report),
+                stderr);
   return ReadShape{std::make_shared<const Volume>(std::move(converted->volume)),
                    std::move(converted->report)};
 }
@@ -108,7 +129,7 @@ absl::StatusOr<ReadShape> read_shape(const MeshOptions& options,
     return read_volume(path, grid_name, trust(options), interruption);
   };
   if (options.has_several_grids()) return alone(read_several(options, bar, interruption));
-  if (is_surface_file(options.input)) return convert_surface(options, bar);
+  if (is_surface_file(options.input)) return convert_surface(options, bar, interruption);
   return alone(is_scene_file(options.input) ? shared(read_scene(options.input, read))
                                             : shared(read_grid(options, interruption)));
 }

@@ -1,12 +1,14 @@
 #include "client/library/channel.h"
 
 #include <chrono>
+#include <cstdint>
 #include <fstream>
 #include <sstream>
 #include <utility>
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
+#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
@@ -49,6 +51,31 @@ absl::StatusOr<Credentials> tls_credentials(const ChannelOptions& options) {
   if (status.ok()) status = read_pem(options.tls_key, "PRIVATE KEY", pem.pem_private_key);
   if (!status.ok()) return status;
   return grpc::SslCredentials(pem);
+}
+
+/// gRPC would take a port of its own where there is none.
+absl::Status check_address(const std::string& address) {
+  if (absl::StrContains(address, "/") || absl::StartsWith(address, "unix:")) {
+    return absl::OkStatus();  // in the words of gRPC's resolvers
+  }
+  const std::size_t colon = address.rfind(':');
+  const std::string host = address.substr(0, colon);
+  const bool is_bare_v6 = absl::StrContains(host, ":") && !absl::EndsWith(host, "]");
+  if (colon == std::string::npos || is_bare_v6) {
+    return absl::InvalidArgumentError(absl::StrCat("the server '", address,
+                                                   "' has no port: write HOST:PORT, such as ",
+                                                   is_bare_v6 ? absl::StrCat("[", address, "]")
+                                                   : address.empty() ? "localhost"
+                                                                     : address,
+                                                   ":7447"));
+  }
+  std::uint32_t port = 0;
+  if (!host.empty() && absl::SimpleAtoi(address.substr(colon + 1), &port) && port > 0 &&
+      port <= 65535) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("the server '", address, "' is not HOST:PORT with a port from 1 to 65535"));
 }
 
 absl::Status check_token(const std::string& address, const ChannelOptions& options) {
@@ -127,6 +154,7 @@ absl::Status ServerChannel::explain(const absl::Status& status) const {
 
 absl::StatusOr<ServerChannel> open_channel(const std::string& address,
                                            const ChannelOptions& options) {
+  if (absl::Status status = check_address(address); !status.ok()) return status;
   if (absl::Status status = check_token(address, options); !status.ok()) return status;
   grpc::ChannelArguments arguments = channel_arguments();
   Credentials credentials = grpc::InsecureChannelCredentials();

@@ -49,4 +49,17 @@ bool is_utf8(std::string_view text) noexcept {
   return true;
 }
 
+std::string cut_utf8(std::string_view text, std::size_t most_bytes) {
+  std::string cut;
+  while (!text.empty()) {
+    const auto lead = static_cast<std::uint8_t>(text[0]);
+    const std::size_t length = std::max<std::size_t>(1, length_of(lead));
+    if (length > text.size() || cut.size() + length > most_bytes) break;
+    const bool controls = lead == 0xc2 && static_cast<std::uint8_t>(text[1]) < 0xa0;
+    if (!controls) cut.append(text.substr(0, length));
+    text.remove_prefix(length);
+  }
+  return cut;
+}
+
 }  // namespace tet

@@ -68,6 +68,23 @@ class Interruption(CommandTest):
         self.assertEqual(code, 130, errors)
         self.assert_nothing_written()
 
+    def test_stops_conversions_at_once(self):
+        (self.inputs / "cube.obj").write_text(CUBE + LID)
+        for command in (("convert", self.inputs / "cube.obj", self.out / "cube.vdb"),
+                        ("mesh", self.inputs / "cube.obj", "-o", self.out / "cube.vtu")):
+            with self.subTest(command=command[0]):
+                # Some seconds of work, of which a part is done.
+                process = subprocess.Popen(
+                    [binaries() / "tetstream", *command, "--voxel", "0.0015"],
+                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                wait_until(lambda: catches(process, signal.SIGINT))  # noqa: B023
+                wait_until(lambda: processor_seconds(process) >= 0.3)  # noqa: B023
+                process.send_signal(signal.SIGINT)
+                _, errors = process.communicate(timeout=GENEROUS_END)
+                self.assertEqual(process.returncode, 130, errors)
+                self.assertEqual(len(errors.splitlines()), 1, errors)
+                self.assert_nothing_written()
+
     def unfinished_bytes(self):
         return sum(path.stat().st_size for path in self.out.glob(".tetstream.*.tmp"))
 

@@ -340,6 +340,14 @@ class JobQueue(JobTest):
         self.assertEqual(len(self.objects(self.job("delete", *mine))), 3)
         self.assertEqual(self.list("--label", "c=1"), [])
 
+    def test_nothing_that_is_asked_for_is_no_success(self):
+        for command in (("wait",), ("fetch", "--into", self.out)):
+            for which in (("--label", "night=never"), ("--state", "failed", "--name", "no")):
+                result = self.job(*command, *which)
+                self.assert_fails(result, REFUSED, "there is no such job", " ".join(which))
+        result = self.job("wait", "-", input="")
+        self.assert_fails(result, REFUSED, "there is no such job")
+
     def test_names_that_are_none(self):
         for command in ("show", "cancel", "retry", "delete", "wait", "watch"):
             with self.subTest(command):

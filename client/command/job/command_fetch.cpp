@@ -20,6 +20,7 @@
 #include "client/library/stream_checks.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
+#include "core/base/utf8.h"
 #include "core/files/mesh_file.h"
 #include "core/files/write_vtkhdf.h"
 
@@ -67,13 +68,15 @@ void describe_options(CLI::App& app, FetchArguments& arguments) {
   describe_session(app, arguments.session);
 }
 
-/// Names the file of a job: without what a file's name cannot hold, and not hidden.
+/// Names the file of a job: in any script, without what a file's name cannot hold or a shell
+/// reads otherwise, and not hidden.
 std::string file_stem(const v1::Job& job) {
-  std::string name = job.display_name().substr(0, 100);
+  std::string name = cut_utf8(job.display_name(), 100);
   std::replace_if(
       name.begin(), name.end(),
       [](unsigned char c) {
-        return !absl::ascii_isalnum(c) && c != '-' && c != '_' && c != '.';
+        const bool is_ascii = c < 0x80;
+        return is_ascii && !absl::ascii_isalnum(c) && c != '-' && c != '_' && c != '.';
       },
       '_');
   if (!name.empty() && name.front() == '.') name.front() = '_';
@@ -129,6 +132,7 @@ class Fetcher {
     absl::Status status = write_made_mesh(path, made, session_.bar, cancellation_);
     if (!status.ok()) return status;
     tell(job, path, summary_line(path, made, watch.seconds()), false);
+    note_guess(made.mesh.header);
     return absl::OkStatus();
   }
 
@@ -154,7 +158,12 @@ class Fetcher {
          absl::StrFormat("%s: %d vertices, %d tets, %.2f s", path, header->vertex_count,
                          header->tet_count, watch.seconds()),
          false);
+    note_guess(*header);
     return absl::OkStatus();
+  }
+
+  void note_guess(const MeshHeader& header) {
+    if (!header.inside_guess.empty()) session_.bar.say(inside_note(header.inside_guess));
   }
 
   ClientProgress receiving() {
@@ -195,6 +204,7 @@ absl::Status run_fetch(const FetchArguments& arguments, const Cancellation& inte
   if (!session.ok()) return session.status();
   auto names = select_jobs((*session)->jobs, arguments.selection, interruption);
   if (!names.ok()) return names.status();
+  if (auto status = check_any(*names, arguments.selection); !status.ok()) return status;
   if (!arguments.output.empty() && names->size() != 1) {
     return absl::InvalidArgumentError(absl::StrCat("-o is for one job, and these are ",
                                                    names->size(), ": use --into FOLDER"));

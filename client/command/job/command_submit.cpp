@@ -114,7 +114,7 @@ SubmitWatch watch_for(JobSession& session, std::size_t total) {
                      const absl::Status& status) { session.failed(order.input.path, status); },
       .progress = [&session, total](
                       double jobs) { session.bar.update(jobs, static_cast<double>(total)); },
-      .say = [&](const std::string& line) { session.bar.say(line); }};
+      .say = [&](const std::string& line) { session.bar.say_lines(line, stderr); }};
 }
 
 /// What went wrong, and what to do about it.

@@ -21,7 +21,8 @@ namespace {
 
 constexpr const char* kWaitExamples = R"(
 A line for each job when it is finished, and in the end how many ended how. Exits with 0 when all
-succeeded, with 1 when some did not, and with 3 when --patience is over before they are finished.
+succeeded, with 1 when some did not or there is none, and with 3 when --patience is over before they
+are finished.
 
 Examples:
   tetstream job wait jobs/019310c2a5d84f6b8e7a2c11 --server farm:7447
@@ -98,6 +99,7 @@ absl::Status run_wait(const WaitArguments& arguments, const Cancellation& interr
   if (!session.ok()) return session.status();
   const auto names = select_jobs((*session)->jobs, arguments.selection, interruption);
   if (!names.ok()) return names.status();
+  if (auto status = check_any(*names, arguments.selection); !status.ok()) return status;
   return wait_for(**session, *names, patience.cancellation());
 }
 

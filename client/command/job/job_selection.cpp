@@ -9,6 +9,7 @@
 #include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 #include <absl/strings/str_split.h>
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
@@ -184,6 +185,24 @@ absl::StatusOr<std::vector<std::string>> select_jobs(JobClient& client,
     if (!status.ok()) return status;
   }
   return each_once(*names);
+}
+
+absl::Status check_any(const std::vector<std::string>& names,
+                       const SelectionArguments& arguments) {
+  if (!names.empty() || arguments.all) return absl::OkStatus();
+  std::vector<std::string> asked;
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) asked.push_back(absl::StrCat(option, " ", value));
+  };
+  for (const std::string& state : arguments.filter.states) add("--state", state);
+  for (const std::string& label : arguments.filter.labels) add("--label", label);
+  add("--name", arguments.filter.name_prefix);
+  add("--since", arguments.filter.since);
+  add("--until", arguments.filter.until);
+  add("--journal", arguments.journal);
+  if (!arguments.names.empty()) asked.emplace_back("the names that were read");
+  return absl::NotFoundError(absl::StrCat("there is no such job: ", absl::StrJoin(asked, ", "),
+                                          "; `tetstream job list` shows what there is"));
 }
 
 absl::Status for_each_job(JobClient& client,

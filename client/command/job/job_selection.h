@@ -48,6 +48,11 @@ absl::StatusOr<std::vector<std::string>> select_jobs(JobClient& client,
                                                      const SelectionArguments& arguments,
                                                      const Cancellation& cancellation);
 
+/// Whether there is any of them, for commands that are about what somebody expects to be there;
+/// --all may be none. Errors: kNotFound, with what was asked for.
+absl::Status check_any(const std::vector<std::string>& names,
+                       const SelectionArguments& arguments);
+
 /// Calls `see` with every job, the newest first.
 absl::Status for_each_job(JobClient& client,
                           const v1::JobFilter& filter,

@@ -11,6 +11,7 @@
 #include "client/command/scene_input.h"
 #include "client/library/client_call.h"
 #include "client/library/error_details.h"
+#include "core/base/printable.h"
 
 namespace tet {
 namespace {
@@ -128,7 +129,7 @@ class Submitter {
         .converted =
             [&](const ConversionReport& report) {
               watch_.say(
-                  absl::StrCat(orders_[i].input.path, ": ", describe_conversion(report)));
+                  absl::StrCat(for_terminal(orders_[i].input.path), ": ", describe_conversion(report)));
             }};
     const auto store = [&](const MeshInput& input) {
       if (anew) uploads_.forget(input);

@@ -27,5 +27,15 @@ TEST(Utf8, IsNoOtherEncodingAndNoForgery) {
   for (const std::string& text : wrong) EXPECT_FALSE(is_utf8(text)) << text.size();
 }
 
+TEST(Utf8, IsCutBetweenCharacters) {
+  EXPECT_EQ(cut_utf8("плотность", 5), "пл");
+  EXPECT_EQ(cut_utf8("plain", 100), "plain");
+  EXPECT_EQ(cut_utf8("a\xc2\x9b"
+                     "b",
+                     100),
+            "ab");
+  EXPECT_EQ(cut_utf8("\xf0\x9f\x90\xb0", 3), "");
+}
+
 }  // namespace
 }  // namespace tet
