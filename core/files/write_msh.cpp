@@ -23,7 +23,7 @@ constexpr std::int32_t kTetrahedron = 4;  ///< Gmsh's number for a linear tetrah
 /// A volume entity, and the physical volume that it makes up.
 struct FileVolume {
   std::int32_t tag = 1;
-  std::string name = {};  ///< empty: there is no physical volume
+  std::string name = {};
   std::optional<MeshRegion> region =
       {};  ///< of its tets; they are all that follow each other if unset
   std::uint64_t first_tet = 0, tets = 0;
@@ -33,12 +33,10 @@ struct FileVolume {
 struct FileEntities {
   std::vector<FileVolume> volumes;
   std::vector<MshSurface> surfaces;
-
-  bool are_physical() const noexcept { return !volumes.front().name.empty(); }
 };
 
 /// The volumes of a file, in the order of their tags, which are the tets' labels.
-std::vector<FileVolume> volumes_of(const TetMesh& mesh, bool named) {
+std::vector<FileVolume> volumes_of(const TetMesh& mesh) {
   const MeshHeader& header = mesh.header;
   std::vector<FileVolume> volumes;
   for (const MeshPart& part : header.parts) {
@@ -47,7 +45,7 @@ std::vector<FileVolume> volumes_of(const TetMesh& mesh, bool named) {
   }
   if (!volumes.empty()) return volumes;
   if (!header.has_regions) {
-    return {FileVolume{.name = named ? "inside" : "", .tets = header.tet_count}};
+    return {FileVolume{.name = "inside", .tets = header.tet_count}};
   }
   for (const auto& [region, name] :
        {std::pair(MeshRegion::kInside, "inside"), std::pair(MeshRegion::kOutside, "outside")}) {
@@ -57,12 +55,8 @@ std::vector<FileVolume> volumes_of(const TetMesh& mesh, bool named) {
   return volumes;
 }
 
-/// Where some elements have a physical name, all have.
-FileEntities entities_of(const TetMesh& mesh) {
-  std::vector<MshSurface> surfaces = msh_surfaces(mesh);
-  const bool named = !surfaces.empty();
-  return {volumes_of(mesh, named), std::move(surfaces)};
-}
+/// All elements are in physical groups, as solvers take no others.
+FileEntities entities_of(const TetMesh& mesh) { return {volumes_of(mesh), msh_surfaces(mesh)}; }
 
 std::uint64_t file_bytes(const MeshHeader& header, std::uint64_t triangles) noexcept {
   std::uint64_t fields = 0;
@@ -87,7 +81,6 @@ std::string physical_name(std::int32_t dimension, std::int32_t tag, const std::s
 }
 
 void write_physical_names(BlockWriter& writer, const FileEntities& entities) {
-  if (!entities.are_physical()) return;
   const auto& [volumes, surfaces] = entities;
   std::string text = absl::StrCat("$PhysicalNames\n", volumes.size() + surfaces.size(), "\n");
   for (const MshSurface& surface : surfaces) {
@@ -99,15 +92,13 @@ void write_physical_names(BlockWriter& writer, const FileEntities& entities) {
   writer.text(text + "$EndPhysicalNames\n");
 }
 
-/// An entity with the whole mesh's bounds, and nothing said of what bounds it.
-void write_entity(BlockWriter& writer,
-                  std::int32_t tag,
-                  bool is_physical,
-                  const WorldBox& box) {
+/// An entity with the whole mesh's bounds, a physical group of its own, and nothing said of
+/// what bounds it.
+void write_entity(BlockWriter& writer, std::int32_t tag, const WorldBox& box) {
   writer.number(tag);
   writer.number(std::array{box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z});
-  writer.number(std::uint64_t{is_physical});  // physical tags
-  if (is_physical) writer.number(tag);
+  writer.number(std::uint64_t{1});  // physical tags
+  writer.number(tag);
   writer.number(std::uint64_t{0});  // bounding entities
 }
 
@@ -116,10 +107,8 @@ void write_entities(BlockWriter& writer, const WorldBox& bounds, const FileEntit
   writer.text("$Entities\n");
   // Points, curves, surfaces, volumes.
   writer.number(std::array<std::uint64_t, 4>{0, 0, surfaces.size(), volumes.size()});
-  for (const MshSurface& surface : surfaces) write_entity(writer, surface.tag, true, bounds);
-  for (const FileVolume& volume : volumes) {
-    write_entity(writer, volume.tag, entities.are_physical(), bounds);
-  }
+  for (const MshSurface& surface : surfaces) write_entity(writer, surface.tag, bounds);
+  for (const FileVolume& volume : volumes) write_entity(writer, volume.tag, bounds);
   writer.text("\n$EndEntities\n");
 }
 

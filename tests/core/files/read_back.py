@@ -53,10 +53,11 @@ def read_msh_with_meshio(path):
     tets = numpy.concatenate([block.data for block in mesh.cells])
     fields = {name: values for name, values in mesh.point_data.items()
               if not name.startswith("gmsh:")}
-    if "gmsh:physical" not in mesh.cell_data:
-        assert len(mesh.cells) == 1 and not mesh.field_data, mesh
-        return mesh.points, tets, None, fields
     names = {name: list(tag) for name, tag in mesh.field_data.items()}
+    assert "gmsh:physical" in mesh.cell_data, mesh  # solvers refuse what is in no group
+    if names == {"inside": [1, 3]}:
+        assert (mesh.cell_data["gmsh:physical"][0] == 1).all() and len(mesh.cells) == 1
+        return mesh.points, tets, None, fields
     assert names in ({"inside": [1, 3], "outside": [2, 3]},
                      {PART_NAMES[0].replace('"', "'"): [1, 3], PART_NAMES[1]: [2, 3]}), names
     regions = numpy.concatenate(mesh.cell_data["gmsh:physical"])
