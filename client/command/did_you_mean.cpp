@@ -35,7 +35,7 @@ std::size_t count_slips(std::string_view a, std::string_view b) {
 /// Empty where nothing is spelt nearly so.
 std::string nearest_command(const CLI::App& app, std::string_view word) {
   std::string nearest;
-  std::size_t fewest = std::max<std::size_t>(1, word.size() / 2);
+  std::size_t fewest = std::max<std::size_t>(1, word.size() / 3);
   for (const CLI::App* command : app.get_subcommands({})) {
     const std::size_t slips = count_slips(word, command->get_name());
     if (slips > fewest || (slips == fewest && !nearest.empty())) continue;
@@ -57,13 +57,11 @@ const CLI::App* incomplete(const CLI::App& app) {
 std::string unknown_command(const CLI::App& app) {
   const CLI::App* const command = incomplete(app);
   if (command == nullptr) return "";
-  for (const std::string& word : app.remaining(/*recurse=*/true)) {
-    if (word.starts_with('-')) continue;
-    const std::string nearest = nearest_command(*command, word);
-    return absl::StrCat("unknown command ", absl::Utf8SafeCHexEscape(word),
-                        nearest.empty() ? "" : absl::StrCat("; did you mean ", nearest, "?"));
-  }
-  return "";
+  const std::vector<std::string> rest = app.remaining(/*recurse=*/true);
+  if (rest.empty() || rest.front().starts_with('-')) return "";
+  const std::string nearest = nearest_command(*command, rest.front());
+  return absl::StrCat("unknown command ", absl::Utf8SafeCHexEscape(rest.front()),
+                      nearest.empty() ? "" : absl::StrCat("; did you mean ", nearest, "?"));
 }
 
 }  // namespace tet

@@ -94,10 +94,10 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
     return static_cast<int>(ExitCode::kDone);
   }
   std::string message = error.what();
-  if (const std::string unknown = unknown_command(app); !unknown.empty()) message = unknown;
   for (const std::string& rest : app.remaining(true)) {
     if (rest.starts_with("-")) message = "unknown option " + rest;
   }
+  if (const std::string unknown = unknown_command(app); !unknown.empty()) message = unknown;
   std::fprintf(stderr, "tetstream: %s; try tetstream --help\n", for_terminal(message).c_str());
   return static_cast<int>(ExitCode::kUsage);
 }

@@ -55,7 +55,8 @@ absl::StatusOr<Credentials> tls_credentials(const ChannelOptions& options) {
 
 /// gRPC would take a port of its own where there is none.
 absl::Status check_address(const std::string& address) {
-  if (absl::StrContains(address, "/") || absl::StartsWith(address, "unix:")) {
+  if (absl::StrContains(address, "/") || absl::StartsWith(address, "unix:") ||
+      absl::StartsWith(address, "unix-abstract:")) {
     return absl::OkStatus();  // in the words of gRPC's resolvers
   }
   const std::size_t colon = address.rfind(':');
