@@ -55,7 +55,8 @@ absl::Status check_options(const ConvertOptions& options) {
 }
 
 /// Reads and converts into `made`; errors name the file that was asked for.
-absl::StatusOr<ConversionReport> convert(const ConvertOptions& options, const std::string& made) {
+absl::StatusOr<ConversionReport> convert(const ConvertOptions& options,
+                                         const std::string& made) {
   const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.surface);
   if (!input.ok()) return input.status();
   const absl::StatusOr<ConversionReport> report =

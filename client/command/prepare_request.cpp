@@ -21,16 +21,17 @@ absl::StatusOr<std::string> upload(GridUploads& uploads,
                                    const Cancellation& interruption,
                                    std::optional<ConversionReport>* surface = nullptr) {
   bar.begin("uploading", "B");
-  const UploadWatch watch{.bytes =
-                              [&](std::uint64_t done, std::uint64_t total) {
-                                bar.update(static_cast<double>(done),
-                                           static_cast<double>(total));
-                              },
-                          .converted =
-                              [&](const ConversionReport& report) {
-                                bar.say_lines(for_terminal(input.path) + ": " + describe_conversion(report), stderr);
-                                if (surface != nullptr) *surface = report;
-                              }};
+  const UploadWatch watch{
+      .bytes =
+          [&](std::uint64_t done, std::uint64_t total) {
+            bar.update(static_cast<double>(done), static_cast<double>(total));
+          },
+      .converted =
+          [&](const ConversionReport& report) {
+            bar.say_lines(for_terminal(input.path) + ": " + describe_conversion(report),
+                          stderr);
+            if (surface != nullptr) *surface = report;
+          }};
   return uploads.name_of(input, watch, interruption);
 }
 

@@ -21,7 +21,7 @@ FileTrust trust(const MeshOptions& options) {
 }
 
 absl::StatusOr<SurfaceVolume> convert_file(const std::string& path,
-                                          const SurfaceChoices& choices) {
+                                           const SurfaceChoices& choices) {
   const absl::StatusOr<SurfaceInput> input = read_surface_input(path, choices);
   if (!input.ok()) return input.status();
   return surface_to_volume(input->surface, input->voxel_size, input->open);

@@ -27,7 +27,7 @@ Real dot(const BasicVector<Real>& u, const BasicVector<Real>& v) noexcept {
   return u.x * v.x + u.y * v.y + u.z * v.z;
 }
 
-/// The same vector in double, where products leave the range of a float.
+/// Widens to double, for products that leave the range of a float.
 inline Vector widened(const BasicVector<float>& v) noexcept { return {v.x, v.y, v.z}; }
 
 /// A vector by axis.

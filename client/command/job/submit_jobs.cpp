@@ -128,8 +128,8 @@ class Submitter {
             },
         .converted =
             [&](const ConversionReport& report) {
-              watch_.say(
-                  absl::StrCat(for_terminal(orders_[i].input.path), ": ", describe_conversion(report)));
+              watch_.say(absl::StrCat(for_terminal(orders_[i].input.path), ": ",
+                                      describe_conversion(report)));
             }};
     const auto store = [&](const MeshInput& input) {
       if (anew) uploads_.forget(input);
