@@ -193,8 +193,7 @@ absl::StatusOr<Converted> convert(const TriangleSurface& surface,
   const absl::StatusOr<VoxelSurface> voxels = to_voxels(surface, voxel_size);
   if (!voxels.ok()) return voxels.status();
   openvdb::initialize();
-  const double weld = std::clamp(2 * voxels->noise, kWeldVoxels, kGapVoxels / 2);
-  const ClosedSurface closed = close_surface(voxels->surface, weld, kGapVoxels);
+  const ClosedSurface closed = close_surface(voxels->surface, kWeldVoxels, kGapVoxels);
   Converted result;
   result.report = describe(surface, closed, voxel_size);
   const absl::StatusOr<ConvertedTo> kind = choose_kind(closed, open);

@@ -90,12 +90,11 @@ absl::StatusOr<VoxelSurface> to_voxels(const TriangleSurface& surface, double vo
   }
   const WorldBox box = bounds(surface);
   if (absl::Status s = check_extent(box, voxel_size); !s.ok()) return s;
-  VoxelSurface result{surface, voxel_size, {}, 0};
+  VoxelSurface result{surface, voxel_size, {}};
   if (farthest(box) > kNearVoxels * voxel_size) {
     result.translation = {box.min.x / 2 + box.max.x / 2, box.min.y / 2 + box.max.y / 2,
                           box.min.z / 2 + box.max.z / 2};
   }
-  result.noise = std::ldexp(farthest(box) / voxel_size, -23);
   const WorldPoint& middle = result.translation;
   for_each_index(
       surface.vertices.size(),

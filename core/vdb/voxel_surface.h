@@ -15,7 +15,6 @@ struct VoxelSurface {
   TriangleSurface surface;
   double voxel_size = 1;
   WorldPoint translation;  ///< zero unless the surface is far from the world's origin
-  double noise = 0;        ///< voxels that coordinates of 32 bits are off by there
 };
 
 /// Errors: kInvalidArgument (voxel size not positive, no triangle), kResourceExhausted (so
