@@ -8,7 +8,9 @@ COPY scripts/install_packages scripts/common.sh scripts/packages.txt scripts/
 RUN scripts/install_packages build && rm -rf /var/lib/apt/lists/*
 COPY . .
 RUN scripts/build release tetstream tetstreamd \
-    && cmake --install build/release --prefix /opt/tetstream --strip
+    && for component in common command server; do \
+        cmake --install build/release --prefix /opt/tetstream --strip --component "$component" || exit; \
+    done
 
 FROM debian:bookworm-slim
 COPY scripts/install_packages scripts/common.sh scripts/packages.txt /tmp/scripts/
