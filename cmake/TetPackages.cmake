@@ -71,6 +71,21 @@ if(TET_SHARED_LIBRARY)
     ${PROJECT_BINARY_DIR}/debian/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 endif()
 
+if(TARGET tetstream_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  # The module is for one version of Python, and finds the library where the build has it.
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/client)
+  tet_package(COMPONENT python NAME python3-tetstream SECTION python
+    DEPENDS "${library} ${same_version}" python3-numpy
+      "python3 (>= ${TET_PYTHON_VERSION})" "python3 (<< ${TET_NEXT_PYTHON})"
+    SUMMARY "meshes OpenVDB volumes: the Python package"
+    TEXT "Turns numpy arrays, triangles and OpenVDB volumes into tetrahedral meshes"
+         "with guaranteed angles, in the process or on a server, as numpy arrays.")
+  # They compile the package, and remove what was compiled.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/debian/python/postinst
+    ${PROJECT_SOURCE_DIR}/deploy/debian/python/prerm)
+endif()
+
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   ${debian}/conffiles ${debian}/postinst ${debian}/prerm ${debian}/postrm)

@@ -20,6 +20,8 @@ SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "serv
 CLIENT = ["client/library", "client/command", "client"]
 # What is installed: it may include the standard library, and itself as <tetstream/...>.
 PUBLIC = "client/library/include"
+# What stands upon it as another program would.
+PYTHON = "client/python"
 
 
 def in_order(folders, before):
@@ -42,6 +44,7 @@ LIBRARIES = {
     # Its functions end the process where a time is out of range: proto/convert/times.h.
     "protobuf's TimeUtil": (r"google/protobuf/util/time_util", ["proto/convert"]),
     "SQLite": (r"sqlite3", ["server/jobs/store", "tests/server/jobs/store"]),
+    "pybind11": (r"pybind11/", ["client/python"]),
     "libpq": (r"libpq|postgresql/", ["server/jobs/store", "tests/server/jobs/store"]),
 }
 
@@ -96,6 +99,13 @@ def public_errors(file, included):
     """A user of the library has its headers alone, and no other project's."""
     if is_inside(file, PUBLIC) and not re.fullmatch(r"[a-z_]+|tetstream/[a-z_]+\.h", included):
         yield f"{file}: a public header must not include {included}"
+
+
+def python_errors(file, included):
+    """The Python package has what any user of the library has, and pybind11."""
+    if is_inside(file, PYTHON) and not re.fullmatch(
+            r"[a-z_]+|tetstream/[a-z_]+\.h|pybind11/[a-z0-9_]+\.h|client/python/[a-z_/]+\.h", included):
+        yield f"{file}: the Python package must not include {included}"
 
 
 def library_errors(file, included):
@@ -171,6 +181,7 @@ def find_errors(root):
         for included in all_included:
             errors += layer_errors(file, included)
             errors += public_errors(file, included)
+            errors += python_errors(file, included)
             errors += library_errors(file, included)
     cycles = list(cycle_errors(includes))
     chains = [] if cycles else list(chain_errors(includes))

@@ -62,12 +62,22 @@ class CheckLayers(unittest.TestCase):
                      '#include "tetstream/v1/meshes.pb.h"'):
             self.assertNotEqual(errors_of({header: text + "\n"}), [], text)
 
+    def test_lets_the_python_package_see_what_any_program_sees(self):
+        source = "client/python/extension/a.cpp"
+        for text in ("#include <vector>", '#include "tetstream/mesh.h"', "#include <pybind11/numpy.h>",
+                     '#include "client/python/extension/watch.h"'):
+            self.assertEqual(errors_of({source: text + "\n"}), [], text)
+        for text in ("#include <absl/status/status.h>", '#include "core/base/types.h"', "#include <Python.h>",
+                     '#include "client/library/mesh_client.h"', '#include "client/library/api/work.h"',
+                     "#include <grpcpp/grpcpp.h>", '#include "tetstream/v1/meshes.pb.h"'):
+            self.assertNotEqual(errors_of({source: text + "\n"}), [], text)
+
     def test_keeps_each_library_in_its_folders(self):
         for text in ("#include <openvdb/openvdb.h>", "#include <tbb/parallel_for.h>",
                      "#include <oneapi/tbb.h>", "# include <google/protobuf/message.h>",
                      '#include "tetstream/v1/meshes.pb.h"', "#include <sqlite3.h>",
                      "#include <libpq-fe.h>", "#include <emmintrin.h>",
-                     "#include <simde/x86/sse4.1.h>"):
+                     "#include <simde/x86/sse4.1.h>", "#include <pybind11/stl.h>"):
             with self.subTest(text):
                 self.assertEqual(len(errors_of({"core/mesh/a.cpp": text})), 1)
 

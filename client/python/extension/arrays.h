@@ -1,0 +1,57 @@
+// The library's arrays as numpy's.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include "tetstream/mesh.h"
+
+namespace tetstream::python {
+
+namespace py = pybind11;
+
+/// Rows of `width` values, or single values where it is 0.
+inline std::vector<py::ssize_t> shape_of(std::size_t values, std::size_t width) {
+  if (width == 0) return {static_cast<py::ssize_t>(values)};
+  return {static_cast<py::ssize_t>(values / width), static_cast<py::ssize_t>(width)};
+}
+
+/// Makes numpy's arrays of spans. With an owner they are read-only views, which keep the owner
+/// alive; without one they are copies.
+class ArrayMaker {
+ public:
+  explicit ArrayMaker(py::handle owner = {}) : owner_(owner) {}
+
+  template <class T>
+  py::array make(std::span<const T> values, std::size_t width) const {
+    if (!owner_) return py::array_t<T>(shape_of(values.size(), width), values.data());
+    py::array view = py::array_t<T>(shape_of(values.size(), width), values.data(), owner_);
+    view.attr("setflags")(py::arg("write") = false);
+    return view;
+  }
+
+  py::array points(const MeshColumns& columns) const {
+    return columns.points64.empty() ? make(columns.points32, 3) : make(columns.points64, 3);
+  }
+  py::array tets(const MeshColumns& columns) const {
+    return columns.tets64.empty() ? make(columns.tets32, 4) : make(columns.tets64, 4);
+  }
+  /// Returns None where the mesh has no regions.
+  py::object regions(const MeshColumns& columns, const MeshHeader& header) const {
+    if (!header.has_regions) return py::none();
+    return make(columns.regions, 0);
+  }
+  /// Returns None where the mesh has no fields.
+  py::object field_rows(const MeshColumns& columns, const MeshHeader& header) const {
+    if (header.field_values == 0) return py::none();
+    return make(columns.fields, header.field_values);
+  }
+
+ private:
+  py::handle owner_;
+};
+
+}  // namespace tetstream::python

@@ -1,0 +1,54 @@
+// The parts of the module, one function a source; a part may use the types of those before it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <pybind11/pybind11.h>
+
+#include "client/python/extension/watch.h"
+#include "tetstream/client.h"
+
+namespace tetstream::python {
+
+/// How a caller of Python wants a call to be made, here or on a server.
+struct CallOptions {
+  py::object progress = py::none();
+  std::optional<double> deadline = {};  ///< seconds since 1970
+  int threads = 0;
+  Encoding encoding = Encoding::kPlain;
+  bool skip_cache = false;
+
+  Watch watch() const { return {progress, deadline}; }
+  StreamOptions connected(const Watch& watch) const {
+    StreamOptions options;
+    watch.connect(options);
+    options.threads = threads;
+    options.encoding = encoding;
+    options.skip_cache = skip_cache;
+    return options;
+  }
+};
+
+/// Waits for `work`, which gets the options, and returns its value.
+template <class Function>
+auto call(const CallOptions& options, const Function& work) {
+  Watch watch = options.watch();
+  const StreamOptions connected = options.connected(watch);
+  auto value = value_of(watch.call([&] { return work(connected); }));
+  watch.finish();
+  return value;
+}
+
+py::dict to_python(const MeshHeader& header);
+py::dict to_python(const Statistics& statistics);
+py::dict to_python(const Estimate& estimate);
+
+void bind_volume(py::module_& module);
+void bind_request(py::module_& module);
+void bind_mesh(py::module_& module);
+void bind_stream(py::module_& module);
+void bind_mesher(py::module_& module);
+void bind_client(py::module_& module);
+
+}  // namespace tetstream::python

@@ -1,0 +1,15 @@
+// The module tetstream._tetstream: the C++ library, as thinly as it goes. What users see of it
+// is written in Python, in ../tetstream.
+#include "client/python/extension/bindings.h"
+#include "tetstream/version.h"
+
+PYBIND11_MODULE(_tetstream, module) {
+  using namespace tetstream::python;
+  module.def("version", [] { return tetstream::version(); });
+  bind_volume(module);
+  bind_request(module);
+  bind_mesh(module);
+  bind_stream(module);
+  bind_mesher(module);
+  bind_client(module);
+}

@@ -1,0 +1,63 @@
+#include "tetstream/request.h"
+
+#include <string>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "client/python/extension/bindings.h"
+
+namespace tetstream::python {
+namespace {
+
+void set_box(Request& request, const std::optional<std::pair<Point, Point>>& box) {
+  request.box.reset();
+  if (box) request.box = Box{box->first, box->second};
+}
+
+void add_field(Request& request, std::string name, const Volume& values) {
+  request.fields.push_back({std::move(name), values});
+}
+
+}  // namespace
+
+void bind_request(py::module_& module) {
+  py::enum_<Preset>(module, "Preset")
+      .value("default", Preset::kDefault)
+      .value("min_angle", Preset::kMinAngle)
+      .value("both_sides", Preset::kBothSides);
+  py::enum_<Coordinates>(module, "Coordinates")
+      .value("automatic", Coordinates::kAutomatic)
+      .value("float32", Coordinates::kFloat32)
+      .value("float64", Coordinates::kFloat64);
+  py::enum_<Encoding>(module, "Encoding")
+      .value("plain", Encoding::kPlain)
+      .value("packed", Encoding::kPacked)
+      .value("compact", Encoding::kCompact);
+  py::enum_<Inside>(module, "Inside")
+      .value("above", Inside::kAbove)
+      .value("below", Inside::kBelow);
+  py::class_<Request>(module, "Request")
+      .def(py::init<>())
+      .def_readwrite("spacing", &Request::spacing)
+      .def_readwrite("iso", &Request::iso)
+      .def_readwrite("inside", &Request::inside)
+      .def_readwrite("levels", &Request::levels)
+      .def_readwrite("preset", &Request::preset)
+      .def("set_box", &set_box)
+      .def_readwrite("sizing", &Request::sizing)
+      .def_readwrite("improve", &Request::improve)
+      .def_readwrite("manifold", &Request::manifold)
+      .def_readwrite("statistics", &Request::statistics)
+      .def_readwrite("coordinates", &Request::coordinates)
+      .def("add_field", &add_field);
+  py::class_<CallOptions>(module, "Options")
+      .def(py::init<>())
+      .def_readwrite("progress", &CallOptions::progress)
+      .def_readwrite("deadline", &CallOptions::deadline)
+      .def_readwrite("threads", &CallOptions::threads)
+      .def_readwrite("encoding", &CallOptions::encoding)
+      .def_readwrite("skip_cache", &CallOptions::skip_cache);
+}
+
+}  // namespace tetstream::python

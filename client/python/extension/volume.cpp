@@ -1,0 +1,99 @@
+#include "tetstream/volume.h"
+
+#include <cstdint>
+#include <string>
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "client/python/extension/bindings.h"
+
+namespace tetstream::python {
+namespace {
+
+template <class T>
+using Array = py::array_t<T, py::array::c_style>;
+
+template <class T>
+std::span<const T> span_of(const Array<T>& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+/// Where the samples of an array lie, and what they are.
+struct Samples {
+  double spacing = 1;
+  Point origin{};
+  VolumeKind kind = VolumeKind::kLevelSet;
+  std::optional<float> background = {};
+};
+
+/// Other threads of Python run while `make` does, which must not touch anything of Python.
+template <class Function>
+Volume without_gil(const Function& make) {
+  return value_of([&] {
+    const py::gil_scoped_release released;
+    return make();
+  }());
+}
+
+Volume from_samples(const Array<float>& values, const Samples& samples) {
+  const SampleArray array{.values = span_of(values),
+                          .size = {static_cast<std::size_t>(values.shape(0)),
+                                   static_cast<std::size_t>(values.shape(1)),
+                                   static_cast<std::size_t>(values.shape(2))},
+                          .spacing = samples.spacing,
+                          .origin = samples.origin,
+                          .kind = samples.kind,
+                          .background = samples.background};
+  return without_gil([&] { return Volume::from_samples(array); });
+}
+
+Volume from_triangles(const Array<double>& points,
+                      const Array<std::uint32_t>& triangles,
+                      double voxel_size) {
+  const Triangles surface{span_of(points), span_of(triangles)};
+  return without_gil([&] { return Volume::from_triangles(surface, voxel_size); });
+}
+
+Volume from_surface_file(const std::string& path, double voxel_size) {
+  return without_gil([&] { return Volume::from_surface_file(path, voxel_size); });
+}
+
+Volume from_vdb(const std::string& path, const std::string& grid, bool trusted) {
+  return without_gil([&] { return Volume::from_vdb(path, {grid, trusted}); });
+}
+
+Volume values_from_vdb(const std::string& path, const std::string& grid, bool trusted) {
+  return without_gil([&] { return Volume::values_from_vdb(path, {grid, trusted}); });
+}
+
+void write_vdb(const Volume& volume, const std::string& path) {
+  const Status status = [&] {
+    const py::gil_scoped_release released;
+    return volume.write_vdb(path);
+  }();
+  if (!status.ok()) raise_error(status);
+}
+
+}  // namespace
+
+void bind_volume(py::module_& module) {
+  py::enum_<VolumeKind>(module, "VolumeKind")
+      .value("level_set", VolumeKind::kLevelSet)
+      .value("density", VolumeKind::kDensity)
+      .value("values", VolumeKind::kValues);
+  py::class_<Samples>(module, "Samples")
+      .def(py::init<double, Point, VolumeKind, std::optional<float>>());
+  py::class_<Volume>(module, "Volume")
+      .def_static("from_samples", &from_samples)
+      .def_static("from_triangles", &from_triangles)
+      .def_static("from_surface_file", &from_surface_file)
+      .def_static("from_vdb", &from_vdb)
+      .def_static("values_from_vdb", &values_from_vdb)
+      .def_property_readonly("kind", [](const Volume& volume) { return volume.kind(); })
+      .def_property_readonly("voxel_size",
+                             [](const Volume& volume) { return volume.voxel_size(); })
+      .def("write_vdb", &write_vdb);
+}
+
+}  // namespace tetstream::python

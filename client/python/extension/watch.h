@@ -1,0 +1,68 @@
+// How Python waits for work of the library: without the GIL, and awake for Ctrl-C.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <type_traits>
+#include <utility>
+
+#include <pybind11/pybind11.h>
+
+#include "tetstream/request.h"
+#include "tetstream/status.h"
+
+namespace tetstream::python {
+
+namespace py = pybind11;
+
+/// Raises the Python exception that belongs to a failure.
+[[noreturn]] void raise_error(const Status& status);
+
+/// Whoever waits for a piece of work: lets other threads of Python run meanwhile, handles
+/// signals, tells progress, and stops the work when one of these raises an exception. Made and
+/// used with the GIL.
+class Watch {
+ public:
+  /// `progress` is None or called with fractions, which only grow, by the thread that waits.
+  /// `deadline` is in seconds since 1970, as Python's time.time has them.
+  Watch(py::object progress, std::optional<double> deadline);
+
+  /// Makes the work that gets these options stop and tell as the caller asked.
+  void connect(WorkOptions& options) const;
+
+  /// Calls `work` on a thread of its own and waits for its result.
+  template <class Function>
+  std::invoke_result_t<Function> call(const Function& work) {
+    std::optional<std::invoke_result_t<Function>> result;
+    run([&] { result.emplace(work()); });
+    return *std::move(result);
+  }
+
+  /// Tells that all is done, where progress is told at all.
+  void finish();
+  void stop() const { stop_source_.request_stop(); }
+
+ private:
+  void run(const std::function<void()>& work);
+  void tell(double fraction);
+  std::optional<py::error_already_set> look_up();
+
+  const py::object progress_;
+  std::optional<std::chrono::system_clock::time_point> deadline_;
+  mutable std::stop_source stop_source_;
+  const std::shared_ptr<std::atomic<double>> reached_;  ///< the largest fraction until now
+  double told_ = -1;
+};
+
+/// The value of a result; raises where there is none.
+template <class T>
+T value_of(Result<T> result) {
+  if (!result.ok()) raise_error(result.status());
+  return *std::move(result);
+}
+
+}  // namespace tetstream::python

@@ -1,0 +1,248 @@
+"""Clients: the calls that make meshes, here and on a server."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Mapping
+from types import TracebackType
+
+from . import _tetstream
+from ._backends import Backend, Capabilities, Here, Served, StoredVolume, VolumeLike
+from ._errors import CancelledError, StatusCode
+from ._mesh import Mesh
+from ._request import Box, Coordinates, Encoding, Inside, Preset, Progress, Sizing, options_of, request_of
+from ._stream import MeshStream
+from ._volume import Volume
+
+LOCAL = ":local:"
+
+
+@dataclasses.dataclass(frozen=True)
+class Estimate:
+    """What a mesh would take.
+
+    bytes     of its arrays together
+    seconds   about how long making it takes, once it is counted
+    """
+
+    vertex_count: int
+    tet_count: int
+    bytes: int
+    seconds: float
+
+
+class Client:
+    """Makes meshes on a server: `Client("host:port")`; or in this process, by the same calls: `Client(":local:")`.
+
+    address         host:port, or several with commas between that know the same volumes. The first call
+                    tells whether the server is there; making a Client does not wait for it.
+    token           goes with every call. It needs TLS or `token_in_plain`, unless the server is on this host.
+    token_in_plain  send it even where others can read it on its way
+    tls             speak TLS; also where one of the following files (PEM) is given
+    tls_ca          who signs the server's certificate; unless given the system's
+    tls_cert, tls_key   the client's own certificate and its private key, where the server asks for them
+    attempts        at a call that fails because the server cannot be reached
+
+    Any thread may call any member. While a call works, other threads of Python run; Ctrl-C stops the work
+    and raises KeyboardInterrupt. Meshes of a file are the same, byte for byte, wherever they are made.
+
+    Errors: NotFoundError and InvalidArgumentError (a file), FailedPreconditionError (a token that others
+    could read).
+    """
+
+    def __init__(
+        self,
+        address: str = LOCAL,
+        *,
+        token: str = "",
+        token_in_plain: bool = False,
+        tls: bool = False,
+        tls_ca: str | os.PathLike[str] = "",
+        tls_cert: str | os.PathLike[str] = "",
+        tls_key: str | os.PathLike[str] = "",
+        attempts: int = 8,
+    ) -> None:
+        self.address = address
+        self._open: Backend | None = Here()
+        if address == LOCAL:
+            return
+        options = _tetstream.ClientOptions()
+        options.token = token
+        options.token_in_plain = token_in_plain
+        options.tls = tls
+        options.tls_ca = os.fspath(tls_ca)
+        options.tls_cert = os.fspath(tls_cert)
+        options.tls_key = os.fspath(tls_key)
+        options.attempts = attempts
+        self._open = Served(address, options)
+
+    @property
+    def _backend(self) -> Backend:
+        if self._open is None:
+            raise CancelledError("the client is closed", StatusCode.CANCELLED)
+        return self._open
+
+    def mesh(
+        self,
+        volume: VolumeLike,
+        *,
+        spacing: float | None = None,
+        iso: float | None = None,
+        inside: Inside | None = None,
+        levels: int | None = None,
+        preset: Preset = "default",
+        box: Box | None = None,
+        sizing: Sizing | None = None,
+        improve: bool = False,
+        manifold: bool = False,
+        statistics: bool = True,
+        coordinates: Coordinates = "automatic",
+        fields: Mapping[str, Volume] | None = None,
+        threads: int = 0,
+        encoding: Encoding = "plain",
+        skip_cache: bool = False,
+        progress: Progress | None = None,
+        timeout: float | None = None,
+    ) -> Mesh:
+        """Makes a mesh. Without options it is as fine as the voxels at the surface, and coarser inside.
+
+        volume       a Volume, which a server is sent when it is meshed there for the first time; the path of
+                     a .vdb file; or what `upload` or `upload_file` returned
+        spacing      edge of the finest cells, world units; unless given the voxel size
+        iso          the surface's value; unless given 0 for level sets and 0.5 for densities
+        inside       which side of the iso value is meshed, "above" or "below"; unless given what the volume's kind
+                     says. A file's grid without a class may need it: docs/inside.md
+        levels       octree levels above the finest, 0 (uniform) to 24 (as coarse as the inside allows);
+                     by default 1, or 24 with a sizing that has coarsest or growth
+        preset       bounds on dihedral angles: "default" 11.3 to 154.7 degrees, "min_angle" 11.8 to 161.2,
+                     "both_sides" (inside and outside in one mesh, up to a box) 9.4 to 157.4
+        box          (lowest, highest) corner, world units: with "both_sides" how far both sides go, else
+                     where the inside is cut off with flat faces
+        sizing       how large tets may be, and where, as in docs/sizing.md:
+                     {"growth": 0.25, "coarsest": 0.4}, or JSON
+        improve      move vertices to better the worst angles
+        manifold     the boundary touches itself nowhere, whatever the field
+        statistics   measure angles and boundary: a little slower
+        coordinates  how they are stored: "float32", "float64", or "automatic", which takes float64 where
+                     float32 would bend the angle bounds
+        fields       {name: Volume}: arrays of values that the vertices get, at most 16
+        threads      in this process; 0 takes every core
+        encoding     how a server's chunks travel: "plain", "packed" (a fifth of the bytes), "compact" (the
+                     least, and the mesh is made here; not with `improve` or `fields`)
+        skip_cache   have a server make it even where one of its jobs has stored it
+        progress     called with the fraction that is done, which grows from 0 to 1, by the thread that waits
+        timeout      seconds, for all of the call
+
+        Errors: InvalidArgumentError (an option, named in the text), FailedPreconditionError (no surface at
+        this iso value, an inside without an end), ResourceExhaustedError (too large), NotFoundError,
+        DeadlineExceededError; of a server also UnavailableError, AccessError, DataLossError. What `progress`
+        raises stops the work and is raised here.
+        """
+        request = request_of(
+            spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
+            improve=improve, manifold=manifold, statistics=statistics, coordinates=coordinates, fields=fields)
+        options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
+                             skip_cache=skip_cache)
+        return Mesh(self._backend.mesh(volume, request, options))
+
+    def stream(
+        self,
+        volume: VolumeLike,
+        *,
+        spacing: float | None = None,
+        iso: float | None = None,
+        inside: Inside | None = None,
+        levels: int | None = None,
+        preset: Preset = "default",
+        box: Box | None = None,
+        sizing: Sizing | None = None,
+        improve: bool = False,
+        manifold: bool = False,
+        statistics: bool = True,
+        coordinates: Coordinates = "automatic",
+        fields: Mapping[str, Volume] | None = None,
+        threads: int = 0,
+        encoding: Encoding = "plain",
+        skip_cache: bool = False,
+        progress: Progress | None = None,
+        timeout: float | None = None,
+    ) -> MeshStream:
+        """Makes a mesh chunk by chunk: returns when it is counted, before it is made.
+
+        Options and errors are those of `mesh`. `progress` is called while chunks are read, and `timeout` is for
+        all of the stream. A compact stream hands on its first chunk when all of it has come.
+        """
+        request = request_of(
+            spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
+            improve=improve, manifold=manifold, statistics=statistics, coordinates=coordinates, fields=fields)
+        options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
+                             skip_cache=skip_cache)
+        return MeshStream(self._backend.stream(volume, request, options))
+
+    def estimate(
+        self,
+        volume: VolumeLike,
+        *,
+        spacing: float | None = None,
+        iso: float | None = None,
+        inside: Inside | None = None,
+        levels: int | None = None,
+        preset: Preset = "default",
+        box: Box | None = None,
+        sizing: Sizing | None = None,
+        improve: bool = False,
+        manifold: bool = False,
+        statistics: bool = True,
+        coordinates: Coordinates = "automatic",
+        fields: Mapping[str, Volume] | None = None,
+        threads: int = 0,
+        timeout: float | None = None,
+    ) -> Estimate:
+        """Counts a mesh without making it. Options and errors are those of `mesh`."""
+        request = request_of(
+            spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
+            improve=improve, manifold=manifold, statistics=statistics, coordinates=coordinates, fields=fields)
+        told = self._backend.estimate(volume, request, options_of(timeout=timeout, threads=threads))
+        return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["bytes"]), told["seconds"])
+
+    def upload(
+        self, volume: Volume, *, progress: Progress | None = None, timeout: float | None = None
+    ) -> StoredVolume:
+        """Stores a volume of this process. `mesh` does so by itself; this tells its progress, and gives a name."""
+        return self._backend.upload(volume, options_of(progress=progress, timeout=timeout))
+
+    def upload_file(
+        self,
+        path: str | os.PathLike[str],
+        grid: str = "",
+        *,
+        progress: Progress | None = None,
+        timeout: float | None = None,
+    ) -> StoredVolume:
+        """Stores a .vdb file; nothing travels where the server has it. An upload that broke goes on where
+        it ended. Errors: NotFoundError (no such file here), ResourceExhaustedError (larger than the store)."""
+        return self._backend.upload_file(os.fspath(path), grid, options_of(progress=progress, timeout=timeout))
+
+    def capabilities(self, *, timeout: float | None = None) -> Capabilities:
+        """What the server is, and its limits."""
+        return self._backend.capabilities(options_of(timeout=timeout))
+
+    def check_health(self, service: str = "readiness", *, timeout: float | None = None) -> None:
+        """Raises an Error unless the server says that it serves: "readiness", "liveness" or "jobs"."""
+        self._backend.check_health(service, options_of(timeout=timeout))
+
+    def close(self) -> None:
+        """Forgets the connection. Streams that were begun go on."""
+        self._open = None
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"tetstream.Client({self.address!r})"

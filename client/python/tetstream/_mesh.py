@@ -1,0 +1,288 @@
+"""Meshes as numpy arrays: whole, or chunk by chunk."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import importlib
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _tetstream
+from ._errors import FailedPreconditionError, StatusCode
+from ._request import Progress, options_of
+
+_Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+@dataclasses.dataclass(frozen=True)
+class FieldArray:
+    """A named array of values at the vertices, of 1 or 3 components."""
+
+    name: str
+    components: int
+    offset: int  # of its first component in a vertex's row of values
+
+
+@dataclasses.dataclass(frozen=True)
+class MeshPart:
+    """One grid's mesh within a mesh of several grids: runs of the vertices and of the tets."""
+
+    name: str
+    first_vertex: int
+    vertex_count: int
+    first_tet: int
+    tet_count: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Header:
+    """What is known of a mesh before its first vertex.
+
+    vertex_count, tet_count, chunk_count   totals
+    float64, uint64   stored coordinates have 64 bits, else 32; vertex ids likewise
+    has_regions       both sides are meshed: every tet has a region
+    origin            to be added to stored coordinates, world units
+    bounds            (lowest, highest) corner of a box that holds every vertex
+    spacing           edge of the finest leaves, world units
+    levels            coarser octree levels that the mesh uses
+    fields            arrays that every vertex has values in
+    parts             of a mesh of several grids; else empty
+    id                from a server: the same id is the same bytes; else empty
+    """
+
+    vertex_count: int
+    tet_count: int
+    chunk_count: int
+    float64: bool
+    uint64: bool
+    has_regions: bool
+    origin: tuple[float, float, float]
+    bounds: _Box
+    spacing: float
+    levels: int
+    fields: tuple[FieldArray, ...]
+    parts: tuple[MeshPart, ...]
+    id: str
+
+    @classmethod
+    def _of(cls, told: dict[str, Any]) -> Header:
+        told["fields"] = tuple(FieldArray(*field) for field in told["fields"])
+        told["parts"] = tuple(MeshPart(*part) for part in told["parts"])
+        return cls(**told)
+
+
+@dataclasses.dataclass(frozen=True)
+class Quality:
+    """Dihedral angles in degrees, and volume in world units cubed.
+
+    histogram   shape (180,): how many of the six angles of each tet lie in each whole degree
+    """
+
+    min_dihedral_deg: float
+    max_dihedral_deg: float
+    volume: float
+    histogram: NDArray[np.uint64] = dataclasses.field(repr=False, compare=False)
+
+
+@dataclasses.dataclass(frozen=True)
+class Boundary:
+    """Topology of the boundary of the inside."""
+
+    triangles: int
+    vertices: int
+    components: int
+    euler_characteristic: int
+    non_manifold_edges: int
+    non_manifold_vertices: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Improvement:
+    """What `improve` did: the angles before it, and how many vertices it moved."""
+
+    min_dihedral_before_deg: float
+    max_dihedral_before_deg: float
+    moved_vertices: int
+
+
+@dataclasses.dataclass(frozen=True)
+class ThinWalls:
+    """Places where the lattice is too coarse for walls and gaps, and the spacing that would resolve
+    most of them (0 where there are none)."""
+
+    inside: int
+    outside: int
+    suggested_spacing: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Statistics:
+    """What is told of a whole mesh beside itself. None: left out (`statistics=False`), or not told, as
+    the quality of a stream that was taken up again after its connection broke."""
+
+    quality: Quality | None
+    boundary: Boundary | None
+    improvement: Improvement | None
+    thin_walls: ThinWalls
+
+    @classmethod
+    def _of(cls, told: dict[str, Any]) -> Statistics:
+        kinds: dict[str, Callable[..., Any]] = {
+            "quality": Quality, "boundary": Boundary, "improvement": Improvement}
+        parts = {name: kind(**told[name]) if told[name] else None for name, kind in kinds.items()}
+        return cls(**parts, thin_walls=ThinWalls(*told["thin_walls"]))
+
+
+class Arrays:
+    """Vertices and tets as arrays; what a `Mesh` and a `Chunk` have in common."""
+
+    def __init__(
+        self,
+        header: Header,
+        local_points: NDArray[np.floating[Any]],
+        tets: NDArray[np.unsignedinteger[Any]],
+        regions: NDArray[np.uint8] | None,
+        field_rows: NDArray[np.float32] | None,
+    ) -> None:
+        self.header = header
+        self.local_points = local_points
+        self.tets = tets
+        self.regions = regions
+        self._field_rows = field_rows
+
+    header: Header
+    """The whole mesh's totals, origin and spacing."""
+    local_points: NDArray[np.floating[Any]]
+    """Shape (n, 3): coordinates relative to `header.origin`, float32 or float64, as they are stored."""
+    tets: NDArray[np.unsignedinteger[Any]]
+    """Shape (m, 4): vertex ids, uint32 or uint64. det(b - a, c - a, d - a) is positive."""
+    regions: NDArray[np.uint8] | None
+    """Shape (m,): 1 inside, 2 outside; None unless both sides are meshed."""
+
+    @functools.cached_property
+    def points(self) -> NDArray[np.float64]:
+        """Shape (n, 3): world coordinates, float64. Computed when it is asked for the first time
+        (`header.origin + local_points`), and kept; read-only."""
+        points = np.add(self.local_points, self.header.origin, dtype=np.float64)
+        points.setflags(write=False)
+        return points
+
+    @functools.cached_property
+    def fields(self) -> Mapping[str, NDArray[np.float32]]:
+        """{name: values at the vertices}, each of shape (n,), or (n, 3) of a vector; views, float32."""
+        return {field.name: self._field(field) for field in self.header.fields}
+
+    def _field(self, field: FieldArray) -> NDArray[np.float32]:
+        assert self._field_rows is not None
+        if field.components == 1:
+            return self._field_rows[:, field.offset]
+        return self._field_rows[:, field.offset:field.offset + field.components]
+
+
+class Mesh(Arrays):
+    """A whole tetrahedral mesh.
+
+    Its arrays are views of the library's memory, without a copy and read-only; each keeps that memory
+    alive, so they outlive the mesh. `points` alone is computed. Take a copy (`mesh.tets.copy()`) to
+    write to it.
+
+    points         (n, 3) float64, world coordinates
+    local_points   (n, 3) float32 or float64, relative to header.origin
+    tets           (m, 4) uint32 or uint64, vertex ids
+    regions        (m,) uint8, 1 inside and 2 outside; None unless both sides are meshed
+    fields         {name: (n,) or (n, 3) float32}
+    header, statistics, quality()   what is known of it
+    """
+
+    def __init__(self, mesh: _tetstream.Mesh) -> None:
+        if not isinstance(mesh, _tetstream.Mesh):
+            raise TypeError("a Mesh is made by tetstream.mesh, or by Client.mesh")
+        super().__init__(Header._of(mesh.header), mesh.points, mesh.tets, mesh.regions, mesh.field_rows)
+        self._mesh = mesh
+
+    @functools.cached_property
+    def statistics(self) -> Statistics:
+        """Angles, volume, the boundary's topology, thin walls."""
+        return Statistics._of(self._mesh.statistics)
+
+    def quality(self) -> Quality:
+        """Dihedral angles and volume. Errors: FailedPreconditionError (`statistics=False` left them out)."""
+        quality = self.statistics.quality
+        if quality is None:
+            raise FailedPreconditionError("the mesh was made without statistics: leave statistics=True",
+                                          StatusCode.FAILED_PRECONDITION)
+        return quality
+
+    def write(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        progress: Progress | None = None,
+        timeout: float | None = None,
+    ) -> None:
+        """Writes world coordinates, regions and fields; the path's ending chooses the format: .vtu and
+        .vtkhdf (VTK, ParaView), .msh (Gmsh 4.1). The file is whole or not there.
+
+        Errors: InvalidArgumentError (another ending), UnavailableError and ResourceExhaustedError (the
+        disk), DeadlineExceededError.
+        """
+        self._mesh.write(os.fspath(path), options_of(progress=progress, timeout=timeout))
+
+    def to_meshio(self) -> Any:
+        """The mesh as a `meshio.Mesh`, with fields as point data and `region` as cell data."""
+        meshio = _imported("meshio")
+        cell_data = {} if self.regions is None else {"region": [self.regions]}
+        return meshio.Mesh(self.points, [("tetra", self.tets)], point_data=dict(self.fields),
+                           cell_data=cell_data)
+
+    def to_pyvista(self) -> Any:
+        """The mesh as a `pyvista.UnstructuredGrid`, with fields as point data and `region` as cell data."""
+        pyvista = _imported("pyvista")
+        grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: self.tets.astype(np.int64)}, self.points)
+        for name, values in self.fields.items():
+            grid.point_data[name] = values
+        if self.regions is not None:
+            grid.cell_data["region"] = self.regions
+        return grid
+
+    def __repr__(self) -> str:
+        h = self.header
+        megabytes = sum(array.nbytes for array in (self.local_points, self.tets, self.regions, self._field_rows)
+                        if array is not None) / 1e6
+        named = f", fields {', '.join(self.fields)}" if self.fields else ""
+        return (f"<tetstream.Mesh: {h.vertex_count:,} vertices, {h.tet_count:,} tets, "
+                f"spacing {h.spacing:g}, {megabytes:.1f} MB{named}>")
+
+
+class Chunk(Arrays):
+    """A contiguous run of a mesh's vertices and tets, with arrays of its own.
+
+    Chunks come in order and leave no gaps. Vertex ids count in the whole mesh, and a tet may refer to
+    vertices of chunks before it and after it.
+
+    index                       from 0 to header.chunk_count - 1
+    first_vertex, first_tet     how many the chunks before it hold
+    points, local_points, tets, regions, fields   as those of a `Mesh`
+    """
+
+    def __init__(self, header: Header, index: int, first_vertex: int, first_tet: int, *arrays: Any) -> None:
+        super().__init__(header, *arrays)
+        self.index = index
+        self.first_vertex = first_vertex
+        self.first_tet = first_tet
+
+    def __repr__(self) -> str:
+        return (f"<tetstream.Chunk {self.index} of {self.header.chunk_count}: "
+                f"{len(self.local_points):,} vertices, {len(self.tets):,} tets>")
+
+
+def _imported(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise ImportError(f"this needs the package {name}, which is not installed: pip install {name}") from error

@@ -1,0 +1,66 @@
+"""A mesh chunk by chunk."""
+
+from __future__ import annotations
+
+import functools
+from types import TracebackType
+
+from . import _tetstream
+from ._mesh import Chunk, Header, Statistics
+
+
+class MeshStream:
+    """A mesh that is made while it is read: an iterator of `Chunk`s that has the header already.
+
+        with ts.stream(volume) as stream:
+            print(stream.header.tet_count)
+            for chunk in stream:
+                use(chunk.points, chunk.tets)
+
+    Whoever does not ask for the next chunk holds the work back. Leaving the `with`, `close` and the end
+    of the object's life stop the work, here or on the server. A connection that breaks is taken up where
+    it broke, and no chunk comes twice. One thread at a time may be in a stream.
+
+    Errors, while it is read: those of the call that made it, UnavailableError (the server is gone, after
+    all attempts), CancelledError (it was closed).
+    """
+
+    def __init__(self, stream: _tetstream.Stream) -> None:
+        self._stream = stream
+
+    @functools.cached_property
+    def header(self) -> Header:
+        """The mesh's totals: enough to allocate all of it."""
+        return Header._of(self._stream.header)
+
+    def __iter__(self) -> MeshStream:
+        return self
+
+    def __next__(self) -> Chunk:
+        chunk = self._stream.next()
+        if chunk is None:
+            raise StopIteration
+        return Chunk(self.header, *chunk)
+
+    @property
+    def statistics(self) -> Statistics:
+        """What is told of the mesh after its last chunk. Errors: FailedPreconditionError (there are
+        chunks to come)."""
+        return Statistics._of(self._stream.statistics())
+
+    def close(self) -> None:
+        """Stops the work, unless it has ended. Any thread may call it, at any time."""
+        self._stream.close()
+
+    def __enter__(self) -> MeshStream:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        h = self.header
+        return (f"<tetstream.MeshStream: {h.vertex_count:,} vertices, {h.tet_count:,} tets "
+                f"in {h.chunk_count} chunks>")

@@ -1,0 +1,139 @@
+"""The C++ library as it is: private, and wrapped by the modules beside it."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Point = tuple[float, float, float]
+
+def version() -> str: ...
+
+class VolumeKind:
+    __members__: ClassVar[dict[str, VolumeKind]]
+    name: str
+
+class Inside:
+    __members__: ClassVar[dict[str, Inside]]
+
+class Preset:
+    __members__: ClassVar[dict[str, Preset]]
+
+class Coordinates:
+    __members__: ClassVar[dict[str, Coordinates]]
+
+class Encoding:
+    __members__: ClassVar[dict[str, Encoding]]
+
+class Samples:
+    def __init__(
+        self, spacing: float, origin: _Point, kind: VolumeKind, background: float | None
+    ) -> None: ...
+
+class Volume:
+    @staticmethod
+    def from_samples(values: NDArray[np.float32], samples: Samples) -> Volume: ...
+    @staticmethod
+    def from_triangles(
+        points: NDArray[np.float64], triangles: NDArray[np.uint32], voxel_size: float
+    ) -> Volume: ...
+    @staticmethod
+    def from_surface_file(path: str, voxel_size: float) -> Volume: ...
+    @staticmethod
+    def from_vdb(path: str, grid: str, trusted: bool) -> Volume: ...
+    @staticmethod
+    def values_from_vdb(path: str, grid: str, trusted: bool) -> Volume: ...
+    @property
+    def kind(self) -> VolumeKind: ...
+    @property
+    def voxel_size(self) -> float: ...
+    def write_vdb(self, path: str) -> None: ...
+
+class Request:
+    spacing: float | None
+    iso: float | None
+    inside: Inside | None
+    levels: int | None
+    preset: Preset
+    sizing: str
+    improve: bool
+    manifold: bool
+    statistics: bool
+    coordinates: Coordinates
+    def set_box(self, box: tuple[_Point, _Point] | None) -> None: ...
+    def add_field(self, name: str, values: Volume) -> None: ...
+
+class Options:
+    progress: Callable[[float], object] | None
+    deadline: float | None
+    threads: int
+    encoding: Encoding
+    skip_cache: bool
+
+class Mesh:
+    @property
+    def header(self) -> dict[str, Any]: ...
+    @property
+    def statistics(self) -> dict[str, Any]: ...
+    @property
+    def points(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def tets(self) -> NDArray[np.unsignedinteger[Any]]: ...
+    @property
+    def regions(self) -> NDArray[np.uint8] | None: ...
+    @property
+    def field_rows(self) -> NDArray[np.float32] | None: ...
+    def write(self, path: str, options: Options) -> None: ...
+
+class Stream:
+    @property
+    def header(self) -> dict[str, Any]: ...
+    def next(
+        self,
+    ) -> (
+        tuple[
+            int,
+            int,
+            int,
+            NDArray[np.floating[Any]],
+            NDArray[np.unsignedinteger[Any]],
+            NDArray[np.uint8] | None,
+            NDArray[np.float32] | None,
+        ]
+        | None
+    ): ...
+    def statistics(self) -> dict[str, Any]: ...
+    def close(self) -> None: ...
+
+def mesh(volume: Volume, request: Request, options: Options) -> Mesh: ...
+def estimate(volume: Volume, request: Request, options: Options) -> dict[str, Any]: ...
+def stream(volume: Volume, request: Request, options: Options) -> Stream: ...
+
+class ClientOptions:
+    token: str
+    token_in_plain: bool
+    tls: bool
+    tls_ca: str
+    tls_cert: str
+    tls_key: str
+    attempts: int
+
+class StoredVolume:
+    def __init__(self, name: str, grid: str) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def grid(self) -> str: ...
+
+class Client:
+    def __init__(self, address: str, options: ClientOptions) -> None: ...
+    def upload(self, volume: Volume, options: Options) -> StoredVolume: ...
+    def upload_file(self, path: str, grid: str, options: Options) -> StoredVolume: ...
+    def mesh(self, volume: StoredVolume, request: Request, options: Options) -> Mesh: ...
+    def estimate(
+        self, volume: StoredVolume, request: Request, options: Options
+    ) -> dict[str, Any]: ...
+    def stream(self, volume: StoredVolume, request: Request, options: Options) -> Stream: ...
+    def capabilities(self, options: Options) -> dict[str, Any]: ...
+    def check_health(self, service: str, options: Options) -> None: ...

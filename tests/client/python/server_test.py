@@ -1,0 +1,145 @@
+"""Meshes that a server makes."""
+
+import threading
+
+import pytest
+
+import running_server
+import tetstream as ts
+from conftest import assert_same, fixture_file, make_ball
+from stream_test import OPTIONS, Gathered
+
+
+@pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS.keys())
+def test_makes_the_mesh_that_is_made_here(client, options):
+    ball = make_ball(32)
+    here, there = ts.mesh(ball, **options), client.mesh(ball, **options)
+    assert_same(there, here)
+    assert there.header.id and not here.header.id
+    assert there.statistics == here.statistics
+    assert_same(Gathered(client.stream(ball, **options)), here)
+
+
+@pytest.mark.parametrize("encoding", ["plain", "packed", "compact"])
+def test_is_the_same_in_every_encoding(client, ball, mesh, encoding):
+    assert_same(client.mesh(ball, encoding=encoding), mesh)
+    assert_same(Gathered(client.stream(ball, encoding=encoding)), mesh)
+
+
+def test_is_sent_a_volume_once(server, client, ball):
+    client.mesh(ball)
+    brought = server.samples()["tetstream_upload_bytes_total"]
+    client.mesh(ball, levels=0)
+    client.estimate(ball)
+    assert server.samples()["tetstream_upload_bytes_total"] == brought > 0
+
+
+def test_takes_files(client, tmp_path):
+    file = fixture_file("sphere", 0.1, tmp_path / "sphere.vdb")
+    told = []
+    stored = client.upload_file(file, progress=told.append)
+    assert told[-1] == 1 and stored.name.startswith("grids/")
+    here = ts.mesh(file)
+    assert_same(client.mesh(file), here)
+    assert_same(client.mesh(ts.StoredVolume(stored.name)), here)
+    assert client.estimate(stored).tet_count == here.header.tet_count
+    with pytest.raises(ts.InvalidArgumentError, match="that server's Client"):
+        ts.mesh(stored)
+
+
+def test_the_same_calls_need_no_server(ball, mesh, tmp_path):
+    with ts.Client(":local:") as here:
+        here.check_health()
+        assert here.capabilities().server_version == ts.version()
+        assert_same(here.mesh(here.upload(ball)), mesh)
+        ball.write_vdb(tmp_path / "ball.vdb")
+        stored = here.upload_file(tmp_path / "ball.vdb")
+        assert_same(here.mesh(stored), mesh)
+        assert here.estimate(stored) == ts.estimate(ball) or here.estimate(stored).tet_count == mesh.header.tet_count
+    with pytest.raises(ts.CancelledError, match="closed"):
+        here.mesh(ball)
+    assert repr(here) == "tetstream.Client(':local:')"
+
+
+def test_tells_what_the_server_says(client):
+    client.check_health()
+    told = client.capabilities()
+    assert told.server_version == ts.version() and told.max_tets > 0 and told.algorithm_version
+    with pytest.raises(ts.NotFoundError) as missing:
+        client.mesh(ts.StoredVolume("grids/" + 64 * "0"))
+    assert missing.value.reason == "GRID_NOT_FOUND"
+    with pytest.raises(ts.InvalidArgumentError, match="spacing"):
+        client.mesh(make_ball(4), spacing=-1)
+    with pytest.raises(ts.DeadlineExceededError):
+        client.mesh(client.upload(make_ball(4)), timeout=0)
+
+
+def test_says_that_nobody_answers():
+    address = f"127.0.0.1:{running_server.unused_port()}"
+    with pytest.raises(ts.UnavailableError) as nobody:
+        ts.Client(address, attempts=1).capabilities()
+    assert address in str(nobody.value)
+
+
+def test_does_not_show_a_token_to_everybody(server):
+    with pytest.raises(ts.FailedPreconditionError, match="token"):
+        ts.Client("192.0.2.1:443", token="secret")
+    with pytest.raises(ts.NotFoundError, match="none.pem"):
+        ts.Client(server.address, tls_ca="none.pem")
+
+
+def work_ends(server):
+    running_server.wait_until(lambda: server.samples()["tetstream_meshes_running"] == 0)
+
+
+def test_lets_the_server_go_when_a_stream_is_left(server, client):
+    with client.stream(make_ball(64), levels=0) as stream:
+        next(stream)
+        assert server.samples()["tetstream_meshes_running"] == 1
+    work_ends(server)
+
+
+def test_lets_the_server_go_when_another_thread_closes_the_stream(server, client):
+    stream = client.stream(make_ball(64), levels=0)
+    next(stream)
+    closing = threading.Thread(target=stream.close)
+    closing.start()
+    with pytest.raises(ts.CancelledError):
+        for _ in stream:
+            closing.join()
+    work_ends(server)
+
+
+def test_goes_on_where_it_was_when_the_server_comes_back(tmp_path):
+    address = f"127.0.0.1:{running_server.unused_port()}"
+    ball, here = make_ball(64), None
+    with running_server.RunningServer(tmp_path / "store", listen=address) as first:
+        stream = ts.Client(address).stream(ball, levels=0)
+        chunks = [next(stream)]
+        assert first.samples()["tetstream_meshes_running"] == 1
+        first.kill()
+    with running_server.RunningServer(tmp_path / "store", listen=address) as second:
+        whole = Gathered(Resumed(stream, chunks))
+        assert second.samples()["tetstream_sent_chunks_total"] > 0
+    here = ts.mesh(ball, levels=0)
+    assert_same(whole, here)
+    assert stream.statistics.quality is None  # of a part it would be another one
+    assert stream.statistics.boundary == here.statistics.boundary
+
+
+class Resumed:
+    """A stream with the chunks that came before."""
+
+    def __init__(self, stream, before):
+        self.header, self._stream, self._before = stream.header, stream, before
+
+    def __iter__(self):
+        return iter([*self._before, *self._stream])
+
+
+def test_sends_a_volume_again_that_the_server_has_lost(tmp_path, ball, mesh):
+    address = f"127.0.0.1:{running_server.unused_port()}"
+    client = ts.Client(address)
+    for store in ("one", "two"):
+        with running_server.RunningServer(tmp_path / store, listen=address):
+            assert_same(client.mesh(ball), mesh)
