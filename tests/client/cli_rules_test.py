@@ -19,6 +19,7 @@ OPTIONS = {
     "grid_names": ("--grid", "ball", "--grid", "ring"),
     "scene": (),
     "iso": ("--iso", "0.1"),
+    "inside": ("--inside", "above"),
     "preset both-sides": ("--preset", "both-sides"),
     "box": ("--box", "0", "0", "0", "1", "1", "1"),
     "manifold": ("--manifold",),

@@ -342,9 +342,10 @@ class JobQueue(JobTest):
 
     def test_nothing_that_is_asked_for_is_no_success(self):
         for command in (("wait",), ("fetch", "--into", self.out)):
-            for which in (("--label", "night=never"), ("--state", "failed", "--name", "no")):
+            for which, told in ((("--label", "night=never"), "--label night=never"),
+                                (("--state", "failed", "--name", "no"), "--state failed, --name no")):
                 result = self.job(*command, *which)
-                self.assert_fails(result, REFUSED, "there is no such job", " ".join(which))
+                self.assert_fails(result, REFUSED, "there is no such job", told)
         result = self.job("wait", "-", input="")
         self.assert_fails(result, REFUSED, "there is no such job")
 
