@@ -122,7 +122,8 @@ absl::Status run_estimate(const EstimateArguments& arguments,
                           ? json_of(*estimate).c_str()
                           : for_terminal(line_of(options->input, *estimate)).c_str());
   if (!estimate->inside_guess.empty()) {
-    std::fprintf(stderr, "%s\n", inside_note(estimate->inside_guess).c_str());
+    std::fprintf(stderr, "%s\n",
+                 lines_for_terminal(inside_note(estimate->inside_guess)).c_str());
   }
   return absl::OkStatus();
 }

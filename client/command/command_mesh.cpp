@@ -134,7 +134,8 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   }
   std::printf("%s\n", for_terminal(summary_line(options->output, *made, seconds)).c_str());
   if (!made->mesh.header.inside_guess.empty()) {
-    std::fprintf(stderr, "%s\n", inside_note(made->mesh.header.inside_guess).c_str());
+    std::fprintf(stderr, "%s\n",
+                 lines_for_terminal(inside_note(made->mesh.header.inside_guess)).c_str());
   }
   if (made->mesh.header.box) {
     std::fprintf(stderr, "%s\n", box_note(*made->mesh.header.box).c_str());

@@ -36,8 +36,8 @@ class Inside(CommandTest):
         self.assertGreater(whole, 3.2**3 - BALL - 0.1)
 
     def test_of_a_density_with_a_voxel_below_zero_is_guessed_and_told(self):
-        volume, said = self.volume_of("raw-density.vdb")
         meant, _ = self.volume_of("fog.vdb")
+        volume, said = self.volume_of("raw-density.vdb")
         self.assertAlmostEqual(volume, meant, delta=1e-9)
         self.assertRegex(said, r"note: grid 'raw-density' has no class, .*-1e-06 to 1 .*density")
         self.assertIn("above 0.5", self.report["inside_guess"])

@@ -163,7 +163,8 @@ class Fetcher {
   }
 
   void note_guess(const MeshHeader& header) {
-    if (!header.inside_guess.empty()) session_.bar.say(inside_note(header.inside_guess));
+    if (!header.inside_guess.empty())
+      session_.bar.say_lines(inside_note(header.inside_guess), stderr);
   }
 
   ClientProgress receiving() {
