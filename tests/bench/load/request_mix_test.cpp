@@ -92,7 +92,7 @@ TEST_F(MixFile, HasTheOptionsOfTheMeshCommand) {
   ASSERT_EQ(mix->size(), 2u);
   EXPECT_EQ((*mix)[0].weight, 3);
   EXPECT_THAT((*mix)[0].grids, ElementsAre("bunny.vdb"));
-  EXPECT_EQ((*mix)[0].request.request.levels, 0);
+  EXPECT_EQ((*mix)[0].request.levels, 0);
   EXPECT_EQ((*mix)[0].request.request.spacing, 0.5);
   EXPECT_THAT((*mix)[1].grids, ElementsAre("my smoke.vdb"));
   EXPECT_EQ((*mix)[1].request.grids, std::vector<std::string>{"density"});

@@ -49,7 +49,7 @@ TEST(Request, TakesTheMeshersDefaults) {
   ASSERT_TRUE(order.ok());
   EXPECT_FALSE(order->request.spacing);
   EXPECT_FALSE(order->request.iso);
-  EXPECT_EQ(order->request.levels, kMaxLevels);
+  EXPECT_EQ(order->request.levels, 1);
 }
 
 TEST(Request, TellsZeroFromUnset) {
@@ -143,6 +143,23 @@ TEST(Request, RefusesARangeThatRunsBackwards) {
   EXPECT_FALSE(parse_stream_request(request).ok());
 }
 
+TEST(Request, HasAsManyLevelsAsASizingLeavesThatBoundsEveryLeaf) {
+  const auto levels_with = [](const auto& set) {
+    v1::MeshRequest request = valid_request();
+    set(*request.mutable_sizing());
+    const auto order = parse_mesh_request(request);
+    return order.ok() ? order->request.levels : -1;
+  };
+  EXPECT_EQ(levels_with([](v1::Sizing& sizing) { sizing.set_coarsest(1); }), kMaxLevels);
+  EXPECT_EQ(levels_with([](v1::Sizing& sizing) { sizing.set_growth(0.5); }), kMaxLevels);
+  EXPECT_EQ(levels_with([](v1::Sizing& sizing) {
+              auto& region = *sizing.add_regions();
+              region.set_size(0.5);
+              region.mutable_shell()->set_depth(1);
+            }),
+            1);
+}
+
 TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   const auto fog = std::make_shared<Volume>();
   fog->name = "density";
@@ -151,7 +168,7 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   v1::MeshRequest spelled = valid_request();
   spelled.set_spacing(0.25);
   spelled.set_iso(0.5);
-  spelled.set_levels(kMaxLevels);
+  spelled.set_levels(1);
   spelled.set_preset(v1::PRESET_DEFAULT);
   spelled.set_inside(v1::INSIDE_ABOVE);
   const auto id = [&](const v1::MeshRequest& request) {
