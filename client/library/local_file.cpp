@@ -25,7 +25,7 @@ absl::StatusOr<LocalFile> name_file(const std::string& path, const Cancellation&
   Sha256 digest;
   while (file.read(buffer.data(), static_cast<std::streamsize>(kReadBytes)) ||
          file.gcount() > 0) {
-    if (cancellation.requested()) return absl::CancelledError("cancelled");
+    if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
     const auto count = static_cast<std::size_t>(file.gcount());
     digest.add(std::string_view(buffer.data(), count));
     named.size_bytes += count;
