@@ -1,5 +1,7 @@
 #include "core/manual/completion.h"
 
+#include <algorithm>
+
 #include <absl/strings/match.h>
 
 namespace tet {
@@ -15,10 +17,15 @@ ValueKind kind_of_value(const OptionHelp& option) {
 std::vector<OptionHelp> options_of(const CommandHelp& command, const CommandHelp* parent) {
   std::vector<OptionHelp> options = command.options;
   if (!command.takes_parents_options || parent == nullptr) return options;
+  // Both may have an option: a worker's settings are some of its server's.
+  const auto is_own = [&](const OptionHelp& option) {
+    return std::ranges::any_of(command.options, [&](const OptionHelp& own) {
+      return own.names.back() == option.names.back();
+    });
+  };
   for (const OptionHelp& option : parent->options) {
-    if (option.names.back() != "--help" && option.names.back() != "--version") {
-      options.push_back(option);
-    }
+    const std::string& name = option.names.back();
+    if (name != "--help" && name != "--version" && !is_own(option)) options.push_back(option);
   }
   return options;
 }

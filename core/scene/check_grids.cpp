@@ -113,7 +113,12 @@ absl::Status check_insides(const Description& description) {
     const auto* grid = std::get_if<GridSolid>(&description.nodes[i].kind);
     if (grid == nullptr) continue;
     absl::Status status = check_side(*grid->volume, grid->inside);
-    if (status.ok()) status = check_background(*grid->volume, grid->inside, iso_of(*grid));
+    // Where no value lies on the other side there is no surface, which is told elsewhere.
+    const ValueRange range = value_range(*grid->volume);
+    const double iso = iso_of(*grid);
+    if (status.ok() && range.min <= iso && iso <= range.max) {
+      status = check_background(*grid->volume, grid->inside, iso);
+    }
     if (status.ok()) continue;
     return absl::InvalidArgumentError(
         absl::StrCat(path_of(description, i), ".", status.message()));

@@ -68,7 +68,7 @@ double default_iso(const Volume& volume, std::optional<InsideSide> asked) noexce
   constexpr double kHalfDense = 0.5;
   const InsideSide side = inside_side(volume, asked);
   if (side == InsideSide::kBelow) return 0;
-  return side != own_side(volume) && volume.background < 0 ? 0 : kHalfDense;
+  return side != own_side(volume) && value_range(volume).min < 0 ? 0 : kHalfDense;
 }
 
 absl::Status check_side(const Volume& volume, std::optional<InsideSide> asked) {

@@ -39,8 +39,8 @@ inline InsideSide inside_side(const Volume& volume, std::optional<InsideSide> as
 }
 
 /// The value at the surface unless another is asked for: 0 of level sets and 0.5 of densities.
-/// Where a request contradicts the grid's class, or nothing tells, 0 below, and above what
-/// separates the inside from the background: 0 if that is negative, else 0.5.
+/// Where a request contradicts the grid's class, or nothing tells, 0 below; and above 0 if any
+/// value is negative, else 0.5.
 double default_iso(const Volume& volume, std::optional<InsideSide> asked) noexcept;
 
 /// Whether somebody has said which side is inside. Errors: kInvalidArgument, beginning with the

@@ -66,13 +66,16 @@ TEST_F(MeshClientTest, ReceivesGradedMeshesToo) {
   request.clear_levels();
   const auto streamed = client_->stream_mesh(request, {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
-  EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(ball_file(16), {}).mesh));
+  MeshRequest here;
+  here.levels = default_levels({});
+  EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(ball_file(16), here).mesh));
 }
 
 TEST_F(MeshClientTest, ReceivesBothSidesAndTheirRegions) {
   const auto streamed = client_->stream_mesh(both_sides_of_ball(16, 2), {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   MeshRequest request;
+  request.levels = default_levels({});
   request.preset = Preset::kBothSides;
   request.box = {{-2, -2, -2}, {2, 2, 2}};
   const MeshResult here = mesh_here(ball_file(16), request);
@@ -106,6 +109,7 @@ TEST_F(MeshClientTest, ReceivesTheManifoldThatIsMadeInProcess) {
   const auto streamed = client_->stream_mesh(wire_request, {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   MeshRequest request;
+  request.levels = default_levels({});
   request.manifold = true;
   EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(path, request).mesh));
   ASSERT_TRUE(streamed->boundary);

@@ -74,6 +74,7 @@ class FieldServiceTest : public ServiceTest {
 TEST_F(FieldServiceTest, SendsTheValuesThatThisProcessFinds) {
   mesh_.set_preset(v1::PRESET_BOTH_SIDES);
   MeshRequest request;
+  request.levels = default_levels({});
   request.preset = Preset::kBothSides;
   request.fields = {field_of(path_, "heat", ""), field_of(path_, "velocity", "flow")};
   TaskPool pool(2);
@@ -175,6 +176,7 @@ TEST_F(FieldServiceTest, KeepsVolumesOfFieldsApartFromThoseThatAreMeshed) {
   ASSERT_TRUE(with.ok()) << with.status();
   mesh_.set_grid_name("heat");
   mesh_.set_iso(1);
+  mesh_.set_inside(v1::INSIDE_BELOW);
   mesh_.set_preset(v1::PRESET_BOTH_SIDES);
   EXPECT_TRUE(received().ok()) << "a field, too";
 }

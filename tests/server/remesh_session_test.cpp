@@ -144,6 +144,7 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
     std::memcpy(values.data(), leaf.values().data(), leaf.values().size());
     volume = replace_leaves(volume, {{volume.bricks[brick], values}}).value();
     MeshRequest request;
+    request.levels = default_levels({});
     request.origin = session->mesh().mesh.header.origin;
     TaskPool pool(2);
     const auto here = mesh_volume(

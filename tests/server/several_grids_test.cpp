@@ -38,7 +38,8 @@ class SeveralGridsTest : public ServiceTest {
   }
 
   /// What this process makes of the same grids.
-  absl::StatusOr<MeshResult> made_here(const MeshRequest& request = {}) {
+  absl::StatusOr<MeshResult> made_here(MeshRequest request = {}) {
+    request.levels = default_levels({});
     GridList grids;
     for (const std::string& grid : mesh_.grid_names()) {
       grids.push_back(std::make_shared<const Volume>(load_volume(path_, grid).value()));
