@@ -102,11 +102,11 @@ class BandGroups {
     next_.resize(leaves_.size());
     for_each_index(leaves_.size(), [&](std::size_t i) {
       groups_[i] = find_groups(*leaves_[i]);
-      for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         openvdb::Coord beside = leaves_[i]->origin();
         beside[axis] += 8;
         const Leaf* const leaf = tree.probeConstLeaf(beside);
-        next_[i][static_cast<std::size_t>(axis)] = leaf == nullptr ? kNone : number.at(leaf);
+        next_[i][axis] = leaf == nullptr ? kNone : number.at(leaf);
       }
     });
     first_ = offsets_from_counts(leaves_.size(),

@@ -63,7 +63,8 @@ class IndexSpaceMesh {
 /// Distances in voxels to a surface in voxels, and the triangle that each is to.
 struct Distances {
   FloatGrid::Ptr grid;
-  openvdb::Int32Grid::Ptr nearest = openvdb::Int32Grid::create(openvdb::util::INVALID_IDX);
+  openvdb::Int32Grid::Ptr nearest =
+      openvdb::Int32Grid::create(static_cast<std::int32_t>(openvdb::util::INVALID_IDX));
 };
 
 Distances measure_distances(const TriangleSurface& surface, double half_band) {
