@@ -138,13 +138,18 @@ TEST(Library, SaysWhatIsWrongWithAnArray) {
 
 TEST(Library, MakesTheSameMeshOfAVolumeThatWasWritten) {
   const tet::test::TestFolder folder;
-  const Volume volume = BallSamples(16).volume();
-  ASSERT_TRUE(volume.write_vdb(folder.file("ball.vdb")).ok());
-  const auto read = Volume::from_vdb(folder.file("ball.vdb"), {.trusted = true});
-  const auto decoded = Volume::from_vdb(folder.file("ball.vdb"));
-  ASSERT_TRUE(read.ok() && decoded.ok()) << decoded.status().to_string();
-  expect_same(mesh(*read).value(), mesh(volume).value());
-  expect_same(mesh(*decoded).value(), mesh(volume).value());
+  // Voxels of 1/16, and of others that no binary fraction is.
+  for (const int radius : {16, 15, 13, 11}) {
+    SCOPED_TRACE(radius);
+    const Volume volume = BallSamples(radius).volume();
+    ASSERT_TRUE(volume.write_vdb(folder.file("ball.vdb")).ok());
+    const auto read = Volume::from_vdb(folder.file("ball.vdb"), {.trusted = true});
+    const auto decoded = Volume::from_vdb(folder.file("ball.vdb"));
+    ASSERT_TRUE(read.ok() && decoded.ok()) << decoded.status().to_string();
+    EXPECT_EQ(read->voxel_size(), volume.voxel_size());
+    expect_same(mesh(*read).value(), mesh(volume).value());
+    expect_same(mesh(*decoded).value(), mesh(volume).value());
+  }
 }
 
 TEST(Library, MeshesTriangles) {

@@ -36,10 +36,7 @@ def pytest_unconfigure(config):
 
 
 def distances(radius=16):
-    """To a sphere of radius 1, as an array of samples, with the arguments that say where they are.
-
-    Where the radius is a power of two, a .vdb file has the same places to the last bit.
-    """
+    """To a sphere of radius 1, as an array of samples, with the arguments that say where they are."""
     spacing = 1 / radius
     edge = spacing * (radius + 4)
     axis = np.linspace(-edge, edge, 2 * radius + 9)
