@@ -207,8 +207,26 @@ absl::StatusOr<std::uint32_t> parse_corner(const PlyBody& body,
   return byte_error(body, absl::StrFormat("%s %d names vertex %g", what, i, corner));
 }
 
-absl::Status read_faces(PlyBody& body, const PlyElement& element, TriangleSurface& surface) {
+/// What was read of a file so far.
+struct PlyParts {
+  TriangleSurface surface;
+  /// Polygons of vertices that come after them: how these are cut depends on where they lie.
+  std::vector<std::vector<std::uint32_t>> later;
+
+  void add(std::span<const std::uint32_t> corners) {
+    const bool known = std::ranges::all_of(
+        corners, [&](std::uint32_t id) { return id < surface.vertices.size(); });
+    if (known || corners.size() <= 3) {
+      add_polygon(corners, surface);
+    } else {
+      later.emplace_back(corners.begin(), corners.end());
+    }
+  }
+};
+
+absl::Status read_faces(PlyBody& body, const PlyElement& element, PlyParts& parts) {
   if (absl::Status s = check_has_corners(element); !s.ok()) return s;
+  TriangleSurface& surface = parts.surface;
   surface.triangles.reserve(surface.triangles.size() + element.count);
   PlyRow row;
   std::vector<std::uint32_t> corners;
@@ -220,7 +238,7 @@ absl::Status read_faces(PlyBody& body, const PlyElement& element, TriangleSurfac
       if (!corner.ok()) return corner.status();
       corners.push_back(*corner);
     }
-    add_polygon(corners, surface);
+    parts.add(corners);
   }
   return absl::OkStatus();
 }
@@ -254,11 +272,11 @@ absl::Status read_strips(PlyBody& body, const PlyElement& element, TriangleSurfa
   return absl::OkStatus();
 }
 
-absl::Status read_element(PlyBody& body, const PlyElement& element, TriangleSurface& surface) {
+absl::Status read_element(PlyBody& body, const PlyElement& element, PlyParts& parts) {
   if (absl::Status s = check_count(body, element); !s.ok()) return s;
-  if (element.name == "vertex") return read_vertices(body, element, surface);
-  if (element.name == "face") return read_faces(body, element, surface);
-  if (element.name == "tristrips") return read_strips(body, element, surface);
+  if (element.name == "vertex") return read_vertices(body, element, parts.surface);
+  if (element.name == "face") return read_faces(body, element, parts);
+  if (element.name == "tristrips") return read_strips(body, element, parts.surface);
   PlyRow skipped;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     if (absl::Status s = read_row(body, element, skipped); !s.ok()) return s;
@@ -284,16 +302,17 @@ absl::StatusOr<TriangleSurface> read_ply(std::string_view bytes) {
   const absl::StatusOr<PlyHeader> header = read_ply_header(bytes);
   if (!header.ok()) return header.status();
   PlyBody body(bytes, *header);
-  TriangleSurface surface;
+  PlyParts parts;
   for (const PlyElement& element : header->elements) {
-    if (absl::Status s = read_element(body, element, surface); !s.ok()) return s;
+    if (absl::Status s = read_element(body, element, parts); !s.ok()) return s;
   }
   if (!body.is_over()) {
     return byte_error(body,
                       "the header's elements end here, but more follows: a count is wrong");
   }
-  if (absl::Status s = check_corners(surface); !s.ok()) return s;
-  return checked(std::move(surface));
+  for (const auto& corners : parts.later) add_polygon(corners, parts.surface);
+  if (absl::Status s = check_corners(parts.surface); !s.ok()) return s;
+  return checked(std::move(parts.surface));
 }
 
 }  // namespace tet

@@ -56,7 +56,7 @@ bool parse_number(std::string_view word, std::int64_t& value);
 bool take_point(std::string_view& text, WorldPoint& point);
 
 /// Adds a polygon as triangles, by ears that are cut off it; as a fan around its first corner
-/// where its vertices are not read yet.
+/// where it names vertices that there are not.
 void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surface);
 
 /// The surface, or why it is none: no triangles, too many vertices.

@@ -138,10 +138,13 @@ TEST(Library, SaysWhatIsWrongWithAnArray) {
 
 TEST(Library, MakesTheSameMeshOfAVolumeThatWasWritten) {
   const tet::test::TestFolder folder;
-  // Voxels of 1/16, and of others that no binary fraction is.
-  for (const int radius : {16, 15, 13, 11}) {
-    SCOPED_TRACE(radius);
-    const Volume volume = BallSamples(radius).volume();
+  // The mean of three squares of 0.06 or 0.3 is another number than the square.
+  for (const double spacing : {0.0625, 0.06, 0.3, 1e-6}) {
+    SCOPED_TRACE(spacing);
+    const BallSamples ball(16);
+    SampleArray array = ball.array();
+    array.spacing = spacing;
+    const Volume volume = Volume::from_samples(array).value();
     ASSERT_TRUE(volume.write_vdb(folder.file("ball.vdb")).ok());
     const auto read = Volume::from_vdb(folder.file("ball.vdb"), {.trusted = true});
     const auto decoded = Volume::from_vdb(folder.file("ball.vdb"));

@@ -12,7 +12,7 @@ from stream_test import OPTIONS, Gathered
 
 @pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS.keys())
 def test_makes_the_mesh_that_is_made_here(client, options):
-    ball = make_ball(33)  # whose spacing is no binary fraction
+    ball = make_ball(33)
     here, there = ts.mesh(ball, **options), client.mesh(ball, **options)
     assert_same(there, here)
     assert there.header.id and not here.header.id

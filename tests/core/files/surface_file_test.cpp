@@ -281,6 +281,21 @@ TEST(ReadPly, ReadsStripsOfTriangles) {
   EXPECT_THAT(message(read_ply(start + "3 0 1 -2\n")), HasSubstr("strip 0 names vertex -2"));
 }
 
+/// A notched square: a fan of its first corner has a triangle outside.
+TEST(ReadPly, CutsPolygonsByTheirVerticesWhicheverComeFirst) {
+  const std::string points =
+      "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+  const std::string places = "0 0 0\n2 0 0\n2 2 0\n1 0.5 0\n0 2 0\n", corners = "5 0 1 2 3 4\n";
+  const std::string start = "ply\nformat ascii 1.0\n", end = "end_header\n";
+  const auto usual = read_ply(start + points + faces + end + places + corners);
+  const auto other = read_ply(start + faces + points + end + corners + places);
+  ASSERT_TRUE(usual.ok() && other.ok()) << usual.status() << other.status();
+  EXPECT_EQ(usual->triangles.size(), 3U);
+  EXPECT_EQ(other->triangles, usual->triangles);
+  EXPECT_THAT(usual->triangles, ::testing::Not(::testing::Contains(Corners{0, 2, 3})));
+}
+
 TEST(ReadPly, TakesAnyNumberWhereItNeedsNone) {
   const auto surface = read_ply(replaced(ascii_ply(), "255 0 0 0", "nan 0 0 0"));
   ASSERT_TRUE(surface.ok()) << surface.status();
