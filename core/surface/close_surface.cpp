@@ -183,15 +183,20 @@ struct Piece {
 std::vector<std::uint8_t> find_open_pieces(std::span<const SurfaceSide> sides,
                                            const SurfacePieces& pieces) {
   std::vector<std::uint8_t> open(pieces.count);
+  std::vector<std::pair<std::uint32_t, std::ptrdiff_t>> ways;  // of an edge, by piece
   for_each_edge(sides, [&](std::span<const SurfaceSide> run) {
     if (run.size() == 2) return;
+    ways.clear();
     for (const SurfaceSide& side : run) {
-      std::ptrdiff_t ways = 0;
-      for (const SurfaceSide& other : run) {
-        if (pieces.piece_of[other.triangle] != pieces.piece_of[side.triangle]) continue;
-        ways += other.upwards ? 1 : -1;
+      ways.emplace_back(pieces.piece_of[side.triangle], side.upwards ? 1 : -1);
+    }
+    std::sort(ways.begin(), ways.end());
+    for (std::size_t begin = 0, end = 0; begin < ways.size(); begin = end) {
+      std::ptrdiff_t sum = 0;
+      for (; end < ways.size() && ways[end].first == ways[begin].first; ++end) {
+        sum += ways[end].second;
       }
-      if (ways != 0) open[pieces.piece_of[side.triangle]] = 1;
+      if (sum != 0) open[ways[begin].first] = 1;
     }
   });
   return open;

@@ -1,5 +1,6 @@
 #include "core/surface/triangulate_polygon.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -64,16 +65,23 @@ std::vector<Triangle> fan(std::size_t corners) {
   return triangles;
 }
 
-/// The corners that are left, in a ring.
+/// The corners that are left, in a ring; and all of them from left to right, so that whoever
+/// looks for those in an ear looks at few.
 class EarCutter {
  public:
   explicit EarCutter(const std::vector<FlatPoint>& points)
-      : points_(points), next_(points.size()), previous_(points.size()) {
+      : points_(points),
+        next_(points.size()),
+        previous_(points.size()),
+        is_cut_(points.size()),
+        by_x_(points.size()) {
     const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i) {
       next_[i] = (i + 1) % n;
       previous_[i] = (i + n - 1) % n;
     }
+    std::iota(by_x_.begin(), by_x_.end(), std::size_t{0});
+    std::ranges::sort(by_x_, {}, [&](std::size_t i) { return points[i].x; });
   }
 
   /// No triangles where there is no ear to be found.
@@ -89,6 +97,7 @@ class EarCutter {
       }
       tried = 0;
       triangles.push_back(triangle_at(corner));
+      is_cut_[corner] = 1;
       next_[previous_[corner]] = next_[corner];
       previous_[next_[corner]] = previous_[corner];
       // Two corners on, so that what is left does not become a fan of slivers.
@@ -112,8 +121,12 @@ class EarCutter {
     // A corner in the line of its neighbours is cut off at once: it holds nothing.
     if (turn < 0) return false;
     if (turn == 0) return true;
-    for (std::size_t i = next_[next_[corner]]; i != previous_[corner]; i = next_[i]) {
-      const FlatPoint& p = points_[i];
+    const auto [low, high] = std::minmax({a.x, b.x, c.x});
+    const auto x_of = [&](std::size_t i) { return points_[i].x; };
+    for (auto at = std::ranges::lower_bound(by_x_, low, {}, x_of);
+         at != by_x_.end() && points_[*at].x <= high; ++at) {
+      if (is_cut_[*at] != 0) continue;
+      const FlatPoint& p = points_[*at];
       const bool at_corner = (p.x == a.x && p.y == a.y) || (p.x == b.x && p.y == b.y) ||
                              (p.x == c.x && p.y == c.y);
       if (at_corner) continue;
@@ -124,6 +137,8 @@ class EarCutter {
 
   const std::vector<FlatPoint>& points_;
   std::vector<std::size_t> next_, previous_;
+  std::vector<std::uint8_t> is_cut_;
+  std::vector<std::size_t> by_x_;
 };
 
 }  // namespace
