@@ -6,7 +6,8 @@
 namespace tet {
 namespace {
 
-Cancellation interrupted_by_user;
+/// Never destroyed: a signal may come while the process ends.
+Cancellation& interrupted_by_user = *new Cancellation();
 std::atomic<int> first_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
 

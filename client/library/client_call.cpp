@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <cstdlib>
-#include <mutex>
 #include <random>
-#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -18,15 +15,8 @@ namespace tet {
 
 namespace {
 
-constexpr std::chrono::milliseconds kPoll{25};
-
-/// Waits for `time`, or less when a stop is requested.
-void pause(const std::stop_token& stop, std::chrono::milliseconds time) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, stop, time, [] { return false; });
-}
+/// How long the caller seeks a server before it looks for a cancellation again.
+constexpr std::chrono::milliseconds kSought{25};
 
 /// No server may keep us waiting longer than this.
 constexpr absl::Duration kLongestWait = absl::Seconds(30);
@@ -51,10 +41,7 @@ void add_identity(grpc::ClientContext& context) {
 ClientCall::ClientCall(ServerChannel channel, const Cancellation& cancellation)
     : channel_(std::move(channel)),
       cancellation_(cancellation),
-      watcher_([this](const std::stop_token& stop) {
-        while (!stop.stop_requested() && !cancellation_.requested()) pause(stop, kPoll);
-        if (cancellation_.requested()) context_.TryCancel();
-      }) {
+      on_cancel_(cancellation, [this] { context_.TryCancel(); }) {
   add_identity(context_);
   channel_.authorize(context_);
 }
@@ -91,7 +78,7 @@ bool Retries::again(const absl::Status& status,
   const auto wait = next_wait(asked.value_or(absl::ZeroDuration()));
   const auto end = std::chrono::steady_clock::now() + wait;
   while (std::chrono::steady_clock::now() < end && !cancellation_.requested()) {
-    next.seek(std::min(kPoll, wait));
+    next.seek(std::min(kSought, wait));
   }
   return !cancellation_.requested();
 }

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdint>
 #include <random>
-#include <thread>
 
 #include <absl/status/status.h>
 #include <grpcpp/client_context.h>
@@ -13,10 +12,11 @@
 #include "client/library/channel.h"
 #include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
+#include "core/base/on_cancel.h"
 
 namespace tet {
 
-/// One attempt at a call: its context, cancelled soon after `cancellation` is raised.
+/// One attempt at a call: its context, cancelled when `cancellation` is raised.
 class ClientCall {
  public:
   ClientCall(ServerChannel channel, const Cancellation& cancellation);
@@ -31,7 +31,7 @@ class ClientCall {
   const ServerChannel channel_;
   const Cancellation& cancellation_;
   grpc::ClientContext context_;
-  std::jthread watcher_;  // last: it uses the others
+  const OnCancel on_cancel_;  // last: it uses the others
 };
 
 /// kCancelled or kDeadlineExceeded when `cancellation` was raised, else kOk.

@@ -9,7 +9,10 @@
 
 namespace tet {
 
-/// Raised once, never lowered. Long stages poll it between bricks.
+class WakeEvent;
+
+/// Raised once, never lowered. Long stages look at it between bricks; what waits for something
+/// else meanwhile is called back (on_cancel.h) or waits for its descriptor beside the other.
 ///
 /// Thread safety: every member may be called from any thread at any time; `cancel` is also safe
 /// in a signal handler.
@@ -19,8 +22,11 @@ class Cancellation {
 
   Cancellation() = default;
   explicit Cancellation(Clock::time_point deadline) : deadline_(deadline) {}
+  ~Cancellation();
+  Cancellation(const Cancellation&) = delete;
+  Cancellation& operator=(const Cancellation&) = delete;
 
-  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  void cancel() noexcept;
 
   /// True once cancelled or past the deadline.
   bool requested() const noexcept {
@@ -32,9 +38,15 @@ class Cancellation {
   }
   bool deadline_passed() const noexcept { return deadline_ && Clock::now() >= *deadline_; }
 
+  /// For poll(2): readable from `cancel` on. A deadline does not show there. Negative when the
+  /// process has no more descriptors; whoever polls then looks at `requested` now and then.
+  int descriptor() const;
+
  private:
   std::atomic<bool> cancelled_{false};
   std::optional<Clock::time_point> deadline_;
+  /// Made for the first who asks for it, as few cancellations are waited for.
+  mutable std::atomic<WakeEvent*> wake_{nullptr};
 };
 
 /// OK, or why the work has to stop: kDeadlineExceeded, kCancelled.

@@ -124,11 +124,6 @@ absl::Status follow_jobs(JobClient& client,
 Patience::Patience(const Cancellation& interruption, std::chrono::nanoseconds time)
     : cancellation_(Cancellation::Clock::now() +
                     std::chrono::duration_cast<Cancellation::Clock::duration>(time)),
-      watcher_([this, &interruption](const std::stop_token& stop) {
-        while (!stop.stop_requested() && !interruption.requested()) {
-          std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        }
-        if (interruption.requested()) cancellation_.cancel();
-      }) {}
+      on_interruption_(interruption, [this] { cancellation_.cancel(); }) {}
 
 }  // namespace tet

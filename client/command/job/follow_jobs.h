@@ -4,13 +4,13 @@
 #include <chrono>
 #include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <absl/status/status.h>
 
 #include "client/library/job_client.h"
 #include "core/base/cancel.h"
+#include "core/base/on_cancel.h"
 
 namespace tet {
 
@@ -39,7 +39,7 @@ class Patience {
 
  private:
   Cancellation cancellation_;
-  std::jthread watcher_;
+  const OnCancel on_interruption_;  // last: it uses the other
 };
 
 }  // namespace tet
