@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "bench/load/request_mix.h"
 #include "bench/load/request_sender.h"
@@ -15,19 +16,28 @@
 namespace tet::load::test {
 
 /// Serves one request after the other, each for the same time, so that its capacity is known.
-/// It ends requests at the moments that its clock says, however late its thread wakes up.
+/// It ends requests at the moments that its clock says, however late its thread wakes up. With
+/// `by_schedule` it takes every request as sent when it was due and waits for nothing, so that
+/// all latencies are known to the nanosecond, whatever the machine does meanwhile.
 class StandIn final : public RequestSender {
  public:
   struct Behaviour {
     Nanoseconds service_time{std::chrono::milliseconds(1)};
-    Nanoseconds stall_after{std::chrono::hours(1)}, stall{0};  ///< counted from its making
-    std::size_t max_waiting = 1000000;                         ///< more are refused at once
+    /// Counted from when the first request was due.
+    Nanoseconds stall_after{std::chrono::hours(1)}, stall{0};
+    std::size_t max_waiting = 1000000;  ///< more are refused at once
+    bool by_schedule = false;
+  };
+
+  /// A request that was served.
+  struct Served {
+    Nanoseconds latency{};  ///< since it was due
+    bool measured = true;
+    bool stalled = false;
   };
 
   explicit StandIn(const Behaviour& behaviour)
-      : behaviour_(behaviour),
-        stall_from_(Clock::now() + behaviour.stall_after),
-        thread_([this] { serve(); }) {}
+      : behaviour_(behaviour), thread_([this] { serve(); }) {}
   ~StandIn() override {
     {
       const std::lock_guard lock(mutex_);
@@ -39,8 +49,9 @@ class StandIn final : public RequestSender {
 
   void send(const LoadRequest& request, Done done) override {
     const std::lock_guard lock(mutex_);
-    ++sent_;
-    waiting_.push_back({request, std::move(done), Clock::now(), sent_});
+    if (++sent_ == 1) stall_from_ = request.intended + behaviour_.stall_after;
+    const TimePoint arrived = behaviour_.by_schedule ? request.intended : Clock::now();
+    waiting_.push_back({request, std::move(done), arrived, sent_});
     changed_.notify_all();
   }
 
@@ -52,7 +63,13 @@ class StandIn final : public RequestSender {
 
   Traffic traffic() const override {
     const std::lock_guard lock(mutex_);
-    return {10 * served_, 100 * served_};
+    return {10 * served_.size(), 100 * served_.size()};
+  }
+
+  /// In the order in which they were served.
+  std::vector<Served> served() const {
+    const std::lock_guard lock(mutex_);
+    return served_;
   }
 
   std::size_t sent() const {
@@ -82,16 +99,20 @@ class StandIn final : public RequestSender {
         outcome.status = absl::ResourceExhaustedError("too many");
         outcome.ended = next.arrived;
       } else {
-        outcome.ended = finish_of(next.arrived);
-        const bool cancelled = changed_.wait_until(
-            lock, outcome.ended, [&] { return next.number <= given_up_ || closing_; });
+        const TimePoint alone = std::max(next.arrived, free_from_) + behaviour_.service_time;
+        outcome.ended = after_the_stall(alone);
+        const bool cancelled =
+            !behaviour_.by_schedule && changed_.wait_until(lock, outcome.ended, [&] {
+              return next.number <= given_up_ || closing_;
+            });
         if (cancelled) {
           outcome.status = absl::CancelledError("given up");
           outcome.ended = Clock::now();
         } else {
           free_from_ = outcome.ended;
           outcome.header = outcome.first_chunk = outcome.ended;
-          ++served_;
+          served_.push_back({outcome.ended - next.request.intended, next.request.measured,
+                             outcome.ended != alone});
         }
       }
       lock.unlock();
@@ -100,19 +121,18 @@ class StandIn final : public RequestSender {
     }
   }
 
-  TimePoint finish_of(TimePoint arrived) const {
-    const TimePoint finish = std::max(arrived, free_from_) + behaviour_.service_time;
+  TimePoint after_the_stall(TimePoint finish) const {
     const bool stalls = finish > stall_from_ && finish < stall_from_ + behaviour_.stall;
     return stalls ? stall_from_ + behaviour_.stall : finish;
   }
 
   const Behaviour behaviour_;
-  const TimePoint stall_from_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;
-  TimePoint free_from_{};
-  std::size_t sent_ = 0, served_ = 0;
+  TimePoint free_from_{}, stall_from_{};
+  std::size_t sent_ = 0;
+  std::vector<Served> served_;
   std::size_t given_up_ = 0;  ///< up to this one
   bool closing_ = false;
   std::thread thread_;

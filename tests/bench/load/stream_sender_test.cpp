@@ -4,6 +4,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -15,6 +16,7 @@
 #include "bench/load/run_load.h"
 #include "proto/wire/checksum.h"
 #include "tests/bench/load/stand_in.h"
+#include "tests/support/eventually.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet::load {
@@ -31,15 +33,18 @@ class TwoChunks final : public v1::MeshService::Service {
   std::atomic<int> chunks = 2;
   std::atomic<bool> hangs = false;
   std::atomic<bool> refuses = false;
-  /// Calls that begin before it wait for it.
-  std::atomic<TimePoint> stalled_until = TimePoint{};
+  std::atomic<int> hanging = 0;  ///< calls that hang now
+  /// How long, from the first call on, calls that begin wait for its end.
+  std::atomic<Nanoseconds> stall = Nanoseconds{0};
 
   grpc::Status StreamMesh(grpc::ServerContext* context,
                           const v1::StreamMeshRequest* /*request*/,
                           grpc::ServerWriter<v1::MeshEvent>* writer) override {
     if (refuses) return {grpc::StatusCode::RESOURCE_EXHAUSTED, "two are enough"};
+    if (hangs) ++hanging;
     while (hangs && !context->IsCancelled()) std::this_thread::sleep_for(1ms);
-    std::this_thread::sleep_until(stalled_until.load());
+    std::call_once(first_call_, [this] { stalled_until_ = Clock::now() + stall.load(); });
+    std::this_thread::sleep_until(stalled_until_);
     v1::MeshEvent header, trailer;
     header.mutable_header()->set_chunk_count(2);
     header.mutable_header()->set_tet_count(20);
@@ -64,6 +69,9 @@ class TwoChunks final : public v1::MeshService::Service {
     spoil(chunk);
     return event;
   }
+
+  std::once_flag first_call_;
+  TimePoint stalled_until_{};
 };
 
 class StreamSenderTest : public testing::Test {
@@ -144,8 +152,9 @@ TEST_F(StreamSenderTest, KeepsADeadlineAndGivesUpWhenTold) {
   service_.hangs = true;
   const auto sender = open();
   EXPECT_TRUE(absl::IsDeadlineExceeded(send(*sender, 50ms).status));
+  const int before = service_.hanging;
   std::jthread stopper([&] {
-    std::this_thread::sleep_for(50ms);
+    EXPECT_TRUE(tet::test::eventually([&] { return service_.hanging > before; }));
     sender->give_up();
   });
   EXPECT_TRUE(absl::IsCancelled(send(*sender).status));
@@ -179,7 +188,7 @@ TEST_F(StreamSenderTest, ShowsAStallOfASecondInTheUpperPercentiles) {
   plan.max_outstanding = 2;
   RequestMix mix = test::mix_of_one();
   const Cancellation never;
-  service_.stalled_until = Clock::now() + 1s;
+  service_.stall = 1s;
   const LoadResult result = run_load(plan, mix, *sender, never, {});
   const LatencyHistogram whole = result.total.latency(LatencyKind::kWhole);
   EXPECT_EQ(result.total.done, result.total.offered);
