@@ -79,7 +79,10 @@ class Restoration {
   std::vector<std::uint32_t> run_round(const std::vector<std::uint32_t>& active) {
     std::vector<NodeMasks> bad(active.size());
     for_each_index(
-        active.size(), [&](std::size_t i) { bad[i] = bad_nodes(active[i]); },
+        active.size(),
+        [&](std::size_t i) {
+          if (!cancellation_.requested()) bad[i] = bad_nodes(active[i]);
+        },
         kRestoredPerRange);
     std::vector<bool> again(states_.size());
     for (std::size_t i = 0; i < active.size(); ++i) {
