@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpc/grpc.h>
 
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
@@ -24,9 +23,8 @@ constexpr std::chrono::milliseconds kProgressInterval{200};
 ChunkStream::ChunkStream(MeshEngine& engine,
                          grpc::CallbackServerContext& context,
                          std::string method)
-    : engine_(engine),
-      context_(context),
-      call_(engine.calls, context, std::move(method)),
+    : StreamWriter(engine.calls, context, std::move(method)),
+      engine_(engine),
       watch_(std::make_shared<PlanningWatch>(deadline_of(context))) {}
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
@@ -45,26 +43,15 @@ void ChunkStream::begin(ChunkReactor& reactor, const absl::Status& parsed) {
   if (!status.ok()) return close(status);
   guard([this] {
     admitted();
-    call_.on_cut([weak = weak_from_this()] {
-      if (const auto self = weak.lock()) self->cut();
-    });
+    end_with_server();
     await();
   });
 }
 
 void ChunkStream::queue() {
-  place_ = engine_.admit(call_, watch_->cancellation.deadline(),
-                         [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
-                           self->enter(std::move(ticket));
-                         });
-}
-
-void ChunkStream::close(const absl::Status& status) {
-  {
-    const std::lock_guard lock(mutex_);
-    end(status);
-  }
-  advance();
+  place_ = engine_.admit(
+      call_, watch_->cancellation.deadline(),
+      [self = self()](absl::StatusOr<Ticket> ticket) { self->enter(std::move(ticket)); });
 }
 
 /// Whoever sees the stream's end, or its pause, may begin the next at once.
@@ -76,7 +63,7 @@ void ChunkStream::give_turn_back() {
 
 bool ChunkStream::reopen() {
   const std::lock_guard lock(mutex_);
-  if (phase_ == Phase::kEnded) return false;
+  if (ended()) return false;
   phase_ = Phase::kOpening;
   progress_due_ = false;
   quality_ = {};
@@ -86,44 +73,23 @@ bool ChunkStream::reopen() {
   return true;
 }
 
-/// That may bring events here and now, so not under the lock; and gRPC must not be done
-/// meanwhile.
-void ChunkStream::start_operation(const std::function<void()>& start) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (phase_ == Phase::kEnded) return;
-    held_ = true;
-  }
-  start();
-  {
-    const std::lock_guard lock(mutex_);
-    held_ = false;
-  }
-  advance();
-}
-
 void ChunkStream::enter(absl::StatusOr<Ticket> ticket) {
   if (!ticket.ok()) return begin_chunks(ticket.status(), 0, 0);
   {
     const std::lock_guard lock(mutex_);
-    if (phase_ == Phase::kEnded) return;
+    if (ended()) return;
     ticket_ = *std::move(ticket);
   }
   guard([this] { open(); });
 }
 
-void ChunkStream::guard(const std::function<void()>& step) {
-  const absl::Status status = guarded(call_.method().c_str(), step);
-  if (!status.ok()) close(status);
-}
-
 // Each interval has an alarm of its own: one cannot be set again from within its own callback.
 void ChunkStream::watch_progress() {
   const std::lock_guard lock(mutex_);
-  if (phase_ != Phase::kOpening) return;
+  if (ended() || phase_ != Phase::kOpening) return;
   const auto next = std::chrono::system_clock::now() + kProgressInterval;
   progress_timer_ = std::make_unique<grpc::Alarm>();
-  progress_timer_->Set(next, [self = shared_from_this()](bool fired) {
+  progress_timer_->Set(next, [self = self()](bool fired) {
     if (fired) contain("progress", [&] { self->report_progress(); });
   });
 }
@@ -142,7 +108,7 @@ void ChunkStream::begin_chunks(const absl::Status& opened,
                                std::uint64_t end_chunk) {
   {
     const std::lock_guard lock(mutex_);
-    if (phase_ == Phase::kEnded) return;
+    if (ended()) return;
     const absl::Status status = guarded(call_.method().c_str(), [&] {
       note_opening();
       const absl::Status begins = opened.ok() ? set_range(start, end_chunk) : opened;
@@ -188,12 +154,11 @@ void ChunkStream::post_chunks() {
 }
 
 void ChunkStream::ask_for_block(std::uint64_t index) {
-  engine_.send_budget.ask(
-      this, call_.client(), [self = shared_from_this(), index](const Block& block) {
-        self->engine_.activity.chunks_in_flight.fetch_add(1);
-        self->engine_.chunk_tasks.post(self->call_.client(),
-                                       [self, index, block] { self->fill_slot(index, block); });
-      });
+  engine_.send_budget.ask(this, call_.client(), [self = self(), index](const Block& block) {
+    self->engine_.activity.chunks_in_flight.fetch_add(1);
+    self->engine_.chunk_tasks.post(self->call_.client(),
+                                   [self, index, block] { self->fill_slot(index, block); });
+  });
 }
 
 // Only this task touches the slot until it is ready: nobody needs the lock while it is filled.
@@ -216,40 +181,16 @@ void ChunkStream::fill_slot(std::uint64_t index, Block block) {
   advance();
 }
 
-/// Takes one step if there is one to take. gRPC is called without the lock; `writing_` and
-/// `finished_` keep others out meanwhile.
-void ChunkStream::advance() {
-  switch (next_step()) {
-    case Step::kWait:
-      return;
-    case Step::kWrite:
-      return reactor_->write(&outgoing_);
-    case Step::kFinish:
-      give_turn_back();
-      return reactor_->finish(call_.finish(status_));
-  }
+void ChunkStream::note_finish() {
+  progress_timer_.reset();
+  call_.note("tets", tets_written_);
+  call_.note("chunks", chunks_written_);
+  call_.note("bytes_out", bytes_written_);
 }
 
-ChunkStream::Step ChunkStream::next_step() {
-  const std::lock_guard lock(mutex_);
-  if (writing_ || finished_ || held_) return Step::kWait;
-  bool prepared = false;
-  const absl::Status status =
-      guarded(call_.method().c_str(), [&] { prepared = prepare_message(); });
-  if (!status.ok()) end(status);
-  if (phase_ == Phase::kEnded) {
-    finished_ = true;
-    progress_timer_.reset();
-    call_.note("tets", tets_written_);
-    call_.note("chunks", chunks_written_);
-    call_.note("bytes_out", bytes_written_);
-    return Step::kFinish;
-  }
-  if (!prepared) return Step::kWait;
-  writing_ = true;
-  write_start_ = Stallable::Clock::now();
+bool ChunkStream::prepare() {
   written_ = phase_;
-  return Step::kWrite;
+  return prepare_message();
 }
 
 /// The message to be written now, if there is one, becomes `outgoing_`.
@@ -270,33 +211,15 @@ bool ChunkStream::prepare_message() {
       outgoing_ = serialized(trailer(first_, end_, quality_));
       return true;
     case Phase::kSent:
-    case Phase::kEnded:
       break;
   }
   return false;
 }
 
-void ChunkStream::written(bool ok) {
-  bool all = false;
-  {
-    const std::lock_guard lock(mutex_);
-    writing_ = false;
-    outgoing_.Clear();  // its block is gRPC's alone now
-    if (!ok) {
-      watch_->cancellation.cancel();
-      end(client_gone(watch_->cancellation));
-    }
-    const absl::Status status = guarded(call_.method().c_str(), [&] {
-      if (phase_ != Phase::kEnded) all = after_write();
-    });
-    if (!status.ok()) end(status);
-  }
-  if (all) guard([this] { sent_all(); });
-  advance();
-}
-
 /// True after the last message there is.
 bool ChunkStream::after_write() {
+  outgoing_.Clear();  // its block is gRPC's alone now
+  if (ended()) return false;
   if (written_ == Phase::kOpening) return false;
   if (written_ == Phase::kChunks) after_chunk();
   const bool sent_trailer = written_ == Phase::kTrailer;
@@ -328,58 +251,9 @@ void ChunkStream::after_chunk() {
   post_chunks();
 }
 
-/// The call ends with `status` as soon as nothing is being written; the first status counts.
-void ChunkStream::end(const absl::Status& status) {
-  if (phase_ == Phase::kEnded) return;
-  phase_ = Phase::kEnded;
-  status_ = status;
-  engine_.send_budget.leave(this);
-}
-
-std::optional<Stallable::Clock::time_point> ChunkStream::waiting_since() {
-  const std::lock_guard lock(mutex_);
-  if (!writing_ || phase_ == Phase::kEnded) return std::nullopt;
-  return write_start_;
-}
-
-/// The message being written bars the way to any status, so the call is cancelled with it. That
-/// may bring events here and now, so not under the lock; and gRPC must not be done meanwhile.
-void ChunkStream::give_up(std::chrono::seconds waited) {
-  const absl::Status status = client_stalled("took nothing", waited);
-  {
-    const std::lock_guard lock(mutex_);
-    if (!writing_ || phase_ == Phase::kEnded) return;
-    end(status);
-    held_ = true;
-  }
-  watch_->cancellation.cancel();
-  grpc_call_cancel_with_status(context_.c_call(), GRPC_STATUS_ABORTED,
-                               std::string(status.message()).c_str(), nullptr);
-  {
-    const std::lock_guard lock(mutex_);
-    held_ = false;
-  }
-  advance();
-}
-
-/// The server stops: the client goes on elsewhere, with the chunks it has.
-void ChunkStream::cut() {
-  {
-    const std::lock_guard lock(mutex_);
-    end(shutting_down());
-  }
-  watch_->cancellation.cancel();
-  advance();
-}
-
-void ChunkStream::cancelled() {
+void ChunkStream::abandon() {
   watch_->cancellation.cancel();
   engine_.calls.admission().leave(place_);
-  {
-    const std::lock_guard lock(mutex_);
-    end(client_gone(watch_->cancellation));
-  }
-  advance();
 }
 
 }  // namespace tet

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +17,7 @@
 
 #include "proto/convert/request.h"
 #include "server/meshing/chunk_maker.h"
+#include "server/rpc/stream_writer.h"
 #include "server/streams/mesh_engine.h"
 
 namespace tet {
@@ -35,20 +34,11 @@ class ChunkReactor {
 };
 
 /// The logic of one stream: opens what it sends, then keeps a few chunks being made on the
-/// pool and writes them in order. It never waits: each event (opened, chunk made, message
-/// written, client gone) moves it one step, on whichever thread the event came.
+/// pool and writes them in order.
 ///
 /// At most `window` chunks are made and not yet taken by the transport, each in a block of the
-/// send budget, so a client that reads slowly holds that many blocks and nothing else. A client
-/// that reads nothing for too long loses its stream.
-///
-/// Lives until gRPC is done with it and the last task that refers to it has run.
-class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkStream> {
- public:
-  // Events of gRPC's.
-  void written(bool ok);
-  void cancelled();
-
+/// send budget, so a client that reads slowly holds that many blocks and nothing else.
+class ChunkStream : public StreamWriter {
  protected:
   using Block = std::shared_ptr<SendBudget::Lease>;
 
@@ -80,36 +70,28 @@ class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkS
                                 std::uint64_t end,
                                 const QualityStats& quality) const = 0;
 
-  std::optional<Stallable::Clock::time_point> waiting_since() override;
-  void give_up(std::chrono::seconds waited) override;
-
   /// All was sent. Ends the call, or waits for more.
-  virtual void sent_all() { close(absl::OkStatus()); }
-  /// The call ends with `status`, as soon as nothing is being written.
-  void close(const absl::Status& status);
-  /// Takes a step of this call's, on any thread; what that throws ends the call.
-  void guard(const std::function<void()>& step);
+  void sent_all() override { close(absl::OkStatus()); }
   /// Makes room for others while this call waits for what is to be opened next.
   void give_turn_back();
   /// Begins to open that. False when the call ends.
   bool reopen();
-  /// Calls `start`, which begins an operation of gRPC's, unless the call ends.
-  void start_operation(const std::function<void()>& start);
 
   /// Sends chunks [start, end), or up to the last where `end` is 0; or ends the call.
   void begin_chunks(const absl::Status& opened, std::uint64_t start, std::uint64_t end);
   /// Tells the client every now and then how far opening is.
   void watch_progress();
 
+  std::shared_ptr<ChunkStream> self() {
+    return std::static_pointer_cast<ChunkStream>(shared_from_this());
+  }
+
   MeshEngine& engine_;
-  grpc::CallbackServerContext& context_;  ///< there until gRPC is done
-  Call call_;
   std::shared_ptr<PlanningWatch> watch_;
 
  private:
   /// What is written next.
-  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kSent, kEnded };
-  enum class Step { kWait, kWrite, kFinish };
+  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kSent };
 
   /// A chunk being made (`ready` is false) or waiting to be written.
   struct Slot {
@@ -126,30 +108,28 @@ class ChunkStream : public Stallable, public std::enable_shared_from_this<ChunkS
   void ask_for_block(std::uint64_t index);
   void fill_slot(std::uint64_t index, Block block);
 
-  void advance();
-  Step next_step();
+  bool prepare() final;
   bool prepare_message();
-  bool after_write();
+  bool after_write() final;
   void after_chunk();
-  void end(const absl::Status& status);
-  void cut();
+  void note_end() final { engine_.send_budget.leave(this); }
+  void note_finish() final;
+  void write() final { reactor_->write(&outgoing_); }
+  void finish(const grpc::Status& status) final { reactor_->finish(status); }
+  void abandon() final;
+  void before_finish() final { give_turn_back(); }
 
   Slot& slot_of(std::uint64_t index) { return slots_[index % slots_.size()]; }
 
   ChunkReactor* reactor_ = nullptr;         ///< there until the call is finished
   std::atomic<Admission::Place> place_{0};  ///< in the queue; 0: in none
 
-  std::mutex mutex_;  ///< guards all below
+  // The writer's lock guards all below.
   std::unique_ptr<grpc::Alarm> progress_timer_;
   Ticket ticket_;
   Phase phase_ = Phase::kOpening;
   Phase written_ = Phase::kOpening;  ///< phase of the message being written
-  bool writing_ = false;
-  Stallable::Clock::time_point write_start_{};
-  bool held_ = false;  ///< the call may not finish now
-  bool finished_ = false;
   bool progress_due_ = false;
-  absl::Status status_;        ///< how the call ends
   grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
   std::vector<Slot> slots_;    ///< chunk i in slot i % size
   std::uint64_t first_ = 0;    ///< chunk that the stream begins with

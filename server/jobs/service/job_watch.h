@@ -3,16 +3,13 @@
 
 #include <deque>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 
 #include <absl/status/status.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "server/jobs/service/job_context.h"
-#include "server/rpc/calls.h"
-#include "server/rpc/stall_watch.h"
+#include "server/rpc/stream_writer.h"
 #include "tetstream/v1/jobs.pb.h"
 
 namespace tet {
@@ -21,11 +18,7 @@ namespace v1 = ::tetstream::v1;
 
 /// Reads a page of events, writes them, reads on; waits for news where there are none. Holds
 /// one page however slowly its client reads.
-///
-/// Lives until gRPC is done with it and the last task that refers to it has run.
-class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>,
-                       public Stallable,
-                       public std::enable_shared_from_this<JobWatch> {
+class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>, public StreamWriter {
  public:
   /// Begins the call; what it returns is for gRPC.
   static grpc::ServerWriteReactor<v1::JobEvent>* start(JobContext& shared,
@@ -33,46 +26,40 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>,
                                                        const v1::WatchJobsRequest& request);
 
  private:
-  enum class Step { kWait, kRead, kWrite, kFinish };
-
   JobWatch(JobContext& shared, grpc::CallbackServerContext& context);
 
-  void OnWriteDone(bool ok) override;
-  void OnCancel() override;
+  void OnWriteDone(bool ok) override { written(ok); }
+  void OnCancel() override { cancelled(); }
   void OnDone() override;
-  std::optional<Stallable::Clock::time_point> waiting_since() override;
-  void give_up(std::chrono::seconds waited) override;
+
+  bool prepare() override;
+  bool after_write() override;
+  void note_finish() override { call_.note("events", written_); }
+  void write() override { StartWrite(&outgoing_); }
+  void finish(const grpc::Status& status) override { Finish(status); }
 
   void begin(const v1::WatchJobsRequest& request);
   absl::Status find_job(const std::string& name);
   void subscribe();
   void news();
   void read();
-  absl::StatusOr<EventPage> read_page();
-  void advance();
-  Step next_step();
-  void end(const absl::Status& status);
-  void end_from_outside(const absl::Status& status);
+
+  std::shared_ptr<JobWatch> self() {
+    return std::static_pointer_cast<JobWatch>(shared_from_this());
+  }
 
   JobContext& shared_;
-  grpc::CallbackServerContext& context_;  ///< there until gRPC is done
-  Call call_;
-  std::shared_ptr<JobWatch> self_;  ///< until gRPC is done
+  std::shared_ptr<JobWatch> kept_;  ///< until gRPC is done
   WatchJobs query_;                 ///< of the task that reads
 
-  std::mutex mutex_;  ///< guards all below
+  // The writer's lock guards all below.
   std::unique_ptr<JobNotifier::Subscription> subscription_;
   std::deque<JobEvent> events_;
   v1::JobEvent outgoing_;
   bool news_ = true;  ///< there may be more to read
   bool reading_ = false;
-  bool writing_ = false;
-  bool deleted_ = false;     ///< no event comes after the last of `events_`
-  bool cancelling_ = false;  ///< the call may not finish now
-  bool ended_ = false, finished_ = false;
-  Stallable::Clock::time_point write_start_{};
+  bool deleted_ = false;  ///< no event comes after the last of `events_`
   std::int64_t written_ = 0;
-  absl::Status status_;
 };
 
 }  // namespace tet

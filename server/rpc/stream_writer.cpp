@@ -1,0 +1,149 @@
+#include "server/rpc/stream_writer.h"
+
+#include <utility>
+
+#include <grpc/grpc.h>
+
+#include "proto/convert/status.h"
+#include "server/ops/guard.h"
+#include "server/rpc/deadline.h"
+
+namespace tet {
+
+StreamWriter::StreamWriter(CallRegistry& calls,
+                           grpc::CallbackServerContext& context,
+                           std::string method)
+    : context_(context), call_(calls, context, std::move(method)) {}
+
+void StreamWriter::close(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    end(status);
+  }
+  advance();
+}
+
+void StreamWriter::end(const absl::Status& status) {
+  if (std::exchange(ended_, true)) return;
+  status_ = status;
+  note_end();
+}
+
+void StreamWriter::guard(const std::function<void()>& step) {
+  const absl::Status status = guarded(call_.method().c_str(), step);
+  if (!status.ok()) close(status);
+}
+
+/// gRPC is called without the lock; `writing_` and `finished_` keep others out meanwhile.
+void StreamWriter::advance() {
+  switch (next_step()) {
+    case Step::kWait:
+      return;
+    case Step::kWrite:
+      return write();
+    case Step::kFinish:
+      before_finish();
+      return finish(call_.finish(status_));
+  }
+}
+
+StreamWriter::Step StreamWriter::next_step() {
+  const std::lock_guard lock(mutex_);
+  if (writing_ || finished_ || held_) return Step::kWait;
+  bool prepared = false;
+  if (!ended_) {
+    const absl::Status status = guarded(call_.method().c_str(), [&] { prepared = prepare(); });
+    if (!status.ok()) end(status);
+  }
+  if (ended_) {
+    finished_ = true;
+    note_finish();
+    return Step::kFinish;
+  }
+  if (!prepared) return Step::kWait;
+  writing_ = true;
+  write_start_ = Stallable::Clock::now();
+  return Step::kWrite;
+}
+
+void StreamWriter::written(bool ok) {
+  bool all = false;
+  if (!ok) abandon();
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    if (!ok) end(gone());
+    const absl::Status status =
+        guarded(call_.method().c_str(), [&] { all = after_write() && !ended_; });
+    if (!status.ok()) end(status);
+  }
+  if (all) guard([this] { sent_all(); });
+  advance();
+}
+
+std::optional<Stallable::Clock::time_point> StreamWriter::waiting_since() {
+  const std::lock_guard lock(mutex_);
+  if (!writing_ || ended_) return std::nullopt;
+  return write_start_;
+}
+
+/// The message being written bars the way to any status, so the call is cancelled with it.
+void StreamWriter::give_up(std::chrono::seconds waited) {
+  const absl::Status status = client_stalled("took nothing", waited);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!writing_ || ended_) return;
+    end(status);
+    held_ = true;
+  }
+  abandon();
+  hold_while([&] {
+    grpc_call_cancel_with_status(context_.c_call(), GRPC_STATUS_ABORTED,
+                                 std::string(status.message()).c_str(), nullptr);
+  });
+}
+
+void StreamWriter::start_operation(const std::function<void()>& start) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    held_ = true;
+  }
+  hold_while(start);
+}
+
+/// `action` may bring events here and now, so it is not called under the lock; and gRPC must
+/// not be done meanwhile. To be called with `held_` set.
+void StreamWriter::hold_while(const std::function<void()>& action) {
+  action();
+  {
+    const std::lock_guard lock(mutex_);
+    held_ = false;
+  }
+  advance();
+}
+
+/// The client goes on elsewhere, with what it has.
+void StreamWriter::end_with_server() {
+  call_.on_cut([weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (self == nullptr) return;
+    {
+      const std::lock_guard lock(self->mutex_);
+      self->end(shutting_down());
+    }
+    self->abandon();
+    self->advance();
+  });
+}
+
+void StreamWriter::cancelled() {
+  abandon();
+  close(gone());
+}
+
+absl::Status StreamWriter::gone() const {
+  return client_gone(Cancellation(deadline_of(context_)));
+}
+
+}  // namespace tet
