@@ -9,6 +9,7 @@ import math
 import unittest
 
 from command_case import REFUSED, USAGE, CommandTest, ServerTest
+from job_case import JobTest
 
 BALL = 4 / 3 * math.pi
 BOX = ("--box", "-1.6", "-1.6", "-1.6", "1.6", "1.6", "1.6")
@@ -124,6 +125,27 @@ class InsideServed(ServerTest):
                               REFUSED, "inside must be set")
         estimate = self.tetstream("estimate", self.inputs / "scan.vdb", "--server", self.address)
         self.assert_fails(estimate, REFUSED, "inside must be set")
+
+
+class InsideOfJobs(JobTest):
+    volumes = {"scan": 0.1, "inverted": 0.1, "raw-density": 0.1}
+
+    def test_is_the_same_as_in_process(self):
+        for name, options in (("scan", ("--inside", "above")), ("inverted", ("--inside", "above")),
+                              ("raw-density", ())):
+            source = self.inputs / f"{name}.vdb"
+            here, there = self.out / f"{name}.here.vtu", self.out / f"{name}.there.vtu"
+            self.assert_done(self.tetstream("mesh", source, "-o", here, *options))
+            job, = self.submit(source, *options)
+            fetched = self.job("fetch", job, "-o", there, "--wait")
+            self.assert_done(fetched)
+            self.assertEqual("has no class" in fetched.stderr, name == "raw-density")
+            self.assertTrue(filecmp.cmp(here, there, shallow=False), name)
+
+    def test_that_nobody_says_ends_the_job_and_says_so(self):
+        job, = self.submit(self.inputs / "scan.vdb")
+        self.assert_fails(self.job("fetch", job, "-o", self.out / "m.vtu", "--wait"), REFUSED,
+                          "inside must be set")
 
 
 if __name__ == "__main__":

@@ -156,6 +156,24 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
   EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
 }
 
+TEST_F(RemeshSessionTest, KeepsTheSideOfItsFirstRequestForEveryFrame) {
+  start();
+  const std::string path = solid_file("inverted", 0.1);
+  const Volume volume = load_volume(path, "").value();
+  v1::MeshRequest request = mesh_of(path);
+  EXPECT_FALSE(client_->begin_session(request, never_).ok()) << "its side has to be said";
+  request.set_inside(v1::INSIDE_ABOVE);
+  const Session session = begin(request);
+  ASSERT_TRUE(session);
+  const double before = session->mesh().quality->volume;
+  EXPECT_NEAR(before, 4.19, 0.1) << "the ball, and not what is around it";
+  // The ball is where values are positive, so it shrinks there.
+  ASSERT_EQ(session->update(std::vector{inflated(volume, volume.bricks.size() / 2)}),
+            absl::OkStatus());
+  EXPECT_LT(session->mesh().quality->volume, before);
+  EXPECT_GT(session->mesh().quality->volume, 3.5);
+}
+
 TEST_F(RemeshSessionTest, AnswersFramesThatAreSentAheadInTheirOrder) {
   start();
   std::vector<v1::RemeshRequest> messages(4);

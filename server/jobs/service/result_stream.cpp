@@ -32,7 +32,8 @@ absl::Status parse(grpc::ByteBuffer request, v1::ReadJobResultRequest& message) 
 
 absl::Status not_succeeded(const Job& job) {
   return with_reason(absl::FailedPreconditionError(absl::StrCat(
-                         "job ", job.id, " is ", name_of(job.state), ", not SUCCEEDED")),
+                         "job ", job.id, " is ", name_of(job.state), ", not SUCCEEDED",
+                         job.error.ok() ? "" : ": ", job.error.message())),
                      "JOB_NOT_SUCCEEDED");
 }
 

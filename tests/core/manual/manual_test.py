@@ -45,6 +45,16 @@ def options_in_help(command):
     return set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", text, re.MULTILINE))
 
 
+class Help(unittest.TestCase):
+    def test_of_a_worker_lists_the_settings_that_concern_it_and_no_others(self):
+        worker, server = options_in_help(("tetstreamd", "worker")), options_in_help(("tetstreamd",))
+        self.assertLessEqual(worker, server | {"--help"})
+        self.assertLessEqual({"--store", "--jobs", "--job-workers", "--job-lease-seconds", "--threads",
+                              "--result-bytes", "--max-tets", "--metrics-listen"}, worker)
+        self.assertFalse({"--listen", "--max-streams", "--tokens", "--tls-cert"} & worker)
+        self.assertLessEqual({"--listen", "--max-streams"}, server)
+
+
 class Pages(ManualTest):
     def page_of(self, command):
         return self.folder / "man" / f"{'-'.join(command)}.{SECTIONS[command[0]]}"
