@@ -15,6 +15,13 @@ void write_row(std::span<std::byte> column,
   std::memcpy(column.data() + row * sizeof(numbers), numbers.data(), sizeof(numbers));
 }
 
+template <class Number, std::size_t N>
+std::array<Number, N> row_of(std::span<const std::byte> column, std::uint64_t row) noexcept {
+  std::array<Number, N> numbers;
+  std::memcpy(numbers.data(), column.data() + row * sizeof(numbers), sizeof(numbers));
+  return numbers;
+}
+
 template <class Id>
 std::uint64_t largest_id(std::span<const std::byte> ids) noexcept {
   Id largest = 0;
@@ -37,19 +44,25 @@ bool ids_are_within(std::span<const std::byte> ids, const MeshHeader& header) no
 }
 
 TetMesh::TetMesh(const MeshHeader& mesh_header) : header(mesh_header) {
-  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  const ChunkSizes sizes(header, whole_of(header));
   positions = ByteBuffer(sizes.positions);
   tets = ByteBuffer(sizes.tets);
   regions = ByteBuffer(sizes.regions);
   fields = ByteBuffer(sizes.fields);
+  faces = ByteBuffer(sizes.faces);
+  face_tets = ByteBuffer(sizes.face_tets);
+  face_labels = ByteBuffer(sizes.face_labels);
 }
 
 TetMesh::TetMesh(const MeshHeader& mesh_header, TetMesh&& used) : header(mesh_header) {
-  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  const ChunkSizes sizes(header, whole_of(header));
   positions = ByteBuffer(sizes.positions, std::move(used.positions));
   tets = ByteBuffer(sizes.tets, std::move(used.tets));
   regions = ByteBuffer(sizes.regions, std::move(used.regions));
   fields = ByteBuffer(sizes.fields, std::move(used.fields));
+  faces = ByteBuffer(sizes.faces, std::move(used.faces));
+  face_tets = ByteBuffer(sizes.face_tets, std::move(used.face_tets));
+  face_labels = ByteBuffer(sizes.face_labels, std::move(used.face_labels));
 }
 
 void TetMesh::store_position(std::uint64_t i, const WorldPoint& position) noexcept {
@@ -67,18 +80,40 @@ WorldPoint TetMesh::vertex(std::uint64_t i) const noexcept {
   return {header.origin.x + x, header.origin.y + y, header.origin.z + z};
 }
 
+Triangle TetMesh::face(std::uint64_t i) const noexcept {
+  if (header.index_type == IndexType::kUint64) {
+    return row_of<std::uint64_t, 3>(faces.bytes(), i);
+  }
+  const auto [a, b, c] = row_of<std::uint32_t, 3>(faces.bytes(), i);
+  return {a, b, c};
+}
+
+std::uint64_t TetMesh::face_tet(std::uint64_t i) const noexcept {
+  if (header.face_tet_type() == IndexType::kUint64) {
+    return row_of<std::uint64_t, 1>(face_tets.bytes(), i)[0];
+  }
+  return row_of<std::uint32_t, 1>(face_tets.bytes(), i)[0];
+}
+
+std::uint16_t TetMesh::face_label(std::uint64_t i) const noexcept {
+  return row_of<std::uint16_t, 1>(face_labels.bytes(), i)[0];
+}
+
 MeshRegion TetMesh::region(std::uint64_t i) const noexcept {
   if (!header.has_regions) return MeshRegion::kInside;
   return static_cast<MeshRegion>(regions.bytes()[i]);
 }
 
 ChunkColumns TetMesh::columns_of(const ChunkExtent& chunk) noexcept {
-  const ChunkSizes before(header, chunk.first_vertex, chunk.first_tet);
-  const ChunkSizes size(header, chunk.vertex_count, chunk.tet_count);
+  const ChunkSizes before = ChunkSizes::before(header, chunk);
+  const ChunkSizes size(header, chunk);
   return {positions.bytes().subspan(before.positions, size.positions),
           tets.bytes().subspan(before.tets, size.tets),
           regions.bytes().subspan(before.regions, size.regions),
-          fields.bytes().subspan(before.fields, size.fields)};
+          fields.bytes().subspan(before.fields, size.fields),
+          faces.bytes().subspan(before.faces, size.faces),
+          face_tets.bytes().subspan(before.face_tets, size.face_tets),
+          face_labels.bytes().subspan(before.face_labels, size.face_labels)};
 }
 
 }  // namespace tet

@@ -12,6 +12,7 @@
 
 #include "core/base/byte_buffer.h"
 #include "core/base/types.h"
+#include "core/mesh/faces.h"
 
 namespace tet {
 
@@ -30,6 +31,9 @@ struct FieldArray {
   friend bool operator==(const FieldArray&, const FieldArray&) = default;
 };
 
+/// The array that says in which faces of the box a vertex lies: CutFaces, as a number.
+inline constexpr char kCutFaceArray[] = "cut_face";
+
 /// One grid's mesh among those of several grids, which are joined: runs of the vertices and of
 /// the tets. Its tets have no other vertices.
 struct MeshPart {
@@ -43,6 +47,25 @@ struct MeshPart {
 
 /// Parts are numbered from 1 on where a tet has a label.
 inline constexpr std::size_t kMaxMeshParts = 64;
+
+/// What the faces of one label are.
+enum class FaceKind : std::uint8_t {
+  kSurface = 1,    ///< between the inside and what is not meshed
+  kInterface = 2,  ///< between the inside and the outside, where both are meshed
+  kBox = 3,        ///< in a face of the box that the mesh ends at
+  kRegion = 4,     ///< a piece of one of the others that the request names
+};
+
+/// A name that boundary faces have; each face has one.
+struct FaceLabel {
+  std::string name;  ///< no other label of the mesh has it
+  FaceKind kind = FaceKind::kSurface;
+  std::uint32_t part = 0;  ///< the part of a mesh of several grids, from 1 on; else 0
+  friend bool operator==(const FaceLabel&, const FaceLabel&) = default;
+};
+
+/// Labels of one mesh: a label's number has two bytes.
+inline constexpr std::size_t kMaxFaceLabels = 1024;
 
 /// Totals and encodings of a mesh.
 struct MeshHeader {
@@ -66,7 +89,16 @@ struct MeshHeader {
   /// For people: which side of the grid's surface was taken for the inside, and why, where
   /// neither its class nor the request says it.
   std::string inside_guess = {};
+  /// The names of boundary faces, whether or not a face has them. Empty: the mesh has no faces.
+  std::vector<FaceLabel> face_labels = {};
+  std::uint64_t face_count = 0;
 
+  bool has_faces() const noexcept { return !face_labels.empty(); }
+  /// How the number of a face's tet is stored: as ids are, but for more tets than uint32
+  /// counts.
+  IndexType face_tet_type() const noexcept {
+    return tet_count > UINT32_MAX ? IndexType::kUint64 : index_type;
+  }
   /// float32 values that a vertex has, of all fields together.
   std::size_t field_values() const noexcept;
 };
@@ -81,17 +113,40 @@ inline std::size_t MeshHeader::field_values() const noexcept {
 struct ChunkExtent {
   std::uint64_t first_vertex = 0, vertex_count = 0;
   std::uint64_t first_tet = 0, tet_count = 0;
+  std::uint64_t first_face = 0, face_count = 0;  ///< of the chunk's tets
 };
+
+/// All of a mesh, as if it were one chunk.
+inline ChunkExtent whole_of(const MeshHeader& header) noexcept {
+  return {0, header.vertex_count, 0, header.tet_count, 0, header.face_count};
+}
 
 /// Sizes of a chunk's columns, bytes.
 struct ChunkSizes {
   std::size_t positions, tets, regions, fields;
-  ChunkSizes(const MeshHeader& header, std::uint64_t vertices, std::uint64_t tet_count) noexcept
+  std::size_t faces, face_tets, face_labels;
+
+  ChunkSizes(const MeshHeader& header,
+             std::uint64_t vertices,
+             std::uint64_t tet_count,
+             std::uint64_t face_count = 0) noexcept
       : positions(vertices * 3 * size_of(header.coordinate_type)),
         tets(tet_count * 4 * size_of(header.index_type)),
         regions(header.has_regions ? tet_count : 0),
-        fields(vertices * header.field_values() * sizeof(float)) {}
-  std::size_t total() const noexcept { return positions + tets + regions + fields; }
+        fields(vertices * header.field_values() * sizeof(float)),
+        faces(face_count * 3 * size_of(header.index_type)),
+        face_tets(face_count * size_of(header.face_tet_type())),
+        face_labels(face_count * sizeof(std::uint16_t)) {}
+  ChunkSizes(const MeshHeader& header, const ChunkExtent& chunk) noexcept
+      : ChunkSizes(header, chunk.vertex_count, chunk.tet_count, chunk.face_count) {}
+  /// All that lies before a chunk.
+  static ChunkSizes before(const MeshHeader& header, const ChunkExtent& chunk) noexcept {
+    return {header, chunk.first_vertex, chunk.first_tet, chunk.first_face};
+  }
+
+  std::size_t total() const noexcept {
+    return positions + tets + regions + fields + faces + face_tets + face_labels;
+  }
 };
 
 /// Where a chunk's columns are to be written.
@@ -100,6 +155,10 @@ struct ChunkColumns {
   std::span<std::byte> tets;
   std::span<std::byte> regions = {};  ///< empty unless the header has regions
   std::span<std::byte> fields = {};   ///< empty unless the header has fields
+  // Empty unless the header has labels of faces.
+  std::span<std::byte> faces = {};
+  std::span<std::byte> face_tets = {};
+  std::span<std::byte> face_labels = {};
 };
 
 /// Whether every id of a column of tets is a vertex of the mesh.
@@ -156,12 +215,21 @@ inline std::array<WorldPoint, 4> MeshView::stored_places(std::uint64_t i) const 
 /// regions: tet_count MeshRegions of one byte, or nothing.
 /// fields: vertex_count rows of float32, in each the values of one field after the other; or
 /// nothing.
+/// faces: face_count * 3 vertex ids, or nothing: the boundary triangles, counter-clockwise seen
+/// from outside the tet that each belongs to, in the order of those tets and, within one, of
+/// the corners opposite them (see kFaceCorners, which says where each begins). Where both sides
+/// are meshed, what lies between them is there once, as the inside's. face_tets: face_count
+/// numbers of tets, of header.face_tet_type(). face_labels: face_count uint16, places in
+/// header.face_labels.
 struct TetMesh {
   MeshHeader header;
   ByteBuffer positions;
   ByteBuffer tets;
   ByteBuffer regions;
   ByteBuffer fields;
+  ByteBuffer faces;
+  ByteBuffer face_tets;
+  ByteBuffer face_labels;
 
   TetMesh() = default;
   /// Columns sized for the header's totals, not filled.
@@ -178,6 +246,11 @@ struct TetMesh {
   /// Moves a vertex; `position` is relative to `header.origin` and rounded as it is stored.
   void store_position(std::uint64_t i, const WorldPoint& position) noexcept;
   std::array<std::uint64_t, 4> tet(std::uint64_t i) const noexcept;
+
+  Triangle face(std::uint64_t i) const noexcept;
+  /// The tet that a face belongs to.
+  std::uint64_t face_tet(std::uint64_t i) const noexcept;
+  std::uint16_t face_label(std::uint64_t i) const noexcept;
 
   MeshView view() const noexcept;
 

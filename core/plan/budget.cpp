@@ -156,7 +156,7 @@ absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshL
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
   // The mesh, without fields, and for its poor tets 1.3 times as much again on random signs,
   // where they are most.
-  const ChunkSizes sizes(header, header.vertex_count, header.tet_count);
+  const ChunkSizes sizes(header, whole_of(header));
   const std::uint64_t bytes = (sizes.total() - sizes.fields) * 5 / 2;
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(

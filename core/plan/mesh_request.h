@@ -74,9 +74,6 @@ bool has_cut(const MeshRequest& request);
 /// Whether the mesh is made as a whole while it is planned, by core/graded.
 bool is_made_whole(const MeshRequest& request);
 
-/// The array that says in which faces of the box a vertex lies: CutFaces, as a number.
-inline constexpr char kCutFaceArray[] = "cut_face";
-
 /// The arrays of a mesh: those of the request's fields, which are loaded, then that of a cut.
 std::vector<FieldArray> arrays_of(const MeshRequest& request);
 

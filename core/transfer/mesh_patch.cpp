@@ -14,7 +14,7 @@ std::vector<BrickRange> within_chunk_size(const std::vector<BrickRange>& ranges,
     cut.push_back({range.begin, range.begin});
     for (std::size_t brick = range.begin; brick < range.end; ++brick) {
       const ChunkExtent extent = plan.bricks({cut.back().begin, brick + 1});
-      const ChunkSizes sizes(plan.header(), extent.vertex_count, extent.tet_count);
+      const ChunkSizes sizes(plan.header(), extent);
       if (sizes.total() > kChunkBytes && brick > cut.back().begin)
         cut.push_back({brick, brick});
       cut.back().end = brick + 1;

@@ -187,8 +187,7 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   for (const MeshPart& part : header.parts) to_proto(part, *message.add_parts());
   if (header.box) to_proto(*header.box, *message.mutable_box());
   message.set_inside_guess(header.inside_guess);
-  message.set_mesh_bytes(
-      signed_count(ChunkSizes(header, header.vertex_count, header.tet_count).total()));
+  message.set_mesh_bytes(signed_count(ChunkSizes(header, whole_of(header)).total()));
 }
 
 absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {

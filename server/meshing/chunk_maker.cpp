@@ -68,7 +68,7 @@ ChunkMessage make_columns(const ChunkSource& source,
                           const Held& held) {
   const MeshPlan& plan = *source.plan;
   const ChunkExtent extent = source.patch ? source.patch->extent(index) : plan.chunk(index);
-  const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
+  const ChunkSizes size(plan.header(), extent);
   const ChunkFrame frame({size.positions, size.tets, size.regions, size.fields});
   const grpc::Slice slice = memory.blocks.take(frame.block_bytes(), held);
   auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));

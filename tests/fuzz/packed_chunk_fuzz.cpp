@@ -38,7 +38,7 @@ struct Columns {
   Bytes positions, tets, regions, fields;
 
   explicit Columns(const Input& input) {
-    const ChunkSizes sizes(input.header, input.extent.vertex_count, input.extent.tet_count);
+    const ChunkSizes sizes(input.header, input.extent);
     positions.resize(sizes.positions);
     tets.resize(sizes.tets);
     regions.resize(sizes.regions, std::byte{1});

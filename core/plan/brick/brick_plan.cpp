@@ -35,7 +35,7 @@ QualityStats BrickPlan::fill_bricks(const BrickRange& range,
                      workspace.get<BrickScratch>());
   for (std::size_t brick = range.begin; brick < range.end; ++brick) {
     const ChunkExtent extent = bricks({brick, brick + 1});
-    const ChunkSizes size(header(), extent.vertex_count, extent.tet_count);
+    const ChunkSizes size(header(), extent);
     filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),
                         columns.regions.first(size.regions)});
     columns = {columns.positions.subspan(size.positions), columns.tets.subspan(size.tets),

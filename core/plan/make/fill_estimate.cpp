@@ -27,8 +27,7 @@ std::vector<std::uint64_t> chunks_to_try(std::uint64_t chunk_count) {
 }
 
 ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
-  const ChunkExtent extent = plan.chunk(chunk);
-  return {plan.header(), extent.vertex_count, extent.tet_count};
+  return {plan.header(), plan.chunk(chunk)};
 }
 
 /// Makes a chunk in memory of its own, as those that are sent are made: one a thread at a time.
@@ -46,7 +45,7 @@ void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspa
 
 FillEstimate estimate_fill(const MeshPlan& plan, const Cancellation& cancellation) {
   const MeshHeader& header = plan.header();
-  FillEstimate estimate{ChunkSizes(header, header.vertex_count, header.tet_count).total(), 0};
+  FillEstimate estimate{ChunkSizes(header, whole_of(header)).total(), 0};
   const std::vector<std::uint64_t> chunks = chunks_to_try(header.chunk_count);
   std::uint64_t tried = 0;
   for (const std::uint64_t chunk : chunks) tried += sizes_of(plan, chunk).total();

@@ -39,8 +39,7 @@ absl::Status check_bytes(const MeshHeader& header,
         absl::StrFormat("the mesh would have %d tets; the limit is %d. Use larger sizes",
                         header.tet_count, limits.max_tets));
   }
-  const std::uint64_t bytes =
-      background + ChunkSizes(header, header.vertex_count, header.tet_count).total();
+  const std::uint64_t bytes = background + ChunkSizes(header, whole_of(header)).total();
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "%d vertices and %d tets with a graded surface would take %d bytes; the limit is %d. Use "
@@ -57,7 +56,7 @@ MeshHeader header_of_whole(const StuffedBackground& stuffed,
   header.levels = stuffed.levels();
   header.index_type = request.indices.value_or(IndexType::kUint32);
   header.fields = arrays_of(request);
-  const std::size_t bytes = ChunkSizes(header, header.vertex_count, header.tet_count).total();
+  const std::size_t bytes = ChunkSizes(header, whole_of(header)).total();
   header.chunk_count = std::max<std::size_t>(1, (bytes + chunk_bytes - 1) / chunk_bytes);
   return header;
 }

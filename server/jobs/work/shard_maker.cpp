@@ -171,7 +171,7 @@ absl::StatusOr<std::shared_ptr<SharedSurvey>> ShardMaker::survey_of(const Shard&
 
 /// What can never be stored is not worth making.
 absl::Status ShardMaker::check_size(const MeshHeader& header) const {
-  const std::uint64_t bytes = ChunkSizes(header, header.vertex_count, header.tet_count).total();
+  const std::uint64_t bytes = ChunkSizes(header, whole_of(header)).total();
   if (bytes <= results_.budget_bytes()) return absl::OkStatus();
   return over_limit("bytes of the mesh, in result_bytes", bytes, results_.budget_bytes());
 }

@@ -22,7 +22,7 @@ struct Chunk {
   Bytes positions, tets, regions, fields;
 
   Chunk(const MeshHeader& mesh, const ChunkExtent& of_chunk) : header(mesh), extent(of_chunk) {
-    const ChunkSizes sizes(header, extent.vertex_count, extent.tet_count);
+    const ChunkSizes sizes(header, extent);
     positions.resize(sizes.positions);
     tets.resize(sizes.tets);
     regions.resize(sizes.regions, std::byte{1});

@@ -38,7 +38,7 @@ std::vector<std::byte> chunk_bytes(const MeshPlan& plan,
                                    std::uint64_t index,
                                    MeshWorkspace& workspace) {
   const ChunkExtent extent = plan.chunk(index);
-  const ChunkSizes size(plan.header(), extent.vertex_count, extent.tet_count);
+  const ChunkSizes size(plan.header(), extent);
   std::vector<std::byte> bytes(size.total());
   const std::span all(bytes);
   plan.fill_chunk(index, workspace,

@@ -1,0 +1,149 @@
+#include "core/mesh/find_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "core/mesh/boundary.h"
+#include "tests/core/mesh/small_meshes.h"
+
+namespace tet {
+namespace {
+
+using ::testing::ElementsAre;
+
+TetMesh with_faces(TetMesh mesh) {
+  add_faces(mesh);
+  return mesh;
+}
+
+/// As boundary_triangles has them.
+std::vector<Triangle> sorted_faces(const TetMesh& mesh) {
+  std::vector<Triangle> triangles;
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    triangles.push_back(sort_face(mesh.face(i)).triangle());
+  }
+  std::ranges::sort(triangles);
+  return triangles;
+}
+
+std::vector<Triangle> sorted(std::vector<Triangle> triangles) {
+  std::ranges::sort(triangles);
+  return triangles;
+}
+
+/// How many faces have each label.
+std::map<std::string, int> labels_of(const TetMesh& mesh) {
+  std::map<std::string, int> labels;
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    ++labels[mesh.header.face_labels.at(mesh.face_label(i)).name];
+  }
+  return labels;
+}
+
+/// Six times what the faces with a label enclose.
+double six_volumes(const TetMesh& mesh, std::uint16_t label) {
+  double sum = 0;
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    if (mesh.face_label(i) != label) continue;
+    const auto [a, b, c] = mesh.face(i);
+    const WorldPoint p = mesh.vertex(a), q = mesh.vertex(b), r = mesh.vertex(c);
+    sum += p.x * (q.y * r.z - q.z * r.y) + p.y * (q.z * r.x - q.x * r.z) +
+           p.z * (q.x * r.y - q.y * r.x);
+  }
+  return sum;
+}
+
+TEST(FindFaces, GivesOneTetItsFourInTheOrderOfTheCornersOpposite) {
+  for (const auto ids : {IndexType::kUint32, IndexType::kUint64}) {
+    const TetMesh mesh = with_faces(one_tet({.ids = ids}));
+    ASSERT_EQ(mesh.header.face_count, 4U);
+    EXPECT_THAT(mesh.face(0), ElementsAre(1, 2, 3));
+    EXPECT_THAT(mesh.face(1), ElementsAre(0, 3, 2));
+    EXPECT_THAT(mesh.face(2), ElementsAre(0, 1, 3));
+    EXPECT_THAT(mesh.face(3), ElementsAre(0, 2, 1));
+    EXPECT_EQ(mesh.face_tet(3), 0U);
+    EXPECT_EQ(mesh.face_tets.size(), 4 * size_of(ids));
+    EXPECT_EQ(labels_of(mesh), (std::map<std::string, int>{{"surface", 4}}));
+  }
+}
+
+TEST(FindFaces, FindsTheBoundaryOfAnyMeshInTheOrderOfItsTets) {
+  const TetMesh mesh =
+      with_faces(kuhn_mesh(9, [](int x, int y, int z) { return (x * y + 2 * z) % 5 != 1; }));
+  EXPECT_EQ(sorted_faces(mesh), sorted(boundary_triangles(mesh)));
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    const auto tet = mesh.tet(mesh.face_tet(i));
+    bool is_one_of_the_tet = false;
+    for (std::size_t k = 0; k < 4; ++k) is_one_of_the_tet |= face_of(tet, k) == mesh.face(i);
+    ASSERT_TRUE(is_one_of_the_tet) << i;
+    ASSERT_LE(mesh.face_tet(i == 0 ? 0 : i - 1), mesh.face_tet(i));
+  }
+}
+
+TEST(FindFaces, HasWhatLiesBetweenInsideAndOutsideOnceAsTheInsides) {
+  // The cube in the middle of 27, and those around it.
+  const TetMesh mesh =
+      with_faces(with_regions(kuhn_mesh(3), [](std::uint64_t tet) { return tet / 6 == 13; }));
+  EXPECT_EQ(labels_of(mesh), (std::map<std::string, int>{{"interface", 12},
+                                                         {"box_x_min", 18},
+                                                         {"box_x_max", 18},
+                                                         {"box_y_min", 18},
+                                                         {"box_y_max", 18},
+                                                         {"box_z_min", 18},
+                                                         {"box_z_max", 18}}));
+  EXPECT_EQ(mesh.header.face_labels[0].kind, FaceKind::kInterface);
+  EXPECT_DOUBLE_EQ(six_volumes(mesh, 0), 6);  // outwards of the inside
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    if (mesh.face_label(i) != 0) continue;
+    EXPECT_EQ(mesh.region(mesh.face_tet(i)), MeshRegion::kInside);
+  }
+}
+
+TEST(FindFaces, LabelsFacesOfACutByTheFacesOfTheBoxThatTheirVerticesLieIn) {
+  TetMesh mesh = with_fields(kuhn_mesh(2), {{"heat", 1}, {kCutFaceArray, 1}});
+  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
+    const auto [x, y, z] = mesh.vertex(i);
+    const float faces = (x == 2 ? 2.0F : 0.0F) + (z == 0 ? 16.0F : 0.0F);
+    std::memcpy(mesh.fields.bytes().data() + (2 * i + 1) * sizeof(float), &faces, sizeof faces);
+  }
+  add_faces(mesh);
+  EXPECT_EQ(labels_of(mesh),
+            (std::map<std::string, int>{{"surface", 32}, {"cut_x_max", 8}, {"cut_z_min", 8}}));
+  EXPECT_EQ(mesh.header.face_labels[2].kind, FaceKind::kBox);
+}
+
+TEST(FindFaces, TakesAnyNumberInTheArrayOfACut) {
+  // Not only those that are faces of a box: it may have come from anybody.
+  TetMesh mesh = with_fields(kuhn_mesh(1), {{kCutFaceArray, 1}});
+  for (const float hostile : {-1.0F, 64.0F, 3e9F, std::nanf("")}) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      std::memcpy(mesh.fields.bytes().data() + i * sizeof(float), &hostile, sizeof hostile);
+    }
+    EXPECT_EQ(labels_of(with_faces(with_fields(kuhn_mesh(1), {}))),
+              (std::map<std::string, int>{{"surface", 12}}));
+    add_faces(mesh);
+    EXPECT_EQ(labels_of(mesh), (std::map<std::string, int>{{"surface", 12}}));
+  }
+}
+
+TEST(FindFaces, NamesThemByTheirPartsWhereThereAreSeveral) {
+  TetMesh mesh = make_mesh(lattice_points(2), {{0, 9, 3, 1}, {13, 22, 16, 14}});
+  mesh.header.parts = {{"femur", 0, 13, 0, 1, 1, 0}, {"tibia", 13, 14, 1, 1, 1, 0}};
+  add_faces(mesh);
+  EXPECT_EQ(labels_of(mesh),
+            (std::map<std::string, int>{{"femur_surface", 4}, {"tibia_surface", 4}}));
+  EXPECT_EQ(mesh.header.face_labels[1].part, 2U);
+}
+
+TEST(FindFaces, OfNothingAreNone) {
+  const TetMesh mesh = with_faces(make_mesh({}, {}));
+  EXPECT_EQ(mesh.header.face_count, 0U);
+  EXPECT_TRUE(mesh.header.has_faces());
+}
+
+}  // namespace
+}  // namespace tet
