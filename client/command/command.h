@@ -22,6 +22,7 @@ Command add_mesh_command(CLI::App& app);
 Command add_estimate_command(CLI::App& app);
 Command add_info_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);
+Command add_formats_command(CLI::App& app);
 Command add_health_command(CLI::App& app);
 Command add_job_command(CLI::App& app);
 

@@ -39,6 +39,8 @@ Examples:
   tetstream mesh bunny.vdb -o part.msh --box -2 0 -2 2 3 2
       the part of the inside that lies in a box, with flat, labelled faces where it cuts;
       docs/cuts.md
+  tetstream mesh bunny.vdb -o bunny.inp
+      element sets, node sets and surfaces for CalculiX and Abaqus; docs/formats.md has all formats
   tetstream mesh thin.vdb -o thin.msh --manifold
       a boundary that touches itself nowhere, however thin the walls
   tetstream mesh part.stl -o part.vtu --voxel 0.1
@@ -62,8 +64,11 @@ Examples:
 void describe_options(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
   app.footer(kMeshExamples);
-  app.add_option("-o,--output", options.output, "The mesh file: .vtu, .msh or .vtkhdf")
+  app.add_option("-o,--output", options.output,
+                 absl::StrCat("The mesh file: ", list_endings("or"), "; see tetstream formats"))
       ->required();
+  app.add_option("--format", options.format, "Of the mesh file, where its ending does not say")
+      ->check(CLI::IsMember(mesh_format_names()));
   describe_input(app, arguments);
   auto* const packed = app.add_flag(
       "--packed", options.packed,
@@ -94,13 +99,17 @@ absl::Status check_cache(const MeshOptions& options) {
   return absl::InvalidArgumentError("--skip-cache is about a server's results: add --server");
 }
 
+absl::Status check_output(const MeshOptions& options) {
+  const auto output = mesh_output(options.output, options.format);
+  return output.ok() ? check_can_write(*output) : output.status();
+}
+
 /// All that can be refused before hours of work.
 absl::Status check_options(const MeshOptions& options) {
   absl::Status status = check_input(options);
   if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = check_cache(options);
-  if (status.ok()) status = mesh_format_of(options.output).status();
-  if (status.ok()) status = check_can_create(options.output);
+  if (status.ok()) status = check_output(options);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
   return status;
 }
@@ -124,7 +133,9 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     made = make_mesh(*options, bar, interruption);
     if (!made.ok()) return made.status();
     made->cuts_inside = options->request.box || options->request.iso;
-    if (auto status = write_made_mesh(options->output, *made, bar, interruption); !status.ok())
+    const auto output = mesh_output(options->output, options->format);
+    if (!output.ok()) return output.status();
+    if (auto status = write_made_mesh(*output, *made, bar, interruption); !status.ok())
       return status;
   }
   const double seconds = watch.seconds();

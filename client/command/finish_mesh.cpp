@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "client/command/stopwatch.h"
-#include "core/files/mesh_file.h"
+#include "core/base/printable.h"
 
 namespace tet {
 
@@ -18,7 +18,7 @@ MadeMesh made_of(StreamedMesh&& streamed, std::vector<Stage> stages) {
           .stages = std::move(stages)};
 }
 
-absl::Status write_made_mesh(const std::string& output,
+absl::Status write_made_mesh(const MeshOutput& output,
                              MadeMesh& made,
                              ProgressBar& bar,
                              const Cancellation& interruption) {
@@ -28,7 +28,11 @@ absl::Status write_made_mesh(const std::string& output,
                              .progress = [&](double fraction) { bar.update(fraction, 1); }};
   absl::Status status = write_mesh_file(output, made.mesh, control);
   made.stages.push_back({"writing", watch.seconds()});
-  return status;
+  if (!status.ok()) return status;
+  for (const std::string& change : changed_names(output.format, made.mesh.header)) {
+    bar.say_lines("note: " + for_terminal(change), stderr);
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace tet

@@ -9,14 +9,16 @@
 #include "client/command/progress_bar.h"
 #include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
+#include "core/files/mesh_file.h"
 
 namespace tet {
 
 /// A mesh from a server, and the stages that it took.
 MadeMesh made_of(StreamedMesh&& streamed, std::vector<Stage> stages);
 
-/// Writes the mesh file, and adds the stage. Errors: those of write_mesh_file.
-absl::Status write_made_mesh(const std::string& output,
+/// Writes the mesh file, adds the stage, and notes the names that the format changes. Errors:
+/// those of write_mesh_file.
+absl::Status write_made_mesh(const MeshOutput& output,
                              MadeMesh& made,
                              ProgressBar& bar,
                              const Cancellation& interruption);

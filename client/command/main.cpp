@@ -52,6 +52,7 @@ std::vector<NamedCommand> add_commands(CLI::App& app) {
           add("estimate", "Count a mesh, and tell what it takes", add_estimate_command),
           add("info", "List the grids of a .vdb file", add_info_command),
           add("convert", "Make a .vdb level set of a surface", add_convert_command),
+          add("formats", "List the mesh files that can be written", add_formats_command),
           add("health", "Ask a server whether it is serving", add_health_command),
           add("job", "Meshes made while nobody waits: submit, follow, fetch", add_job_command)};
 }

@@ -13,6 +13,7 @@ namespace tet {
 
 struct MeshOptions {
   std::string input, output;
+  std::string format;              ///< of the output; empty takes what its ending says
   std::vector<std::string> grids;  ///< empty takes the only meshable grid
   bool all_grids = false;          ///< all that can be meshed, instead
   bool trust = false;              ///< read the .vdb file in this process

@@ -19,14 +19,14 @@ void BlockWriter::move_to(std::uint64_t offset) {
   if (status_.ok()) file_.move_to(offset);
 }
 
-void BlockWriter::write_block(std::span<const std::byte> block) {
+void BlockWriter::write_block(std::span<const std::byte> block, std::uint64_t progress_bytes) {
   if (!status_.ok()) return;
   if (control_.cancellation && control_.cancellation->requested()) {
     status_ = absl::CancelledError("stopped while writing the mesh");
     return;
   }
   status_ = file_.write(block);
-  written_bytes_ += block.size();
+  written_bytes_ += progress_bytes;
   if (control_.progress && total_bytes_ > 0) {
     control_.progress(static_cast<double>(written_bytes_) / static_cast<double>(total_bytes_));
   }

@@ -45,6 +45,14 @@ class BlockWriter {
   template <class MakeRow>
   void rows(std::uint64_t count, const MakeRow& make_row);
 
+  /// `count` lines of text: `write_line(i, place)` writes line i, of at most kMostLineBytes, at
+  /// `place` and returns where it ends. How long text will be is known when it is there, so
+  /// progress takes a line for `nominal_bytes`.
+  template <class WriteLine>
+  void lines(std::uint64_t count, std::uint64_t nominal_bytes, const WriteLine& write_line);
+
+  static constexpr std::size_t kMostLineBytes = 512;
+
   /// The next bytes go to this offset of the file.
   void move_to(std::uint64_t offset);
 
@@ -54,7 +62,8 @@ class BlockWriter {
   /// Large enough for the disk's full speed, small enough for the second-level cache.
   static constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
 
-  void write_block(std::span<const std::byte> block);
+  void write_block(std::span<const std::byte> block) { write_block(block, block.size()); }
+  void write_block(std::span<const std::byte> block, std::uint64_t progress_bytes);
 
   AtomicFile& file_;
   std::uint64_t total_bytes_, written_bytes_ = 0;
@@ -76,6 +85,21 @@ void BlockWriter::rows(std::uint64_t count, const MakeRow& make_row) {
       std::memcpy(place, &row, sizeof(Row));
     }
     write_block({block_.data(), place});
+  }
+}
+
+template <class WriteLine>
+void BlockWriter::lines(std::uint64_t count,
+                        std::uint64_t nominal_bytes,
+                        const WriteLine& write_line) {
+  char* const begin = reinterpret_cast<char*>(block_.data());
+  char* const full = begin + kBlockBytes - kMostLineBytes;
+  for (std::uint64_t i = 0; i < count && status_.ok();) {
+    const std::uint64_t first = i;
+    char* place = begin;
+    while (i < count && place < full) place = write_line(i++, place);
+    write_block({block_.data(), static_cast<std::size_t>(place - begin)},
+                (i - first) * nominal_bytes);
   }
 }
 

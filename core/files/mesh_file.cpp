@@ -1,55 +1,156 @@
 #include "core/files/mesh_file.h"
 
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <utility>
 
-#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 
+#include "core/files/file_names.h"
+#include "core/files/write_boundary.h"
+#include "core/files/write_inp.h"
 #include "core/files/write_msh.h"
 #include "core/files/write_vtkhdf.h"
 #include "core/files/write_vtu.h"
+#include "core/files/write_xdmf.h"
 
 namespace tet {
 namespace {
 
-absl::Status write_as(MeshFormat format,
-                      AtomicFile& file,
-                      const TetMesh& mesh,
-                      const WriteControl& control) {
+namespace fs = std::filesystem;
+
+using FileWriter = absl::Status (*)(AtomicFile&, const TetMesh&, const WriteControl&);
+
+/// Null where a format has more than one file.
+FileWriter writer_of(MeshFormat format) {
   switch (format) {
     case MeshFormat::kVtu:
-      return write_vtu(file, mesh, control);
-    case MeshFormat::kMsh:
-      return write_msh(file, mesh, control);
+      return write_vtu;
     case MeshFormat::kVtkHdf:
-      return write_vtkhdf(file, mesh, control);
+      return write_vtkhdf;
+    case MeshFormat::kMsh:
+      return write_msh;
+    case MeshFormat::kInp:
+      return write_inp;
+    case MeshFormat::kStl:
+      return write_stl;
+    case MeshFormat::kPly:
+      return write_ply;
+    case MeshFormat::kObj:
+      return write_obj;
+    case MeshFormat::kXdmf:
+      return nullptr;
   }
-  return absl::InternalError("no such mesh format");
+  return nullptr;
+}
+
+/// The .h5 beside an .xdmf. Errors: kInvalidArgument (the path is that itself).
+absl::StatusOr<std::string> columns_path(const std::string& path) {
+  const std::string columns = fs::path(path).replace_extension(".h5").string();
+  if (columns != path) return columns;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "the output ", path,
+      " has the name of the file beside it: end it in .xdmf, and the .h5 comes too"));
+}
+
+absl::Status write_two_files(const std::string& path,
+                             const TetMesh& mesh,
+                             const WriteControl& control) {
+  const absl::StatusOr<std::string> columns_name = columns_path(path);
+  if (!columns_name.ok()) return columns_name.status();
+  absl::StatusOr<AtomicFile> index = AtomicFile::create(path);
+  if (!index.ok()) return index.status();
+  absl::StatusOr<AtomicFile> columns = AtomicFile::create(*columns_name);
+  if (!columns.ok()) return columns.status();
+  const std::string name = fs::path(*columns_name).filename().string();
+  if (auto status = write_xdmf(*index, *columns, name, mesh, control); !status.ok()) {
+    return status;
+  }
+  return commit_together(*columns, *index);
+}
+
+absl::Status write_one_file(FileWriter write,
+                            const std::string& path,
+                            const TetMesh& mesh,
+                            const WriteControl& control) {
+  absl::StatusOr<AtomicFile> file = AtomicFile::create(path);
+  if (!file.ok()) return file.status();
+  if (absl::Status status = write(*file, mesh, control); !status.ok()) return status;
+  return file->commit();
+}
+
+// ---- Names that change ----
+
+/// Of regions, parts and faces, and of fields; unset where a format takes any.
+struct FormatNames {
+  std::optional<NameRule> groups = {}, fields = {};
+};
+
+FormatNames names_in(MeshFormat format) {
+  switch (format) {
+    case MeshFormat::kInp:
+      return {.groups = kInpNames};
+    case MeshFormat::kPly:
+      return {.fields = kPlyNames};
+    case MeshFormat::kObj:
+      return {.groups = kObjNames};
+    default:
+      return {};
+  }
+}
+
+void tell_changes(const std::optional<NameRule>& rule,
+                  const std::vector<std::string>& names,
+                  std::string_view things,
+                  std::vector<std::string>& told) {
+  if (!rule) return;
+  const std::vector<std::string> changed = names_in_file(names, *rule);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (changed[i] == names[i]) continue;
+    told.push_back(absl::StrCat("the file calls the ", std::string(things), " \"", names[i],
+                                "\" ", changed[i]));
+  }
 }
 
 }  // namespace
 
-absl::StatusOr<MeshFormat> mesh_format_of(const std::string& path) {
-  const std::string ending =
-      absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
-  if (ending == ".vtu") return MeshFormat::kVtu;
-  if (ending == ".msh") return MeshFormat::kMsh;
-  if (ending == ".vtkhdf") return MeshFormat::kVtkHdf;
-  return absl::InvalidArgumentError(
-      absl::StrCat("the output ", path, " ends in ", ending.empty() ? "nothing" : ending,
-                   "; it must end in .vtu, .msh or .vtkhdf, which chooses the format"));
+absl::StatusOr<MeshOutput> mesh_output(const std::string& path, std::string_view format) {
+  const auto chosen = format.empty() ? mesh_format_of(path) : mesh_format_named(format);
+  if (!chosen.ok()) return chosen.status();
+  return MeshOutput{path, *chosen};
+}
+
+absl::Status check_can_write(const MeshOutput& output) {
+  if (output.format == MeshFormat::kXdmf) {
+    const absl::StatusOr<std::string> columns = columns_path(output.path);
+    if (!columns.ok()) return columns.status();
+    if (auto status = check_can_create(*columns); !status.ok()) return status;
+  }
+  return check_can_create(output.path);
+}
+
+absl::Status write_mesh_file(const MeshOutput& output,
+                             const TetMesh& mesh,
+                             const WriteControl& control) {
+  if (output.format == MeshFormat::kXdmf) return write_two_files(output.path, mesh, control);
+  return write_one_file(writer_of(output.format), output.path, mesh, control);
 }
 
 absl::Status write_mesh_file(const std::string& path,
                              const TetMesh& mesh,
                              const WriteControl& control) {
-  const absl::StatusOr<MeshFormat> format = mesh_format_of(path);
-  if (!format.ok()) return format.status();
-  absl::StatusOr<AtomicFile> file = AtomicFile::create(path);
-  if (!file.ok()) return file.status();
-  if (absl::Status status = write_as(*format, *file, mesh, control); !status.ok())
-    return status;
-  return file->commit();
+  const absl::StatusOr<MeshOutput> output = mesh_output(path);
+  return output.ok() ? write_mesh_file(*output, mesh, control) : output.status();
+}
+
+std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh) {
+  const FormatNames rules = names_in(format);
+  std::vector<std::string> told;
+  tell_changes(rules.groups, names_of(mesh.parts), "part", told);
+  tell_changes(rules.groups, names_of(mesh.face_labels), "faces", told);
+  tell_changes(rules.fields, names_of(mesh.fields), "field", told);
+  return told;
 }
 
 }  // namespace tet

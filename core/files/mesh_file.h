@@ -1,27 +1,47 @@
-// Mesh files: the ending chooses the format.
+// Meshes to files, or whatever else a format writes: two files, or a folder.
 #pragma once
 
-#include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "core/files/block_writer.h"
+#include "core/files/mesh_formats.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
 
-enum class MeshFormat : std::uint8_t { kVtu, kMsh, kVtkHdf };
+/// Where a mesh goes, and as what.
+struct MeshOutput {
+  std::string path;
+  MeshFormat format = MeshFormat::kVtu;
+};
 
-/// Errors: kInvalidArgument (another ending; the message lists the three).
-absl::StatusOr<MeshFormat> mesh_format_of(const std::string& path);
+/// The format is the one named, or where the name is empty the one that the path's ending
+/// chooses. Errors: those of mesh_format_named and mesh_format_of.
+absl::StatusOr<MeshOutput> mesh_output(const std::string& path, std::string_view format = "");
 
-/// Writes world coordinates, whole or not at all.
+/// Whether it could be written now: says so before hours of work, not after.
+absl::Status check_can_write(const MeshOutput& output);
+
+/// Writes world coordinates, whole or not at all: also where a format has two files, of which
+/// the one that readers begin with comes last.
 ///
-/// Errors: those of mesh_format_of and AtomicFile, kResourceExhausted (the disk is full),
-/// kCancelled. After an error an older file at `path` is as it was.
+/// Errors: those of AtomicFile, kFailedPrecondition (a format that cannot count so far),
+/// kResourceExhausted (the disk is full), kCancelled. After an error what was there before is
+/// as it was.
+absl::Status write_mesh_file(const MeshOutput& output,
+                             const TetMesh& mesh,
+                             const WriteControl& control = {});
+
+/// The path's ending chooses the format. Errors: also those of mesh_format_of.
 absl::Status write_mesh_file(const std::string& path,
                              const TetMesh& mesh,
                              const WriteControl& control = {});
+
+/// For people: each name of the mesh that the format has to call otherwise, and how.
+std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh);
 
 }  // namespace tet

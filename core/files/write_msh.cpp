@@ -1,62 +1,31 @@
 #include "core/files/write_msh.h"
 
 #include <array>
-#include <limits>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_replace.h>
 
+#include "core/files/face_groups.h"
 #include "core/files/mesh_columns.h"
-#include "core/files/msh_surfaces.h"
-#include "core/mesh/regions.h"
+#include "core/files/number_limits.h"
+#include "core/files/tet_groups.h"
 
 namespace tet {
 namespace {
 
-constexpr std::int32_t kVolume = 3;       ///< the dimension of our entities
-constexpr std::int32_t kTetrahedron = 4;  ///< Gmsh's number for a linear tetrahedron
+constexpr std::int32_t kSurface = 2, kVolume = 3;  ///< dimensions of our entities
+/// Gmsh's numbers for linear elements.
+constexpr std::int32_t kTriangle = 2, kTetrahedron = 4;
 
-/// A volume entity, and the physical volume that it makes up.
-struct FileVolume {
-  std::int32_t tag = 1;
-  std::string name = {};
-  std::optional<MeshRegion> region =
-      {};  ///< of its tets; they are all that follow each other if unset
-  std::uint64_t first_tet = 0, tets = 0;
-};
-
-/// What the elements of a file belong to.
+/// What the elements of a file belong to: all are in physical groups, as solvers take no
+/// others.
 struct FileEntities {
-  std::vector<FileVolume> volumes;
-  std::vector<MshSurface> surfaces;
+  std::vector<TetGroup> volumes;
+  FaceGroups surfaces;
+  explicit FileEntities(const TetMesh& mesh) : volumes(tet_groups(mesh)), surfaces(mesh) {}
 };
-
-/// The volumes of a file, in the order of their tags, which are the tets' labels.
-std::vector<FileVolume> volumes_of(const TetMesh& mesh) {
-  const MeshHeader& header = mesh.header;
-  std::vector<FileVolume> volumes;
-  for (const MeshPart& part : header.parts) {
-    const auto tag = static_cast<std::int32_t>(volumes.size() + 1);
-    volumes.push_back({tag, part.name, {}, part.first_tet, part.tet_count});
-  }
-  if (!volumes.empty()) return volumes;
-  if (!header.has_regions) {
-    return {FileVolume{.name = "inside", .tets = header.tet_count}};
-  }
-  for (const auto& [region, name] :
-       {std::pair(MeshRegion::kInside, "inside"), std::pair(MeshRegion::kOutside, "outside")}) {
-    volumes.push_back(
-        {static_cast<std::int32_t>(region), name, region, 0, count_tets(mesh, region)});
-  }
-  return volumes;
-}
-
-/// All elements are in physical groups, as solvers take no others.
-FileEntities entities_of(const TetMesh& mesh) { return {volumes_of(mesh), msh_surfaces(mesh)}; }
 
 std::uint64_t file_bytes(const MeshHeader& header, std::uint64_t triangles) noexcept {
   std::uint64_t fields = 0;
@@ -68,11 +37,8 @@ std::uint64_t file_bytes(const MeshHeader& header, std::uint64_t triangles) noex
 
 /// The format has 8 bytes for the number of a node, but 4 where it has data.
 absl::Status check_node_numbers(const MeshHeader& header) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
-  if (header.fields.empty() || header.vertex_count <= kMost) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("a .msh with fields takes ", kMost, " vertices and the mesh has ",
-                   header.vertex_count, ": write a .vtu or .vtkhdf"));
+  if (header.fields.empty()) return absl::OkStatus();
+  return check_count(header.vertex_count, kMostInt32, "vertices", ".msh with fields");
 }
 
 std::string physical_name(std::int32_t dimension, std::int32_t tag, const std::string& name) {
@@ -81,12 +47,13 @@ std::string physical_name(std::int32_t dimension, std::int32_t tag, const std::s
 }
 
 void write_physical_names(BlockWriter& writer, const FileEntities& entities) {
-  const auto& [volumes, surfaces] = entities;
-  std::string text = absl::StrCat("$PhysicalNames\n", volumes.size() + surfaces.size(), "\n");
-  for (const MshSurface& surface : surfaces) {
-    text += physical_name(kMshSurface, surface.tag, surface.name);
+  const std::vector<FaceGroup>& surfaces = entities.surfaces.groups();
+  std::string text =
+      absl::StrCat("$PhysicalNames\n", entities.volumes.size() + surfaces.size(), "\n");
+  for (const FaceGroup& surface : surfaces) {
+    text += physical_name(kSurface, surface.tag, surface.name);
   }
-  for (const FileVolume& volume : volumes) {
+  for (const TetGroup& volume : entities.volumes) {
     text += physical_name(kVolume, volume.tag, volume.name);
   }
   writer.text(text + "$EndPhysicalNames\n");
@@ -103,12 +70,13 @@ void write_entity(BlockWriter& writer, std::int32_t tag, const WorldBox& box) {
 }
 
 void write_entities(BlockWriter& writer, const WorldBox& bounds, const FileEntities& entities) {
-  const auto& [volumes, surfaces] = entities;
+  const std::vector<TetGroup>& volumes = entities.volumes;
+  const std::vector<FaceGroup>& surfaces = entities.surfaces.groups();
   writer.text("$Entities\n");
   // Points, curves, surfaces, volumes.
   writer.number(std::array<std::uint64_t, 4>{0, 0, surfaces.size(), volumes.size()});
-  for (const MshSurface& surface : surfaces) write_entity(writer, surface.tag, bounds);
-  for (const FileVolume& volume : volumes) write_entity(writer, volume.tag, bounds);
+  for (const FaceGroup& surface : surfaces) write_entity(writer, surface.tag, bounds);
+  for (const TetGroup& volume : volumes) write_entity(writer, volume.tag, bounds);
   writer.text("\n$EndEntities\n");
 }
 
@@ -129,31 +97,43 @@ void write_nodes(BlockWriter& writer, const TetMesh& mesh) {
 }
 
 /// The tets of one volume, with their numbers in the mesh as tags.
-void write_volume(BlockWriter& writer, const TetMesh& mesh, const FileVolume& volume) {
+void write_volume(BlockWriter& writer, const TetMesh& mesh, const TetGroup& volume) {
   writer.number(std::array<std::int32_t, 3>{kVolume, volume.tag, kTetrahedron});
   writer.number(volume.tets);
-  std::uint64_t next = volume.first_tet;  // rows are made in order
+  TetsOfGroup tets(mesh, volume);
   writer.rows(volume.tets, [&](std::uint64_t) {
-    while (volume.region && mesh.region(next) != *volume.region) ++next;
-    const auto [a, b, c, d] = mesh.tet(next);
-    return std::array<std::uint64_t, 5>{++next, a + 1, b + 1, c + 1, d + 1};
+    const std::uint64_t tet = tets.next();
+    const auto [a, b, c, d] = mesh.tet(tet);
+    return std::array<std::uint64_t, 5>{tet + 1, a + 1, b + 1, c + 1, d + 1};
+  });
+}
+
+/// The triangles of one surface, numbered from `first` on.
+void write_surface(BlockWriter& writer,
+                   const FaceGroups& faces,
+                   const FaceGroup& surface,
+                   std::uint64_t first) {
+  writer.number(std::array<std::int32_t, 3>{kSurface, surface.tag, kTriangle});
+  writer.number(surface.faces);
+  writer.rows(surface.faces, [&](std::uint64_t i) {
+    const auto [a, b, c] = faces.triangle(surface.first + i);
+    return std::array<std::uint64_t, 4>{first + i, a + 1, b + 1, c + 1};
   });
 }
 
 /// Tets come first, so that their tags are their numbers in the mesh.
-void write_elements(BlockWriter& writer, const TetMesh& mesh, FileEntities entities) {
-  auto& [volumes, surfaces] = entities;
+void write_elements(BlockWriter& writer, const TetMesh& mesh, const FileEntities& entities) {
+  std::vector<TetGroup> volumes = entities.volumes;
   // Not every reader takes an empty block.
-  std::erase_if(volumes, [](const FileVolume& volume) { return volume.tets == 0; });
-  const std::uint64_t tets = mesh.header.tet_count, count = tets + count_triangles(surfaces);
+  std::erase_if(volumes, [](const TetGroup& volume) { return volume.tets == 0; });
+  const FaceGroups& faces = entities.surfaces;
+  const std::uint64_t tets = mesh.header.tet_count, count = tets + faces.count();
   writer.text("$Elements\n");
   writer.number(
-      std::array<std::uint64_t, 4>{volumes.size() + surfaces.size(), count, 1, count});
-  for (const FileVolume& volume : volumes) write_volume(writer, mesh, volume);
-  std::uint64_t next = tets + 1;
-  for (const MshSurface& surface : surfaces) {
-    write_triangles(writer, surface, next);
-    next += surface.triangles.size();
+      std::array<std::uint64_t, 4>{volumes.size() + faces.groups().size(), count, 1, count});
+  for (const TetGroup& volume : volumes) write_volume(writer, mesh, volume);
+  for (const FaceGroup& surface : faces.groups()) {
+    write_surface(writer, faces, surface, tets + 1 + surface.first);
   }
   writer.text("\n$EndElements\n");
 }
@@ -172,9 +152,8 @@ void write_node_data(BlockWriter& writer, const TetMesh& mesh, std::size_t i) {
 
 absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
   if (auto status = check_node_numbers(mesh.header); !status.ok()) return status;
-  const FileEntities entities = entities_of(mesh);
-  BlockWriter writer(file, file_bytes(mesh.header, count_triangles(entities.surfaces)),
-                     control);
+  const FileEntities entities(mesh);
+  BlockWriter writer(file, file_bytes(mesh.header, entities.surfaces.count()), control);
   writer.text("$MeshFormat\n4.1 1 8\n");  // binary, with eight-byte sizes
   writer.number(std::int32_t{1});         // tells a reader the byte order
   writer.text("\n$EndMeshFormat\n");

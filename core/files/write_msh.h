@@ -6,10 +6,10 @@
 
 namespace tet {
 
-/// Writes the whole mesh as one volume entity. A mesh with regions becomes two, the physical
-/// volumes "inside" (1) and "outside" (2); one of several grids becomes a physical volume for
-/// each, with the grid's name. Where a box cuts the mesh, the boundary's triangles are written,
-/// too, as physical surfaces: see msh_surfaces.h. `file` is left for the caller to commit.
+/// Writes the whole mesh as one volume entity, the physical volume "inside" (1). A mesh with
+/// regions becomes two, "inside" (1) and "outside" (2); one of several grids becomes a physical
+/// volume for each, with the grid's name. The boundary's triangles are written as a surface and
+/// a physical surface for each of their labels. `file` is left for the caller to commit.
 ///
 /// Tags are ids plus one, since Gmsh counts from one; coordinates are float64, the only kind it
 /// knows. Each volume's tets come together, in the mesh's order; all nodes are in the first.

@@ -34,9 +34,11 @@ class SeveralGrids(CommandTest):
         parts = vtu.cell_data["part"][0]
         numpy.testing.assert_array_equal(parts, numpy.repeat([1, 2, 3], counts))
         self.assertEqual({name: list(tag) for name, tag in msh.field_data.items()},
-                         {name: [i + 1, 3] for i, name in enumerate(NAMES)})
+                         {name: [i + 1, 3] for i, name in enumerate(NAMES)} |
+                         {f"{name}_surface": [i + 1, 2] for i, name in enumerate(NAMES)})
         numpy.testing.assert_array_equal(
-            numpy.concatenate(msh.cell_data["gmsh:physical"]), parts)
+            numpy.concatenate([tags for block, tags in zip(msh.cells, msh.cell_data["gmsh:physical"])
+                               if block.type == "tetra"]), parts)
         for number, middle in ((1, (0, 0, 0)), (2, (3, 0.1, 0)), (3, (0.303, 3.131, 0.707))):
             corners = vtu.points[numpy.unique(vtu.cells[0].data[parts == number])]
             numpy.testing.assert_allclose(

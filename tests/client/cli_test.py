@@ -185,8 +185,8 @@ class Refusals(CommandTest):
                 self.assert_fails(self.mesh(name), REFUSED, name, ".vdb")
 
     def test_unknown_output_ending_before_the_input_is_looked_at(self):
-        result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "mesh.stl")
-        self.assert_fails(result, REFUSED, ".vtu, .msh or .vtkhdf")
+        result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "mesh.med")
+        self.assert_fails(result, REFUSED, "mesh.med", ".vtu, .vtkhdf, .msh,")
 
     def test_output_in_a_directory_that_is_not_there(self):
         result = self.tetstream(

@@ -17,6 +17,7 @@ __all__ = ["CUBE", "DONE", "ENDINGS", "GENEROUS_END", "LID", "REFUSED", "SERVER"
            "unused_port", "wait_until"]
 
 DONE, REFUSED, USAGE, SERVER = 0, 1, 2, 3
+# Of one file each, and with all that a mesh has: what other tests compare. cli_formats_test.py has every format.
 ENDINGS = (".vtu", ".msh", ".vtkhdf")
 
 # A cube of two triangles a side, and the last side of it.

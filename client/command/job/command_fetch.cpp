@@ -45,7 +45,7 @@ Examples:
 struct FetchArguments {
   SessionArguments session;
   SelectionArguments selection;
-  std::string output, folder, format = "vtu";
+  std::string output, folder, format;
   bool wait = false;
   int streams = 4;
 };
@@ -53,14 +53,15 @@ struct FetchArguments {
 void describe_options(CLI::App& app, FetchArguments& arguments) {
   app.footer(kFetchExamples);
   describe_selection(app, arguments.selection);
-  auto* const output = app.add_option("-o,--output", arguments.output,
-                                      "The mesh file of one job: .vtu, .msh or .vtkhdf");
+  auto* const output =
+      app.add_option("-o,--output", arguments.output,
+                     absl::StrCat("The mesh file of one job: ", list_endings("or")));
   auto* const folder = app.add_option("--into", arguments.folder,
                                       "Folder for a mesh file of each job; made when missing");
   output->excludes(folder);
-  app.add_option("--format", arguments.format, "Of the files in a folder: vtu, msh or vtkhdf")
-      ->check(CLI::IsMember({"vtu", "msh", "vtkhdf"}))
-      ->needs(folder);
+  app.add_option("--format", arguments.format,
+                 "Of the files in a folder [vtu], or of one whose ending does not say")
+      ->check(CLI::IsMember(mesh_format_names()));
   app.add_option("--streams", arguments.streams,
                  "Ranges of a mesh that are read side by side, into .vtkhdf [4]")
       ->check(CLI::Range(1, 64));
@@ -84,14 +85,14 @@ std::string file_stem(const v1::Job& job) {
   return name.empty() ? id : absl::StrCat(name, "-", id);
 }
 
-std::string path_for(const FetchArguments& arguments, const v1::Job& job) {
-  if (!arguments.output.empty()) return arguments.output;
-  return fs::path(arguments.folder) / absl::StrCat(file_stem(job), ".", arguments.format);
-}
-
-bool is_vtkhdf(const std::string& path) {
-  const auto format = mesh_format_of(path);
-  return format.ok() && *format == MeshFormat::kVtkHdf;
+/// Where the mesh of a job goes, and as what.
+absl::StatusOr<MeshOutput> output_for(const FetchArguments& arguments, const v1::Job& job) {
+  if (!arguments.output.empty()) return mesh_output(arguments.output, arguments.format);
+  const auto format =
+      mesh_format_named(arguments.format.empty() ? "vtu" : std::string_view(arguments.format));
+  if (!format.ok()) return format.status();
+  const std::string name = file_stem(job) + std::string(row_of(*format).ending);
+  return MeshOutput{fs::path(arguments.folder) / name, *format};
 }
 
 class Fetcher {
@@ -107,12 +108,14 @@ class Fetcher {
     }
     const auto job = session_.jobs.get(name, cancellation_);
     if (!job.ok()) return job.status();
-    const std::string path = path_for(arguments_, *job);
-    if (arguments_.output.empty() && fs::exists(path)) {
-      tell(*job, path, "fetched before", true);
+    const auto output = output_for(arguments_, *job);
+    if (!output.ok()) return output.status();
+    if (arguments_.output.empty() && fs::exists(output->path)) {
+      tell(*job, output->path, "fetched before", true);
       return absl::OkStatus();
     }
-    return is_vtkhdf(path) ? assemble(*job, path) : write(*job, path);
+    return output->format == MeshFormat::kVtkHdf ? assemble(*job, *output)
+                                                 : write(*job, *output);
   }
 
  private:
@@ -123,25 +126,27 @@ class Fetcher {
     return follow_jobs(session_.jobs, {name}, watch, cancellation_);
   }
 
-  absl::Status write(const v1::Job& job, const std::string& path) {
+  absl::Status write(const v1::Job& job, const MeshOutput& output) {
     const Stopwatch watch;
     session_.bar.begin("receiving", "tets");
     auto streamed = session_.jobs.read_result(job.name(), receiving(), cancellation_);
     if (!streamed.ok()) return streamed.status();
     MadeMesh made = made_of(*std::move(streamed), {});
-    absl::Status status = write_made_mesh(path, made, session_.bar, cancellation_);
+    absl::Status status = write_made_mesh(output, made, session_.bar, cancellation_);
     if (!status.ok()) return status;
-    tell(job, path, summary_line(path, made, watch.seconds()), false);
+    tell(job, output.path, summary_line(output.path, made, watch.seconds()), false);
     note_guess(made.mesh.header);
     return absl::OkStatus();
   }
 
   /// Each chunk goes to its place in the file as it comes: the mesh is never in memory.
-  absl::Status assemble(const v1::Job& job, const std::string& path) {
+  absl::Status assemble(const v1::Job& job, const MeshOutput& output) {
     const Stopwatch watch;
-    if (job.state() != v1::JOB_STATE_SUCCEEDED) return write(job, path);  // which says why not
+    if (job.state() != v1::JOB_STATE_SUCCEEDED)
+      return write(job, output);  // which says why not
     const auto header = checked_header(job.header());
     if (!header.ok()) return header.status();
+    const std::string& path = output.path;
     auto file = AtomicFile::create(path);
     if (!file.ok()) return file.status();
     const WriteControl control{.cancellation = &cancellation_, .progress = {}};
@@ -187,8 +192,8 @@ class Fetcher {
 /// All that can be refused before anything is fetched.
 absl::Status prepare(const FetchArguments& arguments) {
   if (!arguments.output.empty()) {
-    absl::Status status = mesh_format_of(arguments.output).status();
-    return status.ok() ? check_can_create(arguments.output) : status;
+    const auto output = mesh_output(arguments.output, arguments.format);
+    return output.ok() ? check_can_write(*output) : output.status();
   }
   if (arguments.folder.empty())
     return absl::InvalidArgumentError("say where to: -o FILE for one job, or --into FOLDER");

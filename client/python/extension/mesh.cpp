@@ -54,10 +54,14 @@ py::object improvement_of(const std::optional<Statistics::Improvement>& improvem
                   py::arg("moved_vertices") = improvement->moved_vertices);
 }
 
-void write(const Mesh& mesh, const std::string& path, const CallOptions& options) {
+void write(const Mesh& mesh,
+           const std::string& path,
+           const std::string& format,
+           const CallOptions& options) {
   Watch watch = options.watch();
   const StreamOptions connected = options.connected(watch);
-  const Status status = watch.call([&] { return write_mesh_file(path, mesh, connected); });
+  const Status status =
+      watch.call([&] { return write_mesh_file(path, mesh, format, connected); });
   if (!status.ok()) raise_error(status);
   watch.finish();
 }

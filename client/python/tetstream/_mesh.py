@@ -222,16 +222,18 @@ class Mesh(Arrays):
         self,
         path: str | os.PathLike[str],
         *,
+        format: str | None = None,
         progress: Progress | None = None,
         timeout: float | None = None,
     ) -> None:
-        """Writes world coordinates, regions and fields; the path's ending chooses the format: .vtu and
-        .vtkhdf (VTK, ParaView), .msh (Gmsh 4.1). The file is whole or not there.
+        """Writes world coordinates, and regions, boundary faces and fields as far as the format has room for
+        them. The path's ending chooses it: .vtu, .msh or another of docs/formats.md; `format` names it
+        ("vtu", "msh") where that does not. The file is whole or not there.
 
-        Errors: InvalidArgumentError (another ending), UnavailableError and ResourceExhaustedError (the
-        disk), DeadlineExceededError.
+        Errors: InvalidArgumentError (another ending or format), FailedPreconditionError (a format that
+        cannot count so far), UnavailableError and ResourceExhaustedError (the disk), DeadlineExceededError.
         """
-        self._mesh.write(os.fspath(path), options_of(progress=progress, timeout=timeout))
+        self._mesh.write(os.fspath(path), format or "", options_of(progress=progress, timeout=timeout))
 
     def to_meshio(self) -> Any:
         """The mesh as a `meshio.Mesh`, with fields as point data and `region` as cell data."""

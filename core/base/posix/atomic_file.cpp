@@ -64,7 +64,8 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
       temporary_path_(std::exchange(other.temporary_path_, {})),
       file_(std::move(other.file_)),
       tell_(other.tell_),
-      position_(other.position_) {}
+      position_(other.position_),
+      sealed_(other.sealed_) {}
 
 AtomicFile::~AtomicFile() {
   if (!temporary_path_.empty()) ::unlink(temporary_path_.c_str());
@@ -76,9 +77,16 @@ absl::Status AtomicFile::write(std::span<const std::byte> bytes) {
   return status;
 }
 
-absl::Status AtomicFile::commit_unsynced() {
+absl::Status AtomicFile::seal() {
+  if (sealed_) return absl::OkStatus();
   if (absl::Status status = file_.sync(); !status.ok()) return status;
   if (absl::Status status = file_.close(); !status.ok()) return status;
+  sealed_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status AtomicFile::commit_unsynced() {
+  if (absl::Status status = seal(); !status.ok()) return status;
   if (::rename(temporary_path_.c_str(), path_.c_str()) != 0) return tell_("create", path_);
   temporary_path_.clear();
   return absl::OkStatus();
@@ -87,6 +95,51 @@ absl::Status AtomicFile::commit_unsynced() {
 absl::Status AtomicFile::commit() {
   const absl::Status status = commit_unsynced();
   return status.ok() ? sync_folder(folder_of(path_), tell_) : status;
+}
+
+namespace {
+
+/// A file out of the way until its owner says that it may go; else it comes back.
+class SetAside {
+ public:
+  /// What is no file stays: its name cannot be had, as the one who wants it will say.
+  explicit SetAside(const fs::path& path) : path_(path), aside_(temporary_name(path, {})) {
+    std::error_code ignored;
+    const bool is_file = fs::is_regular_file(path_, ignored);
+    if (!is_file || ::rename(path_.c_str(), aside_.c_str()) != 0) aside_.clear();
+  }
+  ~SetAside() {
+    if (!aside_.empty()) ::rename(aside_.c_str(), path_.c_str());
+  }
+  SetAside(const SetAside&) = delete;
+  SetAside& operator=(const SetAside&) = delete;
+
+  void drop() {
+    if (!aside_.empty()) ::unlink(aside_.c_str());
+    aside_.clear();
+  }
+
+ private:
+  fs::path path_, aside_;
+};
+
+}  // namespace
+
+absl::Status commit_together(AtomicFile& body, AtomicFile& index) {
+  if (absl::Status status = body.seal(); !status.ok()) return status;
+  if (absl::Status status = index.seal(); !status.ok()) return status;
+  const fs::path body_path = body.path();
+  SetAside old_index(index.path());
+  SetAside old_body(body_path);
+  if (absl::Status status = body.commit(); !status.ok()) return status;
+  if (absl::Status status = index.commit(); !status.ok()) {
+    // A body that nothing leads to is half a result; an old one takes its place.
+    ::unlink(body_path.c_str());
+    return status;
+  }
+  old_index.drop();
+  old_body.drop();
+  return absl::OkStatus();
 }
 
 absl::Status check_can_create(const std::string& path) {

@@ -56,6 +56,13 @@ class AtomicFile {
   File& file() noexcept { return file_; }
   const std::filesystem::path& temporary_path() const noexcept { return temporary_path_; }
 
+  /// Everything to the disk, and no more writing: what can go wrong with the bytes has gone
+  /// wrong by then, though the file has no name yet. `commit` does it unless it is done.
+  absl::Status seal();
+
+  /// What the file will be called.
+  const std::filesystem::path& path() const noexcept { return path_; }
+
   /// Everything to the disk, then to its name, then the name to the disk. The last call.
   absl::Status commit();
 
@@ -73,7 +80,14 @@ class AtomicFile {
   File file_;
   IoErrorTeller tell_;
   std::uint64_t position_ = 0;
+  bool sealed_ = false;
 };
+
+/// Commits two files that are of no use without each other, where readers begin with `index`:
+/// at no time does an index lie beside a body that is not its own. Both are whole on the disk
+/// before either has its name; then an older index gives way, the body comes, and the index.
+/// After an error the older files are as they were.
+absl::Status commit_together(AtomicFile& body, AtomicFile& index);
 
 /// Whether `path` could be created now: says so before hours of work, not after.
 absl::Status check_can_create(const std::string& path);

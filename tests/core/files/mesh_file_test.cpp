@@ -1,15 +1,20 @@
 #include "core/files/mesh_file.h"
 
+#include <array>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sys/resource.h>
 #include <unistd.h>
 #include <vector>
 
 #include <gmock/gmock.h>
 
+#include "core/files/file_names.h"
 #include "core/files/mesh_columns.h"
+#include "core/files/text_numbers.h"
 #include "tests/core/mesh/small_meshes.h"
 
 namespace tet {
@@ -20,7 +25,11 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr const char* kEndings[] = {".vtu", ".msh", ".vtkhdf"};
+std::vector<std::string> endings() {
+  std::vector<std::string> endings;
+  for (const MeshFormatRow& row : mesh_formats()) endings.emplace_back(row.ending);
+  return endings;
+}
 
 class MeshFileTest : public ::testing::Test {
  protected:
@@ -77,13 +86,34 @@ TEST(MeshFormat, IsChosenByTheEndingInAnyCase) {
   EXPECT_EQ(*mesh_format_of("a.vtu"), MeshFormat::kVtu);
   EXPECT_EQ(*mesh_format_of("b.c/d.MSH"), MeshFormat::kMsh);
   EXPECT_EQ(*mesh_format_of("e.f.vtkhdf"), MeshFormat::kVtkHdf);
+  EXPECT_EQ(*mesh_format_of("boundary.stl"), MeshFormat::kStl);
 }
 
-TEST(MeshFormat, OfAnotherEndingIsAnErrorThatListsTheThree) {
-  for (const char* path : {"mesh.stl", "mesh", "mesh.vtu/", "vtu"}) {
+TEST(MeshFormat, HasANameAndEndingsOfItsOwn) {
+  std::set<std::string_view> names, endings;
+  for (const MeshFormatRow& row : mesh_formats()) {
+    EXPECT_TRUE(names.insert(row.name).second) << row.name;
+    EXPECT_TRUE(endings.insert(row.ending).second) << row.ending;
+    EXPECT_EQ(*mesh_format_named(row.name), row.format);
+    EXPECT_EQ(*mesh_format_of("a" + std::string(row.ending)), row.format);
+    EXPECT_EQ(&row_of(row.format), &row);
+  }
+}
+
+TEST(MeshFormat, ThatIsNamedIsTakenWhateverTheEnding) {
+  EXPECT_EQ(mesh_output("deck.txt", "inp")->format, MeshFormat::kInp);
+  EXPECT_EQ(mesh_output("deck.vtu", "inp")->format, MeshFormat::kInp);
+  EXPECT_EQ(mesh_output("deck.vtu")->format, MeshFormat::kVtu);
+  const absl::Status status = mesh_output("deck.inp", "med").status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("no mesh format med; there are vtu,"));
+}
+
+TEST(MeshFormat, OfAnotherEndingIsAnErrorThatListsThem) {
+  for (const char* path : {"mesh.med", "mesh", "mesh.vtu/", "vtu"}) {
     const absl::Status status = mesh_format_of(path).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << path;
-    EXPECT_THAT(std::string(status.message()), HasSubstr(".vtu, .msh or .vtkhdf"));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("it must end in .vtu, .vtkhdf, "));
   }
 }
 
@@ -91,7 +121,7 @@ TEST_F(MeshFileTest, StopsWhenCancelledAndLeavesNothing) {
   Cancellation cancellation;
   const WriteControl control{.cancellation = &cancellation,
                              .progress = [&](double) { cancellation.cancel(); }};
-  for (const char* ending : kEndings) {
+  for (const std::string& ending : endings()) {
     const absl::Status status = write_mesh_file(path("out") + ending, kuhn_mesh(40), control);
     EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << ending;
     EXPECT_EQ(files(), 0U) << ending;
@@ -99,7 +129,7 @@ TEST_F(MeshFileTest, StopsWhenCancelledAndLeavesNothing) {
 }
 
 TEST_F(MeshFileTest, TellsItsProgressUpToOne) {
-  for (const char* ending : kEndings) {
+  for (const std::string& ending : endings()) {
     std::vector<double> told;
     const WriteControl control{.progress = [&](double fraction) { told.push_back(fraction); }};
     ASSERT_TRUE(write_mesh_file(path("out") + ending, kuhn_mesh(30), control).ok());
@@ -127,10 +157,10 @@ class FileSizeLimit {
 };
 
 TEST_F(MeshFileTest, OnAFullDiskLeavesTheOldFileAsItWas) {
-  for (const char* ending : kEndings) {
+  for (const std::string& ending : endings()) {
     const std::string out = path("out") + ending;
     ASSERT_TRUE(write_text_file(out, "old").ok());
-    for (const rlim_t bytes : {0U, 100U, 5'000U, 1'000'000U}) {
+    for (const rlim_t bytes : {0U, 100U, 5'000U, 100'000U}) {
       const FileSizeLimit limit(bytes);
       const absl::Status status = write_mesh_file(out, kuhn_mesh(30));
       EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << ending << " " << bytes;
@@ -138,6 +168,74 @@ TEST_F(MeshFileTest, OnAFullDiskLeavesTheOldFileAsItWas) {
     EXPECT_EQ(fs::file_size(out), 3U);
     fs::remove(out);
     EXPECT_EQ(files(), 0U) << ending;
+  }
+}
+
+TEST_F(MeshFileTest, OfTwoFilesComesWithBothOrNone) {
+  ASSERT_TRUE(write_mesh_file(path("m.xdmf"), kuhn_mesh(2)).ok());
+  EXPECT_TRUE(fs::exists(path("m.h5")));
+  EXPECT_EQ(files(), 2U);
+  const auto size = fs::file_size(path("m.h5"));
+  ASSERT_TRUE(write_mesh_file(path("m.xdmf"), kuhn_mesh(3)).ok());
+  EXPECT_GT(fs::file_size(path("m.h5")), size);
+  EXPECT_EQ(files(), 2U);
+  fs::create_directories(path("n.h5"));
+  EXPECT_EQ(check_can_write({path("n.xdmf"), MeshFormat::kXdmf}).code(),
+            absl::StatusCode::kFailedPrecondition);
+  EXPECT_FALSE(write_mesh_file(path("n.xdmf"), kuhn_mesh(2)).ok());
+  EXPECT_FALSE(fs::exists(path("n.xdmf")));
+}
+
+TEST_F(MeshFileTest, OfTwoFilesIsNotCalledLikeItsSecond) {
+  const MeshOutput output{path("m.h5"), MeshFormat::kXdmf};
+  EXPECT_EQ(check_can_write(output).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(write_mesh_file(output, kuhn_mesh(2)).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(files(), 0U);
+}
+
+TEST(FileNames, AreShortPlainAndOfTheirOwn) {
+  const std::vector<std::string> names{
+      "femur \"left\"",      "femur (left)",       "Ünder", "2nd", "",
+      std::string(100, 'a'), std::string(101, 'a')};
+  EXPECT_THAT(names_in_file(names, {.most_bytes = 12}),
+              ElementsAre("femur__left_", "femur__lef_2", "n_nder", "n2nd", "n", "aaaaaaaaaaaa",
+                          "aaaaaaaaaa_2"));
+}
+
+TEST(FileNames, DifferByMoreThanCaseWhereAFormatReadsThemAsCapitals) {
+  const std::vector<std::string> names{"Bone", "bone", "BONE_2"};
+  EXPECT_THAT(names_in_file(names, {.ignores_case = true}),
+              ElementsAre("Bone", "bone_2", "BONE_2_2"));
+  EXPECT_THAT(names_in_file(names, {}), ElementsAre("Bone", "bone", "BONE_2"));
+}
+
+TEST(FileNames, ThatChangeAreTold) {
+  MeshHeader header;
+  header.parts = {{.name = "femur"}, {.name = "a/b"}};
+  EXPECT_THAT(changed_names(MeshFormat::kInp, header),
+              ::testing::Contains("the file calls the part \"a/b\" a_b"));
+  EXPECT_THAT(changed_names(MeshFormat::kVtu, header), ElementsAre());
+}
+
+TEST_F(MeshFileTest, RefusesWhatAFormatCannotCount) {
+  TetMesh mesh = kuhn_mesh(1);
+  mesh.header.vertex_count = 1'000'000'000;
+  const absl::Status status = write_mesh_file(path("m.inp"), mesh);
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(
+      std::string(status.message()),
+      HasSubstr("takes 999999999 vertices and the mesh has 1000000000: write a .vtkhdf"));
+  EXPECT_EQ(files(), 0U);
+}
+
+TEST(ShortCoordinates, TakeTwentyCharactersAndKeepWhatTheyCan) {
+  std::array<char, 64> text{};
+  for (const double value : {-1.2345678901234567e-05, -0.012345678901234566, 1e300 / 3,
+                             -1.2345678901234567e-300, 20000.400390625, -7.0, 0.0, 1.0 / 3}) {
+    char* const end = put_short_coordinate(text.data(), value, CoordinateType::kFloat64);
+    EXPECT_LE(end - text.data(), 20);
+    *end = '\0';
+    EXPECT_NEAR(std::strtod(text.data(), nullptr), value, std::abs(value) * 1e-12);
   }
 }
 

@@ -1,10 +1,9 @@
-"""Reads the files that write_samples makes with other people's readers: the same counts,
+"""Reads the VTK files that write_samples makes with other people's readers: the same counts,
 coordinates and ids, and positive volumes.
 
     read_back.py path/to/write_samples
 """
 
-import json
 import pathlib
 import subprocess
 import sys
@@ -19,21 +18,7 @@ from vtkmodules.vtkCommonDataModel import VTK_TETRA
 from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-SAMPLES = {
-    "one": numpy.float32,
-    "near": numpy.float32,
-    "moved": numpy.float32,
-    "far": numpy.float64,
-    "wide": numpy.float64,
-    "blocks": numpy.float64,
-    "sides": numpy.float32,
-    "outside": numpy.float32,
-    "field": numpy.float32,
-    "fields": numpy.float32,
-    "parts": numpy.float32,
-}
-# Of the sample "parts", as files have them.
-PART_NAMES = ['femur "left"', "a/b <c> & d"]
+from samples import PART_NAMES, SAMPLES, SampleTest, volumes
 
 
 def read_vtu_with_meshio(path):
@@ -45,24 +30,6 @@ def read_vtu_with_meshio(path):
         assert {name: list(number) for name, number in mesh.field_data.items()} == {
             name: [i + 1] for i, name in enumerate(PART_NAMES)}, mesh.field_data
     return mesh.points, mesh.cells[0].data, labels, mesh.point_data
-
-
-def read_msh_with_meshio(path):
-    mesh = meshio.read(path)
-    assert {block.type for block in mesh.cells} == {"tetra"}, mesh.cells
-    tets = numpy.concatenate([block.data for block in mesh.cells])
-    fields = {name: values for name, values in mesh.point_data.items()
-              if not name.startswith("gmsh:")}
-    names = {name: list(tag) for name, tag in mesh.field_data.items()}
-    assert "gmsh:physical" in mesh.cell_data, mesh  # solvers refuse what is in no group
-    if names == {"inside": [1, 3]}:
-        assert (mesh.cell_data["gmsh:physical"][0] == 1).all() and len(mesh.cells) == 1
-        return mesh.points, tets, None, fields
-    assert names in ({"inside": [1, 3], "outside": [2, 3]},
-                     {PART_NAMES[0].replace('"', "'"): [1, 3], PART_NAMES[1]: [2, 3]}), names
-    regions = numpy.concatenate(mesh.cell_data["gmsh:physical"])
-    assert (regions == numpy.concatenate(mesh.cell_data["gmsh:geometrical"])).all()
-    return mesh.points, tets, regions, fields
 
 
 def read_with_vtk(reader, path):
@@ -88,62 +55,30 @@ def point_data_of(grid):
     return {array.GetName(): vtk_to_numpy(array) for array in arrays}
 
 
-def by_region(expected):
-    """The order of the tets in a .msh: those inside come first."""
-    order = numpy.argsort(expected["regions"], kind="stable")
-    return {**expected, "tets": numpy.array(expected["tets"])[order],
-            "regions": numpy.array(expected["regions"])[order]}
-
-
-def volumes(points, tets):
-    a, b, c, d = (points[tets[:, k]].astype(float) for k in range(4))
-    return numpy.einsum("ij,ij->i", b - a, numpy.cross(c - a, d - a)) / 6
-
-
-class ReadBack(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.directory = pathlib.Path(cls.scratch.name)
-        subprocess.run([WRITE_SAMPLES, cls.directory], check=True)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
-
-    def check_every_sample(self, ending, read, is_msh=False):
+class ReadBack(SampleTest):
+    def check_every_sample(self, ending, read):
         for name, coordinates in SAMPLES.items():
             with self.subTest(name=name, ending=ending):
-                expected = json.loads((self.directory / f"{name}.json").read_text())
-                if is_msh and expected["regions"]:
-                    expected = by_region(expected)
+                expected = self.expected(name)
                 points, tets, regions, fields = read(self.directory / f"{name}{ending}")
-                self.assertEqual(points.dtype, numpy.float64 if is_msh else coordinates)
-                expected_points = numpy.array(expected["points"]).astype(points.dtype)
-                numpy.testing.assert_array_equal(points, expected_points)
+                self.assertEqual(points.dtype, coordinates)
+                numpy.testing.assert_array_equal(points, expected["points"].astype(points.dtype))
                 numpy.testing.assert_array_equal(tets, expected["tets"])
-                labels = expected["parts"] if name == "parts" else expected["regions"]
                 if regions is None:
-                    self.assertEqual(len(labels), 0)
+                    self.assertEqual(len(expected["labels"]), 0)
                 else:
-                    numpy.testing.assert_array_equal(regions, labels)
+                    numpy.testing.assert_array_equal(regions, expected["labels"])
                 self.assertGreater(volumes(points, tets).min(), 0.1)
-                self.check_fields(fields, expected["fields"], is_msh)
+                self.check_fields(fields, expected["fields"])
 
-    def check_fields(self, fields, expected, is_msh):
+    def check_fields(self, fields, expected):
         self.assertEqual(set(fields), set(expected))
         for name, values in expected.items():
-            wanted = numpy.array(values, dtype=numpy.float32)
-            if wanted.shape[1] == 1:
-                wanted = wanted[:, 0]
-            self.assertEqual(fields[name].dtype, numpy.float64 if is_msh else numpy.float32)
-            numpy.testing.assert_array_equal(fields[name], wanted)
+            self.assertEqual(fields[name].dtype, numpy.float32)
+            numpy.testing.assert_array_equal(fields[name], values)
 
     def test_meshio_reads_vtu(self):
         self.check_every_sample(".vtu", read_vtu_with_meshio)
-
-    def test_meshio_reads_msh(self):
-        self.check_every_sample(".msh", read_msh_with_meshio, is_msh=True)
 
     def test_vtk_reads_vtu(self):
         self.check_every_sample(
@@ -201,12 +136,12 @@ class ReadBack(unittest.TestCase):
 
     def test_the_same_mesh_is_the_same_bytes(self):
         with tempfile.TemporaryDirectory() as again:
-            subprocess.run([WRITE_SAMPLES, again], check=True)
+            subprocess.run([self.write_samples, again], check=True)
             for path in sorted(self.directory.iterdir()):
                 other = pathlib.Path(again) / path.name
                 self.assertEqual(path.read_bytes(), other.read_bytes(), path.name)
 
 
 if __name__ == "__main__":
-    WRITE_SAMPLES = sys.argv.pop(1)
+    SampleTest.write_samples = sys.argv.pop(1)
     unittest.main(verbosity=2)

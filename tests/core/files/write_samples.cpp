@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files/mesh_file.h"
+#include "core/mesh/find_faces.h"
 #include "tests/core/mesh/small_meshes.h"
 
 namespace tet {
@@ -45,6 +46,18 @@ TetMesh in_two_parts(TetMesh mesh, std::uint64_t tets) {
   return mesh;
 }
 
+/// By label: a triangle's vertices, and its tet.
+nlohmann::json faces_of(const TetMesh& mesh) {
+  nlohmann::json faces = nlohmann::json::object();
+  const FoundFaces found = find_faces(mesh);
+  for (const TetFace& face : found.faces) {
+    const Triangle triangle = face_of(mesh.tet(face.tet()), face.opposite());
+    const auto [a, b, c] = triangle;
+    faces[found.labels[found.label(face, triangle)].name].push_back({a, b, c, face.tet()});
+  }
+  return faces;
+}
+
 nlohmann::json contents_of(const TetMesh& mesh) {
   nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
   nlohmann::json parts = points;
@@ -57,11 +70,8 @@ nlohmann::json contents_of(const TetMesh& mesh) {
     if (mesh.header.has_regions) regions.push_back(mesh.region(i));
     if (!mesh.header.parts.empty()) parts.push_back(i < mesh.header.parts[1].first_tet ? 1 : 2);
   }
-  return {{"points", points},
-          {"tets", tets},
-          {"regions", regions},
-          {"parts", parts},
-          {"fields", fields_of(mesh)}};
+  return {{"points", points},   {"tets", tets},   {"faces", faces_of(mesh)},
+          {"regions", regions}, {"parts", parts}, {"fields", fields_of(mesh)}};
 }
 
 absl::Status write_sample(const std::string& path, TetMesh unbounded) {
@@ -69,10 +79,26 @@ absl::Status write_sample(const std::string& path, TetMesh unbounded) {
   if (auto status = write_text_file(path + ".json", contents_of(mesh).dump()); !status.ok()) {
     return status;
   }
-  for (const char* ending : {".vtu", ".msh", ".vtkhdf"}) {
-    if (auto status = write_mesh_file(path + ending, mesh); !status.ok()) return status;
+  for (const MeshFormatRow& row : mesh_formats()) {
+    const std::string to = path + std::string(row.ending);
+    if (auto status = write_mesh_file(to, mesh); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+/// What the table says that each format carries.
+nlohmann::json formats() {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const MeshFormatRow& row : mesh_formats()) {
+    rows.push_back({{"name", row.name},
+                    {"ending", row.ending},
+                    {"tets", !row.tets.empty()},
+                    {"regions", !row.regions.empty()},
+                    {"faces", !row.faces.empty()},
+                    {"fields", !row.fields.empty()},
+                    {"coordinates", row.coordinates}});
+  }
+  return rows;
 }
 
 absl::Status write_samples(const std::string& directory) {
@@ -83,7 +109,7 @@ absl::Status write_samples(const std::string& directory) {
   const Storage wide{.coordinates = CoordinateType::kFloat64,
                      .ids = IndexType::kUint64,
                      .origin = {0.1, 0, 0}};
-  absl::Status status;
+  absl::Status status = write_text_file(directory + "/formats.json", formats().dump());
   status.Update(write_sample(directory + "/one", one_tet()));
   status.Update(write_sample(directory + "/near", kuhn_mesh(6)));
   status.Update(write_sample(directory + "/moved", kuhn_mesh(3, all, {.origin = {5, -7, 9}})));

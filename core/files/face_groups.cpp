@@ -1,0 +1,78 @@
+#include "core/files/face_groups.h"
+
+#include <algorithm>
+#include <span>
+
+namespace tet {
+namespace {
+
+/// The corner of a tet that one of its faces is opposite of. What a server sent is a triangle
+/// of the tet: that was checked when it came.
+std::size_t opposite_corner(const TetMesh& mesh, std::uint64_t face) {
+  const auto tet = mesh.tet(mesh.face_tet(face));
+  const Triangle triangle = mesh.face(face);
+  const auto corner = std::ranges::find_if(tet, [&](std::uint64_t vertex) {
+    return std::ranges::find(triangle, vertex) == triangle.end();
+  });
+  return corner == tet.end() ? 0 : static_cast<std::size_t>(corner - tet.begin());
+}
+
+/// Faces with their labels, whoever has them.
+struct LabelledFaces {
+  std::vector<FaceLabel> labels;
+  std::vector<std::uint64_t> faces;  ///< see TetFace::index
+  std::vector<std::uint16_t> label;  ///< of each
+};
+
+LabelledFaces faces_of_columns(const TetMesh& mesh) {
+  LabelledFaces all{mesh.header.face_labels, {}, {}};
+  all.faces.reserve(mesh.header.face_count);
+  all.label.reserve(mesh.header.face_count);
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    all.faces.push_back(4 * mesh.face_tet(i) + opposite_corner(mesh, i));
+    all.label.push_back(mesh.face_label(i));
+  }
+  return all;
+}
+
+LabelledFaces faces_found_in(const TetMesh& mesh) {
+  FoundFaces found = find_faces(mesh);
+  LabelledFaces all{std::move(found.labels), {}, {}};
+  all.faces.reserve(found.faces.size());
+  all.label.reserve(found.faces.size());
+  for (const TetFace& face : found.faces) {
+    all.faces.push_back(face.index);
+    all.label.push_back(found.label(face, face_of(mesh.tet(face.tet()), face.opposite())));
+  }
+  return all;
+}
+
+}  // namespace
+
+FaceGroups::FaceGroups(const TetMesh& mesh) : mesh_(mesh) {
+  const LabelledFaces all =
+      mesh.header.has_faces() ? faces_of_columns(mesh) : faces_found_in(mesh);
+  std::vector<std::uint64_t> next(all.labels.size() + 1);
+  for (const std::uint16_t label : all.label) ++next[label + 1U];
+  for (std::size_t i = 0; i < all.labels.size(); ++i) {
+    const std::uint64_t faces = next[i + 1];
+    next[i + 1] += next[i];
+    if (faces == 0) continue;
+    groups_.push_back({static_cast<std::int32_t>(i + 1), all.labels[i].name, all.labels[i].kind,
+                       next[i], faces});
+  }
+  faces_.resize(all.faces.size());
+  for (std::size_t i = 0; i < all.faces.size(); ++i) {
+    faces_[next[all.label[i]]++] = all.faces[i];
+  }
+}
+
+void FaceGroups::collect_vertices(const FaceGroup& group, RankMask& vertices) const {
+  vertices.clear();
+  for (std::uint64_t i = 0; i < group.faces; ++i) {
+    for (const std::uint64_t vertex : triangle(group.first + i)) vertices.set(vertex);
+  }
+  vertices.count_ranks();
+}
+
+}  // namespace tet

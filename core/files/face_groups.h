@@ -1,0 +1,48 @@
+// The boundary faces of a mesh by their names: physical surfaces, side sets, patches.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/files/rank_mask.h"
+#include "core/mesh/find_faces.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Faces of one name, one behind the other among all of FaceGroups.
+struct FaceGroup {
+  std::int32_t tag = 1;  ///< its label's place in the mesh's list of them, from 1 on
+  std::string name;
+  FaceKind kind = FaceKind::kSurface;
+  std::uint64_t first = 0, faces = 0;
+};
+
+/// A mesh's own faces, or where it has none those that are found. Eight bytes a face.
+class FaceGroups {
+ public:
+  /// The mesh outlives the groups.
+  explicit FaceGroups(const TetMesh& mesh);
+
+  /// Those that have a face, in the order of their tags.
+  const std::vector<FaceGroup>& groups() const noexcept { return groups_; }
+  std::uint64_t count() const noexcept { return faces_.size(); }
+
+  TetFace operator[](std::uint64_t i) const noexcept { return {faces_[i]}; }
+  /// Vertices, counter-clockwise seen from outside the tet.
+  Triangle triangle(std::uint64_t i) const noexcept {
+    return face_of(mesh_.tet(faces_[i] / 4), faces_[i] % 4);
+  }
+
+  /// Replaces what is in `vertices`, a mask as long as the mesh, by the group's vertices.
+  void collect_vertices(const FaceGroup& group, RankMask& vertices) const;
+
+ private:
+  const TetMesh& mesh_;
+  std::vector<FaceGroup> groups_;
+  std::vector<std::uint64_t> faces_;  ///< see TetFace::index
+};
+
+}  // namespace tet

@@ -1,0 +1,192 @@
+#include "core/files/mesh_formats.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <absl/status/status.h>
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
+#include <absl/strings/str_split.h>
+
+#include "core/base/check.h"
+
+namespace tet {
+namespace {
+
+constexpr std::array kRows{
+    MeshFormatRow{.format = MeshFormat::kVtu,
+                  .name = "vtu",
+                  .ending = ".vtu",
+                  .about = "VTK, ParaView",
+                  .tets = "all",
+                  .regions = "cell data `region` or `part`",
+                  .faces = "",
+                  .fields = "point data, float32",
+                  .coordinates = "float32, or float64 where that is needed",
+                  .names = ""},
+    MeshFormatRow{.format = MeshFormat::kVtkHdf,
+                  .name = "vtkhdf",
+                  .ending = ".vtkhdf",
+                  .about = "VTK, ParaView",
+                  .tets = "all",
+                  .regions = "cell data `region` or `part`",
+                  .faces = "",
+                  .fields = "point data, float32",
+                  .coordinates = "float32, or float64 where that is needed",
+                  .names = "a `/` becomes `_`"},
+    MeshFormatRow{.format = MeshFormat::kMsh,
+                  .name = "msh",
+                  .ending = ".msh",
+                  .about = "Gmsh 4.1",
+                  .tets = "all",
+                  .regions = "physical volumes",
+                  .faces = "physical surfaces",
+                  .fields = "`$NodeData`, float64",
+                  .coordinates = "float64",
+                  .names = "a `\"` becomes `'`"},
+    MeshFormatRow{.format = MeshFormat::kInp,
+                  .name = "inp",
+                  .ending = ".inp",
+                  .about = "Abaqus, CalculiX",
+                  .tets = "all",
+                  .regions = "an `ELSET` each, and `Eall`",
+                  .faces = "a `SURFACE` and an `NSET` each",
+                  .fields = "",
+                  .coordinates = "text of at most 20 characters: float32, or float64 but for "
+                                 "the last digits where that is needed",
+                  .names = "80 letters, digits and `_`"},
+    MeshFormatRow{.format = MeshFormat::kXdmf,
+                  .name = "xdmf",
+                  .ending = ".xdmf",
+                  .about = "dolfinx (FEniCS), ParaView; with an `.h5` beside it",
+                  .tets = "all",
+                  .regions = "tags, grid `cell_tags`",
+                  .faces = "tags, grid `facet_tags`",
+                  .fields = "node attributes, float32",
+                  .coordinates = "float32, or float64 where that is needed",
+                  .names = ""},
+    MeshFormatRow{.format = MeshFormat::kStl,
+                  .name = "stl",
+                  .ending = ".stl",
+                  .about = "nearly everything",
+                  .tets = "",
+                  .regions = "",
+                  .faces = "the triangles, without names",
+                  .fields = "",
+                  .coordinates = "float32",
+                  .names = ""},
+    MeshFormatRow{.format = MeshFormat::kPly,
+                  .name = "ply",
+                  .ending = ".ply",
+                  .about = "MeshLab, Blender",
+                  .tets = "",
+                  .regions = "",
+                  .faces = "the triangles, with property `label`; names as comments",
+                  .fields = "properties of vertices, float32",
+                  .coordinates = "float32, or float64 where that is needed",
+                  .names = "letters, digits and `_` in fields"},
+    MeshFormatRow{.format = MeshFormat::kObj,
+                  .name = "obj",
+                  .ending = ".obj",
+                  .about = "Blender, Maya",
+                  .tets = "",
+                  .regions = "",
+                  .faces = "the triangles, a group each",
+                  .fields = "",
+                  .coordinates = "text: float32, or float64 where that is needed",
+                  .names = "letters, digits and `_`"},
+};
+
+std::string ending_of(const std::string& path) {
+  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+}
+
+std::string text_of(std::string_view view) { return std::string(view); }
+
+/// The one that it gives files, and the others that it takes, as they are written.
+std::vector<std::string> endings_of(const MeshFormatRow& row) {
+  std::vector<std::string> endings{text_of(row.ending)};
+  for (const auto more : absl::StrSplit(text_of(row.more), ' ', absl::SkipEmpty())) {
+    endings.emplace_back(more);
+  }
+  return endings;
+}
+
+bool takes_ending(const MeshFormatRow& row, const std::string& ending) {
+  return std::ranges::any_of(endings_of(row), [&](const std::string& each) {
+    return absl::AsciiStrToLower(each) == ending;
+  });
+}
+
+std::string cell(std::string_view said, const char* nothing = "-") {
+  return said.empty() ? nothing : text_of(said);
+}
+
+}  // namespace
+
+std::span<const MeshFormatRow> mesh_formats() { return kRows; }
+
+const MeshFormatRow& row_of(MeshFormat format) {
+  const auto row = std::ranges::find(kRows, format, &MeshFormatRow::format);
+  TET_CHECK(row != kRows.end());
+  return *row;
+}
+
+std::vector<std::string> mesh_format_names() {
+  std::vector<std::string> names;
+  for (const MeshFormatRow& row : kRows) names.push_back(text_of(row.name));
+  return names;
+}
+
+absl::StatusOr<MeshFormat> mesh_format_named(std::string_view name) {
+  const auto row = std::ranges::find(kRows, name, &MeshFormatRow::name);
+  if (row != kRows.end()) return row->format;
+  return absl::InvalidArgumentError(absl::StrCat("there is no mesh format ", std::string(name),
+                                                 "; there are ",
+                                                 absl::StrJoin(mesh_format_names(), ", ")));
+}
+
+absl::StatusOr<MeshFormat> mesh_format_of(const std::string& path) {
+  const std::string ending = ending_of(path);
+  const auto row = std::ranges::find_if(
+      kRows, [&](const MeshFormatRow& each) { return takes_ending(each, ending); });
+  if (row != kRows.end()) return row->format;
+  return absl::InvalidArgumentError(
+      absl::StrCat("the output ", path, " ends in ", ending.empty() ? "nothing" : ending,
+                   "; it must end in ", list_endings(),
+                   ", which chooses the format, unless a format is named"));
+}
+
+std::string list_endings(const std::string& last) {
+  std::string text;
+  for (const MeshFormatRow& row : kRows) {
+    const bool is_last = &row == &kRows.back();
+    const std::string between = is_last ? absl::StrCat(" ", last, " ") : ", ";
+    absl::StrAppend(&text, text.empty() ? "" : between, text_of(row.ending));
+  }
+  return text;
+}
+
+std::string describe_mesh_formats() {
+  std::string text =
+      "| format | ending | for | tets | regions and parts | faces | fields | coordinates | "
+      "names "
+      "|\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const MeshFormatRow& row : kRows) {
+    const std::vector<std::string> cells{"`" + text_of(row.name) + "`",
+                                         "`" + absl::StrJoin(endings_of(row), "`, `") + "`",
+                                         cell(row.about),
+                                         cell(row.tets),
+                                         cell(row.regions),
+                                         cell(row.faces),
+                                         cell(row.fields),
+                                         cell(row.coordinates),
+                                         cell(row.names, "any")};
+    absl::StrAppend(&text, "| ", absl::StrJoin(cells, " | "), " |\n");
+  }
+  return text;
+}
+
+}  // namespace tet

@@ -1,0 +1,59 @@
+// The tets of a mesh by what they belong to: volumes, element sets, blocks, zones.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/files/rank_mask.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace tet {
+
+/// Tets that belong together. No tet is of two groups, and none of none.
+struct TetGroup {
+  std::int32_t tag = 1;  ///< the tets' label: their region or part
+  std::string name = {};
+  /// Of its tets; they are all that follow each other if unset.
+  std::optional<MeshRegion> region = {};
+  std::uint64_t first_tet = 0, tets = 0;
+};
+
+/// The parts of a mesh of several grids, or "inside" and "outside" of one with regions, of
+/// which one may be empty, or "inside" alone; in the order of their tags.
+std::vector<TetGroup> tet_groups(const TetMesh& mesh);
+
+/// Hands out the tets of a group, in the mesh's order.
+class TetsOfGroup {
+ public:
+  TetsOfGroup(const TetMesh& mesh, const TetGroup& group)
+      : mesh_(mesh), region_(group.region), next_(group.first_tet) {}
+
+  std::uint64_t next() noexcept {
+    while (region_ && mesh_.region(next_) != *region_) ++next_;
+    return next_++;
+  }
+
+ private:
+  const TetMesh& mesh_;
+  std::optional<MeshRegion> region_;
+  std::uint64_t next_;
+};
+
+/// Where tets stand once one group is written behind the other.
+class GroupedOrder {
+ public:
+  explicit GroupedOrder(const TetMesh& mesh);
+
+  std::uint64_t place_of(std::uint64_t tet) const noexcept {
+    if (inside_.empty()) return tet;
+    const std::uint64_t before = inside_.rank(tet);
+    return inside_.has(tet) ? before : inside_.count() + tet - before;
+  }
+
+ private:
+  RankMask inside_;  ///< empty where groups follow each other anyway
+};
+
+}  // namespace tet

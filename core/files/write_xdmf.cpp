@@ -1,0 +1,226 @@
+#include "core/files/write_xdmf.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
+
+#include "core/files/face_groups.h"
+#include "core/files/hdf5_outline.h"
+#include "core/files/mesh_columns.h"
+#include "core/files/tet_groups.h"
+
+namespace tet {
+namespace {
+
+/// The columns' places in the HDF5 file.
+struct XdmfLayout {
+  haddr_t topology = HADDR_UNDEF, geometry = HADDR_UNDEF, cell_tags = HADDR_UNDEF;
+  haddr_t facets = HADDR_UNDEF, facet_tags = HADDR_UNDEF;
+  std::vector<haddr_t> fields = {};
+};
+
+std::string xdmf_text(const std::string& name) {
+  return absl::StrReplaceAll(name,
+                             {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
+}
+
+class XdmfWriter {
+ public:
+  XdmfWriter(AtomicFile& columns, const TetMesh& mesh, const WriteControl& control)
+      : columns_(columns),
+        mesh_(mesh),
+        header_(mesh.header),
+        types_(choose_column_types(mesh.header)),
+        tets_(tet_groups(mesh)),
+        faces_(mesh),
+        writer_(columns, column_bytes(), control) {}
+
+  absl::Status write_columns() {
+    std::optional<XdmfLayout> layout;
+    const absl::Status status = put_outline(
+        columns_, writer_, column_bytes(), header_.fields.size(), [&](const std::string& path) {
+          layout = lay_out_columns(path);
+          return layout.has_value();
+        });
+    if (!status.ok()) return status;
+    fill(layout->geometry, [&] { write_points(writer_, mesh_, types_.coordinates); });
+    fill(layout->topology, [&] { write_connectivity(writer_, mesh_, types_.ids); });
+    fill(layout->cell_tags, [&] { write_cell_tags(); });
+    fill(layout->facets, [&] { write_facets(); });
+    fill(layout->facet_tags, [&] { write_facet_tags(); });
+    for (std::size_t i = 0; i < header_.fields.size(); ++i) {
+      fill(layout->fields[i], [&] { write_field(writer_, mesh_, i); });
+    }
+    return writer_.status();
+  }
+
+  std::string index_text(const std::string& columns_name) const {
+    const std::string file = xdmf_text(columns_name);
+    const std::string tets = topology(file, "Tetrahedron", 4, header_.tet_count, "topology");
+    const std::string points = geometry(file);
+    std::string text = absl::StrCat(
+        "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n",
+        "    <Grid Name=\"mesh\" GridType=\"Uniform\">\n", tets, points, fields(file),
+        "    </Grid>\n", "    <Grid Name=\"cell_tags\" GridType=\"Uniform\">\n", tets, points,
+        tags(file, "cell_tags", header_.tet_count), names_of_tags(tets_), "    </Grid>\n");
+    if (faces_.count() > 0) {
+      absl::StrAppend(&text, "    <Grid Name=\"facet_tags\" GridType=\"Uniform\">\n",
+                      topology(file, "Triangle", 3, faces_.count(), "facets"), points,
+                      tags(file, "facet_tags", faces_.count()), names_of_tags(faces_.groups()),
+                      "    </Grid>\n");
+    }
+    return absl::StrCat(text, "  </Domain>\n</Xdmf>\n");
+  }
+
+ private:
+  std::uint64_t column_bytes() const {
+    const ColumnSizes sizes = column_sizes(header_, types_, 0);
+    return sizes.points + sizes.connectivity + sizes.fields +
+           sizeof(std::int32_t) * (header_.tet_count + faces_.count()) +
+           3 * size_of(types_.ids) * faces_.count();
+  }
+
+  std::optional<XdmfLayout> lay_out_columns(const std::string& path) const {
+    const bool wide = types_.coordinates == CoordinateType::kFloat64;
+    const hid_t real = wide ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
+    const hid_t id = types_.ids == IndexType::kUint64 ? H5T_STD_I64LE : H5T_STD_I32LE;
+    const std::uint64_t tets = header_.tet_count, faces = faces_.count();
+    Hdf5Outline outline(path, "Mesh");
+    XdmfLayout layout{.topology = outline.column("topology", id, {tets, 4}),
+                      .geometry = outline.column("geometry", real, {header_.vertex_count, 3}),
+                      .cell_tags = outline.column("cell_tags", H5T_STD_I32LE, {tets})};
+    if (faces > 0) {
+      layout.facets = outline.column("facets", id, {faces, 3});
+      layout.facet_tags = outline.column("facet_tags", H5T_STD_I32LE, {faces});
+    }
+    for (std::size_t i = 0; i < header_.fields.size(); ++i) {
+      const std::uint64_t components = header_.fields[i].components;
+      layout.fields.push_back(outline.column(absl::StrCat("field_", i).c_str(), H5T_IEEE_F32LE,
+                                             {header_.vertex_count, components}));
+    }
+    if (!outline.close()) return std::nullopt;
+    return layout;
+  }
+
+  void fill(haddr_t column, const std::function<void()>& write) {
+    write_at(writer_, place_of(column, 0, 0), write);
+  }
+
+  void write_cell_tags() {
+    if (header_.has_regions) {
+      writer_.rows(header_.tet_count,
+                   [&](std::uint64_t i) { return static_cast<std::int32_t>(mesh_.region(i)); });
+      return;
+    }
+    for (const TetGroup& group : tets_) {
+      writer_.rows(group.tets, [&](std::uint64_t) { return group.tag; });
+    }
+  }
+
+  void write_facets() {
+    if (types_.ids == IndexType::kUint64) {
+      writer_.rows(faces_.count(), [&](std::uint64_t i) { return faces_.triangle(i); });
+      return;
+    }
+    writer_.rows(faces_.count(), [&](std::uint64_t i) {
+      std::array<std::uint32_t, 3> ids;
+      std::ranges::transform(faces_.triangle(i), ids.begin(),
+                             [](auto each) { return static_cast<std::uint32_t>(each); });
+      return ids;
+    });
+  }
+
+  void write_facet_tags() {
+    for (const FaceGroup& group : faces_.groups()) {
+      writer_.rows(group.faces, [&](std::uint64_t) { return group.tag; });
+    }
+  }
+
+  static std::string data_item(const std::string& file,
+                               const std::string& dimensions,
+                               const std::string& type,
+                               const std::string& dataset) {
+    return absl::StrCat("        <DataItem Dimensions=\"", dimensions, "\" ", type,
+                        " Format=\"HDF\">", file, ":/Mesh/", dataset, "</DataItem>\n");
+  }
+
+  std::string topology(const std::string& file,
+                       const char* cells,
+                       int corners,
+                       std::uint64_t count,
+                       const char* dataset) const {
+    const std::string type =
+        absl::StrCat("NumberType=\"Int\" Precision=\"", size_of(types_.ids), "\"");
+    return absl::StrCat("      <Topology TopologyType=\"", cells, "\" NumberOfElements=\"",
+                        count, "\" NodesPerElement=\"", corners, "\">\n",
+                        data_item(file, absl::StrCat(count, " ", corners), type, dataset),
+                        "      </Topology>\n");
+  }
+
+  std::string geometry(const std::string& file) const {
+    const std::string type =
+        absl::StrCat("NumberType=\"Float\" Precision=\"", size_of(types_.coordinates), "\"");
+    return absl::StrCat(
+        "      <Geometry GeometryType=\"XYZ\">\n",
+        data_item(file, absl::StrCat(header_.vertex_count, " 3"), type, "geometry"),
+        "      </Geometry>\n");
+  }
+
+  std::string fields(const std::string& file) const {
+    std::string text;
+    for (std::size_t i = 0; i < header_.fields.size(); ++i) {
+      const FieldArray& field = header_.fields[i];
+      absl::StrAppend(
+          &text, "      <Attribute Name=\"", xdmf_text(field.name), "\" AttributeType=\"",
+          field.components == 1 ? "Scalar" : "Vector", "\" Center=\"Node\">\n",
+          data_item(file, absl::StrCat(header_.vertex_count, " ", field.components),
+                    "NumberType=\"Float\" Precision=\"4\"", absl::StrCat("field_", i)),
+          "      </Attribute>\n");
+    }
+    return text;
+  }
+
+  static std::string tags(const std::string& file, const char* name, std::uint64_t count) {
+    return absl::StrCat(
+        "      <Attribute Name=\"", name, "\" AttributeType=\"Scalar\" Center=\"Cell\">\n",
+        data_item(file, absl::StrCat(count), "NumberType=\"Int\" Precision=\"4\"", name),
+        "      </Attribute>\n");
+  }
+
+  template <class Group>
+  static std::string names_of_tags(const std::vector<Group>& groups) {
+    std::string text;
+    for (const Group& group : groups) {
+      absl::StrAppend(&text, "      <Information Name=\"", group.tag, "\" Value=\"",
+                      xdmf_text(group.name), "\"/>\n");
+    }
+    return text;
+  }
+
+  AtomicFile& columns_;
+  const TetMesh& mesh_;
+  const MeshHeader& header_;
+  ColumnTypes types_;
+  std::vector<TetGroup> tets_;
+  FaceGroups faces_;
+  BlockWriter writer_;
+};
+
+}  // namespace
+
+absl::Status write_xdmf(AtomicFile& index,
+                        AtomicFile& columns,
+                        const std::string& columns_name,
+                        const TetMesh& mesh,
+                        const WriteControl& control) {
+  XdmfWriter writer(columns, mesh, control);
+  if (absl::Status status = writer.write_columns(); !status.ok()) return status;
+  const std::string text = writer.index_text(columns_name);
+  return index.write(std::as_bytes(std::span(text)));
+}
+
+}  // namespace tet

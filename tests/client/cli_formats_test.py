@@ -1,0 +1,78 @@
+"""Formats of mesh files, as users of the command see them: one table, and what each row promises.
+
+    TETSTREAM_BIN=build/release/bin python3 tests/client/cli_formats_test.py [unittest options]
+"""
+
+import pathlib
+import re
+import unittest
+
+from command_case import REFUSED, USAGE, CommandTest
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "formats.md"
+
+
+class Formats(CommandTest):
+    def table(self):
+        result = self.tetstream("formats")
+        self.assert_done(result)
+        return result.stdout
+
+    def rows(self):
+        """Name and ending of each format."""
+        return re.findall(r"^\| `(\w+)` \| `(\.\w+)`", self.table(), re.MULTILINE)
+
+    def test_are_in_the_document_as_the_command_lists_them(self):
+        self.assertGreater(len(self.rows()), 5)
+        self.assertIn(self.table(), PAGE.read_text(encoding="utf-8"))
+
+    def test_are_all_named_by_the_help(self):
+        for command in (("mesh",), ("job", "fetch")):
+            text = " ".join(self.tetstream(*command, "--help").stdout.split())
+            for name, ending in self.rows():
+                self.assertIn(f"{ending}", text)
+                self.assertRegex(text, rf"--format TEXT:{{[^}}]*\b{name}\b")
+
+    def test_are_written_by_their_ending_and_by_their_name(self):
+        for name, ending in self.rows():
+            with self.subTest(name):
+                self.assert_done(self.mesh("sphere.vdb", ending))
+                by_ending = self.contents(self.out / f"mesh{ending}")
+                self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "mesh",
+                                                "--format", name))
+                self.assertEqual(self.contents(self.out / "mesh"), by_ending)
+                self.assertGreater(sum(map(len, by_ending)), 1000)
+
+    def contents(self, path):
+        """Of the file, or of the files of the folder; removes them."""
+        if path.is_dir():
+            contents = [file.read_bytes() for file in sorted(path.iterdir())]
+            for file in path.iterdir():
+                file.unlink()
+            path.rmdir()
+            return contents
+        content = [path.read_bytes()]
+        path.unlink()
+        return content
+
+    def test_that_there_are_not_are_refused(self):
+        self.assert_fails(self.tetstream("mesh", "a.vdb", "-o", self.out / "m.vtu", "--format", "med"),
+                          USAGE, "--format", "med")
+        self.assert_fails(self.mesh("sphere.vdb", ".med"), REFUSED, ".med", ".inp", ".xdmf")
+        self.assert_fails(self.mesh("sphere.vdb", ".h5", "--format", "xdmf"), REFUSED, ".h5", ".xdmf")
+
+
+class Names(CommandTest):
+    volumes = {"parts": 0.1}
+
+    def test_that_a_format_has_to_change_are_noted(self):
+        changed = self.mesh("parts.vdb", ".inp", "--all-grids")
+        self.assert_done(changed)
+        for line in changed.stderr.splitlines():
+            self.assertIn("note: the file calls the ", line)
+        kept = self.mesh("parts.vdb", ".vtu", "--all-grids")
+        self.assertNotIn("note: the file calls", kept.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

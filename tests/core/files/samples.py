@@ -1,0 +1,71 @@
+"""The meshes that write_samples makes: what they hold, and the files that they became."""
+
+import json
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+
+# Coordinates as files have them whose type may be either.
+SAMPLES = {
+    "one": numpy.float32,
+    "near": numpy.float32,
+    "moved": numpy.float32,
+    "far": numpy.float64,
+    "wide": numpy.float64,
+    "blocks": numpy.float64,
+    "sides": numpy.float32,
+    "outside": numpy.float32,
+    "field": numpy.float32,
+    "fields": numpy.float32,
+    "parts": numpy.float32,
+}
+# Of the sample "parts", as the mesh has them.
+PART_NAMES = ['femur "left"', "a/b <c> & d"]
+
+
+def plain(name):
+    """As formats have a name that take letters, digits and underscores."""
+    name = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return name if name[:1].isalpha() else "n" + name
+
+
+def volumes(points, tets):
+    a, b, c, d = (points[tets[:, k]].astype(float) for k in range(4))
+    return numpy.einsum("ij,ij->i", b - a, numpy.cross(c - a, d - a)) / 6
+
+
+def sorted_triangles(triangles):
+    """Each from its least vertex on, turned as it was, in an order of their own."""
+    triangles = numpy.asarray(triangles).reshape(-1, 3)
+    first = triangles.argmin(axis=1)
+    turned = numpy.stack([triangles[numpy.arange(len(triangles)), (first + k) % 3] for k in range(3)], 1)
+    return turned[numpy.lexsort(turned.T)]
+
+
+class SampleTest(unittest.TestCase):
+    """`write_samples` is set by whoever runs the tests."""
+
+    write_samples = None
+
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.directory = pathlib.Path(scratch.name)
+        subprocess.run([cls.write_samples, cls.directory], check=True)
+        cls.formats = json.loads((cls.directory / "formats.json").read_text())
+
+    def expected(self, name):
+        sample = json.loads((self.directory / f"{name}.json").read_text())
+        for key in ("points", "tets", "regions", "parts"):
+            sample[key] = numpy.array(sample[key])
+        sample["labels"] = sample["parts"] if len(sample["parts"]) else sample["regions"]
+        sample["faces"] = {label: numpy.array(rows) for label, rows in sample["faces"].items()}
+        sample["fields"] = {label: numpy.array(rows, dtype=numpy.float32).squeeze(axis=1)
+                            if len(rows[0]) == 1 else numpy.array(rows, dtype=numpy.float32)
+                            for label, rows in sample["fields"].items()}
+        return sample
