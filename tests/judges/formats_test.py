@@ -1,0 +1,135 @@
+"""What is written in each format, as the programs take it that the format is for.
+
+    TETSTREAM_BIN=build/release/bin python3 tests/judges/formats_test.py [unittest options]
+"""
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BRACKET = ROOT / "docs" / "scenes" / "bracket.json"
+
+BALL = {"nodes": [{"sphere": {"radius": 1}}]}
+BOTH_SIDES = ("--preset", "both-sides", "--box", "-1.5", "-1.5", "-1.5", "1.5", "1.5", "1.5")
+
+
+class Judged(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+
+    def mesh(self, name, scene=BRACKET, *options, spacing="0.1"):
+        """The path of a mesh file of this name."""
+        if isinstance(scene, dict):
+            path = self.folder / "scene.json"
+            path.write_text(json.dumps(scene), encoding="utf-8")
+            scene = path
+        out = self.folder / name
+        program = pathlib.Path(os.environ["TETSTREAM_BIN"], "tetstream")
+        subprocess.run([program, "mesh", scene, "-o", out, "--spacing", spacing, *options], check=True,
+                       capture_output=True)
+        return out
+
+    def run_in(self, folder, *command):
+        done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True,
+                              timeout=600, check=False)
+        return done.returncode, done.stdout + done.stderr
+
+
+class CalculiX(Judged):
+    """A constant stress is what linear tets have exactly: a mesh that is read as it was meant has it."""
+
+    MATERIAL = "*MATERIAL, NAME=steel\n*ELASTIC\n1000, 0.25\n*SOLID SECTION, ELSET=Eall, MATERIAL=steel\n"
+    PRINT = "*NODE PRINT, NSET=Nall\nU\n*END STEP\n"
+
+    def solve(self, mesh, model, step):
+        """Points and displacements of all nodes."""
+        deck = f"*INCLUDE, INPUT={mesh.name}\n{self.MATERIAL}{model}*STEP\n*STATIC\n{step}{self.PRINT}"
+        (self.folder / "deck.inp").write_text(deck, encoding="ascii")
+        code, text = self.run_in(self.folder, "ccx", "deck")
+        self.assertEqual(code, 0, text[-2000:])
+        self.assertNotIn("*ERROR", text)
+        nodes = mesh.read_text(encoding="ascii").partition("*NODE, NSET=Nall\n")[2].partition("*")[0]
+        points = numpy.array([line.split(",")[1:] for line in nodes.splitlines()], dtype=float)
+        rows = [line.split() for line in (self.folder / "deck.dat").read_text().splitlines()]
+        found = numpy.array([row for row in rows if len(row) == 4 and row[0].isdigit()], dtype=float)
+        self.assertEqual(found[:, 0].tolist(), list(range(1, len(points) + 1)))
+        return points, found[:, 1:]
+
+    def test_passes_a_patch_test(self):
+        mesh = self.mesh("bracket.inp", spacing="0.2")
+        text = mesh.read_text(encoding="ascii")
+        boundary = [int(n) for n in text.partition("*NSET, NSET=surface\n")[2].partition("*")[0].split()]
+        gradient = numpy.array([[1e-3, 2e-4, 0], [0, -5e-4, 3e-4], [4e-4, 0, 2e-4]])
+        nodes = text.partition("*NODE, NSET=Nall\n")[2].partition("*")[0].splitlines()
+        wanted = {n: gradient @ [float(x) for x in nodes[n - 1].split(",")[1:]] for n in boundary}
+        given = "".join(f"{n}, {axis + 1}, {axis + 1}, {value[axis]:.12e}\n"
+                        for n, value in wanted.items() for axis in range(3))
+        points, moved = self.solve(mesh, "", f"*BOUNDARY\n{given}")
+        self.assertLess(len(boundary), len(points))  # there are nodes that were not told
+        error = numpy.abs(moved - points @ gradient.T).max() / numpy.abs(points @ gradient.T).max()
+        self.assertLess(error, 1e-6)
+
+    def test_presses_on_the_surface_from_all_sides(self):
+        """A pressure on the whole surface shrinks the body alike everywhere: u = -p (1 - 2 nu) / E x."""
+        mesh = self.mesh("ball.inp", BALL, spacing="0.3")
+        text = mesh.read_text(encoding="ascii").partition("*NODE, NSET=Nall\n")[2].partition("*")[0]
+        points = numpy.array([line.split(",")[1:] for line in text.splitlines()], dtype=float)
+        shrink = -2.0 * (1 - 2 * 0.25) / 1000
+        # Three nodes are held where they will be, so that it neither moves nor turns.
+        held = [int(numpy.argmax(points @ direction)) for direction in numpy.eye(3)]
+        given = "".join(f"{n + 1}, {axis + 1}, {axis + 1}, {shrink * points[n][axis]:.12e}\n"
+                        for n in held for axis in range(3))
+        points, moved = self.solve(mesh, "", f"*BOUNDARY\n{given}*DSLOAD\nsurface, P, 2.0\n")
+        self.assertLess(numpy.abs(moved - shrink * points).max(), 1e-6 * abs(shrink))
+
+
+class Gmsh(Judged):
+    def check(self, path):
+        code, text = self.run_in(self.folder, "gmsh", "-check", path)
+        self.assertEqual(code, 0, text)
+        self.assertRegex(text, r"\d+ nodes")
+        self.assertNotRegex(text, r"(?i)warning|error", text)
+
+    def test_finds_no_fault(self):
+        self.check(self.mesh("bracket.msh"))
+        self.check(self.mesh("sides.msh", BALL, *BOTH_SIDES, spacing="0.3"))
+        self.check(self.mesh("cut.msh", BALL, "--box", "-0.5", "-2", "-2", "2", "2", "2", spacing="0.2"))
+
+
+class Dolfinx(Judged):
+    """In a process of its own: elasticity.py says what it found in one line of JSON."""
+
+    def elasticity(self, mesh, clamped):
+        code, text = self.run_in(self.folder, "/usr/bin/python3", pathlib.Path(__file__).parent / "elasticity.py",
+                                 mesh, clamped)
+        self.assertEqual(code, 0, text)
+        return json.loads(next(line for line in text.splitlines() if line.startswith("{")))
+
+    def test_solves_elasticity_on_a_clamped_bracket(self):
+        mesh = self.mesh("bracket.xdmf", BRACKET, "--box", "-9", "-9", "0.05", "9", "9", "9")
+        found = self.elasticity(mesh, "cut_z_min")
+        self.assertEqual(found["cell_tags"], [1])
+        self.assertEqual(set(found["areas"]), {"surface", "cut_z_min"})
+        self.assertAlmostEqual(sum(found["areas"].values()) / found["boundary_area"], 1, places=10)
+        self.assertLess(found["clamped_outside_of_plane"], 1e-6)
+        self.assertLess(found["least_displacement"], -1e-6)  # it sags
+        self.assertAlmostEqual(found["reaction"] / found["weight"], 1, places=6)
+
+    def test_reads_both_sides_and_what_lies_between(self):
+        mesh = self.mesh("sides.xdmf", BALL, *BOTH_SIDES, spacing="0.3")
+        found = self.elasticity(mesh, "box_z_min")
+        self.assertEqual(found["cell_tags"], [1, 2])
+        self.assertEqual(set(found["areas"]), {"interface"} | {f"box_{axis}_{end}" for axis in "xyz"
+                                                                for end in ("min", "max")})
+        self.assertAlmostEqual(found["areas"]["interface"], 4 * numpy.pi, delta=0.4)
+
+
+if __name__ == "__main__":
+    unittest.main()
