@@ -6,6 +6,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "proto/convert/status.h"
 #include "server/jobs/store/open_job_store.h"
 
 namespace tet {
@@ -38,30 +39,41 @@ JobWorkerSettings worker_settings(const Config& config) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<JobsAtWork>> JobsAtWork::open(const Config& config,
-                                                             MeshEngine& engine) {
+                                                             MeshEngine& engine,
+                                                             StoreUse use) {
   if (!config.has_jobs()) return nullptr;
   const fs::path folder = config.store;
   auto jobs = open_job_store(config.jobs.empty() ? (folder / kFile).string() : config.jobs,
                              job_rules(config));
   if (!jobs.ok()) return jobs.status();
-  auto results = ResultStore::open(folder / kResults, config.result_bytes,
-                                   absl::Hours(config.job_keep_hours));
+  auto results = ResultStore::open(
+      folder / kResults,
+      {config.result_bytes, config.disk_reserve_bytes, absl::Hours(config.job_keep_hours)});
   if (!results.ok()) return results.status();
-  return std::make_unique<JobsAtWork>(config, engine, *std::move(jobs), *std::move(results));
+  if (use == StoreUse::kOwn) {
+    // A database that does not answer, or a disk that is full, hinders no server: it looks
+    // again.
+    const absl::Status place = WorkPlace(**jobs, **results, folder, use).check_store();
+    if (reason_of(place) == "WRONG_STORE") return place;
+  }
+  return std::make_unique<JobsAtWork>(config, engine, use, *std::move(jobs),
+                                      *std::move(results));
 }
 
 JobsAtWork::JobsAtWork(const Config& config,
                        MeshEngine& engine,
+                       StoreUse use,
                        std::unique_ptr<JobStore> jobs,
                        std::unique_ptr<ResultStore> stored)
     : store(std::move(jobs)),
       results(std::move(stored)),
-      maker(engine, *store, *results),
+      place(*store, *results, config.store, use),
+      maker(engine, *store, *results, place),
       janitor(*store,
               *results,
               absl::Hours(config.job_keep_hours),
               absl::Seconds(config.job_lease_seconds)),
-      worker(*store, maker, worker_settings(config)) {}
+      worker(*store, maker, place, worker_settings(config)) {}
 
 std::vector<Reading> JobsInServer::readings() const {
   std::vector<Reading> readings = work->readings();

@@ -12,6 +12,7 @@
 #include "server/jobs/work/job_janitor.h"
 #include "server/jobs/work/job_readings.h"
 #include "server/jobs/work/job_worker.h"
+#include "server/jobs/work/work_place.h"
 #include "server/ops/config.h"
 
 namespace tet {
@@ -20,19 +21,23 @@ namespace tet {
 /// are needed. The engine outlives it.
 struct JobsAtWork {
   /// Null where the settings turn jobs off. Errors: those of open_job_store and
-  /// ResultStore::open.
+  /// ResultStore::open; kFailedPrecondition (WRONG_STORE) if the jobs belong to another store
+  /// than the server's own.
   static absl::StatusOr<std::unique_ptr<JobsAtWork>> open(const Config& config,
-                                                          MeshEngine& engine);
+                                                          MeshEngine& engine,
+                                                          StoreUse use);
 
   JobsAtWork(const Config& config,
              MeshEngine& engine,
+             StoreUse use,
              std::unique_ptr<JobStore> jobs,
              std::unique_ptr<ResultStore> stored);
 
-  std::vector<Reading> readings() const { return read_jobs(*store, *results, worker); }
+  std::vector<Reading> readings() const { return read_jobs(*store, *results, janitor, worker); }
 
   const std::unique_ptr<JobStore> store;
   const std::unique_ptr<ResultStore> results;
+  WorkPlace place;
   ShardMaker maker;
   JobJanitor janitor;
   JobWorker worker;
@@ -44,7 +49,7 @@ absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs);
 struct JobsInServer {
   JobsInServer(std::unique_ptr<JobsAtWork> at_work, MeshEngine& engine, GridStore& grids)
       : work(std::move(at_work)),
-        health(*work->store, *work->results),
+        health(*work->store, work->place),
         context(engine, *work->store, *work->results, health),
         service(context, grids) {}
 

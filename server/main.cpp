@@ -53,10 +53,10 @@ struct CommandLine {
 
 /// A worker answers no calls.
 bool concerns_worker(std::string_view key) {
-  constexpr std::array<std::string_view, 12> kKeys{
-      "store",        "resident_bytes", "plan_bytes",     "decoder",
-      "decoders",     "decode_seconds", "threads",        "jobs",
-      "result_bytes", "log_level",      "metrics_listen", "max_tets"};
+  constexpr std::array<std::string_view, 13> kKeys{
+      "store",          "resident_bytes", "plan_bytes", "decoder",      "decoders",
+      "decode_seconds", "threads",        "jobs",       "result_bytes", "disk_reserve_bytes",
+      "log_level",      "metrics_listen", "max_tets"};
   return key.starts_with("job_") || std::ranges::find(kKeys, key) != kKeys.end();
 }
 

@@ -168,7 +168,7 @@ ChannelArguments channel_arguments(const Config& config) {
 }  // namespace
 
 absl::Status Server::Parts::open_jobs() {
-  auto opened = JobsAtWork::open(config, engine);
+  auto opened = JobsAtWork::open(config, engine, StoreUse::kOwn);
   if (opened.ok() && *opened != nullptr) {
     jobs = std::make_unique<JobsInServer>(*std::move(opened), engine, *store);
     engine.results = jobs->work->results.get();
@@ -246,7 +246,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (!tls.ok()) return tls.status();
   auto access = Access::open(config.tokens);
   if (!access.ok()) return access.status();
-  auto store = GridStore::open(config.store, config.store_bytes);
+  auto store = GridStore::open(config.store, config.store_bytes, config.disk_reserve_bytes);
   if (!store.ok()) return store.status();
   auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(store));
   parts->tls = *std::move(tls);

@@ -1,8 +1,7 @@
 #include "server/worker_process.h"
 
+#include <chrono>
 #include <utility>
-
-#include <absl/time/clock.h>
 
 #include "server/jobs_in_server.h"
 #include "server/ops/guard.h"
@@ -29,7 +28,7 @@ struct WorkerProcess::Parts {
   std::unique_ptr<JobsAtWork> jobs;
   std::unique_ptr<MetricsPort> metrics;
   std::int64_t settled_shards = 0;  // when it last looked
-  absl::Time last_work = absl::Now();
+  std::chrono::steady_clock::time_point last_work = std::chrono::steady_clock::now();
 };
 
 std::string WorkerProcess::Parts::metrics_text() const {
@@ -62,7 +61,7 @@ absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config
   auto nobody = Access::open("");
   if (!nobody.ok()) return nobody.status();
   auto parts = std::make_unique<Parts>(config, *std::move(nobody), *std::move(grids));
-  auto jobs = JobsAtWork::open(parts->config, parts->engine);
+  auto jobs = JobsAtWork::open(parts->config, parts->engine, StoreUse::kBeside);
   if (!jobs.ok()) return jobs.status();
   if (*jobs == nullptr) return absl::InvalidArgumentError("a worker needs jobs, which are off");
   parts->jobs = *std::move(jobs);
@@ -82,8 +81,9 @@ WorkerProcess::~WorkerProcess() = default;
 
 bool WorkerProcess::is_idle() {
   if (parts_->config.job_idle_seconds == 0) return false;
-  if (parts_->finds_work()) parts_->last_work = absl::Now();
-  return absl::Now() - parts_->last_work >= absl::Seconds(parts_->config.job_idle_seconds);
+  const auto now = std::chrono::steady_clock::now();
+  if (parts_->finds_work()) parts_->last_work = now;
+  return now - parts_->last_work >= std::chrono::seconds(parts_->config.job_idle_seconds);
 }
 
 std::string WorkerProcess::metrics_address() const {

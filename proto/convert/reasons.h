@@ -70,6 +70,7 @@ inline constexpr std::string_view kReasons[] = {
     "UPLOAD_IN_PROGRESS",
     "WRONG_DIGEST",
     "WRONG_OFFSET",
+    "WRONG_STORE",
 };
 // clang-format on
 

@@ -1,4 +1,5 @@
 // GridStore: room for uploads, and who has to go for it.
+#include <algorithm>
 #include <system_error>
 
 #include <absl/strings/str_cat.h>
@@ -7,6 +8,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
 #include "server/grids/grid_store.h"
+#include "server/ops/disk.h"
 
 namespace tet {
 
@@ -53,6 +55,7 @@ absl::Status GridStore::reserve(const GridKey& key,
     {
       const std::lock_guard lock(mutex_);
       if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
+      if (auto disk = check_disk(key, size_bytes, used_bytes()); !disk.ok()) return disk;
       if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
       evictable = idle_grids(size_bytes, needed);
     }
@@ -66,6 +69,7 @@ absl::Status GridStore::reserve(const GridKey& key,
     if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
     if (!asked.ok()) return asked;
     if (!evictable.all) continue;
+    if (auto disk = check_disk(key, size_bytes, 0); !disk.ok()) return disk;
     if (needed.empty()) return no_room(size_bytes, budget_bytes_, "other calls", "STORE_BUSY");
     return no_room(size_bytes, budget_bytes_, "other calls and jobs that are not finished",
                    "STORE_HELD_BY_JOBS");
@@ -103,7 +107,28 @@ absl::Status GridStore::check_quota(const GridKey& key,
 bool GridStore::fits(const GridKey& key, std::uint64_t size_bytes) const {
   const auto found = parts_.find(key);
   const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
-  return used_bytes() - held + size_bytes <= budget_bytes_;
+  return used_bytes() - held + size_bytes <= budget_bytes_ &&
+         check_disk(key, size_bytes, 0).ok();
+}
+
+/// Whether the disk has room for what is still to come of this upload and of all that are under
+/// way, if `evictable_bytes` went. A disk that does not tell has.
+absl::Status GridStore::check_disk(const GridKey& key,
+                                   std::uint64_t size_bytes,
+                                   std::uint64_t evictable_bytes) const {
+  const auto free = free_disk_bytes(root_);
+  if (!free) return absl::OkStatus();
+  const auto rest_of = [&](const GridKey& part, std::uint64_t whole) {
+    std::error_code gone;
+    const std::uint64_t written = fs::file_size(part_path(part), gone);
+    return gone ? whole : whole - std::min(whole, written);
+  };
+  std::uint64_t coming = rest_of(key, size_bytes);
+  for (const auto& [other, part] : parts_) {
+    if (part.busy && other != key) coming += rest_of(other, part.size_bytes);
+  }
+  if (*free + evictable_bytes >= coming + keep_free_bytes_) return absl::OkStatus();
+  return no_disk_for(size_bytes, *free, keep_free_bytes_);
 }
 
 absl::Status GridStore::take_place(const GridKey& key,

@@ -11,6 +11,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
 #include "server/grids/grid_upload.h"
+#include "server/grids/store_identity.h"
 #include "server/ops/disk.h"
 #include "server/ops/logging.h"
 
@@ -57,10 +58,15 @@ absl::Status not_stored(std::string_view digest) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
-                                                           std::uint64_t budget_bytes) {
+                                                           std::uint64_t budget_bytes,
+                                                           std::uint64_t keep_free_bytes) {
   auto lock = StoreLock::take(root);
   if (!lock.ok()) return lock.status();
-  std::unique_ptr<GridStore> store(new GridStore(root, *std::move(lock), budget_bytes));
+  // A disk that is full is no reason not to start: whoever needs the identity makes it later.
+  const auto identity = make_store_identity(root);
+  if (!identity.ok() && !absl::IsResourceExhausted(identity.status())) return identity.status();
+  std::unique_ptr<GridStore> store(
+      new GridStore(root, *std::move(lock), budget_bytes, keep_free_bytes));
   const absl::Status status = store->scan();
   if (!status.ok()) return status;
   return store;
@@ -69,7 +75,7 @@ absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
 absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open_beside_server(const fs::path& root) {
   std::error_code ignored;
   if (fs::is_directory(root, ignored)) {
-    return std::unique_ptr<GridStore>(new GridStore(root, std::nullopt, 0));
+    return std::unique_ptr<GridStore>(new GridStore(root, std::nullopt, 0, 0));
   }
   return absl::NotFoundError(absl::StrCat("there is no store ", root.string(),
                                           ": it is the folder of the server's --store"));

@@ -65,8 +65,10 @@ class GridStore {
   /// Makes the directory when missing, locks it, and takes stock of it.
   /// Errors: kFailedPrecondition (another process has it), kInternal (no directory can be made
   /// or read there).
+  /// `keep_free_bytes` of the disk are left to others.
   static absl::StatusOr<std::unique_ptr<GridStore>> open(const std::filesystem::path& root,
-                                                         std::uint64_t budget_bytes);
+                                                         std::uint64_t budget_bytes,
+                                                         std::uint64_t keep_free_bytes = 0);
 
   /// The directory of a server, perhaps on another host: to read from, and nothing else, but
   /// for what is found damaged. Errors: kNotFound (no such directory).
@@ -103,7 +105,7 @@ class GridStore {
   /// Whoever sent a part last is charged for it, as a whole while it is being sent; a restart
   /// forgets that. Errors: kAlreadyExists (stored), kAborted (being uploaded),
   /// kResourceExhausted (with numbers; STORE_BUSY: no room beside grids in use,
-  /// STORE_HELD_BY_JOBS: nor beside grids that are needed), those of `Needed`.
+  /// STORE_HELD_BY_JOBS: nor beside grids that are needed; DISK_FULL), those of `Needed`.
   absl::StatusOr<std::unique_ptr<GridUpload>> begin_upload(const GridKey& key,
                                                            std::uint64_t size_bytes,
                                                            const Uploader& by = {});
@@ -119,8 +121,12 @@ class GridStore {
 
   GridStore(std::filesystem::path root,
             std::optional<StoreLock> lock,
-            std::uint64_t budget_bytes)
-      : root_(std::move(root)), lock_(std::move(lock)), budget_bytes_(budget_bytes) {}
+            std::uint64_t budget_bytes,
+            std::uint64_t keep_free_bytes)
+      : root_(std::move(root)),
+        lock_(std::move(lock)),
+        budget_bytes_(budget_bytes),
+        keep_free_bytes_(keep_free_bytes) {}
 
   std::filesystem::path folder_of(std::string_view space) const;
   std::filesystem::path grid_path(const GridKey& key) const;
@@ -145,6 +151,9 @@ class GridStore {
                             std::uint64_t size_bytes,
                             const Uploader& by) const;
   bool fits(const GridKey& key, std::uint64_t size_bytes) const;
+  absl::Status check_disk(const GridKey& key,
+                          std::uint64_t size_bytes,
+                          std::uint64_t evictable_bytes) const;
   absl::Status take_place(const GridKey& key, std::uint64_t size_bytes, const Uploader& by);
   Evictable idle_grids(std::uint64_t bytes, const std::set<GridKey>& needed) const;
   absl::Status spare_needed(Evictable& evictable, std::set<GridKey>& needed) const;
@@ -160,7 +169,7 @@ class GridStore {
   const std::filesystem::path root_;
   const std::optional<StoreLock>
       lock_;  ///< none beside a server, which comes and goes with files
-  const std::uint64_t budget_bytes_;
+  const std::uint64_t budget_bytes_, keep_free_bytes_;
   Needed needed_;
   mutable std::mutex mutex_;
   std::uint64_t leases_ = 0;  ///< given out so far

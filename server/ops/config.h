@@ -34,6 +34,7 @@ struct Config {
   std::uint64_t job_keep_hours = 168;
   std::uint64_t max_namespace_jobs = 100'000;
   std::uint64_t result_bytes = std::uint64_t{64} << 30;
+  std::uint64_t disk_reserve_bytes = std::uint64_t{64} << 20;
   std::uint64_t max_streams = 64;
   std::uint64_t max_tets = 4'000'000'000;
   std::uint64_t max_request_bytes = std::uint64_t{4} << 20;

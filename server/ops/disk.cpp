@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <string>
+#include <sys/statvfs.h>
 #include <system_error>
 
 #include <absl/strings/str_format.h>
@@ -51,6 +52,26 @@ absl::Status make_folder(const std::filesystem::path& path) {
 
 absl::Status sync_folder(const std::filesystem::path& path) {
   return sync_folder(path, disk_error);
+}
+
+std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& folder) {
+  struct statvfs info {};
+  std::filesystem::path place = folder;
+  while (::statvfs(place.c_str(), &info) != 0) {
+    if (errno != ENOENT || !place.has_parent_path() || place == place.parent_path()) {
+      return std::nullopt;
+    }
+    place = place.parent_path();
+  }
+  return std::uint64_t{info.f_bavail} * info.f_frsize;
+}
+
+absl::Status no_disk_for(std::uint64_t bytes, std::uint64_t free_bytes, std::uint64_t kept) {
+  return with_reason(absl::ResourceExhaustedError(absl::StrFormat(
+                         "no room on the disk for %d bytes: %d are free, of which %d are kept "
+                         "for the jobs' database",
+                         bytes, free_bytes, kept)),
+                     "DISK_FULL");
 }
 
 absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to) {

@@ -1,7 +1,9 @@
 // The server's files: core/base/posix, with errors that clients may see.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
 #include <absl/status/status.h>
@@ -29,6 +31,13 @@ absl::Status make_folder(const std::filesystem::path& path);
 
 /// Returns once the names in a directory would survive a power cut.
 absl::Status sync_folder(const std::filesystem::path& path);
+
+/// What the file system of a folder has free for this user; nothing if it cannot be told. A
+/// folder that is not there yet is the one above it.
+std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& folder);
+
+/// kResourceExhausted (DISK_FULL): why `bytes` cannot be stored beside what is kept free.
+absl::Status no_disk_for(std::uint64_t bytes, std::uint64_t free_bytes, std::uint64_t kept);
 
 /// Renames within one file system, atomically and durably.
 absl::Status move_file(const std::filesystem::path& from, const std::filesystem::path& to);

@@ -27,6 +27,7 @@ class Results(FaultTest):
 
     def setUp(self):
         super().setUp()
+        self.postgres.clear()
         self.server = self.start("--jobs", self.postgres.address, "--job-workers", "0")
         self.mark = self.folder / "mark"
 
@@ -70,8 +71,9 @@ class Results(FaultTest):
             with self.start_worker(change) as worker:
                 wait_until(lambda: self.mark.exists() or self.show(job)["state"] == "SUCCEEDED")
                 if self.mark.exists():
-                    given_back = wait_until(lambda: worker.log("shard_given_back"))
-                    self.assertEqual({line["reason"] for line in given_back}, {"DISK_FULL"})
+                    told = wait_until(lambda: worker.log("shard_given_back") or
+                                      worker.log("worker_quarantined"))
+                    self.assertEqual({line["reason"] for line in told}, {"DISK_FULL"})
         except AssertionError as error:
             self.assertIn("No space left on device", str(error))  # it did not even start
         self.assert_made(job)

@@ -62,6 +62,7 @@ constexpr std::string_view kNotTold[] = {
     "TOKEN_EXPIRED",
     "TOKEN_MISSING",
     "TOKEN_UNKNOWN",
+    "WRONG_STORE",
 };
 // clang-format on
 

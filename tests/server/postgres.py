@@ -91,6 +91,11 @@ class Postgres:
             lines.append(line)
         return [line.rstrip("\n").split("\t") for line in lines]
 
+    def clear(self):
+        """Forgets all: the next store is not the one that its jobs belonged to."""
+        self.rows("DROP SCHEMA public CASCADE")
+        self.rows("CREATE SCHEMA public")
+
     def _hang_up(self):
         if self._client is not None:
             self._client.communicate()

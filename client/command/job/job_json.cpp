@@ -95,6 +95,11 @@ Json as_json(const v1::Job& job) {
   json["progress"] = progress_json(job.progress());
   json["version"] = job.version();
   json["determinism_alarms"] = job.determinism_alarms();
+  json["replans"] = job.replans();
+  json["given_back_shards"] = job.given_back_shards();
+  if (job.has_last_give_back()) {
+    json["last_give_back"] = as_json(to_absl(job.last_give_back()));
+  }
   if (job.has_error()) json["error"] = as_json(to_absl(job.error()));
   json["mesh"] = request_json(job.mesh());
   if (job.has_header()) json["header"] = header_json(job.header());

@@ -103,6 +103,13 @@ void describe_state(const v1::Job& job, Description& description) {
                     absl::StrFormat("%d vertices, %d tets", job.header().vertex_count(),
                                     job.header().tet_count()));
   }
+  if (job.replans() > 0)
+    description.add("replanned", absl::StrCat(job.replans(),
+                                              " times, by another algorithm version: what was "
+                                              "done before was dropped"));
+  if (job.given_back_shards() > 0)
+    description.add("given back", absl::StrCat(job.given_back_shards(), " shards, the last: ",
+                                               show(job.last_give_back())));
   if (job.has_error()) description.add("error", show(job.error()));
   if (job.determinism_alarms() > 0)
     description.add("ALARM", absl::StrCat(job.determinism_alarms(),

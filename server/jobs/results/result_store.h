@@ -35,12 +35,15 @@ struct ResultStats {
 /// Thread safety: every member may be called from any thread.
 class ResultStore {
  public:
-  /// Damaged chunks that were set aside are kept for as long as told. A disk that is full is no
-  /// reason to fail: what needs room then does. Errors: the disk's.
-  static absl::StatusOr<std::unique_ptr<ResultStore>> open(
-      const std::filesystem::path& root,
-      std::uint64_t budget_bytes,
-      absl::Duration keep_damaged = absl::InfiniteDuration());
+  struct Limits {
+    std::uint64_t budget_bytes = 0;
+    std::uint64_t keep_free_bytes = 0;                       ///< of the disk, for others
+    absl::Duration keep_damaged = absl::InfiniteDuration();  ///< chunks that were set aside
+  };
+
+  /// Makes no folder before anything is stored: a folder where nothing is mounted stays empty.
+  static absl::StatusOr<std::unique_ptr<ResultStore>> open(const std::filesystem::path& root,
+                                                           const Limits& limits);
 
   /// Opens a mesh's folder to add to it: it is not evicted while anyone holds it.
   absl::StatusOr<std::shared_ptr<MeshFolder>> make(const ResultKey& key);
@@ -49,8 +52,13 @@ class ResultStore {
 
   /// Makes room for `bytes`, and is asked before they are added: evicts what was used least
   /// recently if need be. Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest
-  /// is in use).
+  /// is in use) or DISK_FULL (what is free of the disk is to stay free).
   absl::Status reserve(std::uint64_t bytes);
+
+  /// Whether a mesh of so many bytes could be stored if every other went. Errors:
+  /// kResourceExhausted with LIMIT_EXCEEDED (the budget, or the disk, is too small), or
+  /// DISK_FULL (others have filled the disk, who may make room again).
+  absl::Status check_fits(std::uint64_t bytes) const;
 
   /// What counting found for a request of this name, 64 hexadecimal digits: of use as long as
   /// the mesh is stored.
@@ -64,23 +72,21 @@ class ResultStore {
   /// disk's.
   absl::Status probe() const;
   ResultStats stats() const;
-  std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
+  std::uint64_t budget_bytes() const noexcept { return limits_.budget_bytes; }
 
  private:
-  ResultStore(std::filesystem::path root,
-              std::uint64_t budget_bytes,
-              absl::Duration keep_damaged)
-      : root_(std::move(root)), budget_bytes_(budget_bytes), keep_damaged_(keep_damaged) {}
+  ResultStore(std::filesystem::path root, const Limits& limits)
+      : root_(std::move(root)), limits_(limits) {}
 
   std::filesystem::path mesh_path(const ResultKey& key) const;
   std::filesystem::path plan_path(const std::string& space, const std::string& name) const;
-  void sweep_to(std::uint64_t budget_bytes);
+  void sweep_to(std::uint64_t budget_bytes, std::uint64_t free_bytes = 0);
+  absl::Status make_room_on_disk(std::uint64_t bytes);
   void clear_plans(const std::string& space);
   bool evict(const std::filesystem::path& folder);
 
   const std::filesystem::path root_;
-  const std::uint64_t budget_bytes_;
-  const absl::Duration keep_damaged_;
+  const Limits limits_;
   std::mutex sweeping_;
   std::atomic<std::uint64_t> bytes_{0}, meshes_{0}, evicted_{0};
 };

@@ -5,7 +5,6 @@
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
-#include <absl/time/clock.h>
 
 #include "core/base/printable.h"
 #include "proto/convert/status.h"
@@ -76,7 +75,7 @@ absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
 
 double rate_of(const Job& job) {
   if (job.done_chunks == 0 || job.plan_time == absl::InfiniteFuture()) return 0;
-  const absl::Time end = std::min(job.finish_time, absl::Now());
+  const absl::Time end = std::min(job.finish_time, job.read_time);
   const double seconds = absl::ToDoubleSeconds(end - job.plan_time);
   return seconds > 0 ? static_cast<double>(job.done_chunks) / seconds : 0;
 }
@@ -211,6 +210,10 @@ void to_proto(const Job& job, bool with_header, v1::Job& message) {
   if (!job.error.ok()) message.mutable_error()->ParseFromString(encode_status(job.error));
   set_plan(job, with_header, message);
   message.set_determinism_alarms(job.alarms);
+  message.set_replans(static_cast<int>(std::min<std::int64_t>(job.replans, INT32_MAX)));
+  message.set_given_back_shards(job.given_back);
+  if (job.trouble.ok()) return;
+  message.mutable_last_give_back()->ParseFromString(encode_status(job.trouble));
 }
 
 void to_proto(const JobEvent& event, v1::JobEvent& message) {

@@ -65,7 +65,8 @@ struct Job {
   std::string id;  ///< 24 lower-case hexadecimal digits; ids sort by time of creation
   std::string space, display_name;
   std::string spec;
-  std::string header;  ///< what `Plan` brought; empty before the plan
+  std::string header;     ///< what `Plan` brought; empty before the plan
+  std::string algorithm;  ///< whose plan it is; empty before the plan, and in stores of before
   Labels labels;
   std::int64_t priority = 0, max_attempts = 0;
   JobState state = JobState::kQueued;
@@ -82,7 +83,11 @@ struct Job {
   /// Shards of the present phase; those of shard_count that are in none of the others wait or
   /// back off.
   std::int64_t shard_count = 0, done_shards = 0, dead_shards = 0, leased_shards = 0;
-  std::int64_t alarms = 0;  ///< shards that were made again with other bytes
+  std::int64_t alarms = 0;      ///< shards that were made again with other bytes
+  std::int64_t replans = 0;     ///< times that another algorithm version had to plan it again
+  std::int64_t given_back = 0;  ///< shards, by workers that could not work themselves
+  absl::Status trouble;         ///< why the last of these was given back
+  absl::Time read_time = absl::InfinitePast();  ///< when the store was asked, by its clock
 };
 
 /// What a shard is for. Numbers are stored.
@@ -127,6 +132,15 @@ struct Plan {
   Phase phase = Phase::kMesh;      ///< kCount or kMesh
   std::string header;              ///< totals for the reader; opaque here, at most 64 KiB
   std::vector<ChunkRange> shards;  ///< contiguous from 0 on, none empty; at most 100,000
+  /// Only workers of this algorithm version get the shards; at most 64 bytes, empty: all do.
+  std::string algorithm = {};
+};
+
+/// What a worker says of itself now and then.
+struct WorkerReport {
+  std::string name;       ///< as in its claims
+  std::string algorithm;  ///< the version of the meshes that it makes
+  absl::Status trouble;   ///< why it takes nothing at present; OK: it works
 };
 
 /// SHA-256 of a chunk's bytes, raw: 32 bytes.
@@ -153,6 +167,7 @@ enum class JobChange : std::int64_t {
   kRetried = 7,
   kAlarm = 8,  ///< a shard was made again with other bytes than are stored
   kDeleted = 9,
+  kReplanned = 10,  ///< by another algorithm version: nothing of it is done any more
 };
 
 /// One change of a job, with how the job stood after it.

@@ -59,7 +59,7 @@ Phase phase_from(std::int64_t number) {
 
 JobChange change_from(std::int64_t number) {
   return static_cast<JobChange>(
-      bounded(number, number_of(JobChange::kCreated), number_of(JobChange::kDeleted)));
+      bounded(number, number_of(JobChange::kCreated), number_of(JobChange::kReplanned)));
 }
 
 ChunkRange range_from(std::int64_t first, std::int64_t end) {
@@ -76,7 +76,8 @@ std::string select_jobs(JobColumns columns) {
       "SELECT id, space, display_name, labels, rank, max_attempts, state, phase, version, "
       "error, "
       "ttl_us, timeout_us, create_us, start_us, plan_us, finish_us, expire_us, stop_us, "
-      "chunk_count, done_chunks, shard_count, done_shards, dead_shards, alarms, ",
+      "chunk_count, done_chunks, shard_count, done_shards, dead_shards, alarms, algorithm, "
+      "replans, given_back, trouble, ",
       columns.leases
           ? "(SELECT count(*) FROM queue WHERE queue.job_id = jobs.id AND queue.state = 1)"
           : "CAST(0 AS BIGINT)",
@@ -115,6 +116,10 @@ JobRow job_row(const SqlRow& row) {
   job.done_shards = count();
   job.dead_shards = count();
   job.alarms = count();
+  job.algorithm = row.text(column++);
+  job.replans = count();
+  job.given_back = count();
+  job.trouble = decode_status(row.blob(column++));
   job.leased_shards = count();
   if (column < row.size()) {
     job.spec = row.blob(column++);
@@ -156,11 +161,13 @@ void save_job(SqlTransaction& t, JobRow& row, JobChange change) {
       "plan_us = "
       "$7, finish_us = $8, expire_us = $9, stop_us = $10, chunk_count = $11, done_chunks = "
       "$12, "
-      "shard_count = $13, done_shards = $14, dead_shards = $15, alarms = $16 WHERE id = $1",
+      "shard_count = $13, done_shards = $14, dead_shards = $15, alarms = $16, algorithm = $17, "
+      "replans = $18 WHERE id = $1",
       {job.id, number_of(job.state), number_of(row.phase), job.version,
        Blob{encode_status(job.error)}, to_us(job.start_time), to_us(job.plan_time),
        to_us(job.finish_time), row.expire_us, to_us(job.stop_time), job.chunk_count,
-       job.done_chunks, job.shard_count, job.done_shards, job.dead_shards, job.alarms});
+       job.done_chunks, job.shard_count, job.done_shards, job.dead_shards, job.alarms,
+       job.algorithm, job.replans});
   add_event(t, job, change);
 }
 

@@ -61,6 +61,13 @@ struct ClaimShards {
   std::string worker;           ///< 1 to 128 bytes
   std::int64_t max_shards = 1;  ///< 1 to 1000
   absl::Duration lease = absl::Seconds(30);
+  std::string algorithm = {};  ///< the version of the worker's meshes; empty takes any job's
+};
+
+/// How a shard is given back that the worker did not do.
+struct GiveBack {
+  absl::Status why = {};                        ///< what the job says of it; OK: nothing
+  absl::Duration pause = absl::ZeroDuration();  ///< until anybody may claim it again
 };
 
 enum class LeaseState { kHeld, kLost };
@@ -74,7 +81,12 @@ struct StoreCounts {
   std::int64_t dead_shards = 0;     ///< dead letters
   std::int64_t alarms = 0;          ///< determinism alarms
   absl::Duration oldest_ready_age;  ///< since its job was created; 0 when none is ready
+  /// Workers that were heard of within kWorkerAlive, and those of them that take nothing.
+  std::int64_t workers = 0, troubled_workers = 0;
 };
+
+/// A worker that did not report for so long is taken for dead.
+inline constexpr absl::Duration kWorkerAlive = absl::Minutes(1);
 
 /// Jobs, their shards, leases and events.
 ///
@@ -157,7 +169,17 @@ class JobStore {
                             const absl::Status& error,
                             bool retryable) = 0;
   /// Gives a shard back untouched: the attempt does not count. Errors: kAborted (LEASE_LOST).
-  virtual absl::Status release(const LeaseId& lease) = 0;
+  virtual absl::Status release(const LeaseId& lease, const GiveBack& how) = 0;
+  absl::Status release(const LeaseId& lease) { return release(lease, {}); }
+  /// The job's plan is another algorithm version's: it is planned again, from what was asked
+  /// for, and what was done of it is dropped. Errors: kAborted (LEASE_LOST).
+  virtual absl::Status plan_anew(const LeaseId& lease) = 0;
+  /// To be called every few seconds by whoever claims; `leave` when it ends.
+  virtual absl::Status report(const WorkerReport& worker) = 0;
+  virtual absl::Status leave(const std::string& worker) = 0;
+  /// The identity of the store of files that the jobs belong to: `store`, unless another was
+  /// named before. An empty `store` only asks, and the answer is empty while none was named.
+  virtual absl::StatusOr<std::string> belongs_to(const std::string& store) = 0;
 
   // --- for janitors; any number of processes may, at any time ---
 
@@ -167,10 +189,18 @@ class JobStore {
   /// Ends jobs past their time to live (EXPIRED, with JOB_EXPIRED) or their timeout (FAILED,
   /// with JOB_TIMEOUT). Says how many.
   virtual absl::StatusOr<std::int64_t> expire() = 0;
-  /// Forgets jobs that finished before, and their events; an engine may keep some of them
-  /// longer. Says how many.
-  virtual absl::StatusOr<std::int64_t> purge(absl::Time finished_before) = 0;
+  /// Plans jobs again, as by `plan_anew`, that are of an algorithm version that no living
+  /// worker has, if one has this version. Says how many.
+  virtual absl::StatusOr<std::int64_t> replan(const std::string& algorithm) = 0;
+  /// Forgets jobs that have been finished for so long, and their events; an engine may keep
+  /// some of them longer. Says how many.
+  virtual absl::StatusOr<std::int64_t> purge(absl::Duration finished_for) = 0;
   virtual absl::StatusOr<StoreCounts> counts() = 0;
+  /// Asks for the store's time.
+  virtual absl::StatusOr<absl::Time> ask_time() = 0;
+  /// The store's time without asking: what it said last, and what has passed since by the
+  /// monotonic clock. The infinite past before it has said anything.
+  virtual absl::Time now() = 0;
   /// OK if something can be written now.
   virtual absl::Status probe() = 0;
   /// What the jobs read that are not finished.

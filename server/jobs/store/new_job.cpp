@@ -23,6 +23,7 @@ constexpr std::size_t kMaxSpecBytes = 64 << 10;
 constexpr std::size_t kMaxLabels = 32;
 constexpr std::size_t kMaxLabelBytes = 63;
 constexpr std::size_t kMaxShards = 100'000;
+constexpr std::size_t kMaxAlgorithmBytes = 64;
 
 bool is_printable(const std::string& text) {
   return std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; });
@@ -123,6 +124,10 @@ absl::Status check(const Plan& plan) {
     return invalid_plan(absl::StrCat(
         "a plan of ", plan.shards.size(), " shards and a header of ", plan.header.size(),
         " bytes is over the limit of ", kMaxShards, " and ", kMaxSpecBytes));
+  }
+  if (plan.algorithm.size() > kMaxAlgorithmBytes) {
+    return invalid_plan(absl::StrCat("the algorithm version has ", plan.algorithm.size(),
+                                     " bytes, more than ", kMaxAlgorithmBytes));
   }
   std::int64_t end = 0;
   for (const ChunkRange& range : plan.shards) {

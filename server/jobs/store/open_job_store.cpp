@@ -8,6 +8,13 @@
 
 namespace tet {
 
+namespace {
+
+// Enough to cancel a job of ten thousand shards.
+constexpr std::uint64_t kBallastBytes = std::uint64_t{16} << 20;
+
+}  // namespace
+
 absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& where,
                                                          const SqlJobStore::Options& rules) {
   if (absl::StartsWith(where, "postgresql://") || absl::StartsWith(where, "postgres://")) {
@@ -21,6 +28,7 @@ absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& wher
   options.path = where;
   options.rules = rules;
   options.patient = true;
+  options.ballast_bytes = kBallastBytes;
   auto store = open_sqlite_job_store(options);
   if (store.ok()) return store;
   // Said to whoever starts the server, who may not know that there is such a file.

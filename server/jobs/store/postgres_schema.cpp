@@ -88,8 +88,21 @@ ALTER TABLE jobs ADD COLUMN input TEXT COLLATE "C" NOT NULL DEFAULT '';
 CREATE INDEX jobs_inputs ON jobs (space, input) WHERE state <= 2;
 )sql";
 
+constexpr char kThirdVersion[] = R"sql(
+ALTER TABLE jobs ADD COLUMN algorithm TEXT COLLATE "C" NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN replans BIGINT NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN given_back BIGINT NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN trouble BYTEA NOT NULL DEFAULT '';
+ALTER TABLE queue ADD COLUMN algorithm TEXT COLLATE "C" NOT NULL DEFAULT '';
+CREATE INDEX jobs_of_algorithm ON jobs (algorithm, id) WHERE state <= 2;
+CREATE TABLE facts (name TEXT COLLATE "C" PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE workers (
+  name TEXT COLLATE "C" PRIMARY KEY, algorithm TEXT COLLATE "C" NOT NULL, trouble BYTEA NOT NULL,
+  seen_us BIGINT NOT NULL);
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array<const char*, 2> kSteps = {kFirstVersion, kSecondVersion};
+constexpr std::array<const char*, 3> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 // Whoever opens the store holds this advisory lock while it looks at the schema.

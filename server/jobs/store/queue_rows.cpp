@@ -14,19 +14,28 @@ namespace {
 // One statement for so many shards: the round trips no longer count, and the text stays short.
 constexpr std::size_t kRowsAtOnce = 256;
 
-/// "WITH new (n, a, b) AS (VALUES ($5, $6, $7), ...) INSERT ...", for `count` shards.
+/// "WITH new (n, a, b) AS (VALUES ($6, $7, $8), ...) INSERT ...", for `count` shards.
 std::string insert_shards(std::size_t count) {
   std::string values;
   for (std::size_t i = 0; i < count; ++i) {
-    absl::StrAppend(&values, i == 0 ? "" : ", ", "($", 3 * i + 5, ", $", 3 * i + 6, ", $",
-                    3 * i + 7, ")");
+    absl::StrAppend(&values, i == 0 ? "" : ", ", "($", 3 * i + 6, ", $", 3 * i + 7, ", $",
+                    3 * i + 8, ")");
   }
   return absl::StrCat("WITH new (n, a, b) AS (VALUES ", values,
                       ") INSERT INTO queue (job_id, phase, number, first_chunk, end_chunk, "
                       "rank, space, state, "
-                      "token, worker, attempt, lease_us, due_us) SELECT $1, $2, n, a, b, $3, "
-                      "$4, 0, 0, '', 0, 0, 0 "
-                      "FROM new");
+                      "token, worker, attempt, lease_us, due_us, algorithm) SELECT $1, $2, n, "
+                      "a, b, $3, $4, 0, 0, '', 0, 0, 0, $5 FROM new");
+}
+
+/// Rows are locked in the order of their keys, as everybody locks them. This waits for whoever
+/// is claiming one of them.
+void lock_queue(SqlTransaction& t, const std::string& job) {
+  t.run(
+      absl::StrCat("SELECT count(*) FROM (SELECT number FROM queue WHERE job_id = $1 ORDER BY "
+                   "phase, number",
+                   t.dialect().for_update(), ") AS locked"),
+      {job});
 }
 
 }  // namespace
@@ -39,7 +48,7 @@ void add_to_queue(SqlTransaction& t,
   for (std::size_t begin = 0; begin < ranges.size(); begin += kRowsAtOnce) {
     const auto some = ranges.subspan(begin, std::min(kRowsAtOnce, ranges.size() - begin));
     std::vector<SqlValue> values = {row.job.id, number_of(phase), -row.job.priority,
-                                    row.job.space};
+                                    row.job.space, row.job.algorithm};
     for (const ChunkRange& range : some) {
       values.emplace_back(first_number++);
       values.emplace_back(range.first);
@@ -88,13 +97,7 @@ void settle(SqlTransaction& t,
 }
 
 std::int64_t bury_rest(SqlTransaction& t, const std::string& job, const absl::Status& error) {
-  // Rows are locked in the order of their keys, as everybody locks them. This waits for whoever
-  // is claiming one of them.
-  t.run(
-      absl::StrCat("SELECT count(*) FROM (SELECT number FROM queue WHERE job_id = $1 ORDER BY "
-                   "phase, number",
-                   t.dialect().for_update(), ") AS locked"),
-      {job});
+  lock_queue(t, job);
   t.run(
       "INSERT INTO shards (job_id, phase, number, first_chunk, end_chunk, outcome, token, "
       "attempts, "
@@ -105,12 +108,19 @@ std::int64_t bury_rest(SqlTransaction& t, const std::string& job, const absl::St
   return t.run("DELETE FROM queue WHERE job_id = $1", {job}).changed;
 }
 
+void drop_shards(SqlTransaction& t, const std::string& job) {
+  lock_queue(t, job);
+  t.run("DELETE FROM queue WHERE job_id = $1", {job});
+  t.run("DELETE FROM shards WHERE job_id = $1", {job});
+}
+
 void revive(SqlTransaction& t, const JobRow& row) {
   t.run(
       "INSERT INTO queue (job_id, phase, number, first_chunk, end_chunk, rank, space, state, "
-      "token, worker, attempt, lease_us, due_us) SELECT job_id, phase, number, first_chunk, "
-      "end_chunk, $2, $3, 0, 0, '', 0, 0, 0 FROM shards WHERE job_id = $1 AND outcome = 2",
-      {row.job.id, -row.job.priority, row.job.space});
+      "token, worker, attempt, lease_us, due_us, algorithm) SELECT job_id, phase, number, "
+      "first_chunk, end_chunk, $2, $3, 0, 0, '', 0, 0, 0, $4 FROM shards WHERE job_id = $1 "
+      "AND outcome = 2",
+      {row.job.id, -row.job.priority, row.job.space, row.job.algorithm});
   t.run("DELETE FROM shards WHERE job_id = $1 AND outcome = 2", {row.job.id});
 }
 

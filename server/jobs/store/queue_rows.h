@@ -51,6 +51,9 @@ void settle(SqlTransaction& t,
 /// Makes dead letters of all that is left of a job; says how many. The job is locked.
 std::int64_t bury_rest(SqlTransaction& t, const std::string& job, const absl::Status& error);
 
+/// Forgets all shards of a job, whatever became of them. The job is locked.
+void drop_shards(SqlTransaction& t, const std::string& job);
+
 /// Makes a job's dead letters ready again.
 void revive(SqlTransaction& t, const JobRow& row);
 

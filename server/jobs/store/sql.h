@@ -3,6 +3,8 @@
 // their dialects differ, they say how.
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -95,10 +97,35 @@ class SqlPool {
   const Open open_;
 };
 
+/// The database's time between its answers: what it said last, and what has passed since by
+/// this machine's monotonic clock. Thread-safe.
+class StoreClock {
+ public:
+  void learn(std::int64_t now_us) { ahead_us_ = now_us - monotonic_us(); }
+  /// The infinite past while nothing was learned.
+  absl::Time now() const {
+    const std::int64_t ahead_us = ahead_us_;
+    if (ahead_us == kUnknown) return absl::InfinitePast();
+    return absl::FromUnixMicros(monotonic_us() + ahead_us);
+  }
+
+ private:
+  static constexpr std::int64_t kUnknown = INT64_MIN;
+  static std::int64_t monotonic_us() {
+    return std::chrono::duration_cast<std::chrono::microseconds>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+  std::atomic<std::int64_t> ahead_us_{kUnknown};  ///< of the monotonic clock
+};
+
 /// Hands out connections. Thread-safe.
 class SqlDatabase {
  public:
   virtual ~SqlDatabase() = default;
+
+  StoreClock& clock() { return clock_; }
 
   virtual absl::StatusOr<SqlPool::Lease> reader() = 0;
   virtual absl::StatusOr<SqlPool::Lease> writer() = 0;
@@ -110,6 +137,13 @@ class SqlDatabase {
   /// A statement that gives the next fencing token.
   virtual const char* next_token() const = 0;
 
+  /// Gives up what was kept for a disk that is full, so that what ends or forgets jobs can be
+  /// written. False where nothing is kept any more.
+  virtual bool make_room() { return false; }
+  /// Keeps something again: if there is room enough, or after it was made, whatever there is.
+  virtual void keep_room() {}
+  virtual void retake_room() {}
+
   /// Tells waiters everywhere that changes were committed.
   virtual void announce() = 0;
   virtual std::uint64_t signal() = 0;
@@ -118,6 +152,9 @@ class SqlDatabase {
   /// Forgets what finished before, in the way that is cheapest for the engine; says how many
   /// jobs.
   virtual absl::StatusOr<std::int64_t> purge(std::int64_t finished_before_us) = 0;
+
+ private:
+  StoreClock clock_;
 };
 
 }  // namespace tet

@@ -54,8 +54,12 @@ void wake(SqlTransaction& t) {
 }
 
 /// An idle worker looks again and again: that must not make the disk work.
-bool is_any_ready(SqlTransaction& t) {
-  return !t.run("SELECT number FROM queue WHERE state = 0 LIMIT 1").rows.empty();
+bool is_any_ready(SqlTransaction& t, const std::string& algorithm) {
+  return !t.run(
+               "SELECT number FROM queue WHERE state = 0 AND ($1 = '' OR algorithm = '' OR "
+               "algorithm = $1) LIMIT 1",
+               {algorithm})
+              .rows.empty();
 }
 
 /// One claim's transaction: rank by rank, each namespace's oldest shards.
@@ -111,13 +115,13 @@ class Claiming {
         absl::StrCat(
             "WITH picked AS MATERIALIZED (SELECT job_id AS j, phase AS p, number AS n FROM "
             "queue "
-            "WHERE state = 0 AND rank = $1 AND space = $2 ORDER BY job_id, phase, number "
-            "LIMIT $3",
+            "WHERE state = 0 AND rank = $1 AND space = $2 AND ($7 = '' OR algorithm = '' OR "
+            "algorithm = $7) ORDER BY job_id, phase, number LIMIT $3",
             t_.dialect().skip_locked(),
             ") UPDATE queue SET state = 1, token = $4, worker = $5, attempt = attempt + 1, "
             "lease_us = $6 FROM picked WHERE job_id = j AND phase = p AND number = n RETURNING "
             "job_id, phase, number, first_chunk, end_chunk, attempt"),
-        {rank, space, most, token_, request_.worker, expires_us_});
+        {rank, space, most, token_, request_.worker, expires_us_, request_.algorithm});
     for (const SqlRow& row : taken.rows) {
       const ShardKey key{row.text(0), phase_from(row.integer(1)), row.integer(2)};
       leases_.push_back({{key, token_},
@@ -174,7 +178,7 @@ absl::StatusOr<std::vector<ShardLease>> SqlJobStore::claim(const ClaimShards& re
   const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
     wake(t);
     leases.clear();
-    if (is_any_ready(t)) leases = Claiming(t, request).run();
+    if (is_any_ready(t, request.algorithm)) leases = Claiming(t, request).run();
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

@@ -168,6 +168,7 @@ absl::StatusOr<Job> SqlJobStore::get(const std::string& id) {
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
+  job.read_time = now();
   return job;
 }
 
@@ -184,6 +185,7 @@ absl::StatusOr<JobPage> SqlJobStore::list(const ListJobs& query) {
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
     for (const SqlRow& row : t.run(sql, where.values).rows) {
       page.jobs.push_back(job_row(row).job);
+      page.jobs.back().read_time = now();
     }
     return absl::OkStatus();
   });
@@ -213,20 +215,24 @@ absl::StatusOr<std::int64_t> SqlJobStore::queue_position(const std::string& id,
 }
 
 absl::Status SqlJobStore::remove(const std::string& id) {
-  return transact(*database_, [&](SqlTransaction& t) {
-    auto row = lock_job(t, id);
-    if (!row) return job_not_found(id);
-    if (!is_finished(row->job.state)) {
-      return with_reason(absl::FailedPreconditionError(absl::StrCat(
-                             "job ", id, " is ", name_of(row->job.state), ": cancel it first")),
-                         "JOB_ACTIVE");
-    }
-    save_job(t, *row, JobChange::kDeleted);
-    t.run("DELETE FROM shards WHERE job_id = $1", {id});
-    t.run("DELETE FROM requests WHERE job_id = $1", {id});
-    t.run("DELETE FROM jobs WHERE id = $1", {id});
-    return absl::OkStatus();
-  });
+  return transact(
+      *database_,
+      [&](SqlTransaction& t) {
+        auto row = lock_job(t, id);
+        if (!row) return job_not_found(id);
+        if (!is_finished(row->job.state)) {
+          return with_reason(
+              absl::FailedPreconditionError(absl::StrCat(
+                  "job ", id, " is ", name_of(row->job.state), ": cancel it first")),
+              "JOB_ACTIVE");
+        }
+        save_job(t, *row, JobChange::kDeleted);
+        t.run("DELETE FROM shards WHERE job_id = $1", {id});
+        t.run("DELETE FROM requests WHERE job_id = $1", {id});
+        t.run("DELETE FROM jobs WHERE id = $1", {id});
+        return absl::OkStatus();
+      },
+      Purpose::kRoom);
 }
 
 }  // namespace tet

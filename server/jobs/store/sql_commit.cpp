@@ -43,6 +43,7 @@ void end_phase(SqlTransaction& t, JobRow& row) {
 
 void begin_phase(SqlTransaction& t, JobRow& row, const Plan& plan) {
   row.phase = plan.phase;
+  row.job.algorithm = plan.algorithm;
   row.job.shard_count = std::ssize(plan.shards);
   row.job.done_shards = 0;
   t.run("UPDATE jobs SET header = $2 WHERE id = $1", {row.job.id, Blob{plan.header}});
@@ -160,12 +161,16 @@ absl::Status with_shard(
     SqlDatabase& database,
     const LeaseId& lease,
     absl::FunctionRef<absl::Status(SqlTransaction&, JobRow&, const std::optional<LeasedRow>&)>
-        body) {
-  return transact(database, [&](SqlTransaction& t) {
-    auto row = lock_job(t, lease.shard.job);
-    if (!row) return job_not_found(lease.shard.job);
-    return body(t, *row, lock_leased(t, lease));
-  });
+        body,
+    Purpose purpose = Purpose::kWork) {
+  return transact(
+      database,
+      [&](SqlTransaction& t) {
+        auto row = lock_job(t, lease.shard.job);
+        if (!row) return job_not_found(lease.shard.job);
+        return body(t, *row, lock_leased(t, lease));
+      },
+      purpose);
 }
 
 std::vector<LeaseId> find_expired(SqlTransaction& t) {
@@ -233,28 +238,41 @@ absl::Status SqlJobStore::complete(const LeaseId& lease, std::span<const ChunkDi
 absl::Status SqlJobStore::fail(const LeaseId& lease,
                                const absl::Status& error,
                                bool retryable) {
-  return with_shard(*database_, lease, [&](SqlTransaction& t, JobRow& row, const auto& shard) {
-    if (!shard) return lost(row, lease);
-    if (retryable && shard->attempt < row.job.max_attempts) {
-      put_back(t, *shard, ShardState::kBackingOff,
-               after_us(t.now_us(), delay_after(options_, shard->attempt)));
-    } else {
-      bury(t, row, *shard, error);
-    }
-    return absl::OkStatus();
-  });
+  return with_shard(
+      *database_, lease,
+      [&](SqlTransaction& t, JobRow& row, const auto& shard) {
+        if (!shard) return lost(row, lease);
+        if (retryable && shard->attempt < row.job.max_attempts) {
+          put_back(t, *shard, ShardState::kBackingOff,
+                   after_us(t.now_us(), delay_after(options_, shard->attempt)));
+        } else {
+          bury(t, row, *shard, error);
+        }
+        return absl::OkStatus();
+      },
+      Purpose::kRoom);
 }
 
-absl::Status SqlJobStore::release(const LeaseId& lease) {
-  return with_shard(*database_, lease, [&](SqlTransaction& t, JobRow& row, const auto& shard) {
-    if (!shard) return lost(row, lease);
-    t.run(
-        "UPDATE queue SET state = 0, attempt = attempt - 1 WHERE job_id = $1 AND phase = $2 "
-        "AND "
-        "number = $3",
-        {lease.shard.job, number_of(lease.shard.phase), lease.shard.number});
-    return absl::OkStatus();
-  });
+absl::Status SqlJobStore::release(const LeaseId& lease, const GiveBack& how) {
+  return with_shard(
+      *database_, lease,
+      [&](SqlTransaction& t, JobRow& row, const auto& shard) {
+        if (!shard) return lost(row, lease);
+        const bool at_once = how.pause <= absl::ZeroDuration();
+        put_back(t, *shard, at_once ? ShardState::kReady : ShardState::kBackingOff,
+                 after_us(t.now_us(), how.pause));
+        t.run(
+            "UPDATE queue SET attempt = attempt - 1 WHERE job_id = $1 AND phase = $2 AND "
+            "number = "
+            "$3",
+            {lease.shard.job, number_of(lease.shard.phase), lease.shard.number});
+        if (how.why.ok()) return absl::OkStatus();
+        // Not a change of the job's: no version of it, and no event.
+        t.run("UPDATE jobs SET given_back = given_back + 1, trouble = $2 WHERE id = $1",
+              {row.job.id, Blob{encode_status(how.why)}});
+        return absl::OkStatus();
+      },
+      Purpose::kRoom);
 }
 
 absl::StatusOr<std::int64_t> SqlJobStore::rescue() {

@@ -67,12 +67,20 @@ class SqlJobStore final : public JobStore {
   absl::Status set_plan(const LeaseId& lease, const Plan& plan) override;
   absl::Status complete(const LeaseId& lease, std::span<const ChunkDigest> digests) override;
   absl::Status fail(const LeaseId& lease, const absl::Status& error, bool retryable) override;
-  absl::Status release(const LeaseId& lease) override;
+  using JobStore::release;
+  absl::Status release(const LeaseId& lease, const GiveBack& how) override;
+  absl::Status plan_anew(const LeaseId& lease) override;
+  absl::Status report(const WorkerReport& worker) override;
+  absl::Status leave(const std::string& worker) override;
+  absl::StatusOr<std::string> belongs_to(const std::string& store) override;
 
   absl::StatusOr<std::int64_t> rescue() override;
   absl::StatusOr<std::int64_t> expire() override;
-  absl::StatusOr<std::int64_t> purge(absl::Time finished_before) override;
+  absl::StatusOr<std::int64_t> replan(const std::string& algorithm) override;
+  absl::StatusOr<std::int64_t> purge(absl::Duration finished_for) override;
   absl::StatusOr<StoreCounts> counts() override;
+  absl::StatusOr<absl::Time> ask_time() override;
+  absl::Time now() override { return database_->clock().now(); }
   absl::Status probe() override;
   absl::StatusOr<std::set<JobInput>> inputs() override;
 

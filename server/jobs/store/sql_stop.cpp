@@ -15,6 +15,9 @@ namespace {
 // Jobs ended by one look at the clock.
 constexpr std::int64_t kExpiredAtOnce = 500;
 
+// What died without leaving is of no interest any more.
+constexpr absl::Duration kWorkerForgotten = absl::Hours(24);
+
 /// What is left of the job becomes dead letters, so that it can be tried again.
 void stop(SqlTransaction& t, JobRow& row, JobState state, const absl::Status& why) {
   row.job.dead_shards += bury_rest(t, row.job.id, why);
@@ -100,18 +103,30 @@ void count_shards(SqlTransaction& t, StoreCounts& counts) {
   counts.alarms = sums.rows[0].integer(1);
 }
 
+void count_workers(SqlTransaction& t, StoreCounts& counts) {
+  const auto alive = t.run("SELECT trouble FROM workers WHERE seen_us >= $1",
+                           {after_us(t.now_us(), -kWorkerAlive)});
+  for (const SqlRow& row : alive.rows) {
+    ++counts.workers;
+    counts.troubled_workers += row.blob(0).empty() ? 0 : 1;
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Job> SqlJobStore::cancel(const std::string& id) {
-  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
-    auto row = lock_job(t, id);
-    if (!row) return job_not_found(id);
-    if (is_finished(row->job.state)) return absl::OkStatus();
-    stop(t, *row, JobState::kCancelled,
-         with_reason(absl::CancelledError(absl::StrCat("job ", id, " was cancelled")),
-                     "JOB_CANCELLED"));
-    return absl::OkStatus();
-  });
+  const absl::Status status = transact(
+      *database_,
+      [&](SqlTransaction& t) {
+        auto row = lock_job(t, id);
+        if (!row) return job_not_found(id);
+        if (is_finished(row->job.state)) return absl::OkStatus();
+        stop(t, *row, JobState::kCancelled,
+             with_reason(absl::CancelledError(absl::StrCat("job ", id, " was cancelled")),
+                         "JOB_CANCELLED"));
+        return absl::OkStatus();
+      },
+      Purpose::kRoom);
   if (!status.ok()) return status;
   return get(id);
 }
@@ -145,20 +160,30 @@ absl::StatusOr<std::int64_t> SqlJobStore::expire() {
   std::int64_t expired = 0;
   for (auto id = due.begin(); status.ok() && id != due.end(); ++id) {
     bool mine = false;
-    status = transact(*database_, [&](SqlTransaction& t) {
-      mine = expire_job(t, *id);
-      return absl::OkStatus();
-    });
+    status = transact(
+        *database_,
+        [&](SqlTransaction& t) {
+          mine = expire_job(t, *id);
+          return absl::OkStatus();
+        },
+        Purpose::kRoom);
     expired += status.ok() && mine ? 1 : 0;
   }
   if (!status.ok()) return status;
   return expired;
 }
 
-absl::StatusOr<std::int64_t> SqlJobStore::purge(absl::Time finished_before) {
+absl::StatusOr<std::int64_t> SqlJobStore::purge(absl::Duration finished_for) {
   // Watchers are told of what they miss by its revision.
   if (auto status = number_all_events(); !status.ok()) return status;
-  return database_->purge(to_us(finished_before));
+  std::int64_t now_us = 0;
+  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
+    now_us = t.now_us();
+    t.run("DELETE FROM workers WHERE seen_us < $1", {after_us(now_us, -kWorkerForgotten)});
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return database_->purge(after_us(now_us, -finished_for));
 }
 
 absl::StatusOr<StoreCounts> SqlJobStore::counts() {
@@ -169,6 +194,7 @@ absl::StatusOr<StoreCounts> SqlJobStore::counts() {
       counts.jobs[state_from(row.integer(0))] += row.integer(1);
     }
     count_shards(t, counts);
+    count_workers(t, counts);
     const auto oldest = t.run(
         "SELECT create_us FROM jobs WHERE id = (SELECT min(job_id) FROM queue WHERE state = "
         "0)");
@@ -181,14 +207,26 @@ absl::StatusOr<StoreCounts> SqlJobStore::counts() {
   return counts;
 }
 
+absl::StatusOr<absl::Time> SqlJobStore::ask_time() {
+  absl::Time now;
+  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
+    now = from_us(t.now_us());
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return now;
+}
+
 absl::Status SqlJobStore::probe() {
-  return transact(*database_, [](SqlTransaction& t) {
+  const absl::Status written = transact(*database_, [](SqlTransaction& t) {
     t.run(
         "INSERT INTO counters (name, value) VALUES ('probe', $1) ON CONFLICT (name) DO UPDATE "
         "SET value = $1",
         {t.now_us()});
     return absl::OkStatus();
   });
+  if (written.ok()) database_->keep_room();
+  return written;
 }
 
 absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {

@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "core/base/contain.h"
+#include "proto/convert/status.h"
 #include "server/jobs/store/store_errors.h"
 
 namespace tet {
@@ -29,6 +30,7 @@ absl::Status try_once(SqlDatabase& database, SqlBody body, bool& give_way) {
   if (!connection.ok()) return connection.status();
   const auto now_us = (*connection)->begin();
   if (!now_us.ok()) return now_us.status();
+  database.clock().learn(*now_us);
   SqlTransaction transaction(**connection, database, *now_us);
   const absl::Status outcome = run_body(body, transaction);
   if (transaction.status().ok() && outcome.ok()) {
@@ -62,12 +64,20 @@ std::int64_t SqlTransaction::integer(std::string_view sql,
   return result.rows.empty() ? 0 : result.rows[0].integer(0);
 }
 
-absl::Status transact(SqlDatabase& database, SqlBody body) {
+absl::Status transact(SqlDatabase& database, SqlBody body, Purpose purpose) {
   absl::Status status;
+  bool made_room = false;
   for (int tries = 0; tries < kMostTries; ++tries) {
     bool give_way = false;
     status = try_once(database, body, give_way);
-    if (!give_way) return status;
+    const bool is_full = reason_of(status) == "JOB_STORE_FULL";
+    if (is_full && purpose == Purpose::kRoom && database.make_room()) {
+      made_room = true;
+      continue;
+    }
+    if (give_way) continue;
+    if (made_room) database.retake_room();
+    return status;
   }
   return status;
 }

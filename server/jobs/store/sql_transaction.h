@@ -44,11 +44,17 @@ class SqlTransaction {
 
 using SqlBody = absl::FunctionRef<absl::Status(SqlTransaction&)>;
 
+/// What a transaction is for, where the disk is full.
+enum class Purpose {
+  kWork,  ///< fails
+  kRoom,  ///< ends or forgets something: the reserve of the database is there for it
+};
+
 /// Runs the body and commits, if it returns OK and no statement failed; else nothing has
 /// happened, unless the error is kUnavailable: then it may have. Waiters are told if rows were
 /// changed. A body that the database made
 /// to give way to another is run again, so it must only set what is outside of it.
-absl::Status transact(SqlDatabase& database, SqlBody body);
+absl::Status transact(SqlDatabase& database, SqlBody body, Purpose purpose = Purpose::kWork);
 
 /// Runs statements that only read, each for itself.
 absl::Status read(SqlDatabase& database, SqlBody body);

@@ -1,5 +1,6 @@
 // The store for readers: events in the order of their revisions, and what the shards left.
 #include <algorithm>
+#include <chrono>
 
 #include <absl/strings/str_cat.h>
 
@@ -157,11 +158,12 @@ absl::StatusOr<EventPage> SqlJobStore::read_events(const WatchJobs& query) {
 
 absl::StatusOr<EventPage> SqlJobStore::watch(const WatchJobs& query) {
   if (auto status = check(query); !status.ok()) return status;
-  const absl::Time end = absl::Now() + query.wait;
+  const auto begin = std::chrono::steady_clock::now();
   while (true) {
     const std::uint64_t seen = database_->signal();
     auto page = read_events(query);
-    const absl::Duration rest = end - absl::Now();
+    const absl::Duration rest =
+        query.wait - absl::FromChrono(std::chrono::steady_clock::now() - begin);
     if (!page.ok() || !page->events.empty() || rest <= absl::ZeroDuration()) return page;
     database_->wait(seen, rest);
   }

@@ -8,6 +8,8 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "proto/convert/status.h"
+#include "server/jobs/store/ballast.h"
 #include "server/jobs/store/sql_transaction.h"
 #include "server/jobs/store/sqlite_connection.h"
 #include "server/jobs/store/sqlite_schema.h"
@@ -87,6 +89,7 @@ class SqliteDatabase final : public SqlDatabase {
   explicit SqliteDatabase(const SqliteOptions& options)
       : options_(options),
         in_memory_(is_in_memory(options)),
+        ballast_(options.path + ".ballast", in_memory_ ? 0 : options.ballast_bytes),
         writers_(1, [this] { return connect(); }),
         readers_(kReaders, [this] { return connect(); }),
         signal_(in_memory_ ? CommitSignal::Open()
@@ -103,6 +106,10 @@ class SqliteDatabase final : public SqlDatabase {
     return "UPDATE counters SET value = value + 1 WHERE name = 'token' RETURNING value";
   }
 
+  bool make_room() override { return ballast_.drop(); }
+  void keep_room() override { ballast_.keep(); }
+  void retake_room() override { ballast_.retake(); }
+
   void announce() override { signal_.raise(); }
   std::uint64_t signal() override { return signal_.now(); }
   void wait(std::uint64_t seen, absl::Duration timeout) override {
@@ -116,6 +123,7 @@ class SqliteDatabase final : public SqlDatabase {
 
   const SqliteOptions options_;
   const bool in_memory_;
+  const Ballast ballast_;
   std::mutex schema_mutex_;
   bool is_up_to_date_ = false;
   SqlPool writers_;
@@ -151,11 +159,14 @@ absl::StatusOr<std::int64_t> SqliteDatabase::purge(std::int64_t finished_before_
   std::int64_t total = 0;
   std::int64_t purged = kPurgedAtOnce;
   while (purged == kPurgedAtOnce) {
-    const auto status = transact(*this, [&](SqlTransaction& t) {
-      purged = purge_some(t, finished_before_us);
-      if (purged < kPurgedAtOnce) purge_events(t, finished_before_us);
-      return absl::OkStatus();
-    });
+    const auto status = transact(
+        *this,
+        [&](SqlTransaction& t) {
+          purged = purge_some(t, finished_before_us);
+          if (purged < kPurgedAtOnce) purge_events(t, finished_before_us);
+          return absl::OkStatus();
+        },
+        Purpose::kRoom);
     if (!status.ok()) return status;
     total += purged;
   }
@@ -165,11 +176,17 @@ absl::StatusOr<std::int64_t> SqliteDatabase::purge(std::int64_t finished_before_
 /// The first connection of all brings the schema up to date.
 absl::StatusOr<std::unique_ptr<SqlConnection>> SqliteDatabase::connect() {
   auto connection = SqliteConnection::open(options_);
+  // A restart on a full disk: nobody could even look at the jobs.
+  if (reason_of(connection.status()) == "JOB_STORE_FULL" && ballast_.drop()) {
+    connection = SqliteConnection::open(options_);
+    ballast_.retake();
+  }
   if (!connection.ok()) return connection.status();
   const std::lock_guard lock(schema_mutex_);
   if (!is_up_to_date_) {
     if (auto status = migrate_sqlite(**connection); !status.ok()) return status;
     is_up_to_date_ = true;
+    ballast_.keep();
   }
   return connection;
 }

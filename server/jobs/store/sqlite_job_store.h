@@ -1,6 +1,7 @@
 // The embedded engine: one file on one machine, shared by any number of its processes.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,6 +20,8 @@ struct SqliteOptions {
   std::function<absl::Time()> clock = absl::Now;  ///< of this machine: the store's time
   SqlJobStore::Options rules = {};
   bool patient = false;  ///< see open_sqlite_job_store
+  /// A file of so many bytes beside the database, given up where the disk is full.
+  std::uint64_t ballast_bytes = 0;
 };
 
 /// Opens the store and brings its schema up to date. The file must not be on a network file

@@ -73,8 +73,21 @@ ALTER TABLE jobs ADD COLUMN input TEXT NOT NULL DEFAULT '';
 CREATE INDEX jobs_inputs ON jobs (space, input) WHERE state <= 2;
 )sql";
 
+constexpr char kThirdVersion[] = R"sql(
+ALTER TABLE jobs ADD COLUMN algorithm TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN replans INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN given_back INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN trouble BLOB NOT NULL DEFAULT x'';
+ALTER TABLE queue ADD COLUMN algorithm TEXT NOT NULL DEFAULT '';
+CREATE INDEX jobs_of_algorithm ON jobs (algorithm, id) WHERE state <= 2;
+CREATE TABLE facts (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT, WITHOUT ROWID;
+CREATE TABLE workers (
+  name TEXT PRIMARY KEY, algorithm TEXT NOT NULL, trouble BLOB NOT NULL,
+  seen_us INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array<const char*, 2> kSteps = {kFirstVersion, kSecondVersion};
+constexpr std::array<const char*, 3> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 absl::Status run_steps(SqliteConnection& connection, std::int64_t version) {

@@ -3,8 +3,6 @@
 #include <chrono>
 #include <string>
 
-#include <absl/time/clock.h>
-
 #include "proto/convert/status.h"
 #include "server/ops/logging.h"
 
@@ -14,12 +12,12 @@ namespace {
 
 constexpr std::chrono::seconds kBeat{1};
 // The disk of an idle server is to rest.
-constexpr absl::Duration kBetweenLooks = absl::Seconds(10);
+constexpr std::chrono::seconds kBetweenLooks{10};
 
 }  // namespace
 
-JobHealth::JobHealth(JobStore& jobs, const ResultStore& results)
-    : jobs_(jobs), results_(results), heartbeat_(kBeat, [this] {
+JobHealth::JobHealth(JobStore& jobs, WorkPlace& place)
+    : jobs_(jobs), place_(place), heartbeat_(kBeat, [this] {
         if (is_due()) look();
       }) {
   look();
@@ -32,17 +30,17 @@ absl::Status JobHealth::status() const {
 
 bool JobHealth::is_due() const {
   const std::lock_guard lock(mutex_);
-  return !status_.ok() || absl::Now() - looked_ >= kBetweenLooks;
+  return !status_.ok() || std::chrono::steady_clock::now() - looked_ >= kBetweenLooks;
 }
 
 void JobHealth::look() {
   const absl::Status jobs = jobs_.probe();
-  learn(jobs.ok() ? results_.probe() : jobs);
+  learn(jobs.ok() ? place_.check() : jobs);
 }
 
 void JobHealth::learn(const absl::Status& found) {
   const std::lock_guard lock(mutex_);
-  looked_ = absl::Now();
+  looked_ = std::chrono::steady_clock::now();
   if (status_.ok() && !found.ok()) {
     log_event(spdlog::level::err, "jobs_down",
               {{"reason", reason_of(found)}, {"message", std::string(found.message())}});

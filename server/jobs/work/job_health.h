@@ -1,13 +1,13 @@
 // Whether jobs can be taken and done now: their database and the disk of their results.
 #pragma once
 
+#include <chrono>
 #include <mutex>
 
 #include <absl/status/status.h>
-#include <absl/time/time.h>
 
-#include "server/jobs/results/result_store.h"
 #include "server/jobs/store/job_store.h"
+#include "server/jobs/work/work_place.h"
 #include "server/rpc/heartbeat.h"
 
 namespace tet {
@@ -17,9 +17,9 @@ namespace tet {
 class JobHealth {
  public:
   /// Both references must outlive it.
-  JobHealth(JobStore& jobs, const ResultStore& results);
+  JobHealth(JobStore& jobs, WorkPlace& place);
 
-  /// How writing went the last time. Errors: those of JobStore::probe and ResultStore::probe.
+  /// How writing went the last time. Errors: those of JobStore::probe and WorkPlace::check.
   absl::Status status() const;
 
  private:
@@ -28,10 +28,10 @@ class JobHealth {
   void learn(const absl::Status& found);
 
   JobStore& jobs_;
-  const ResultStore& results_;
+  WorkPlace& place_;
   mutable std::mutex mutex_;
   absl::Status status_;
-  absl::Time looked_ = absl::InfinitePast();
+  std::chrono::steady_clock::time_point looked_{};
   Heartbeat heartbeat_;  // last: it uses all of the above
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 
 #include <absl/status/statusor.h>
@@ -22,16 +23,31 @@ class JobJanitor {
   /// as `lease` are given so much time to be heard of again after the store did not answer.
   JobJanitor(JobStore& jobs, ResultStore& results, absl::Duration keep, absl::Duration lease);
 
+  /// How far this machine's clock is ahead of the store's, in seconds; 0 while that is not
+  /// known.
+  double clock_ahead_seconds() const { return clock_ahead_.load(); }
+
  private:
+  using Clock = std::chrono::steady_clock;
+
   void look_after_jobs();
+  bool look_at_clocks();
+  void compare(absl::Time store_now);
   void tell(const char* event, const absl::StatusOr<std::int64_t>& count);
   void tidy_up();
+  void hold(Clock::duration time);
 
   JobStore& jobs_;
   ResultStore& results_;
   const absl::Duration keep_, lease_;
-  absl::Time rescue_from_ = absl::InfinitePast();  ///< of the thread that looks often
-  std::atomic<bool> failing_{false};               ///< and that was logged
+  std::atomic<double> clock_ahead_{0};
+  std::atomic<Clock::time_point> act_from_{Clock::time_point::min()};  ///< nothing ends before
+  std::atomic<bool> failing_{false};                                   ///< and that was logged
+  // These belong to the thread that looks often.
+  bool differs_ = false;                                   ///< and that was logged
+  absl::Duration store_ahead_ = absl::InfiniteDuration();  ///< of our monotonic clock
+  // This belongs to the thread that looks seldom.
+  Clock::time_point tidy_from_ = Clock::time_point::min();
   Heartbeat often_, seldom_;
 };
 

@@ -32,6 +32,13 @@ void add_store(const StoreCounts& counts, std::vector<Reading>& readings) {
   readings.push_back(gauge("tetstream_job_oldest_ready_seconds",
                            "Age of the oldest job that has a shard ready.",
                            absl::ToDoubleSeconds(counts.oldest_ready_age)));
+  const auto add_workers = [&](const char* state, std::int64_t count) {
+    readings.push_back(labelled(
+        gauge("tetstream_workers", "Processes that do jobs and were heard of lately.", count),
+        "state", state));
+  };
+  add_workers("working", counts.workers - counts.troubled_workers);
+  add_workers("quarantined", counts.troubled_workers);
   readings.push_back(gauge("tetstream_job_determinism_alarms",
                            "Shards of the jobs that are kept that came with other bytes.",
                            counts.alarms));
@@ -46,6 +53,13 @@ void add_worker(const JobWorker& worker, std::vector<Reading>& readings) {
   add("done", worker.done_shards());
   add("failed", worker.failed_shards());
   add("lost", worker.lost_shards());
+  add("given_back", worker.given_back_shards());
+  readings.push_back(gauge("tetstream_worker_fit",
+                           "1, or 0 while this process does no jobs since it cannot.",
+                           worker.trouble().ok()));
+  readings.push_back(counter("tetstream_worker_quarantines_total",
+                             "Times that this process had to stop doing jobs.",
+                             worker.quarantines()));
 }
 
 void add_results(const ResultStats& results, std::vector<Reading>& readings) {
@@ -63,10 +77,15 @@ void add_results(const ResultStats& results, std::vector<Reading>& readings) {
 
 std::vector<Reading> read_jobs(JobStore& jobs,
                                const ResultStore& results,
+                               const JobJanitor& janitor,
                                const JobWorker& worker) {
   std::vector<Reading> readings;
   const auto counts = jobs.counts();
   if (counts.ok()) add_store(*counts, readings);
+  readings.push_back(
+      gauge("tetstream_clock_ahead_seconds",
+            "How far this host's clock is ahead of the clock of the jobs' database.",
+            janitor.clock_ahead_seconds()));
   add_worker(worker, readings);
   add_results(results.stats(), readings);
   return readings;

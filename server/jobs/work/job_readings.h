@@ -5,6 +5,7 @@
 
 #include "server/jobs/results/result_store.h"
 #include "server/jobs/store/job_store.h"
+#include "server/jobs/work/job_janitor.h"
 #include "server/jobs/work/job_worker.h"
 #include "server/ops/metrics.h"
 
@@ -13,6 +14,7 @@ namespace tet {
 /// Reads the metrics of jobs; a store that does not answer contributes none.
 std::vector<Reading> read_jobs(JobStore& jobs,
                                const ResultStore& results,
+                               const JobJanitor& janitor,
                                const JobWorker& worker);
 
 }  // namespace tet

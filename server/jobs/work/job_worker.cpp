@@ -4,8 +4,10 @@
 #include <chrono>
 #include <utility>
 
+#include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 
+#include "core/plan/mesh_request.h"
 #include "proto/convert/status.h"
 #include "server/jobs/store/store_errors.h"
 #include "server/ops/guard.h"
@@ -27,8 +29,17 @@ constexpr std::chrono::milliseconds kLook{500};
 /// A store that does not answer is asked again after this.
 constexpr absl::Duration kStorePause = absl::Milliseconds(500);
 
-/// A thread that has found no room waits before it tries the next shard.
-constexpr std::chrono::milliseconds kRoomPause{2000};
+/// What found no room is left to others for so long, who may have smaller meshes.
+constexpr absl::Duration kRoomPause = absl::Seconds(2);
+
+/// A worker that has something to do looks so often whether it is still the right place.
+constexpr std::chrono::seconds kBetweenPlaceLooks{5};
+
+/// So often a worker is heard of: well within kWorkerAlive.
+constexpr std::chrono::seconds kBetweenReports{10};
+
+/// Jobs whose first failing disk is remembered; then it begins anew.
+constexpr std::size_t kMostExcused = 10'000;
 
 /// False when a stop is requested, then or before.
 bool pause(const std::stop_token& stopping, std::chrono::milliseconds time) {
@@ -50,8 +61,11 @@ void log_trouble(const char* event, const ShardKey& shard, const absl::Status& s
 
 }  // namespace
 
-JobWorker::JobWorker(JobStore& jobs, ShardMaker& maker, JobWorkerSettings settings)
-    : jobs_(jobs), maker_(maker), settings_(std::move(settings)) {
+JobWorker::JobWorker(JobStore& jobs,
+                     ShardMaker& maker,
+                     WorkPlace& place,
+                     JobWorkerSettings settings)
+    : jobs_(jobs), maker_(maker), place_(place), settings_(std::move(settings)) {
   if (settings_.threads == 0) return;
   threads_.emplace_back([this](const std::stop_token& stopping) { claim_shards(stopping); });
   threads_.emplace_back([this](const std::stop_token& stopping) { beat(stopping); });
@@ -68,6 +82,7 @@ void JobWorker::stop() {
   for (const HeldShard& shard : held()) shard->watch->cancellation.cancel();
   threads_.clear();
   for (const HeldShard& shard : held()) jobs_.release(shard->lease.id).IgnoreError();
+  if (settings_.threads > 0) jobs_.leave(settings_.name).IgnoreError();
 }
 
 std::vector<JobWorker::HeldShard> JobWorker::held() {
@@ -77,8 +92,10 @@ std::vector<JobWorker::HeldShard> JobWorker::held() {
 
 // One shard for each thread is claimed ahead, so that none waits for the store.
 void JobWorker::claim_shards(const std::stop_token& stopping) {
+  report();
   while (wait_for_room(stopping)) {
     const std::uint64_t seen = jobs_.signal();
+    if (!is_fit(stopping)) continue;
     const auto claimed =
         guarded("a claim of shards", [&]() -> absl::StatusOr<bool> { return claim_some(); });
     if (!claimed.ok()) absl::SleepFor(kStorePause);
@@ -93,6 +110,49 @@ bool JobWorker::wait_for_room(const std::stop_token& stopping) {
          !stopping.stop_requested();
 }
 
+/// Whether anything may be claimed: looks now and then, and after each pause in quarantine.
+bool JobWorker::is_fit(const std::stop_token& stopping) {
+  using Clock = std::chrono::steady_clock;
+  const bool in_trouble = !quarantine_.trouble().ok();
+  if (in_trouble && !pause(stopping, absl::ToChronoMilliseconds(quarantine_.pause()))) {
+    return false;
+  }
+  if (!in_trouble && Clock::now() < looked_ + kBetweenPlaceLooks) return true;
+  looked_ = Clock::now();
+  const absl::Status found =
+      guarded("a worker's look at its place", [&] { return place_.check(); });
+  if (will_pass(found)) return true;  // whoever claims finds out, and waits
+  if (!found.ok()) {
+    keep_hands_off(found);
+    return false;
+  }
+  if (quarantine_.leave()) {
+    log_event(spdlog::level::info, "worker_back");
+    report();
+  }
+  return true;
+}
+
+void JobWorker::keep_hands_off(const absl::Status& why) {
+  if (!quarantine_.enter(why)) return;
+  log_event(spdlog::level::err, "worker_quarantined",
+            {{"reason", reason_of(why)}, {"message", std::string(why.message())}});
+  report();
+}
+
+/// The next of our version may have to go on with jobs that nobody else can.
+void JobWorker::report() {
+  contain("a worker's report", [&] {
+    const absl::Status trouble = quarantine_.trouble();
+    jobs_.report({settings_.name, kAlgorithmVersion, trouble}).IgnoreError();
+    if (!trouble.ok()) return;
+    const auto replanned = jobs_.replan(kAlgorithmVersion);
+    if (!replanned.ok() || *replanned == 0) return;
+    log_event(spdlog::level::warn, "jobs_replanned",
+              {{"count", *replanned}, {"algorithm", kAlgorithmVersion}});
+  });
+}
+
 /// False when there was nothing to claim.
 bool JobWorker::claim_some() {
   std::int64_t room = 2 * settings_.threads;
@@ -100,7 +160,7 @@ bool JobWorker::claim_some() {
     const std::lock_guard lock(mutex_);
     room -= std::ssize(held_);
   }
-  auto leases = jobs_.claim({settings_.name, room, settings_.lease});
+  auto leases = jobs_.claim({settings_.name, room, settings_.lease, kAlgorithmVersion});
   if (const bool failed = claims_fail_; (claims_fail_ = !leases.ok())) {
     if (!failed) log_trouble("claim_failed", {}, leases.status());
     absl::SleepFor(kStorePause);
@@ -131,7 +191,6 @@ void JobWorker::do_shards(const std::stop_token& stopping) {
         guarded("a shard", [&] { return maker_.run(shard->lease, shard->watch); });
     contain("the end of a shard", [&] { settle(shard, outcome, stopping); });
     let_go(shard);
-    if (ShardMaker::lacks_room(outcome)) pause(stopping, kRoomPause);
   }
 }
 
@@ -149,6 +208,7 @@ void JobWorker::settle(const HeldShard& shard,
   const LeaseId& lease = shard->lease.id;
   if (outcome.ok()) {
     done_.fetch_add(1);
+    quarantine_.worked();
     return;
   }
   const bool stopped = shard->watch->cancellation.requested();
@@ -157,9 +217,14 @@ void JobWorker::settle(const HeldShard& shard,
   } else if (stopped || reason_of(outcome) == "LEASE_LOST") {
     lost_.fetch_add(1);
     log_trouble("shard_lost", lease.shard, outcome);
-  } else if (ShardMaker::lacks_room(outcome)) {
-    log_trouble("shard_given_back", lease.shard, outcome);
-    give_back(lease, stopping);
+  } else if (const absl::Status own = own_trouble(shard, outcome); !own.ok()) {
+    log_trouble("shard_given_back", lease.shard, own);
+    // A store that does not answer is everybody's trouble.
+    const bool ours = !will_pass(own);
+    if (ours) keep_hands_off(own);
+    const bool no_room = ShardMaker::lacks_room(own);
+    give_back(lease, {in_our_name(own), no_room ? kRoomPause : absl::ZeroDuration()}, stopping);
+    if (ours) give_back_waiting(own, stopping);
   } else {
     failed_.fetch_add(1);
     log_trouble("shard_failed", lease.shard, outcome);
@@ -169,10 +234,52 @@ void JobWorker::settle(const HeldShard& shard,
   }
 }
 
+/// Why it is not the shard's fault that it failed; OK if that cannot be said. A file that is
+/// not there, or cannot be read, may be the job's trouble or ours: the store tells. A disk that
+/// fails though the store looks right is ours once a job; then it may be the job's file.
+absl::Status JobWorker::own_trouble(const HeldShard& shard, const absl::Status& outcome) {
+  if (ShardMaker::lacks_room(outcome)) return outcome;
+  const std::string reason = reason_of(outcome);
+  if (reason == "DECODER_UNAVAILABLE" || reason == "WRONG_STORE") return outcome;
+  const bool of_disk = reason == "DISK" || reason == "STORED_GRID_CORRUPT";
+  if (!of_disk && reason != "GRID_NOT_FOUND") return absl::OkStatus();
+  const absl::Status place = place_.check_store();
+  if (!place.ok()) return place;
+  if (reason != "DISK") return absl::OkStatus();
+  const std::lock_guard lock(mutex_);
+  if (excused_.size() >= kMostExcused) excused_.clear();
+  return excused_.insert(shard->lease.id.shard.job).second ? outcome : absl::OkStatus();
+}
+
+/// What the job tells of us.
+absl::Status JobWorker::in_our_name(const absl::Status& why) const {
+  absl::Status named(why.code(), absl::StrCat("worker ", settings_.name, ": ", why.message()));
+  why.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) {
+    named.SetPayload(type, payload);
+  });
+  return named;
+}
+
 /// The shard is not to blame: no attempt of it is used up, however long the store is down too.
-void JobWorker::give_back(const LeaseId& lease, const std::stop_token& stopping) {
-  while (will_pass(jobs_.release(lease)) && !stopping.stop_requested()) {
+void JobWorker::give_back(const LeaseId& lease,
+                          const GiveBack& how,
+                          const std::stop_token& stopping) {
+  given_back_.fetch_add(1);
+  while (will_pass(jobs_.release(lease, how)) && !stopping.stop_requested()) {
     pause(stopping, absl::ToChronoMilliseconds(kStorePause));
+  }
+}
+
+/// What was claimed ahead would only fail likewise.
+void JobWorker::give_back_waiting(const absl::Status& why, const std::stop_token& stopping) {
+  std::deque<HeldShard> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    waiting.swap(waiting_);
+  }
+  for (const HeldShard& shard : waiting) {
+    give_back(shard->lease.id, {in_our_name(why)}, stopping);
+    let_go(shard);
   }
 }
 
@@ -180,6 +287,7 @@ void JobWorker::beat(const std::stop_token& stopping) {
   using Clock = std::chrono::steady_clock;
   const auto interval = absl::ToChronoMilliseconds(settings_.lease / 3);
   auto due = Clock::now() + interval;
+  auto report_due = Clock::now() + kBetweenReports;
   std::uint64_t seen = jobs_.signal();
   while (pause(stopping, std::min(interval, kLook))) {
     const std::uint64_t signal = jobs_.signal();
@@ -193,6 +301,9 @@ void JobWorker::beat(const std::stop_token& stopping) {
       }
     });
     seen = signal;
+    if (Clock::now() < report_due) continue;
+    report_due = Clock::now() + kBetweenReports;
+    report();
   }
 }
 

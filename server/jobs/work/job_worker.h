@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -15,7 +16,9 @@
 #include <absl/time/time.h>
 
 #include "server/jobs/store/job_store.h"
+#include "server/jobs/work/quarantine.h"
 #include "server/jobs/work/shard_maker.h"
+#include "server/jobs/work/work_place.h"
 
 namespace tet {
 
@@ -29,9 +32,13 @@ struct JobWorkerSettings {
 /// cancelled for instance, it stops within half a second or so of hearing of it.
 /// The threads have a lower priority than any other of
 /// the process, so that whoever waits for a mesh gets the cores first.
+///
+/// A worker that cannot work does no harm: what failed for a reason of its own it gives back
+/// without using up an attempt, and it claims nothing until the place it works in is right
+/// again, for longer each time.
 class JobWorker {
  public:
-  JobWorker(JobStore& jobs, ShardMaker& maker, JobWorkerSettings settings);
+  JobWorker(JobStore& jobs, ShardMaker& maker, WorkPlace& place, JobWorkerSettings settings);
   ~JobWorker();
 
   /// Gives back what is claimed and not done; returns when no thread runs any more.
@@ -41,6 +48,10 @@ class JobWorker {
   std::int64_t done_shards() const { return done_.load(); }
   std::int64_t failed_shards() const { return failed_.load(); }
   std::int64_t lost_shards() const { return lost_.load(); }
+  std::int64_t given_back_shards() const { return given_back_.load(); }
+  std::int64_t quarantines() const { return quarantine_.count(); }
+  /// Why it takes nothing at present; OK while it does.
+  absl::Status trouble() const { return quarantine_.trouble(); }
 
  private:
   struct Held {
@@ -53,14 +64,20 @@ class JobWorker {
 
   void claim_shards(const std::stop_token& stopping);
   bool wait_for_room(const std::stop_token& stopping);
+  bool is_fit(const std::stop_token& stopping);
+  void keep_hands_off(const absl::Status& why);
   bool claim_some();
   void do_shards(const std::stop_token& stopping);
   void settle(const HeldShard& shard,
               const absl::Status& outcome,
               const std::stop_token& stopping);
-  void give_back(const LeaseId& lease, const std::stop_token& stopping);
+  absl::Status own_trouble(const HeldShard& shard, const absl::Status& outcome);
+  void give_back(const LeaseId& lease, const GiveBack& how, const std::stop_token& stopping);
+  void give_back_waiting(const absl::Status& why, const std::stop_token& stopping);
+  absl::Status in_our_name(const absl::Status& why) const;
   void let_go(const HeldShard& shard);
   void beat(const std::stop_token& stopping);
+  void report();
   void extend_leases();
   void look_at_leases();
   static void heed(const std::vector<HeldShard>& shards,
@@ -70,15 +87,20 @@ class JobWorker {
 
   JobStore& jobs_;
   ShardMaker& maker_;
+  WorkPlace& place_;
   const JobWorkerSettings settings_;
-  std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0};
+  std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0}, given_back_{0};
+  Quarantine quarantine_;
   std::atomic<bool> giving_back_{false};
-  bool claims_fail_ = false;  ///< and that was logged; of the thread that claims
+  // These belong to the thread that claims: whether that was logged, and when it looked.
+  bool claims_fail_ = false;
+  std::chrono::steady_clock::time_point looked_{};
 
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable_any changed_;
   std::deque<HeldShard> waiting_;  ///< claimed, and not begun
   std::set<HeldShard> held_;       ///< claimed, and not settled
+  std::set<std::string> excused_;  ///< jobs that met a failing disk of ours, and lost nothing
 
   std::vector<std::jthread> threads_;  // last: they use all of the above
 };

@@ -129,9 +129,9 @@ absl::Status ShardMaker::plan(const Shard& shard) {
 absl::Status ShardMaker::divide(const Shard& shard, std::int64_t blocks) {
   stored::JobPlan plan;
   plan.set_survey_block_bricks(block_bricks_);
-  const Plan shards{Phase::kCount, plan.SerializeAsString(), count_shards_of(blocks)};
-  return persist(shard.order.watch->cancellation,
-                 [&] { return jobs_.set_plan(shard.lease.id, shards); });
+  const Plan shards{Phase::kCount, plan.SerializeAsString(), count_shards_of(blocks),
+                    kAlgorithmVersion};
+  return commit(shard, [&] { return jobs_.set_plan(shard.lease.id, shards); });
 }
 
 absl::Status ShardMaker::survey(const Shard& shard) {
@@ -171,9 +171,7 @@ absl::StatusOr<std::shared_ptr<SharedSurvey>> ShardMaker::survey_of(const Shard&
 
 /// What can never be stored is not worth making.
 absl::Status ShardMaker::check_size(const MeshHeader& header) const {
-  const std::uint64_t bytes = ChunkSizes(header, whole_of(header)).total();
-  if (bytes <= results_.budget_bytes()) return absl::OkStatus();
-  return over_limit("bytes of the mesh, in result_bytes", bytes, results_.budget_bytes());
+  return results_.check_fits(ChunkSizes(header, whole_of(header)).total());
 }
 
 bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan) const {
@@ -182,9 +180,8 @@ bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan
 
 absl::Status ShardMaker::commit_plan(const Shard& shard, const stored::JobPlan& plan) {
   const Plan shards{Phase::kMesh, plan.SerializeAsString(),
-                    shards_of(plan.header().chunk_count())};
-  return persist(shard.order.watch->cancellation,
-                 [&] { return jobs_.set_plan(shard.lease.id, shards); });
+                    shards_of(plan.header().chunk_count()), kAlgorithmVersion};
+  return commit(shard, [&] { return jobs_.set_plan(shard.lease.id, shards); });
 }
 
 absl::Status ShardMaker::mesh(const Shard& shard) {
@@ -198,7 +195,11 @@ absl::Status ShardMaker::mesh(const Shard& shard) {
   }
   const auto planned = count(shard);
   if (!planned.ok()) return planned.status();
-  if (planned->mesh_id != mesh_id) return other_mesh(mesh_id, planned->mesh_id);
+  if (planned->mesh_id != mesh_id) {
+    // Versions that did not say whose plan it is.
+    if (!shard.job.algorithm.empty()) return other_mesh(mesh_id, planned->mesh_id);
+    return commit(shard, [&] { return jobs_.plan_anew(shard.lease.id); });
+  }
   const auto made = make_chunks(shard, *planned, **folder);
   if (!made.ok()) return made.status();
   const auto before = (*folder)->find_shard(chunks);
@@ -209,8 +210,15 @@ absl::Status ShardMaker::mesh(const Shard& shard) {
 
 absl::Status ShardMaker::commit_chunks(const Shard& shard,
                                        const std::vector<ChunkDigest>& digests) {
-  return persist(shard.order.watch->cancellation,
-                 [&] { return jobs_.complete(shard.lease.id, digests); });
+  return commit(shard, [&] { return jobs_.complete(shard.lease.id, digests); });
+}
+
+/// What was written into a folder that is no longer the store, or never was, is nobody's.
+absl::Status ShardMaker::commit(const Shard& shard, absl::FunctionRef<absl::Status()> tell) {
+  return persist(shard.order.watch->cancellation, [&] {
+    const absl::Status place = place_.check_store();
+    return place.ok() ? tell() : place;
+  });
 }
 
 absl::StatusOr<PlannedMesh> ShardMaker::count(const Shard& shard) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <absl/functional/function_ref.h>
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
@@ -15,6 +16,7 @@
 #include "server/jobs/store/job_store.h"
 #include "server/jobs/work/mesh_counter.h"
 #include "server/jobs/work/shared_survey.h"
+#include "server/jobs/work/work_place.h"
 #include "server/streams/mesh_engine.h"
 
 namespace tet {
@@ -28,10 +30,11 @@ namespace tet {
 /// Thread safety: any thread may call any member. What it refers to outlives it.
 class ShardMaker {
  public:
-  ShardMaker(MeshEngine& engine, JobStore& jobs, ResultStore& results)
+  ShardMaker(MeshEngine& engine, JobStore& jobs, ResultStore& results, WorkPlace& place)
       : engine_(engine),
         jobs_(jobs),
         results_(results),
+        place_(place),
         counter_(engine),
         block_bricks_(static_cast<std::int64_t>(engine.config.job_count_bricks)) {}
 
@@ -51,6 +54,7 @@ class ShardMaker {
   absl::Status divide(const Shard& shard, std::int64_t blocks);
   absl::Status survey(const Shard& shard);
   absl::Status mesh(const Shard& shard);
+  absl::Status commit(const Shard& shard, absl::FunctionRef<absl::Status()> tell);
   absl::Status commit_chunks(const Shard& shard, const std::vector<ChunkDigest>& digests);
   bool is_stored(const std::string& space, const stored::JobPlan& plan) const;
   absl::Status commit_plan(const Shard& shard, const stored::JobPlan& plan);
@@ -67,6 +71,7 @@ class ShardMaker {
   MeshEngine& engine_;
   JobStore& jobs_;
   ResultStore& results_;
+  WorkPlace& place_;
   MeshCounter counter_;
   const std::int64_t block_bricks_;
 };

@@ -47,7 +47,7 @@ class ResultStoreTest : public testing::Test {
 
   std::unique_ptr<ResultStore> open(std::uint64_t budget = 1 << 20,
                                     absl::Duration keep_damaged = absl::Hours(1)) {
-    return ResultStore::open(folder_.path(), budget, keep_damaged).value();
+    return ResultStore::open(folder_.path(), {budget, 0, keep_damaged}).value();
   }
   static std::shared_ptr<MeshFolder> use(ResultStore& store, const std::string& mesh) {
     return store.make({"default", mesh}).value();

@@ -20,6 +20,14 @@ class StoreHome {
   virtual std::vector<std::string> worker_arguments() const = 0;
 };
 
+/// Makes a store of today one of the first version.
+constexpr char kBackToTheFirst[] =
+    "DROP INDEX jobs_of_algorithm; DROP TABLE facts; DROP TABLE workers; "
+    "ALTER TABLE queue DROP COLUMN algorithm; ALTER TABLE jobs DROP COLUMN algorithm; "
+    "ALTER TABLE jobs DROP COLUMN replans; ALTER TABLE jobs DROP COLUMN given_back; "
+    "ALTER TABLE jobs DROP COLUMN trouble; DROP INDEX jobs_inputs; "
+    "ALTER TABLE jobs DROP COLUMN input; ";
+
 /// A new home, empty.
 using MakeHome = std::unique_ptr<StoreHome> (*)();
 
