@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <pthread.h>
 #include <string>
 #include <string_view>
@@ -26,6 +27,7 @@
 #include "server/rpc/grpc_log.h"
 #include "server/rpc/token_file.h"
 #include "server/server.h"
+#include "server/upkeep/upkeep_commands.h"
 #include "server/worker_process.h"
 
 namespace {
@@ -39,7 +41,7 @@ constexpr char kAbout[] =
     "  tetstreamd --store /var/lib/tetstream --store-bytes 200GiB\n"
     "  TETSTREAM_THREADS=8 tetstreamd --config /etc/tetstream.toml --print-config\n\n"
     "`tetstreamd worker` serves nobody: it does batch jobs for the servers whose --store and\n"
-    "--jobs it is given.\n\n"
+    "--jobs it is given. `backup`, `restore` and `check` take care of a store.\n\n"
     "SIGTERM and SIGINT let running calls finish for --drain-seconds. Exit codes: 0 done, 1 a\n"
     "setting was refused, 2 usage, 3 the server could not start.";
 
@@ -48,6 +50,8 @@ struct CommandLine {
   std::string config_file;
   bool print_config = false;
   bool worker = false;
+  std::optional<tet::Upkeep> upkeep;
+  std::string folder;  ///< of the backup
   std::string new_token;
 };
 
@@ -80,12 +84,31 @@ void declare_worker(CLI::App& app, CommandLine& line) {
   }
 }
 
+void declare_upkeep(CLI::App& app, CommandLine& line) {
+  const auto add = [&](const char* name, const char* help, tet::Upkeep what) {
+    CLI::App* const command = app.add_subcommand(name, help);
+    command->fallthrough()->callback([&line, what] { line.upkeep = what; });
+    for (const tet::Setting& setting : tet::settings()) {
+      const std::string_view key = setting.key;
+      if (key == "store" || key == "jobs") declare_setting(*command, setting, line);
+    }
+    if (what == tet::Upkeep::kCheck) return;
+    command->add_option("folder", line.folder, "folder of the backup")->required();
+  };
+  add("backup", "back the store up, or bring its backup up to date; servers may go on",
+      tet::Upkeep::kBackup);
+  add("restore", "make an empty store what a backup has", tet::Upkeep::kRestore);
+  add("check", "read all of a store, and say what is damaged (exit code 1)",
+      tet::Upkeep::kCheck);
+}
+
 void declare_options(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", "tetstreamd " TETSTREAM_VERSION);
   tet::add_manual_option(app, "8", "tetstream " TETSTREAM_VERSION);
   app.add_option("--config", line.config_file, "TOML file of settings (keys as --print-config)")
       ->envname("TETSTREAM_CONFIG");
   declare_worker(app, line);
+  declare_upkeep(app, line);
   app.add_flag("--print-config", line.print_config, "print the settings as TOML and exit");
   app.add_option("--new-token", line.new_token,
                  "make a token for NAME: print it to stderr, its entry of --tokens to stdout")
@@ -225,6 +248,7 @@ int main(int argc, char** argv) {
     std::cout << tet::to_toml(config);
     return kDone;
   }
+  if (line.upkeep) return tet::run_upkeep(*line.upkeep, config, line.folder);
   tet::start_logging(config.log_level);
   return line.worker ? work(config) : serve(config);
 }

@@ -16,7 +16,7 @@ CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "c
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
-          "server"]
+          "server/upkeep", "server"]
 CLIENT = ["client/library", "client/command", "client"]
 # What is installed: it may include the standard library, and itself as <tetstream/...>.
 PUBLIC = "client/library/include"
