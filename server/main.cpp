@@ -192,6 +192,7 @@ int serve(const tet::Config& config) {
   tet::log_event(spdlog::level::info, "serving",
                  {{"address", (*server)->address()},
                   {"metrics", (*server)->metrics_address()},
+                  {"http", (*server)->http_address()},
                   {"version", TETSTREAM_VERSION}});
   int signal = 0;
   sigwait(&signals, &signal);

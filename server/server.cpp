@@ -16,6 +16,7 @@
 #include "proto/wire/loopback.h"
 #include "proto/wire/transport.h"
 #include "server/grids/grid_service.h"
+#include "server/http/http_port.h"
 #include "server/jobs_in_server.h"
 #include "server/ops/guard.h"
 #include "server/ops/logging.h"
@@ -80,14 +81,14 @@ absl::StatusOr<std::unique_ptr<ServerTls>> open_tls(const Config& config) {
   return absl::InvalidArgumentError("tls_client_ca needs tls_cert and tls_key");
 }
 
-void warn_if_exposed(const Config& config) {
+void warn_if_exposed(const Config& config, const std::string& listen) {
   const bool plain = config.tls_cert.empty();
   const bool anyone = config.tokens.empty() && config.tls_client_ca.empty();
-  if (is_loopback(config.listen) || (!plain && !anyone)) return;
+  if (listen.empty() || is_loopback(listen) || (!plain && !anyone)) return;
   const char* const who = anyone ? "anyone who reaches this port may use it" : "";
   const char* const how = plain ? "what is sent, tokens too, can be read on the way" : "";
   log_event(spdlog::level::warn, "exposed",
-            {{"listen", config.listen},
+            {{"listen", listen},
              {"message", absl::StrCat(who, anyone && plain ? ", and " : "", how)}});
 }
 
@@ -111,6 +112,7 @@ struct Server::Parts {
   absl::Status open_jobs();
   bool listen();
   absl::Status open_metrics();
+  absl::Status open_http();
   void tell_health_of_jobs();
   std::string metrics_text() const;
 
@@ -132,6 +134,7 @@ struct Server::Parts {
   UnreadMessages unread;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsPort> metrics;
+  std::unique_ptr<HttpPort> http;         ///< its calls are the server's
   std::unique_ptr<Heartbeat> job_health;  ///< tells whoever asks after the service `jobs`
   int port = 0;
   bool stopped = false;
@@ -213,6 +216,14 @@ absl::Status Server::Parts::open_metrics() {
   return opened.status();
 }
 
+absl::Status Server::Parts::open_http() {
+  if (config.http_listen.empty()) return absl::OkStatus();
+  auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
+                                        [this] { return !admission.is_draining(); }});
+  if (opened.ok()) http = *std::move(opened);
+  return opened.status();
+}
+
 void Server::Parts::tell_health_of_jobs() {
   if (jobs == nullptr) return;
   const auto tell = [this] {
@@ -229,6 +240,9 @@ std::string Server::Parts::metrics_text() const {
       for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
     }
     for (Reading& reading : unread.readings()) readings.push_back(std::move(reading));
+    if (http != nullptr) {
+      for (Reading& reading : http->readings()) readings.push_back(std::move(reading));
+    }
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
   });
@@ -254,11 +268,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (!parts->listen()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
   }
+  if (const absl::Status opened = parts->open_http(); !opened.ok()) return opened;
   if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
   set_readiness(*parts->server, true);
   parts->tell_health_of_jobs();
-  warn_if_exposed(config);
+  warn_if_exposed(config, config.listen);
+  warn_if_exposed(config, config.http_listen);
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
 
@@ -275,6 +291,10 @@ int Server::port() const { return parts_->port; }
 
 std::string Server::metrics_address() const {
   return parts_->metrics == nullptr ? "" : parts_->metrics->address();
+}
+
+std::string Server::http_address() const {
+  return parts_->http == nullptr ? "" : parts_->http->address();
 }
 
 const MeshEngine& Server::engine() const { return parts_->engine; }
@@ -295,6 +315,8 @@ void Server::stop(std::chrono::seconds drain) {
     parts_->calls.cut();
     parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kGoodbye);
   }
+  parts_->metrics.reset();  // which reads the port that goes
+  parts_->http.reset();
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
   // gRPC is done; the last tasks of cancelled calls may not be.

@@ -26,6 +26,8 @@ class Server {
   int port() const;
   /// host:port of the metrics; empty if there are none.
   std::string metrics_address() const;
+  /// host:port of the page and of gRPC-Web; empty if there are none.
+  std::string http_address() const;
 
   /// Readiness turns to NOT_SERVING, new calls are refused, running ones may go on for `drain`;
   /// then they are handed back with kUnavailable, and a second later, where the client does not

@@ -223,6 +223,18 @@ const Setting kSettings[] = {
     text(&Config::metrics_listen,
          "metrics_listen",
          "host:port for metrics and health over HTTP; empty: none"),
+    text(&Config::http_listen,
+         "http_listen",
+         "host:port for browsers and curl: the page, gRPC-Web, JSON; empty: none"),
+    text(&Config::http_origins,
+         "http_origins",
+         "other origins whose pages may ask there, separated by commas"),
+    text(&Config::http_page, "http_page", "folder of the page's files; empty finds it"),
+    number(&Config::max_http_connections,
+           8,
+           100'000,
+           "max_http_connections",
+           "connections over HTTP at once"),
     text(&Config::port_file, "port_file", "write the chosen port to this file once serving"),
 };
 

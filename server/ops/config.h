@@ -61,6 +61,10 @@ struct Config {
   std::uint64_t drain_seconds = 30;
   std::string log_level = "info";
   std::string metrics_listen;
+  std::string http_listen;
+  std::string http_origins;
+  std::string http_page;
+  std::uint64_t max_http_connections = 1024;
   std::string port_file;
 
   bool has_jobs() const { return jobs != "off"; }

@@ -6,9 +6,9 @@
 #include <thread>
 #include <utility>
 
-#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_format.h>
+
+#include "server/ops/listen_address.h"
 
 namespace tet {
 
@@ -35,29 +35,6 @@ class BoundedQueue final : public httplib::TaskQueue {
   std::counting_semaphore<kConnections> room_{kConnections};
   httplib::ThreadPool pool_{kThreads};
 };
-
-struct Address {
-  std::string host;
-  int port = 0;
-};
-
-absl::StatusOr<Address> parse_address(const std::string& listen) {
-  const std::size_t colon = listen.rfind(':');
-  Address address;
-  if (colon != std::string::npos && colon > 0 &&
-      absl::SimpleAtoi(listen.substr(colon + 1), &address.port) && address.port >= 0 &&
-      address.port <= 65'535) {
-    address.host = listen.substr(0, colon);
-    return address;
-  }
-  return absl::InvalidArgumentError(
-      absl::StrFormat("metrics_listen \"%s\" is not host:port", listen));
-}
-
-/// Removes brackets, which only the text of an address with a port needs.
-std::string bare(const std::string& host) {
-  return host.size() > 2 && host.front() == '[' ? host.substr(1, host.size() - 2) : host;
-}
 
 // The library would let two servers share one port by chance.
 void reuse_address(socket_t socket) {
@@ -96,8 +73,8 @@ struct MetricsPort::Impl {
     if (thread.joinable()) thread.join();
   }
 
-  bool bind(const Address& asked) {
-    const std::string host = bare(asked.host);
+  bool bind(const ListenAddress& asked) {
+    const std::string host = asked.bare_host();
     const int port = asked.port == 0                         ? server.bind_to_any_port(host)
                      : server.bind_to_port(host, asked.port) ? asked.port
                                                              : -1;
@@ -113,7 +90,7 @@ struct MetricsPort::Impl {
 
 absl::StatusOr<std::unique_ptr<MetricsPort>> MetricsPort::open(const std::string& listen,
                                                                MetricsPages pages) {
-  const auto address = parse_address(listen);
+  const auto address = parse_listen_address("metrics_listen", listen);
   if (!address.ok()) return address.status();
   auto impl = std::make_unique<Impl>(std::move(pages));
   if (!impl->bind(*address)) {

@@ -5,13 +5,13 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_format.h>
 #include <absl/time/clock.h>
-#include <grpc/grpc_security_constants.h>
 #include <openssl/crypto.h>
 
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
 #include "server/ops/logging.h"
 #include "server/rpc/default_namespace.h"
+#include "server/rpc/forwarded.h"
 
 namespace tet {
 
@@ -68,10 +68,8 @@ std::string host_of(const std::string& peer) {
 }  // namespace
 
 std::string name_of_peer(const grpc::ServerContextBase& context) {
-  const auto subject =
-      context.auth_context()->FindPropertyValues(GRPC_X509_SUBJECT_PROPERTY_NAME);
-  if (subject.empty()) return host_of(context.peer());
-  return {subject.front().data(), subject.front().size()};
+  const ForwardedPeer peer = peer_of(context);
+  return peer.subject.empty() ? host_of(peer.address) : peer.subject;
 }
 
 absl::StatusOr<std::optional<Scope>> scope_of(std::string_view method) {

@@ -57,14 +57,6 @@ absl::StatusOr<PrivateKey> private_key(const std::string& path, const std::strin
       absl::StrCat(path, " holds no private key in PEM without a passphrase"));
 }
 
-std::string subject_of(const X509& certificate) {
-  const Bio text(BIO_new(BIO_s_mem()));
-  X509_NAME_print_ex(text.get(), X509_get_subject_name(&certificate), 0, XN_FLAG_RFC2253);
-  char* bytes = nullptr;
-  const long size = BIO_get_mem_data(text.get(), &bytes);
-  return {bytes, static_cast<std::size_t>(size)};
-}
-
 absl::Time end_of(const X509& certificate) {
   std::tm time{};
   ASN1_TIME_to_tm(X509_get0_notAfter(&certificate), &time);
@@ -117,6 +109,14 @@ class FetchedCredentials final : public grpc::ServerCredentials {
 
 }  // namespace
 
+std::string subject_of(const X509& certificate) {
+  const Bio text(BIO_new(BIO_s_mem()));
+  X509_NAME_print_ex(text.get(), X509_get_subject_name(&certificate), 0, XN_FLAG_RFC2253);
+  char* bytes = nullptr;
+  const long size = BIO_get_mem_data(text.get(), &bytes);
+  return {bytes, static_cast<std::size_t>(size)};
+}
+
 absl::StatusOr<TlsMaterial> load_tls(const TlsFiles& files) {
   TlsMaterial material;
   const auto read = [](const std::string& path, mode_t forbidden, std::string& text) {
@@ -149,6 +149,7 @@ absl::Status ServerTls::load() {
   if (!material.ok()) return material.status();
   material_ = *std::move(material);
   handed_out_ = false;
+  ++generation_;
   return absl::OkStatus();
 }
 
@@ -166,18 +167,32 @@ ServerTls::Reload ServerTls::fetch(void* self, grpc_ssl_server_certificate_confi
   return static_cast<ServerTls*>(self)->fetch(config);
 }
 
+/// Under the lock; whether there is something new.
+bool ServerTls::reload() {
+  if (!watch_.changed()) return false;
+  const absl::Status status = load();
+  if (status.ok()) {
+    log_certificate("tls_reloaded", material_);
+  } else {
+    log_event(spdlog::level::err, "tls_kept", {{"message", std::string(status.message())}});
+  }
+  return status.ok();
+}
+
+std::optional<TlsMaterial> ServerTls::newer_than(std::uint64_t& generation) {
+  const std::lock_guard lock(mutex_);
+  reload();
+  if (generation == generation_) return std::nullopt;
+  generation = generation_;
+  return material_;
+}
+
 // Called when the port opens and before each handshake.
 ServerTls::Reload ServerTls::fetch(grpc_ssl_server_certificate_config** config) {
   const std::lock_guard lock(mutex_);
-  if (watch_.changed()) {
-    if (const absl::Status status = load(); status.ok()) {
-      log_certificate("tls_reloaded", material_);
-      absl::SleepFor(kUntilHandshakeBegins);
-    } else {
-      log_event(spdlog::level::err, "tls_kept", {{"message", std::string(status.message())}});
-    }
-  }
+  reload();
   if (std::exchange(handed_out_, true)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+  if (generation_ > 1) absl::SleepFor(kUntilHandshakeBegins);
   // The library insists on roots; where it asks for no certificate it does nothing with them.
   const std::string& roots = files_.client_ca.empty() ? material_.cert : material_.client_ca;
   const grpc_ssl_pem_key_cert_pair pair{material_.key.c_str(), material_.cert.c_str()};

@@ -1,14 +1,17 @@
 // TLS for the listening port, from files that may be replaced while it serves.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <absl/status/statusor.h>
 #include <absl/time/time.h>
 #include <grpc/grpc_security.h>
 #include <grpcpp/security/server_credentials.h>
+#include <openssl/x509.h>
 
 #include "server/rpc/watched_file.h"
 
@@ -28,6 +31,9 @@ struct TlsMaterial {
   absl::Time expires;
 };
 
+/// Returns a certificate's subject (RFC 2253).
+std::string subject_of(const X509& certificate);
+
 /// Errors: kInvalidArgument (a file that cannot be read or is not what it should be, a key that
 /// others may read or that is another certificate's; the message names the file).
 absl::StatusOr<TlsMaterial> load_tls(const TlsFiles& files);
@@ -40,12 +46,17 @@ class ServerTls {
   /// Errors: those of load_tls.
   static absl::StatusOr<std::unique_ptr<ServerTls>> open(TlsFiles files);
 
+  /// Returns what the files hold, having looked for newer ones, unless the caller has it; then
+  /// `generation` is that of what is returned. It is 0 for a caller that has nothing.
+  std::optional<TlsMaterial> newer_than(std::uint64_t& generation);
+
   /// The server that uses them ends before `this`.
   std::shared_ptr<grpc::ServerCredentials> credentials();
 
  private:
   explicit ServerTls(TlsFiles files);
   absl::Status load();
+  bool reload();
 
   using Reload = grpc_ssl_certificate_config_reload_status;
   static Reload fetch(void* self, grpc_ssl_server_certificate_config** config);
@@ -55,6 +66,7 @@ class ServerTls {
   std::mutex mutex_;
   FileWatch watch_;
   TlsMaterial material_;
+  std::uint64_t generation_ = 0;  ///< grows with each load
   bool handed_out_ = false;
 };
 

@@ -7,6 +7,7 @@
 #include "proto/convert/status.h"
 #include "server/ops/logging.h"
 #include "server/ops/sieve.h"
+#include "server/rpc/forwarded.h"
 
 namespace tet {
 
@@ -40,7 +41,7 @@ class MessageWatch final : public grpc::experimental::Interceptor {
   void Intercept(InterceptorBatchMethods* methods) override {
     if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE) &&
         methods->GetRecvMessage() == nullptr) {
-      unread_.count_unreadable(call_.method(), call_.server_context()->peer());
+      unread_.count_unreadable(call_.method(), peer_of(*call_.server_context()).address);
       unread_one_ = true;
     }
     // gRPC itself would say UNIMPLEMENTED, without a word.

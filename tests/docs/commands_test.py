@@ -82,6 +82,7 @@ class Commands(ServerTest):
         starts_server = command.startswith("tetstreamd")
         address = f"127.0.0.1:{unused_port()}" if starts_server else self.address
         command = ADDRESS.sub(address, command)
+        command = re.sub(r"--http-listen \S+", "--http-listen 127.0.0.1:0", command)
         if starts_server:  # it stays until it is stopped: here it begins, and stops at once
             command += f"""
                 tries=0

@@ -14,7 +14,7 @@ CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "c
         "core/plan/brick", "core/plan/whole", "core/plan/joined", "core/plan/make",
         "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
-SERVER = ["server/ops", "server/rpc", "server/grids", "server/jobs/store", "server/meshing",
+SERVER = ["server/ops", "server/rpc", "server/http", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
           "server/upkeep", "server"]
 CLIENT = ["client/library", "client/command", "client"]

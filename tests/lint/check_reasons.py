@@ -13,7 +13,7 @@ LIST, TABLE = "proto/convert/reasons.h", "docs/errors.md"
 OF_CODES = {"CANCELLED", "DEADLINE_EXCEEDED", "INTERNAL"}
 # Text in capitals that is no reason.
 OTHER_TEXT = re.compile(r"TETSTREAM_.*|OTHER|CERTIFICATE|PRIVATE|NAME|UTF8|COMMIT|ROLLBACK|QUEUED|RUNNING|"
-                        r"SUCCEEDED|FAILED|EXPIRED|UNKNOWN|[A-Z]{1,3}")
+                        r"SUCCEEDED|FAILED|EXPIRED|UNKNOWN|DELETE|HEAD|OPTIONS|POST|[A-Z]{1,3}")
 LITERAL = re.compile(r'"([A-Z][A-Z0-9_]+)"')
 ROW = re.compile(r"^\| `([A-Z0-9_]+)` \|", re.MULTILINE)
 

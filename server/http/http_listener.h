@@ -1,0 +1,31 @@
+// A listening socket of the HTTP port.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/posix/descriptor.h"
+#include "server/ops/listen_address.h"
+
+namespace tet {
+
+struct HttpListener {
+  Descriptor descriptor;
+  std::string address;  ///< host:port, the port being the one that was really taken
+};
+
+/// Errors: kUnavailable (cannot listen there).
+absl::StatusOr<HttpListener> listen_for_http(const ListenAddress& address);
+
+struct AcceptedSocket {
+  Descriptor descriptor;
+  std::string peer;  ///< as gRPC writes it
+};
+
+/// Takes the next connection. Without a descriptor where there is none, or, as `exhausted` then
+/// says, no room for one in this process.
+AcceptedSocket accept_http(const Descriptor& listener, bool& exhausted);
+
+}  // namespace tet

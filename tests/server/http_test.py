@@ -1,0 +1,496 @@
+"""The HTTP port of a real server: gRPC-Web, JSON, uploads, and what strangers do to it.
+
+    TETSTREAM_BIN=build/release/bin python3 tests/server/http_test.py [unittest options]
+"""
+
+import base64
+import hashlib
+import http.client
+import json
+import os
+import pathlib
+import re
+import socket
+import ssl
+import struct
+import subprocess
+import tempfile
+import unittest
+
+from running_server import GENEROUS_END, RunningServer, binaries, wait_until
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+GRPC_WEB = {"Content-Type": "application/grpc-web+proto"}
+# StreamMeshRequest { mesh { name } }: written by hand, as this is a stock client of the wire.
+MESH_NAME = 1
+
+
+def field(number, data):
+    """A length-delimited field of protobuf."""
+    size, length = len(data), b""
+    while size > 127:
+        length += bytes([size & 127 | 128])
+        size >>= 7
+    return bytes([number << 3 | 2]) + length + bytes([size]) + data
+
+
+def framed(message):
+    return b"\0" + struct.pack(">I", len(message)) + message
+
+
+def frames(body):
+    """(messages, trailers) of an answer."""
+    messages, trailers = [], {}
+    while body:
+        size = struct.unpack(">I", body[1:5])[0]
+        content = body[5:5 + size]
+        if body[0] & 0x80:
+            trailers = dict(line.split(": ", 1) for line in content.decode().splitlines())
+        else:
+            messages.append(content)
+        body = body[5 + size:]
+    return messages, trailers
+
+
+class HttpTest(unittest.TestCase):
+    options = ()
+    host = "127.0.0.1"
+
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.folder = pathlib.Path(scratch.name)
+        cls.prepare()
+        cls.ball = cls.folder / "ball.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", "0.05", cls.ball], check=True)
+        cls.bytes = cls.ball.read_bytes()
+        cls.digest = hashlib.sha256(cls.bytes).hexdigest()
+        cls.server = cls.enterClassContext(RunningServer(
+            cls.folder / "store", "--http-listen", "127.0.0.1:0", *cls.options))
+        cls.port = int(cls.server.ready["http"].rsplit(":", 1)[1])
+
+    @classmethod
+    def prepare(cls):
+        """Makes the files that the options name."""
+
+    def connection(self):
+        connection = http.client.HTTPConnection(self.host, self.port, timeout=GENEROUS_END)
+        self.addCleanup(connection.close)
+        return connection
+
+    def ask(self, method, path, body=None, headers=None):
+        """(status, headers, body)."""
+        connection = self.connection()
+        connection.request(method, path, body, headers or {})
+        answer = connection.getresponse()
+        return answer.status, answer.headers, answer.read()
+
+    def json(self, method, path, body=None, headers=None):
+        """(status, what the answer says)."""
+        more = {"Content-Type": "application/json", **(headers or {})}
+        text = None if body is None else json.dumps(body)
+        status, _, answer = self.ask(method, path, text, more)
+        return status, json.loads(answer)
+
+    def call(self, method, message=b"", headers=None):
+        """(messages, trailers) of a call over gRPC-Web."""
+        status, _, body = self.ask("POST", f"/tetstream.v1.{method}", framed(message),
+                                   {**GRPC_WEB, **(headers or {})})
+        self.assertEqual(status, 200, body)
+        return frames(body)
+
+    def put(self, data, headers=None):
+        status, _, body = self.ask("PUT", f"/v1/grids/{self.digest}", data, headers)
+        return status, json.loads(body)
+
+    def mesh_request(self):
+        return field(MESH_NAME, field(1, f"grids/{self.digest}".encode()))
+
+    def raw(self, data, until_closed=True):
+        """What comes back for these bytes, until the server closes."""
+        with socket.create_connection((self.host, self.port), GENEROUS_END) as connection:
+            connection.sendall(data)
+            said = b""
+            while piece := connection.recv(65536):
+                said += piece
+                if not until_closed and b"\r\n\r\n" in said:
+                    break
+            return said
+
+    def samples(self):
+        return self.server.samples()
+
+
+class GrpcWeb(HttpTest):
+    def setUp(self):
+        self.assertEqual(self.put(self.bytes)[0], 200)
+
+    def test_a_mesh_comes_as_it_does_over_grpc(self):
+        messages, trailers = self.call("MeshService/StreamMesh", self.mesh_request())
+        self.assertEqual(trailers["grpc-status"], "0", trailers)
+        self.assertRegex(trailers["x-request-id"], "^[0-9a-f]{16}$")
+        chunks = [m for m in messages if m[0] == 3 << 3 | 2]
+        self.assertGreaterEqual(len(chunks), 1)
+        self.assertEqual(messages[-1][0], 4 << 3 | 2)  # the trailer
+        line = next(line for line in self.server.log("call")
+                    if line["request_id"] == trailers["x-request-id"])
+        self.assertEqual(line["client"], "127.0.0.1")
+        self.assertRegex(line["peer"], r"^ipv4:127\.0\.0\.1:\d+$")
+        self.assertEqual(line["status"], "OK")
+
+    def test_a_refusal_has_the_details_that_grpc_has(self):
+        request = field(MESH_NAME, field(1, b"grids/" + b"0" * 64))
+        messages, trailers = self.call("MeshService/StreamMesh", request)
+        self.assertEqual((messages, trailers["grpc-status"]), ([], "5"))
+        self.assertIn("grpc-message", trailers)
+        self.assertIn(b"GRID_NOT_FOUND", base64.b64decode(trailers["grpc-status-details-bin"]))
+
+    def test_the_callers_request_id_and_agent_reach_the_log(self):
+        self.call("MeshService/GetCapabilities", b"",
+                  {"x-request-id": "from-a-tab", "User-Agent": "a browser"})
+        line = next(line for line in self.server.log("call") if line["request_id"] == "from-a-tab")
+        self.assertEqual(line["user_agent"], "a browser")
+
+    def test_a_deadline_is_kept(self):
+        request = field(MESH_NAME, field(1, f"grids/{self.digest}".encode()) +
+                        b"\x19" + struct.pack("<d", 0.004))  # spacing: seconds of work
+        _, trailers = self.call("MeshService/StreamMesh", request, {"grpc-timeout": "20m"})
+        self.assertEqual(trailers["grpc-status"], "4", trailers)
+
+    def test_a_tab_that_closes_ends_its_call(self):
+        request = field(MESH_NAME, field(1, f"grids/{self.digest}".encode()) +
+                        b"\x19" + struct.pack("<d", 0.003))
+        connection = self.connection()
+        connection.request("POST", "/tetstream.v1.MeshService/StreamMesh", framed(request),
+                           {**GRPC_WEB, "x-request-id": "closing-tab"})
+        wait_until(lambda: self.samples()["tetstream_meshes_running"] == 1)
+        connection.close()
+        wait_until(lambda: [line for line in self.server.log("call")
+                            if line["request_id"] == "closing-tab"
+                            and line["status"] == "CANCELLED"])
+        wait_until(lambda: self.samples()["tetstream_meshes_running"] == 0)
+
+    def test_a_tab_that_stops_reading_holds_up_its_own_stream_only(self):
+        request = field(MESH_NAME, field(1, f"grids/{self.digest}".encode()) +
+                        b"\x19" + struct.pack("<d", 0.008) + b"\x28\x00")
+        stuck = self.connection()
+        stuck.request("POST", "/tetstream.v1.MeshService/StreamMesh", framed(request), GRPC_WEB)
+        answer = stuck.getresponse()
+        self.assertTrue(answer.read(5))  # it has begun, and is read no further
+        messages, trailers = self.call("MeshService/StreamMesh", self.mesh_request())
+        self.assertEqual(trailers["grpc-status"], "0")
+        self.assertTrue(messages)
+
+    def test_no_frame_but_one_message_is_taken(self):
+        for body in (b"", b"\0", b"\0\0\0\0\5abc", b"\0\0\0\0\0\0\0\0\0\0", b"\x80\0\0\0\0"):
+            with self.subTest(body=body):
+                status, _, answer = self.ask(
+                    "POST", "/tetstream.v1.MeshService/GetCapabilities", body, GRPC_WEB)
+                self.assertEqual((status, frames(answer)[1]["grpc-status"]), (200, "3"))
+        status, _, answer = self.ask("POST", "/tetstream.v1.MeshService/GetCapabilities",
+                                     b"\1\0\0\0\0", GRPC_WEB)
+        self.assertEqual(frames(answer)[1]["grpc-status"], "12")
+
+    def test_what_a_browser_cannot_send_is_refused(self):
+        for method in ("GridService/UploadGrid", "MeshService/RemeshSession"):
+            self.assertEqual(self.ask("POST", f"/tetstream.v1.{method}", framed(b""), GRPC_WEB)[0],
+                             501)
+        self.assertEqual(self.ask("POST", "/tetstream.v1.MeshService/No", framed(b""), GRPC_WEB)[0],
+                         404)
+        self.assertEqual(self.ask("POST", "/grpc.health.v1.Health/Check", framed(b""), GRPC_WEB)[0],
+                         404)
+
+
+class Json(HttpTest):
+    def test_a_jobs_life(self):
+        self.put(self.bytes)
+        status, job = self.json("POST", "/v1/jobs", {
+            "job": {"mesh": {"name": f"grids/{self.digest}"}, "labels": {"night": "1"}},
+            "requestId": "one"})
+        self.assertEqual(status, 200, job)
+        status, done = self.json("GET", f"/v1/{job['name']}:wait?timeout=300s")
+        self.assertEqual((status, done["state"]), (200, "JOB_STATE_SUCCEEDED"), done)
+        listed = self.json("GET", "/v1/jobs?pageSize=5")[1]["jobs"]
+        self.assertEqual([j["name"] for j in listed], [job["name"]])
+        filtered = self.json("POST", "/v1/jobs:list", {"filter": {"labels": {"night": "2"}}})[1]
+        self.assertNotIn("jobs", filtered)
+        self.assertEqual(self.json("DELETE", f"/v1/{job['name']}")[0], 200)
+        status, refused = self.json("GET", f"/v1/{job['name']}")
+        self.assertEqual((status, refused["error"]["reason"]), (404, "JOB_NOT_FOUND"))
+
+    def test_grids_and_estimates(self):
+        self.put(self.bytes)
+        name = f"grids/{self.digest}"
+        info = self.json("GET", f"/v1/{name}")[1]
+        self.assertEqual(info["grids"][0]["valueType"], "float")
+        estimate = self.json("POST", "/v1/meshes:estimate",
+                             {"mesh": {"name": name, "spacing": 0.1}})
+        self.assertEqual(estimate[0], 200, estimate)
+        self.assertGreater(int(estimate[1]["tetCount"]), 0)
+
+    def test_says_what_is_wrong_with_json(self):
+        for body, status in (("{", 400), ('{"no": 1}', 400), ("[]", 400),
+                             ("[" * 100 + "]" * 100, 400)):
+            got = self.ask("POST", "/v1/jobs", body, {"Content-Type": "application/json"})
+            self.assertEqual(got[0], status)
+            self.assertTrue(json.loads(got[2])["error"]["message"])
+        self.assertEqual(self.ask("POST", "/v1/jobs", "{}", {"Content-Type": "text/plain"})[0], 415)
+        self.assertEqual(self.ask("DELETE", "/v1/jobs")[0], 405)
+        self.assertEqual(self.ask("GET", "/v1/nothing")[0], 404)
+        self.assertEqual(self.ask("GET", "/v1/jobs?pageSize=1&pageSize=2")[0], 400)
+
+    def test_openapi_knows_every_unary_method_and_field(self):
+        document = self.json("GET", "/v1/openapi.json")[1]
+        methods = {operation["x-grpc-method"] for path in document["paths"].values()
+                   for operation in path.values()}
+        protos = pathlib.Path(__file__).resolve().parents[2] / "proto" / "tetstream" / "v1"
+        unary = set()
+        for proto in ("grids", "meshes", "jobs"):
+            text = (protos / f"{proto}.proto").read_text()
+            service = text.split("service ")[1].split(" ")[0]
+            for line in text.splitlines():
+                words = line.split("rpc ")
+                if len(words) == 2 and not line.lstrip().startswith("//") and "stream " not in line:
+                    unary.add(f"tetstream.v1.{service}.{words[1].split('(')[0]}")
+        self.assertEqual(methods - {"tetstream.v1.GridService.UploadGrid"}, unary)
+        schemas = document["components"]["schemas"]
+        self.assertIn("nextPageToken", schemas["tetstream.v1.ListJobsResponse"]["properties"])
+        references = [text.split('"')[0]
+                      for text in json.dumps(document).split("#/components/schemas/")[1:]]
+        self.assertEqual({r for r in references if r not in schemas}, set())
+
+
+class Uploads(HttpTest):
+    def test_a_file_in_parts_is_taken_up_where_it_ended(self):
+        half = len(self.bytes) // 2
+        total = len(self.bytes)
+        status, said = self.put(self.bytes[:half], {"Content-Range": f"bytes 0-{half - 1}/{total}"})
+        self.assertEqual((status, int(said["committedSize"])), (200, half), said)
+        status, said = self.json("GET", f"/v1/grids/{self.digest}:upload")
+        self.assertEqual(int(said["committedSize"]), half)
+        status, said = self.put(self.bytes[half:],
+                                {"Content-Range": f"bytes {half}-{total - 1}/{total}"})
+        self.assertEqual((status, said.get("complete")), (200, True), said)
+        status, said = self.put(self.bytes)  # stored already: the bytes need not come
+        self.assertEqual((status, said.get("complete")), (200, True), said)
+
+    def test_curl_puts_a_file(self):
+        other = self.folder / "other.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", "0.02", other], check=True)
+        digest = hashlib.sha256(other.read_bytes()).hexdigest()
+        made = subprocess.run(
+            ["curl", "-sS", "-T", other, f"http://{self.host}:{self.port}/v1/grids/{digest}"],
+            capture_output=True, text=True, timeout=GENEROUS_END, check=True)
+        self.assertTrue(json.loads(made.stdout)["complete"], made.stdout)
+
+    def test_the_documents_commands_do_what_they_say(self):
+        text = (ROOT / "docs" / "browser.md").read_text()
+        script = re.search(r"^```bash\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[1]
+        subprocess.run([binaries() / "make_fixture", "torus", "0.1", self.folder / "scan.vdb"], check=True)
+        script = script.replace("127.0.0.1:8080", f"{self.host}:{self.port}")
+        done = subprocess.run(["bash", "-ec", script.replace("curl ", "curl -sS --fail-with-body ")],
+                              cwd=self.folder, capture_output=True, text=True, timeout=GENEROUS_END, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual((answers[0]["complete"], answers[3]["state"]), (True, "JOB_STATE_QUEUED"))
+
+    def test_the_document_has_every_path(self):
+        text = (ROOT / "docs" / "browser.md").read_text()
+        document = self.json("GET", "/v1/openapi.json")[1]
+        for path, operations in document["paths"].items():
+            for verb in operations:
+                shown = path.replace("/grids/{id}", "/grids/{sha256}")
+                self.assertIn(f"`{verb.upper()} {shown}`", text)
+
+    def test_wrong_bytes_and_ranges_are_refused(self):
+        self.assertEqual(self.ask("PUT", "/v1/grids/" + "0" * 64, b"not these")[0], 400)
+        for content_range in ("bytes 0-1/2", "bytes 1-0/9", "0-8/9", "bytes 0-8/9 ", "bytes 0-8/*"):
+            status = self.ask("PUT", "/v1/grids/" + "1" * 64, b"x" * 8,
+                              {"Content-Range": content_range})[0]
+            self.assertEqual(status, 400, content_range)
+        self.assertEqual(self.ask("PUT", "/v1/grids/../etc", b"x")[0], 400)
+
+
+class Strangers(HttpTest):
+    """What no browser of ours does."""
+
+    options = ("--stall-seconds", "3", "--max-http-connections", "64")
+
+    def status_of(self, data):
+        return int(self.raw(data).split(b" ", 2)[1])
+
+    def test_no_request_is_read_in_two_ways(self):
+        get = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+        for head, status in (
+                (get + b"Content-Length: 1\r\nContent-Length: 2\r\n\r\n", 400),
+                (get + b"Content-Length: 0\r\nTransfer-Encoding: chunked\r\n\r\n", 501),
+                (get + b"Transfer-Encoding: xchunked\r\n\r\n", 501),
+                (get + b"Content-Length: +1\r\n\r\n", 400),
+                (get + b"Content-Length: 1e2\r\n\r\n", 400),
+                (get + b"Content-Length: 99999999999999999999\r\n\r\n", 400),
+                (get + b"X: a\r\n folded\r\n\r\n", 400),
+                (get + b"X : a\r\n\r\n", 400),
+                (get + b"X: a\nY: b\r\n\r\n", 400),
+                (get + b"X: \0\r\n\r\n", 400),
+                (get + b"Host: other\r\n\r\n", 400),
+                (b"GET /healthz HTTP/1.1\r\n\r\n", 400),
+                (b"GET /healthz HTTP/1.0\r\nHost: a\r\n\r\n", 505),
+                (b"GET http://a/ HTTP/1.1\r\nHost: a\r\n\r\n", 400),
+                (b"GET  /healthz HTTP/1.1\r\nHost: a\r\n\r\n", 400),
+                (b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", 505)):
+            with self.subTest(head=head):
+                self.assertEqual(self.status_of(head), status)
+
+    def test_heads_have_an_end(self):
+        get = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+        self.assertEqual(self.status_of(get + b"X: " + b"a" * 20000 + b"\r\n\r\n"), 431)
+        self.assertEqual(self.status_of(get + b"A: b\r\n" * 100 + b"\r\n"), 431)
+        self.assertEqual(self.status_of(b"GET /" + b"a" * 5000 + b" HTTP/1.1\r\nHost: a\r\n\r\n"), 414)
+
+    def test_bodies_have_an_end(self):
+        status, _, body = self.ask("POST", "/v1/jobs", None, {
+            "Content-Type": "application/json", "Content-Length": str(1 << 40)})
+        self.assertEqual(status, 413, body)
+
+    def test_a_slow_sender_is_not_waited_for(self):
+        said = self.raw(b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                        b"Content-Type: application/json\r\nContent-Length: 100\r\n\r\n{")
+        self.assertIn(b" 408 ", said.split(b"\r\n")[0])
+
+    def test_idle_connections_harm_nobody(self):
+        before = len(os.listdir(f"/proc/{self.server.process.pid}/task"))
+        idle = []
+        for _ in range(1000):
+            connection = socket.create_connection((self.host, self.port), GENEROUS_END)
+            idle.append(connection)
+            self.addCleanup(connection.close)
+        self.assertEqual(self.ask("GET", "/healthz")[0], 200)
+        self.assertLessEqual(self.samples()["tetstream_http_connections"], 64)
+        after = len(os.listdir(f"/proc/{self.server.process.pid}/task"))
+        self.assertLess(after, before + 32)
+
+    def test_requests_behind_each_other_are_answered_in_turn(self):
+        get = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+        said = self.raw((get + b"\r\n") * 500 + get + b"Connection: close\r\n\r\n")
+        self.assertEqual(said.count(b"HTTP/1.1 200 OK"), 501)
+
+    def test_every_answer_says_what_a_page_may_do(self):
+        for path in ("/healthz", "/nothing", "/v1/openapi.json", "/v1/jobs"):
+            _, headers, _ = self.ask("GET", path)
+            self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertIsNone(headers["Set-Cookie"])
+            self.assertIsNone(headers["Access-Control-Allow-Origin"])
+
+    def test_pages_from_elsewhere_may_not_ask(self):
+        for headers, status in (({"Origin": "https://evil.example"}, 403),
+                                ({"Origin": "null"}, 403),
+                                ({"Host": "evil.example"}, 421),
+                                ({"Origin": "http://evil.example", "Host": "evil.example"}, 421),
+                                ({"Origin": f"http://127.0.0.1:{self.port}"}, 200)):
+            with self.subTest(headers=headers):
+                self.assertEqual(self.ask("GET", "/healthz", None, headers)[0], status)
+        self.assertEqual(self.ask("OPTIONS", "/v1/jobs", None, {"Origin": "https://a.example"})[0],
+                         403)
+
+    def test_nobody_can_say_that_a_call_is_forwarded(self):
+        status, _, _ = self.ask("GET", "/v1/capabilities", None, {
+            "x-request-id": "forged", "tetstream-forwarded-proof": "0" * 64,
+            "tetstream-forwarded-address": "ipv4:6.6.6.6:1"})
+        self.assertEqual(status, 200)
+        line = next(line for line in self.server.log("call") if line["request_id"] == "forged")
+        self.assertEqual(line["client"], "127.0.0.1")
+
+
+class OtherOrigins(HttpTest):
+    options = ("--http-origins", "https://farm.example, http://other.example:8080")
+
+    def test_those_that_are_named_may_ask_and_read(self):
+        status, headers, _ = self.ask("OPTIONS", "/v1/jobs", None, {"Origin": "https://farm.example"})
+        self.assertEqual((status, headers["Access-Control-Allow-Origin"]),
+                         (200, "https://farm.example"))
+        status, headers, _ = self.ask("GET", "/v1/capabilities", None,
+                                      {"Origin": "http://other.example:8080"})
+        self.assertEqual((status, headers["Access-Control-Allow-Origin"]),
+                         (200, "http://other.example:8080"))
+        self.assertEqual(self.ask("GET", "/healthz", None, {"Origin": "http://farm.example"})[0], 403)
+
+
+class TokensAndTls(HttpTest):
+    """The rules of gRPC's port, with the same files."""
+
+    options = ("--tls-cert", "server.pem", "--tls-key", "server.key", "--tokens", "tokens.toml")
+
+    @classmethod
+    def prepare(cls):
+        subprocess.run(
+            "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=ours "
+            "-addext subjectAltName=IP:127.0.0.1 -keyout server.key -out server.pem".split(),
+            cwd=cls.folder, check=True, capture_output=True)
+        made = subprocess.run([binaries() / "tetstreamd", "--new-token", "alice"],
+                              capture_output=True, text=True, check=True)
+        cls.token = made.stderr.splitlines()[-1]
+        (cls.folder / "tokens.toml").write_text(made.stdout)
+        (cls.folder / "tokens.toml").chmod(0o600)
+        cls.options = tuple(str(cls.folder / option) if "." in option else option
+                            for option in cls.options)
+
+    def connection(self):
+        context = ssl.create_default_context(cafile=self.folder / "server.pem")
+        connection = http.client.HTTPSConnection(self.host, self.port, timeout=GENEROUS_END,
+                                                 context=context)
+        self.addCleanup(connection.close)
+        return connection
+
+    def bearer(self, token=None):
+        return {"Authorization": f"Bearer {token or self.token}"}
+
+    def test_a_token_is_asked_for(self):
+        status, said = self.json("GET", "/v1/grids")
+        self.assertEqual((status, said["error"]["reason"]), (401, "TOKEN_MISSING"))
+        status, said = self.json("GET", "/v1/grids", headers=self.bearer("wrong"))
+        self.assertEqual((status, said["error"]["reason"]), (401, "TOKEN_UNKNOWN"))
+        self.assertEqual(self.json("GET", "/v1/grids", headers=self.bearer())[0], 200)
+        self.assertEqual(self.ask("GET", "/metrics")[0], 401)
+        status, _, body = self.ask("GET", "/metrics", None, self.bearer())
+        self.assertEqual(status, 200)
+        self.assertIn(b"tetstream_http_connections", body)
+
+    def test_a_file_and_its_mesh_go_over_tls(self):
+        self.assertEqual(self.put(self.bytes, self.bearer())[0], 200)
+        messages, trailers = self.call("MeshService/StreamMesh", self.mesh_request(), self.bearer())
+        self.assertEqual(trailers["grpc-status"], "0")
+        self.assertEqual(messages[-1][0], 4 << 3 | 2)
+        line = next(line for line in self.server.log("call") if line["method"] == "StreamMesh")
+        self.assertEqual(line["client"], "alice")
+
+    def test_plain_http_and_broken_handshakes_end(self):
+        for data in (b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\x16\x03\x01\xff\xff" + b"a" * 999):
+            try:
+                self.assertNotIn(b"HTTP", self.raw(data))
+            except ConnectionResetError:
+                pass  # without an answer, too
+        self.assertEqual(self.json("GET", "/v1/grids", headers=self.bearer())[0], 200)
+
+    def test_a_replaced_certificate_is_taken(self):
+        before = ssl.get_server_certificate((self.host, self.port))
+        for old in ("server.key", "server.pem"):
+            (self.folder / old).unlink()
+        subprocess.run(
+            "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=ours "
+            "-addext subjectAltName=IP:127.0.0.1 -keyout server.key -out server.pem".split(),
+            cwd=self.folder, check=True, capture_output=True)
+        wait_until(lambda: ssl.get_server_certificate((self.host, self.port)) != before)
+
+
+class HttpDraining(HttpTest):
+    def test_says_so_and_ends(self):
+        self.assertEqual(self.ask("GET", "/readyz")[0], 200)
+        idle = self.connection()
+        idle.connect()
+        self.assertEqual(self.server.terminate(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
