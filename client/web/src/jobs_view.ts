@@ -1,0 +1,137 @@
+// The view of batch jobs: listed once, then kept up to date by what the server tells.
+import { create } from "@bufbuild/protobuf";
+import { EmptySchema } from "@bufbuild/protobuf/wkt";
+import { CancelJobRequestSchema, DeleteJobRequestSchema, GetJobRequestSchema, JobChange, JobEventSchema, JobSchema,
+  JobState, ListJobsRequestSchema, ListJobsResponseSchema, RetryJobRequestSchema, WatchJobsRequestSchema,
+  type Job } from "../generated/tetstream/v1/jobs_pb";
+import { alertOf, element, explain, made, options } from "./page";
+import { kOutOfRange, RpcError, stream, unary } from "./rpc";
+
+// How long until a watch that broke is taken up; doubled each time, up to the second.
+const kRetryMs = 500, kMostRetryMs = 10_000;
+
+export class JobsView {
+  private jobs = new Map<string, Job>();
+  private watching?: AbortController;
+
+  constructor(private readonly show: (job: string) => void) {
+    const states = element<HTMLSelectElement>("job-state");
+    for (const [name, value] of Object.entries(JobState)) {
+      if (typeof value === "number" && value > 0) states.append(new Option(name.toLowerCase(), String(value)));
+    }
+    element("job-filter").addEventListener("submit", (event) => event.preventDefault());
+    for (const id of ["job-state", "job-label"]) element(id).addEventListener("input", () => this.draw());
+  }
+
+  open(): void {
+    if (!this.watching) void this.watch((this.watching = new AbortController()));
+  }
+
+  close(): void {
+    this.watching?.abort();
+    this.watching = undefined;
+  }
+
+  private async watch(mine: AbortController): Promise<void> {
+    let wait = kRetryMs;
+    let revision: bigint | undefined;
+    while (!mine.signal.aborted) {
+      try {
+        revision ??= await this.list(mine.signal);
+        element("watch-state").textContent = "live";
+        const request = create(WatchJobsRequestSchema, { afterRevision: revision });
+        for await (const event of stream("JobService/WatchJobs", WatchJobsRequestSchema, request, JobEventSchema,
+          options({ signal: mine.signal }))) {
+          revision = event.revision;
+          wait = kRetryMs;
+          if (event.change === JobChange.DELETED) this.jobs.delete(event.name);
+          else await this.fetch(event.name, mine.signal);
+          this.draw();
+        }
+      } catch (error) {
+        if (mine.signal.aborted) return;
+        if (error instanceof RpcError && error.code === kOutOfRange) revision = undefined;
+        element("watch-state").textContent = explain(error);
+        await new Promise((done) => setTimeout(done, wait));
+        wait = Math.min(wait * 2, kMostRetryMs);
+      }
+    }
+  }
+
+  private async list(signal: AbortSignal): Promise<bigint> {
+    const answer = await unary("JobService/ListJobs", ListJobsRequestSchema,
+      create(ListJobsRequestSchema, { pageSize: 200 }), ListJobsResponseSchema, options({ signal }));
+    this.jobs = new Map(answer.jobs.map((job) => [job.name, job]));
+    this.draw();
+    return answer.revision;
+  }
+
+  private async fetch(name: string, signal: AbortSignal): Promise<void> {
+    try {
+      this.jobs.set(name, await unary("JobService/GetJob", GetJobRequestSchema, create(GetJobRequestSchema, { name }),
+        JobSchema, options({ signal })));
+    } catch (error) {
+      if (!(error instanceof RpcError) || error.reason !== "JOB_NOT_FOUND") throw error;
+      this.jobs.delete(name);  // deleted before we asked
+    }
+  }
+
+  private wanted(job: Job): boolean {
+    const state = element<HTMLSelectElement>("job-state").value;
+    const [key, value] = element<HTMLInputElement>("job-label").value.split("=");
+    return (!state || job.state === Number(state)) &&
+      (!key || (key in job.labels && (!value || job.labels[key] === value)));
+  }
+
+  private draw(): void {
+    const shown = [...this.jobs.values()].filter((job) => this.wanted(job)).sort((a, b) => (a.name < b.name ? 1 : -1));
+    element("job-rows").replaceChildren(...shown.map((job) => this.row(job)));
+  }
+
+  private row(job: Job): HTMLTableRowElement {
+    const row = made("tr");
+    row.dataset["job"] = job.name;
+    const state = JobState[job.state]!.toLowerCase();
+    row.dataset["state"] = state;
+    made("td", job.displayName || job.name.slice(5), row);
+    const cell = made("td", job.cached ? `${state} (stored)` : state, row);
+    if (job.error) made("span", job.error.message, cell).className = "error";
+    const chunks = made("td", "", row);
+    const done = Number(job.progress?.doneChunks ?? 0), all = Number(job.progress?.chunkCount ?? 0);
+    const bar = made("progress", "", chunks);
+    bar.max = Math.max(all, 1);
+    bar.value = done;
+    bar.setAttribute("aria-label", `Chunks of ${job.name}`);
+    made("span", ` ${done}/${all}`, chunks);
+    made("td", Object.entries(job.labels).map(([k, v]) => `${k}=${v}`).join(", "), row);
+    this.addButtons(job, made("td", "", row));
+    return row;
+  }
+
+  private addButtons(job: Job, cell: HTMLTableCellElement): void {
+    const button = (text: string, act: () => Promise<unknown>): void => {
+      const node = made("button", text, cell);
+      node.type = "button";
+      node.setAttribute("aria-label", `${text} ${job.displayName || job.name}`);
+      node.addEventListener("click", () => {
+        alertOf("");
+        act().catch((error) => alertOf(explain(error)));
+      });
+    };
+    const name = job.name;
+    if (job.state === JobState.SUCCEEDED) {
+      button("Look", async () => this.show(name));
+    }
+    if (job.state === JobState.QUEUED || job.state === JobState.RUNNING) {
+      button("Cancel", () => unary("JobService/CancelJob", CancelJobRequestSchema,
+        create(CancelJobRequestSchema, { name }), JobSchema, options()));
+      return;
+    }
+    if (job.state !== JobState.SUCCEEDED) {
+      button("Retry", () => unary("JobService/RetryJob", RetryJobRequestSchema,
+        create(RetryJobRequestSchema, { name }), JobSchema, options()));
+    }
+    button("Delete", () => unary("JobService/DeleteJob", DeleteJobRequestSchema,
+      create(DeleteJobRequestSchema, { name }), EmptySchema, options()));
+  }
+}

@@ -1,0 +1,366 @@
+// The view that meshes: choose, estimate, watch it come, look into it, save it.
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
+import { GetGridInfoRequestSchema, GridFileSchema, ListGridsRequestSchema, ListGridsResponseSchema,
+  type GridInfo } from "../generated/tetstream/v1/grids_pb";
+import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
+import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, MeshRequestSchema, Preset, StreamMeshRequestSchema,
+  type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
+import type { FromWorker, ToWorker } from "./mesh_worker";
+import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
+import { RpcError, unary } from "./rpc";
+import { sceneNames, sceneOf } from "./scenes";
+import { upload } from "./upload";
+import { Viewer } from "./viewer";
+
+// Degrees that every angle of a preset keeps: GetCapabilities says them.
+export type Promises = Map<Preset, { low: number; high: number }>;
+
+export class MeshView {
+  private readonly viewer = new Viewer(element<HTMLCanvasElement>("canvas"));
+  private readonly worker = new Worker(new URL("./mesh_worker.ts", import.meta.url), { type: "module" });
+  private name = "";
+  private file = "";
+  private grids: GridInfo[] = [];
+  private header?: MeshHeader;
+  private estimating?: AbortController;
+  private drawnFirst = 0;
+
+  constructor(private readonly promises: () => Promises) {
+    this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
+    for (const name of sceneNames()) made("option", name, element("scene"));
+    const drop = element("drop");
+    drop.addEventListener("dragover", (event) => {
+      event.preventDefault();
+      drop.classList.add("over");
+    });
+    drop.addEventListener("dragleave", () => drop.classList.remove("over"));
+    drop.addEventListener("drop", (event) => {
+      event.preventDefault();
+      drop.classList.remove("over");
+      const file = event.dataTransfer?.files[0];
+      if (file) void this.guard(() => this.takeFile(file));
+    });
+    const on = (id: string, event: string, act: () => unknown): void =>
+      element(id).addEventListener(event, () => void this.guard(async () => act()));
+    on("file", "change", () => {
+      const file = element<HTMLInputElement>("file").files?.[0];
+      return file && this.takeFile(file);
+    });
+    on("stored", "change", () => this.choose(element<HTMLSelectElement>("stored").value, ""));
+    on("scene", "change", () => this.chooseScene());
+    for (const id of ["grid", "spacing", "levels", "both"]) on(id, "input", () => this.estimate());
+    element("mesh-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.guard(async () => this.start());
+    });
+    on("stop", "click", () => this.cancel());
+    on("submit", "click", () => this.submitJob());
+    for (const id of ["colour", "cut-axis", "cut-at"]) on(id, "input", () => this.redraw());
+    on("save-vtu", "click", () => this.send({ kind: "save", format: "vtu" }));
+    on("save-stl", "click", () => this.send({ kind: "save", format: "stl" }));
+  }
+
+  async refresh(): Promise<void> {
+    const answer = await unary("GridService/ListGrids", ListGridsRequestSchema,
+      create(ListGridsRequestSchema, { pageSize: 200 }), ListGridsResponseSchema, options());
+    const stored = element<HTMLSelectElement>("stored");
+    const chosen = stored.value;
+    stored.replaceChildren(new Option("none chosen", ""),
+      ...answer.files.map((f) => new Option(`${f.name.slice(6, 18)}… (${sizeOf(Number(f.sizeBytes))})`, f.name)));
+    stored.value = chosen;
+  }
+
+  /** Draws the mesh that a job has made. */
+  showJob(name: string): void {
+    this.begin("JobService/ReadJobResult",
+      toBinary(ReadJobResultRequestSchema, create(ReadJobResultRequestSchema, { name })));
+  }
+
+  private async guard(act: () => Promise<unknown>): Promise<void> {
+    try {
+      alertOf("");
+      await act();
+    } catch (error) {
+      alertOf(explain(error));
+    }
+  }
+
+  private send(message: ToWorker): void {
+    this.worker.postMessage(message);
+  }
+
+  private async takeFile(file: File): Promise<void> {
+    if (/\.(stl|obj|ply|off)$/i.test(file.name)) {
+      throw new Error(`${file.name} is a surface, and the server meshes volumes: ` +
+        `tetstream convert ${file.name} -o volume.vdb makes one`);
+    }
+    const name = await upload(file, (text) => (element("status").textContent = text));
+    element("status").textContent = `${file.name} is stored`;
+    await this.refresh();
+    element<HTMLSelectElement>("stored").value = name;
+    await this.choose(name, file.name);
+  }
+
+  private async choose(name: string, file: string): Promise<void> {
+    this.name = name;
+    this.file = file;
+    this.grids = [];
+    element<HTMLSelectElement>("scene").value = "";
+    element("info").textContent = "";
+    if (name) {
+      const answer = await unary("GridService/GetGridInfo", GetGridInfoRequestSchema,
+        create(GetGridInfoRequestSchema, { name }), GridFileSchema, options());
+      this.grids = answer.grids;
+      element("info").textContent = this.grids.map((g) =>
+        `${g.name || "(no name)"}: ${g.gridClass}, ${count(g.activeVoxelCount)} voxels of ${short(g.voxelSize)}` +
+        (g.notMeshableReason ? `; cannot be meshed: ${g.notMeshableReason}` : "")).join("\n");
+    }
+    const meshable = this.grids.filter((g) => !g.notMeshableReason);
+    element("grid").replaceChildren(...meshable.map((g) => new Option(g.name || "(no name)", g.name)));
+    await this.estimate();
+  }
+
+  private async chooseScene(): Promise<void> {
+    element<HTMLSelectElement>("stored").value = "";
+    this.name = "";
+    this.grids = [];
+    element("info").textContent = "";
+    element("grid").replaceChildren();
+    await this.estimate();
+  }
+
+  /** The spacing that the slider stands for: a power of two of the voxel's size or the scene's default. */
+  private spacing(): number {
+    const grid = this.grids.find((g) => g.name === element<HTMLSelectElement>("grid").value) ?? this.grids[0];
+    const unit = grid?.voxelSize || 2 / 64;
+    return unit * 2 ** Number(element<HTMLInputElement>("spacing").value);
+  }
+
+  private request(): MeshRequest | undefined {
+    const scene = sceneOf(element<HTMLSelectElement>("scene").value);
+    if (!this.name && !scene) return undefined;
+    return create(MeshRequestSchema, {
+      name: this.name,
+      scene,
+      gridName: this.name ? element<HTMLSelectElement>("grid").value : "",
+      spacing: this.spacing(),
+      levels: Number(element<HTMLInputElement>("levels").value),
+      preset: element<HTMLInputElement>("both").checked ? Preset.BOTH_SIDES : Preset.DEFAULT,
+    });
+  }
+
+  private async estimate(): Promise<void> {
+    this.estimating?.abort();
+    const mine = (this.estimating = new AbortController());
+    const request = this.request();
+    const buttons = ["go", "submit"].map((id) => element<HTMLButtonElement>(id));
+    buttons.forEach((button) => (button.disabled = !request));
+    element("estimate").textContent = "";
+    if (!request) return;
+    element("spacing-text").textContent = short(this.spacing());
+    this.tellTwins(request);
+    element("estimate").textContent = "Counting…";
+    try {
+      const header = await unary("MeshService/EstimateMesh", EstimateMeshRequestSchema,
+        create(EstimateMeshRequestSchema, { mesh: request }), MeshHeaderSchema, options({ signal: mine.signal }));
+      element("estimate").textContent = `${count(header.tetCount)} tets, ${count(header.vertexCount)} vertices, ` +
+        `${sizeOf(Number(header.meshBytes))}, about ${short(header.fillSeconds)} s` +
+        (header.insideGuess ? `. ${header.insideGuess}` : "");
+    } catch (error) {
+      if (mine.signal.aborted) return;
+      element("estimate").textContent = explain(error);
+      if (error instanceof RpcError) buttons.forEach((button) => (button.disabled = true));
+    }
+  }
+
+  /** The command line and the Python that make the same mesh. */
+  private tellTwins(request: MeshRequest): void {
+    const file = this.file || "volume.vdb";
+    const server = location.hostname;
+    const input = request.scene ? "scene.json" : file;
+    const flags = [`--spacing ${short(request.spacing!)}`, `--levels ${request.levels}`];
+    if (request.gridName) flags.unshift(`--grid ${request.gridName}`);
+    if (request.preset === Preset.BOTH_SIDES) flags.push("--preset both-sides");
+    element<HTMLTextAreaElement>("command").value =
+      `tetstream mesh ${input} -o mesh.vtu ${flags.join(" ")} --server ${server}:7447`;
+    const named = [`spacing=${short(request.spacing!)}`, `levels=${request.levels}`];
+    if (request.gridName) named.unshift(`grid="${request.gridName}"`);
+    if (request.preset === Preset.BOTH_SIDES) named.push('preset="both-sides"');
+    element<HTMLTextAreaElement>("python").value =
+      `import tetstream as ts\nclient = ts.Client("${server}:7447")\n` +
+      `client.mesh("${input}", ${named.join(", ")}).write("mesh.vtu")`;
+  }
+
+  private start(): void {
+    const request = this.request();
+    if (!request) return;
+    const stream = create(StreamMeshRequestSchema, { mesh: request, encoding: Encoding.PACKED });
+    this.begin("MeshService/StreamMesh", toBinary(StreamMeshRequestSchema, stream));
+  }
+
+  private begin(method: string, request: Uint8Array): void {
+    this.header = undefined;
+    this.drawnFirst = 0;
+    document.body.dataset["mesh"] = "running";
+    element<HTMLButtonElement>("stop").disabled = false;
+    for (const id of ["save-vtu", "save-stl"]) element<HTMLButtonElement>(id).disabled = true;
+    for (const id of ["histogram", "worst"]) element(id).replaceChildren();
+    element("quality").textContent = "";
+    element("status").textContent = "Waiting for the server…";
+    element<HTMLProgressElement>("progress").removeAttribute("value");
+    this.viewer.clear();
+    this.send({ kind: "start", method, request, token: options().token });
+  }
+
+  private cancel(): void {
+    this.send({ kind: "cancel" });
+    this.ended("cancelled", "Cancelled: what has come stays");
+  }
+
+  private ended(how: string, text: string): void {
+    document.body.dataset["mesh"] = how;
+    element<HTMLButtonElement>("stop").disabled = true;
+    element("status").textContent = text;
+    if (how !== "done") element<HTMLProgressElement>("progress").value = 0;
+  }
+
+  private async submitJob(): Promise<void> {
+    const mesh = this.request();
+    if (!mesh) return;
+    const job = await unary("JobService/CreateJob", CreateJobRequestSchema,
+      create(CreateJobRequestSchema, { job: { mesh, displayName: this.file } }), JobSchema, options());
+    element("status").textContent = `${job.name} is queued`;
+    location.hash = "#jobs";
+  }
+
+  private redraw(): void {
+    const header = this.header;
+    if (!header) return;
+    const axis = ["x", "y", "z"].indexOf(element<HTMLSelectElement>("cut-axis").value);
+    const colour = element<HTMLSelectElement>("colour").value;
+    const [low, high] = this.bounds(header);
+    const share = Number(element<HTMLInputElement>("cut-at").value);
+    this.send({ kind: "draw", colour,
+      cut: axis < 0 ? undefined : { axis, at: low[axis]! + (high[axis]! - low[axis]!) * share } });
+  }
+
+  /** Where the mesh lies, relative to its origin as its positions are. */
+  private bounds(header: MeshHeader): [number[], number[]] {
+    const o = header.origin, low = header.bounds?.min, high = header.bounds?.max;
+    const less = (p: typeof low): number[] =>
+      [(p?.x ?? 0) - (o?.x ?? 0), (p?.y ?? 0) - (o?.y ?? 0), (p?.z ?? 0) - (o?.z ?? 0)];
+    return [less(low), less(high)];
+  }
+
+  private take(message: FromWorker): void {
+    if (document.body.dataset["mesh"] === "cancelled" && message.kind !== "surface" && message.kind !== "saved") return;
+    switch (message.kind) {
+      case "progress":
+        element("status").textContent = message.total > 0
+          ? `Counting: ${count(message.done)} of ${count(message.total)} bricks` : "Reading the grid…";
+        return;
+      case "header":
+        return this.takeHeader(message.event, message.keepsTets);
+      case "surface":
+        return this.takeSurface(message);
+      case "trailer": {
+        const event = fromBinary(MeshEventSchema, message.event).event;
+        if (event.case === "trailer") this.takeTrailer(event.value, message.worst);
+        return;
+      }
+      case "failed":
+        alertOf(explain(new RpcError(message.code, message.message, message.reason, message.requestId)));
+        return this.ended("failed", "The mesh did not come to its end");
+      case "saved": {
+        const link = document.createElement("a");
+        link.href = URL.createObjectURL(message.blob);
+        link.download = `mesh.${message.format}`;
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+      }
+    }
+  }
+
+  private takeHeader(bytes: Uint8Array, keepsTets: boolean): void {
+    const event = fromBinary(MeshEventSchema, bytes).event;
+    if (event.case !== "header") return;
+    this.header = event.value;
+    const [low, high] = this.bounds(event.value);
+    this.viewer.look(low, high);
+    if (!keepsTets) alertOf("The mesh is more than a tab holds: its surface alone is drawn. The command line saves all of it.");
+    element<HTMLSelectElement>("cut-axis").disabled = !keepsTets;
+    this.redraw();
+  }
+
+  private takeSurface(message: FromWorker & { kind: "surface" }): void {
+    this.viewer.show(message.positions, message.colours);
+    const canvas = element("canvas");
+    canvas.dataset["triangles"] = String(message.triangles);
+    canvas.dataset["chunks"] = String(message.chunks);
+    if (this.drawnFirst === 0 && message.triangles > 0) {
+      this.drawnFirst = message.seconds;
+      canvas.dataset["first"] = String(message.seconds);
+    }
+    if (document.body.dataset["mesh"] !== "running" || !this.header) return;
+    const total = Number(this.header.tetCount);
+    element<HTMLProgressElement>("progress").value = total > 0 ? message.tets / total : 1;
+    element("status").textContent = `${count(message.tets)} of ${count(total)} tets, ` +
+      `${sizeOf(message.bytes)}, ${sizeOf(message.bytes / Math.max(message.seconds, 1e-3))}/s`;
+    canvas.dataset["progressive"] = String(Math.max(Number(canvas.dataset["progressive"] ?? 0),
+      message.tets < total ? message.triangles : 0));
+    canvas.dataset["seconds"] = String(message.seconds);
+  }
+
+  private takeTrailer(trailer: MeshTrailer, worst: { tet: number; angle: number; at: [number, number, number] }[]): void {
+    const canvas = element("canvas");
+    this.ended("done", `${count(this.header!.tetCount)} tets in ${short(Number(canvas.dataset["seconds"]))} s; ` +
+      `first triangles after ${short(this.drawnFirst)} s`);
+    for (const id of ["save-vtu", "save-stl"]) {
+      element<HTMLButtonElement>(id).disabled = id === "save-vtu" && element<HTMLSelectElement>("cut-axis").disabled;
+    }
+    this.drawHistogram(trailer);
+    const list = element("worst");
+    for (const one of worst) {
+      const button = made("button", `${one.angle.toFixed(2)}°`, made("li", "", list));
+      button.type = "button";
+      button.addEventListener("click", () => {
+        const size = this.header!.spacing * 4;
+        this.viewer.look(one.at.map((x) => x - size), one.at.map((x) => x + size), true);
+      });
+    }
+  }
+
+  private drawHistogram(trailer: MeshTrailer): void {
+    const quality = trailer.quality, boundary = trailer.boundary, thin = trailer.thinWalls;
+    const words: string[] = [];
+    if (quality) {
+      const most = Math.max(...quality.dihedralHistogram.map(Number), 1);
+      const svg = element("histogram");
+      const part = (tag: string, attributes: Record<string, number>): void => {
+        const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+        for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, String(value));
+        svg.append(node);
+      };
+      quality.dihedralHistogram.forEach((n, degree) => {
+        const height = (96 * Number(n)) / most;
+        if (n > 0n) part("rect", { x: degree * 2, y: 100 - height, width: 2, height });
+      });
+      const promise = this.promises().get(this.header?.canonicalRequest?.preset || Preset.DEFAULT);
+      for (const degree of promise ? [promise.low, promise.high] : []) {
+        part("line", { x1: degree * 2, x2: degree * 2, y1: 0, y2: 100 });
+      }
+      words.push(`Angles ${quality.minDihedralDeg.toFixed(1)}° to ${quality.maxDihedralDeg.toFixed(1)}°` +
+        (promise ? `; promised ${promise.low}° to ${promise.high}°` : ""));
+    }
+    if (boundary) {
+      const spots = boundary.nonManifoldEdges + boundary.nonManifoldVertices;
+      words.push(`${count(boundary.triangles)} triangles outside, in ${count(boundary.components)} part(s)` +
+        (spots > 0n ? `; ${count(spots)} non-manifold spots` : ""));
+    }
+    if (thin && thin.regionCount > 0n) {
+      words.push(`${count(thin.regionCount)} walls thinner than ${short(thin.thickness)}` +
+        (thin.suggestedSpacing > 0 ? `: a spacing of ${short(thin.suggestedSpacing)} resolves them` : ""));
+    }
+    element("quality").textContent = words.join(". ");
+  }
+}

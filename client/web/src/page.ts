@@ -1,0 +1,57 @@
+// What the views share: elements, the token, alerts, numbers as text.
+import { RpcError, kUnauthenticated, type CallOptions } from "./rpc";
+
+export function element<T extends HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`no element ${id}`);
+  return found as T;
+}
+
+export function made<K extends keyof HTMLElementTagNameMap>(tag: K, text = "", parent?: Element):
+    HTMLElementTagNameMap[K] {
+  const node = document.createElement(tag);
+  node.textContent = text;
+  parent?.append(node);
+  return node;
+}
+
+// In memory alone: whoever comes to this machine later finds none.
+let token = "";
+
+export function setToken(text: string): void {
+  token = text.trim();
+}
+
+export function options(more: Partial<CallOptions> = {}): CallOptions {
+  return { token, ...more };
+}
+
+export function alertOf(text: string): void {
+  element("alert").textContent = text;
+}
+
+/** Says what went wrong and what to do. */
+export function explain(error: unknown): string {
+  if (!(error instanceof RpcError)) return error instanceof Error ? error.message : String(error);
+  const request = error.requestId ? ` (request ${error.requestId})` : "";
+  if (error.code === kUnauthenticated) return `${error.message}. Put your token into the field above.${request}`;
+  return `${error.message}${error.reason ? ` [${error.reason}]` : ""}${request}`;
+}
+
+export function count(n: number | bigint): string {
+  return Number(n).toLocaleString("en-US");
+}
+
+export function sizeOf(bytes: number): string {
+  const units = ["B", "kB", "MB", "GB", "TB"];
+  let unit = 0;
+  while (bytes >= 1000 && unit < units.length - 1) {
+    bytes /= 1000;
+    ++unit;
+  }
+  return `${bytes < 10 && unit > 0 ? bytes.toFixed(1) : Math.round(bytes)} ${units[unit]}`;
+}
+
+export function short(n: number): string {
+  return Number(n.toPrecision(4)).toString();
+}

@@ -1,0 +1,114 @@
+// The view of the server: its own metrics, asked for every few seconds, the last hour as plots.
+import uPlot from "uplot";
+import { element, explain, made, options, sizeOf } from "./page";
+
+const kEveryMs = 5000;
+const kMostPoints = 3600_000 / kEveryMs;
+
+interface Plot {
+  title: string;
+  metrics: string[];
+  names: string[];
+  rate?: boolean;
+  bytes?: boolean;
+}
+
+const kPlots: Plot[] = [
+  { title: "Meshes", metrics: ["tetstream_meshes_running", "tetstream_meshes_queued"], names: ["running", "queued"] },
+  { title: "Tets a second", metrics: ["tetstream_sent_tets_total"], names: ["sent"], rate: true },
+  { title: "Bytes a second", metrics: ["tetstream_sent_bytes_total", "tetstream_upload_bytes_total"],
+    names: ["sent", "received"], rate: true, bytes: true },
+  { title: "Memory", metrics: ["process_resident_memory_bytes", "tetstream_resident_bytes", "tetstream_plan_bytes"],
+    names: ["process", "grids", "plans"], bytes: true },
+  { title: "Store", metrics: ["tetstream_store_bytes"], names: ["grids"], bytes: true },
+  { title: "Connections over HTTP", metrics: ["tetstream_http_connections"], names: ["open"] },
+];
+
+type Samples = Map<string, number>;
+
+export function parseMetrics(text: string): Samples {
+  const samples: Samples = new Map();
+  for (const line of text.split("\n")) {
+    const match = /^([^#\s]\S*) (\S+)$/.exec(line);
+    if (match) samples.set(match[1]!, Number(match[2]));
+  }
+  return samples;
+}
+
+/** The sum over all labels. */
+function sum(samples: Samples, name: string): number {
+  let total = 0;
+  for (const [key, value] of samples) if (key === name || key.startsWith(`${name}{`)) total += value;
+  return total;
+}
+
+export class ServerView {
+  private readonly times: number[] = [];
+  private readonly values = kPlots.map((plot) => plot.metrics.map(() => [] as (number | null)[]));
+  private plots: uPlot[] = [];
+  private previous?: Samples;
+  private timer = 0;
+
+  open(): void {
+    if (this.plots.length === 0) this.plots = kPlots.map((plot) => this.make(plot));
+    if (!this.timer) this.timer = window.setInterval(() => void this.ask(), kEveryMs);
+    void this.ask();
+  }
+
+  close(): void {
+    window.clearInterval(this.timer);
+    this.timer = 0;
+  }
+
+  private make(plot: Plot): uPlot {
+    const box = made("div", "", element("plots"));
+    box.className = "plot";
+    const style = getComputedStyle(document.body);
+    const colours = [style.getPropertyValue("--mark"), style.getPropertyValue("--bad"), style.getPropertyValue("--quiet")];
+    const axis = { stroke: style.color, grid: { stroke: "#8884" }, ticks: { stroke: "#8884" } };
+    return new uPlot({
+      title: plot.title,
+      width: Math.max(box.clientWidth - 16, 200),
+      height: 180,
+      axes: [axis, { ...axis, size: 70, values: plot.bytes ? (_, ticks) => ticks.map((t) => sizeOf(t)) : undefined }],
+      series: [{}, ...plot.names.map((label, i) => ({ label, stroke: colours[i], width: 2 }))],
+    }, [[], ...plot.metrics.map(() => [])] as uPlot.AlignedData, box);
+  }
+
+  private async ask(): Promise<void> {
+    try {
+      const token = options().token;
+      const answer = await fetch("/metrics", { headers: token ? { Authorization: `Bearer ${token}` } : {} });
+      if (!answer.ok) throw new Error((await answer.json()).error?.message ?? `HTTP ${answer.status}`);
+      this.take(parseMetrics(await answer.text()));
+    } catch (error) {
+      element("server-info").textContent = explain(error);
+    }
+  }
+
+  private take(samples: Samples): void {
+    this.times.push(Date.now() / 1000);
+    kPlots.forEach((plot, p) => plot.metrics.forEach((metric, m) => {
+      const column = this.values[p]![m]!;
+      const value = sum(samples, metric);
+      if (!plot.rate) column.push(value);
+      else column.push(this.previous ? ((value - sum(this.previous, metric)) * 1000) / kEveryMs : null);
+      if (column.length > kMostPoints) column.shift();
+    }));
+    if (this.times.length > kMostPoints) this.times.shift();
+    this.plots.forEach((plot, p) => plot.setData([this.times, ...this.values[p]!] as uPlot.AlignedData));
+    this.previous = samples;
+    const since = samples.get("process_start_time_seconds");
+    element("server-info").textContent = `Calls so far: ${sum(samples, "tetstream_calls_total")}. ` +
+      (since ? `Up since ${new Date(since * 1000).toLocaleString()}.` : "");
+    element("refusals").replaceChildren(...[...samples]
+      .filter(([name, value]) => name.startsWith("tetstream_refusals_total{") && value > 0)
+      .map(([name, value]) => {
+        const row = made("tr");
+        made("td", /code="([^"]*)"/.exec(name)?.[1] ?? "", row);
+        made("td", /reason="([^"]*)"/.exec(name)?.[1] ?? "", row);
+        made("td", String(value), row);
+        return row;
+      }));
+  }
+}

@@ -1,0 +1,106 @@
+// The surface in three.js, drawn when something has changed and never else.
+import {
+  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Mesh,
+  MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+export class Viewer {
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(40, 1, 0.01, 1000);
+  private readonly renderer: WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly mesh: Mesh;
+  private pending = false;
+  /** What was measured of the last frame. */
+  last = { triangles: 0, calls: 0, ms: 0 };
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.mesh = new Mesh(new BufferGeometry(),
+      new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, flatShading: true }));
+    this.mesh.visible = false;
+    this.scene.add(this.mesh, new AmbientLight(0xffffff, 0.9), this.camera);
+    const light = new DirectionalLight(0xffffff, 2.2);
+    light.position.set(0.4, 0.7, 1);
+    this.camera.add(light);
+    new ResizeObserver(() => this.draw()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    this.draw();
+  }
+
+  clear(): void {
+    this.mesh.visible = false;
+    this.draw();
+  }
+
+  show(positions: Float32Array, colours: Uint8Array): void {
+    this.mesh.geometry.dispose();
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.setAttribute("color", new BufferAttribute(colours, 3, true));
+    geometry.computeBoundingSphere();
+    this.mesh.geometry = geometry;
+    this.mesh.visible = true;
+    this.draw();
+  }
+
+  /** Looks at a box from the front, or with `near` from close by. */
+  look(low: number[], high: number[], near = false): void {
+    const box = new Box3(new Vector3(...low), new Vector3(...high));
+    const middle = box.getCenter(new Vector3());
+    const size = Math.max(box.getSize(new Vector3()).length(), 1e-9);
+    const away = near ? this.camera.position.clone().sub(middle).normalize() : new Vector3(0.5, 0.35, 1).normalize();
+    this.camera.near = size / 100;
+    this.camera.far = size * 100;
+    this.camera.position.copy(middle).addScaledVector(away, size * 1.35);
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(middle);
+    this.controls.update();
+    this.draw();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const turns: Record<string, [number, number]> = {
+      ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] };
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const turn = turns[event.key];
+    if (turn) {
+      offset.applyAxisAngle(new Vector3(0, 1, 0), turn[0]);
+      offset.applyAxisAngle(new Vector3(1, 0, 0).applyQuaternion(this.camera.quaternion), turn[1]);
+    } else if (event.key === "+" || event.key === "-") {
+      offset.multiplyScalar(event.key === "+" ? 0.9 : 1.1);
+    } else {
+      return;
+    }
+    event.preventDefault();
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.draw();
+  }
+
+  draw(): void {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => {
+      this.pending = false;
+      this.drawNow();
+    });
+  }
+
+  private drawNow(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    const start = performance.now();
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.renderer.setClearColor(new Color(getComputedStyle(this.canvas).backgroundColor));
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.scene, this.camera);
+    const { triangles, calls } = this.renderer.info.render;
+    this.last = { triangles, calls, ms: performance.now() - start };
+  }
+}
