@@ -62,7 +62,7 @@ class Formats(CommandTest):
         self.assert_fails(self.mesh("sphere.vdb", ".h5", "--format", "xdmf"), REFUSED, ".h5", ".xdmf")
 
 
-class Names(CommandTest):
+class FormatNames(CommandTest):
     volumes = {"parts": 0.1}
 
     def test_that_a_format_has_to_change_are_noted(self):
