@@ -9,8 +9,10 @@
 
 #include "core/files/file_names.h"
 #include "core/files/write_boundary.h"
+#include "core/files/write_exodus.h"
 #include "core/files/write_inp.h"
 #include "core/files/write_msh.h"
+#include "core/files/write_polymesh.h"
 #include "core/files/write_vtkhdf.h"
 #include "core/files/write_vtu.h"
 #include "core/files/write_xdmf.h"
@@ -39,7 +41,10 @@ FileWriter writer_of(MeshFormat format) {
       return write_ply;
     case MeshFormat::kObj:
       return write_obj;
+    case MeshFormat::kExodus:
+      return write_exodus;
     case MeshFormat::kXdmf:
+    case MeshFormat::kPolyMesh:
       return nullptr;
   }
   return nullptr;
@@ -70,6 +75,15 @@ absl::Status write_two_files(const std::string& path,
   return commit_together(*columns, *index);
 }
 
+absl::Status write_folder(const std::string& path,
+                          const TetMesh& mesh,
+                          const WriteControl& control) {
+  absl::StatusOr<AtomicFolder> folder = AtomicFolder::create(path, kPolyMeshFiles);
+  if (!folder.ok()) return folder.status();
+  if (auto status = write_polymesh(*folder, mesh, control); !status.ok()) return status;
+  return folder->commit();
+}
+
 absl::Status write_one_file(FileWriter write,
                             const std::string& path,
                             const TetMesh& mesh,
@@ -91,6 +105,10 @@ FormatNames names_in(MeshFormat format) {
   switch (format) {
     case MeshFormat::kInp:
       return {.groups = kInpNames};
+    case MeshFormat::kExodus:
+      return {.groups = kExodusNames, .fields = kExodusNames};
+    case MeshFormat::kPolyMesh:
+      return {.groups = kFoamNames};
     case MeshFormat::kPly:
       return {.fields = kPlyNames};
     case MeshFormat::kObj:
@@ -127,6 +145,9 @@ absl::Status check_can_write(const MeshOutput& output) {
     if (!columns.ok()) return columns.status();
     if (auto status = check_can_create(*columns); !status.ok()) return status;
   }
+  if (output.format == MeshFormat::kPolyMesh) {
+    return check_can_create_folder(output.path, kPolyMeshFiles);
+  }
   return check_can_create(output.path);
 }
 
@@ -134,6 +155,7 @@ absl::Status write_mesh_file(const MeshOutput& output,
                              const TetMesh& mesh,
                              const WriteControl& control) {
   if (output.format == MeshFormat::kXdmf) return write_two_files(output.path, mesh, control);
+  if (output.format == MeshFormat::kPolyMesh) return write_folder(output.path, mesh, control);
   return write_one_file(writer_of(output.format), output.path, mesh, control);
 }
 

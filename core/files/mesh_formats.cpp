@@ -67,6 +67,27 @@ constexpr std::array kRows{
                   .fields = "node attributes, float32",
                   .coordinates = "float32, or float64 where that is needed",
                   .names = ""},
+    MeshFormatRow{.format = MeshFormat::kExodus,
+                  .name = "exodus",
+                  .ending = ".exo",
+                  .more = ".e .ex2",
+                  .about = "MOOSE, Sierra, ParaView",
+                  .tets = "all",
+                  .regions = "element blocks",
+                  .faces = "a side set and a node set each",
+                  .fields = "nodal variables, a vector three of them",
+                  .coordinates = "float32, or float64 where that is needed",
+                  .names = "32 letters, digits and `_`"},
+    MeshFormatRow{.format = MeshFormat::kPolyMesh,
+                  .name = "polymesh",
+                  .ending = ".polyMesh",
+                  .about = "OpenFOAM; a folder, which may be called `polyMesh` alone",
+                  .tets = "all",
+                  .regions = "zones of cells",
+                  .faces = "a patch each; the interface a zone of faces",
+                  .fields = "",
+                  .coordinates = "float64",
+                  .names = "80 letters, digits and `_`"},
     MeshFormatRow{.format = MeshFormat::kStl,
                   .name = "stl",
                   .ending = ".stl",
@@ -99,8 +120,12 @@ constexpr std::array kRows{
                   .names = "letters, digits and `_`"},
 };
 
+/// A path's ending in small letters. Where OpenFOAM looks for it, a polyMesh has that name
+/// alone.
 std::string ending_of(const std::string& path) {
-  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  const std::filesystem::path name = std::filesystem::path(path);
+  const std::string ending = absl::AsciiStrToLower(name.extension().string());
+  return ending.empty() && name.filename() == "polyMesh" ? ".polymesh" : ending;
 }
 
 std::string text_of(std::string_view view) { return std::string(view); }

@@ -18,6 +18,8 @@ enum class MeshFormat : std::uint8_t {
   kMsh,
   kInp,
   kXdmf,
+  kExodus,
+  kPolyMesh,
   kStl,
   kPly,
   kObj,

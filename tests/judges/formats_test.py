@@ -38,7 +38,8 @@ class Judged(unittest.TestCase):
 
     def run_in(self, folder, *command):
         done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True,
-                              timeout=600, check=False)
+                              timeout=600, check=False,
+                              env={"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ})
         return done.returncode, done.stdout + done.stderr
 
 
@@ -129,6 +130,38 @@ class Dolfinx(Judged):
         self.assertEqual(set(found["areas"]), {"interface"} | {f"box_{axis}_{end}" for axis in "xyz"
                                                                 for end in ("min", "max")})
         self.assertAlmostEqual(found["areas"]["interface"], 4 * numpy.pi, delta=0.4)
+
+
+class OpenFoam(Judged):
+    DICTIONARIES = {
+        "controlDict": "application icoFoam;\nstartFrom startTime;\nstartTime 0;\nstopAt endTime;\nendTime 1;\n"
+                       "deltaT 1;\nwriteControl timeStep;\nwriteInterval 1;\n",
+        "fvSchemes": "divSchemes {}\ngradSchemes {}\nlaplacianSchemes {}\n",
+        "fvSolution": "",
+    }
+
+    def check(self, scene, *options, spacing):
+        for folder in ("constant", "system"):
+            (self.folder / folder).mkdir(exist_ok=True)
+        for name, text in self.DICTIONARIES.items():
+            header = f"FoamFile\n{{\n version 2.0;\n format ascii;\n class dictionary;\n object {name};\n}}\n"
+            (self.folder / "system" / name).write_text(header + text, encoding="ascii")
+        self.mesh("constant/polyMesh", scene, *options, spacing=spacing)
+        code, text = self.run_in(self.folder, "checkMesh", "-case", self.folder, "-allTopology", "-constant")
+        self.assertEqual(code, 0, text)
+        self.assertIn("Mesh OK.", text, text)
+        return text
+
+    def test_finds_no_fault(self):
+        text = self.check(BRACKET, spacing="0.1")
+        self.assertRegex(text, r"surface\s+\d+")
+
+    def test_finds_the_zones_of_both_sides(self):
+        text = self.check(BALL, *BOTH_SIDES, spacing="0.3")
+        for patch in ("box_x_min", "box_z_max"):
+            self.assertRegex(text, rf"{patch}\s+\d+")
+        self.assertRegex(text, r"face zones:\s+1")
+        self.assertRegex(text, r"cell zones:\s+2")
 
 
 if __name__ == "__main__":

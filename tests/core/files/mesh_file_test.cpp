@@ -14,6 +14,7 @@
 
 #include "core/files/file_names.h"
 #include "core/files/mesh_columns.h"
+#include "core/files/tet_neighbours.h"
 #include "core/files/text_numbers.h"
 #include "tests/core/mesh/small_meshes.h"
 
@@ -156,19 +157,68 @@ class FileSizeLimit {
   rlimit old_limit_{};
 };
 
+/// An old mesh: "old" in the file, or in a file of the folder that a format is.
+std::string write_old_mesh(const std::string& path, MeshFormat format) {
+  if (format != MeshFormat::kPolyMesh) {
+    EXPECT_TRUE(write_text_file(path, "old").ok());
+    return path;
+  }
+  fs::create_directories(path);
+  EXPECT_TRUE(write_text_file(path + "/points", "old").ok());
+  return path + "/points";
+}
+
 TEST_F(MeshFileTest, OnAFullDiskLeavesTheOldFileAsItWas) {
-  for (const std::string& ending : endings()) {
-    const std::string out = path("out") + ending;
-    ASSERT_TRUE(write_text_file(out, "old").ok());
+  for (const MeshFormatRow& row : mesh_formats()) {
+    const std::string out = path("out") + std::string(row.ending);
+    const std::string old = write_old_mesh(out, row.format);
     for (const rlim_t bytes : {0U, 100U, 5'000U, 100'000U}) {
       const FileSizeLimit limit(bytes);
       const absl::Status status = write_mesh_file(out, kuhn_mesh(30));
-      EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << ending << " " << bytes;
+      EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << out << " " << bytes;
     }
-    EXPECT_EQ(fs::file_size(out), 3U);
-    fs::remove(out);
-    EXPECT_EQ(files(), 0U) << ending;
+    EXPECT_EQ(fs::file_size(old), 3U);
+    fs::remove_all(out);
+    EXPECT_EQ(files(), 0U) << out;
   }
+}
+
+TEST_F(MeshFileTest, OfAFolderIsCalledLikeOneOfOpenFoams) {
+  EXPECT_EQ(*mesh_format_of("case/constant/polyMesh"), MeshFormat::kPolyMesh);
+  EXPECT_EQ(*mesh_format_of("bone.polymesh"), MeshFormat::kPolyMesh);
+  EXPECT_FALSE(mesh_format_of("case/constant").ok());
+}
+
+TEST_F(MeshFileTest, OfAFolderReplacesAnotherOfItsKindAlone) {
+  const MeshOutput output{path("case"), MeshFormat::kPolyMesh};
+  ASSERT_TRUE(write_mesh_file(output, kuhn_mesh(2)).ok());
+  ASSERT_TRUE(write_mesh_file(output, kuhn_mesh(3)).ok());
+  EXPECT_EQ(files(), 1U);
+  ASSERT_TRUE(write_text_file(path("case/thesis"), "words").ok());
+  EXPECT_EQ(check_can_write(output).code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_FALSE(write_mesh_file(output, kuhn_mesh(2)).ok());
+  EXPECT_TRUE(fs::exists(path("case/thesis")));
+}
+
+TEST(TetNeighbours, AreBehindEachFaceOfBoth) {
+  const TetMesh mesh = kuhn_mesh(5);
+  const TetNeighbours behind(mesh);
+  std::uint64_t inner = 0;
+  for (std::uint64_t face = 0; face < behind.size(); ++face) {
+    if (behind[face] == TetNeighbours::kNone) continue;
+    ++inner;
+    const SortedFace seen = sort_face(face_of(mesh.tet(face / 4), face % 4));
+    bool met = false;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const SortedFace other = sort_face(face_of(mesh.tet(behind[face]), k));
+      if (other.vertices != seen.vertices) continue;
+      met = other.flipped != seen.flipped &&
+            behind[4 * std::uint64_t{behind[face]} + k] == face / 4;
+    }
+    EXPECT_TRUE(met) << face;
+  }
+  EXPECT_EQ(inner, 2 * behind.inner_faces());
+  EXPECT_EQ(behind.size() - inner, 6U * 2 * 5 * 5);
 }
 
 TEST_F(MeshFileTest, OfTwoFilesComesWithBothOrNone) {
