@@ -251,7 +251,18 @@ TEST(Library, WritesFiles) {
   const Mesh ball = mesh(BallSamples(8).volume()).value();
   EXPECT_TRUE(write_mesh_file(folder.file("ball.vtu"), ball).ok());
   EXPECT_GT(std::filesystem::file_size(folder.file("ball.vtu")), 10'000U);
-  EXPECT_EQ(write_mesh_file(folder.file("ball.stl"), ball).code(),
+  EXPECT_EQ(write_mesh_file(folder.file("ball.med"), ball).code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST(Library, WritesFilesOfAFormatThatIsNamed) {
+  const tet::test::TestFolder folder;
+  const Mesh ball = mesh(BallSamples(8).volume()).value();
+  EXPECT_TRUE(write_mesh_file(folder.file("deck"), ball, "inp").ok());
+  EXPECT_TRUE(write_mesh_file(folder.file("ball.inp"), ball).ok());
+  EXPECT_EQ(std::filesystem::file_size(folder.file("deck")),
+            std::filesystem::file_size(folder.file("ball.inp")));
+  EXPECT_EQ(write_mesh_file(folder.file("ball.inp"), ball, "med").code(),
             StatusCode::kInvalidArgument);
 }
 

@@ -196,7 +196,7 @@ REFUSED = {
     "request": (lambda: ts.mesh(make_ball(4), spacing=-1), "spacing -1 is not a positive number"),
     "sizing": (lambda: ts.mesh(make_ball(4), sizing={"growth": "a lot"}), "^sizing:"),
     "timeout": (lambda: ts.mesh(make_ball(4), timeout=-1), "timeout -1"),
-    "ending": (lambda: ts.mesh(make_ball(4)).write("ball.stl"), "stl"),
+    "ending": (lambda: ts.mesh(make_ball(4)).write("ball.med"), "med"),
 }
 
 
@@ -264,6 +264,14 @@ def test_writes_the_mesh_that_it_hands_to_meshio(tmp_path, ball):
     assert handed.points == pytest.approx(read.points, abs=1e-6)
     assert np.array_equal(handed.point_data["distance"], read.point_data["distance"])
     assert np.array_equal(handed.cell_data_dict["region"]["tetra"], read.cell_data_dict["region"]["tetra"])
+
+
+def test_writes_a_format_that_is_named(tmp_path, mesh):
+    mesh.write(tmp_path / "mesh.inp")
+    mesh.write(tmp_path / "deck", format="inp")
+    assert (tmp_path / "deck").read_bytes() == (tmp_path / "mesh.inp").read_bytes()
+    with pytest.raises(ts.InvalidArgumentError, match="no mesh format med"):
+        mesh.write(tmp_path / "mesh.inp", format="med")
 
 
 def test_hands_the_mesh_to_pyvista(mesh):
