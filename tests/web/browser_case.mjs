@@ -1,0 +1,147 @@
+// What every test of the page stands on: real servers, and Debian's Chromium on its software renderer.
+import { spawn, execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, openSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const require = createRequire(join(process.env.PAGE_MODULES, "package.json"));
+export const { chromium } = require("playwright-core");
+export const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+
+const kBrowser = "/usr/bin/chromium";
+// How long what has to come is waited for; no claim about speed.
+export const kGenerousEnd = 300_000;
+
+export function binary(name) {
+  return join(process.env.TETSTREAM_BIN, name);
+}
+
+export function skipWithoutBrowser() {
+  if (existsSync(kBrowser)) return;
+  console.log("skipped: there is no chromium (scripts/install_packages test)");
+  process.exit(77);
+}
+
+export function scratchFolder() {
+  return mkdtempSync(join(tmpdir(), "tetstream-page-"));
+}
+
+export function makeFixture(folder, kind, voxel) {
+  const path = join(folder, `${kind}-${voxel}.vdb`);
+  execFileSync(binary("make_fixture"), [kind, String(voxel), path]);
+  return path;
+}
+
+function freePort() {
+  return new Promise((resolve) => {
+    const server = createServer();
+    server.listen(0, "127.0.0.1", () => {
+      const { port } = server.address();
+      server.close(() => resolve(port));
+    });
+  });
+}
+
+/** A tetstreamd with a page; `url` is where. */
+export class RunningServer {
+  constructor(folder, options = []) {
+    this.folder = folder;
+    this.options = options;
+  }
+
+  async start() {
+    this.port ??= await freePort();
+    this.log = join(this.folder, "server.log");
+    const log = openSync(this.log, "w");
+    this.process = spawn(binary("tetstreamd"),
+      ["--listen", "127.0.0.1:0", "--http-listen", `127.0.0.1:${this.port}`, "--store", join(this.folder, "store"),
+       "--threads", "2", ...this.options], { stdio: ["ignore", "ignore", log] });
+    this.url = `http://127.0.0.1:${this.port}/`;
+    await this.says("serving");
+    return this;
+  }
+
+  lines() {
+    return readFileSync(this.log, "utf8").split("\n").filter(Boolean).map((line) => {
+      try {
+        return JSON.parse(line);
+      } catch {
+        return {};  // one that is being written
+      }
+    });
+  }
+
+  async says(event, more = () => true) {
+    const end = Date.now() + kGenerousEnd;
+    for (;;) {
+      const found = this.lines().find((line) => line.event === event && more(line));
+      if (found) return found;
+      if (this.process.exitCode !== null) throw new Error(`tetstreamd ended: ${readFileSync(this.log, "utf8")}`);
+      if (Date.now() > end) throw new Error(`the server never said ${event}`);
+      await new Promise((done) => setTimeout(done, 20));
+    }
+  }
+
+  async kill() {
+    if (this.process.exitCode !== null || this.process.signalCode !== null) return;
+    const ended = new Promise((done) => this.process.once("exit", done));
+    this.process.kill("SIGKILL");
+    await ended;
+  }
+}
+
+/** A browser whose every request is noted: none may leave for another host. */
+export class Browser {
+  async start() {
+    this.browser = await chromium.launch({
+      executablePath: kBrowser,
+      timeout: kGenerousEnd,
+      args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+        "--disable-dev-shm-usage"],
+    });
+    return this;
+  }
+
+  async open(url, options = {}) {
+    const context = await this.browser.newContext({
+      viewport: { width: 1280, height: 900 }, colorScheme: "dark", ...options });
+    context.setDefaultTimeout(kGenerousEnd);
+    const page = await context.newPage();
+    page.requested = [];
+    page.errors = [];
+    page.on("request", (request) => page.requested.push(request.url()));
+    page.on("pageerror", (error) => page.errors.push(String(error)));
+    page.on("console", (message) => {
+      if (message.type() === "error") page.errors.push(message.text());
+    });
+    await page.goto(url);
+    return page;
+  }
+
+  async close() {
+    await this.browser.close();
+  }
+}
+
+/** Waits until the page says so. Playwright's own way would have the page evaluate text, which its policy forbids. */
+export async function until(page, said, argument) {
+  const end = Date.now() + kGenerousEnd;
+  while (!(await page.evaluate(said, argument))) {
+    if (Date.now() > end) {
+      throw new Error(`waited in vain: ${said}; alert: ${await page.textContent("#alert")}; ` +
+        `status: ${await page.textContent("#status")}; errors: ${page.errors}`);
+    }
+    await new Promise((done) => setTimeout(done, 50));
+  }
+}
+
+/** Waits until what the page says of its mesh is one of these. */
+export function meshIs(page, ...states) {
+  return until(page, (wanted) => wanted.includes(document.body.dataset.mesh), states);
+}
+
+export function remove(folder) {
+  rmSync(folder, { recursive: true, force: true });
+}

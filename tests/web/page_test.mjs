@@ -1,0 +1,238 @@
+// The page as people use it, in a real browser against a real server.
+//   TETSTREAM_BIN=build/release/bin PAGE_MODULES=build/release/client/web/npm/ node tests/web/page_test.mjs [PART]
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, describe, it } from "node:test";
+import { axeSource, binary, Browser, kGenerousEnd, makeFixture, meshIs, remove, RunningServer, scratchFolder,
+  skipWithoutBrowser, until } from "./browser_case.mjs";
+
+skipWithoutBrowser();
+const wanted = process.argv[2];
+const part = (name, body) => (!wanted || wanted === name) && describe(name, body);
+
+/** A server and a browser for all tests of a part. */
+function stage(options = () => []) {
+  const held = {};
+  before(async () => {
+    held.folder = scratchFolder();
+    held.ball = makeFixture(held.folder, "sphere", 0.04);
+    held.server = await new RunningServer(held.folder, options(held.folder)).start();
+    held.browser = await new Browser().start();
+  }, { timeout: kGenerousEnd });
+  after(async () => {
+    await held.browser?.close();
+    await held.server?.kill();
+    remove(held.folder);
+  });
+  return held;
+}
+
+async function chooseBall(page, held) {
+  await page.setInputFiles("#file", held.ball);
+  await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+}
+
+/** Asks for tets of the voxel's size times two to this power. */
+async function setSpacing(page, power) {
+  await page.locator("#spacing").fill(String(power));
+  await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+}
+
+async function mesh(page) {
+  await page.click("#go");
+  await meshIs(page, "done", "failed");
+  assert.equal(await page.evaluate(() => document.body.dataset.mesh), "done",
+    await page.textContent("#alert"));
+}
+
+const triangles = (page) => page.evaluate(() => Number(document.getElementById("canvas").dataset.triangles));
+
+part("Meshes", () => {
+  const held = stage();
+
+  it("draws a dropped file's mesh while it comes, and nothing leaves the host", async () => {
+    const page = await held.browser.open(held.server.url);
+    const bytes = readFileSync(held.ball).toString("base64");
+    const data = await page.evaluateHandle((text) => {
+      const transfer = new DataTransfer();
+      const content = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+      transfer.items.add(new File([content], "ball.vdb"));
+      return transfer;
+    }, bytes);
+    await page.dispatchEvent("#drop", "drop", { dataTransfer: data });
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    const stored = await page.inputValue("#stored");
+    assert.equal(stored, "grids/" + createHash("sha256").update(readFileSync(held.ball)).digest("hex"));
+    assert.match(await page.textContent("#info"), /level set, [\d,]+ voxels of 0\.04/);
+    await setSpacing(page, -1);
+    const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
+    await mesh(page);
+    assert.ok((await page.textContent("#status")).startsWith(estimated));
+    const early = await page.evaluate(() => Number(document.getElementById("canvas").dataset.progressive));
+    assert.ok(early > 0, "no triangles were drawn before the trailer");
+    assert.match(await page.textContent("#quality"), /Angles .* promised 11\.\d+° to 154\.\d+°/);
+    const outside = Number((await page.textContent("#quality")).match(/([\d,]+) triangles outside/)[1].replace(/,/g, ""));
+    assert.equal(await triangles(page), outside);
+    assert.equal(await page.locator("#worst button").count(), 10);
+    assert.equal(await page.locator("#histogram line").count(), 2);
+    assert.match(await page.inputValue("#command"), /^tetstream mesh ball\.vdb -o mesh\.vtu --grid \S+ --spacing 0\.02/);
+    for (const url of page.requested) assert.ok(url.startsWith(held.server.url) || url.startsWith("blob:"), url);
+    assert.deepEqual(page.errors, []);
+  });
+
+  it("saves what the command line saves", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await mesh(page);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-vtu")]);
+    const saved = readFileSync(await download.path(), "latin1");
+    const points = saved.match(/NumberOfPoints="(\d+)" NumberOfCells="(\d+)"/);
+    const file = join(held.folder, "m.vtu");
+    execFileSync(binary("tetstream"), ["mesh", held.ball, "-o", file, "--spacing", "0.04", "--levels", "1"],
+      { stdio: "ignore" });
+    assert.equal(readFileSync(file, "latin1").match(/NumberOfPoints="(\d+)" NumberOfCells="(\d+)"/)[0], points[0]);
+  });
+
+  it("meshes a scene, and has it all again after a reload", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await page.reload();
+    await until(page, () => document.querySelectorAll("#stored option").length > 1);
+    await page.selectOption("#scene", "a bored block");
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await mesh(page);
+    assert.ok((await triangles(page)) > 1000);
+  });
+
+  it("cancels, and the server stops", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await setSpacing(page, -2);  // more than a tab takes in one moment
+    await page.click("#go");
+    await until(page, () => Number(document.getElementById("canvas").dataset.triangles) > 0 ||
+      document.body.dataset.mesh !== "running");
+    await page.click("#stop", { force: true });
+    await meshIs(page, "cancelled", "done");
+    assert.equal(await page.evaluate(() => document.body.dataset.mesh), "cancelled");
+    await held.server.says("call", (line) => line.method === "StreamMesh" && line.status === "CANCELLED");
+    await setSpacing(page, 0);
+    await mesh(page);  // and it can go on
+  });
+});
+
+part("Cuts", () => {
+  const held = stage();
+
+  it("shows whole tets at a cut, and colours them", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await mesh(page);
+    const whole = await triangles(page);
+    await page.selectOption("#cut-axis", "x");
+    await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) !== n, whole);
+    const half = await triangles(page);
+    // Half of the surface, and the section, whose tets are larger.
+    assert.ok(half > whole / 2 && half < whole * 1.5, `${half} of ${whole}`);
+    await page.locator("#cut-at").fill("0");
+    await until(page, () => Number(document.getElementById("canvas").dataset.triangles) === 0);
+    await page.selectOption("#cut-axis", "");
+    await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) === n, whole);
+    await page.selectOption("#colour", "angle");
+    await page.locator("#canvas").focus();
+    await page.keyboard.press("ArrowLeft");
+    await page.locator("#worst button").first().click();
+    assert.deepEqual(page.errors, []);
+  });
+});
+
+part("Lives", () => {
+  const held = stage();
+
+  it("follows a job from its queue to its mesh", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await page.click("#submit");
+    const row = page.locator("#job-rows tr").first();
+    await page.waitForSelector('#job-rows tr[data-state="succeeded"]');
+    await row.getByRole("button", { name: /^Look/ }).click();
+    await meshIs(page, "done");
+    assert.ok((await triangles(page)) > 0);
+    await page.click('nav a[href="#jobs"]');
+    await page.locator("#job-label").fill("no=such");
+    await until(page, () => document.querySelectorAll("#job-rows tr").length === 0);
+    await page.locator("#job-label").fill("");
+    await row.getByRole("button", { name: /^Delete/ }).click();
+    await until(page, () => document.querySelectorAll("#job-rows tr").length === 0);
+  });
+
+  it("finds a server again that was killed", async () => {
+    const page = await held.browser.open(held.server.url + "#jobs");
+    await until(page, () => document.getElementById("watch-state").textContent === "live");
+    await held.server.kill();
+    await until(page, () => /cannot be reached|broke/.test(document.getElementById("watch-state").textContent));
+    await held.server.start();
+    await until(page, () => document.getElementById("watch-state").textContent === "live");
+    await page.click('nav a[href="#server"]');
+    await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));
+    assert.equal(await page.locator("#plots .uplot").count(), 6);
+  });
+});
+
+part("Refusals", () => {
+  let token;
+  const held = stage((folder) => {
+    const entry = join(folder, "tokens.toml");
+    const made = execFileSync("sh", ["-c", `umask 077; "$0" --new-token alice 2>&1 >"$1"`, binary("tetstreamd"), entry],
+      { encoding: "utf8" });
+    token = made.trim().split("\n").pop();
+    return ["--tokens", entry];
+  });
+
+  it("asks for a token, says that one is wrong, and takes the right one", async () => {
+    const page = await held.browser.open(held.server.url);
+    await until(page, () => /token into the field/.test(document.getElementById("alert").textContent));
+    await page.fill("#token", "wrong");
+    await page.keyboard.press("Enter");
+    await until(page, () => /not known/.test(document.getElementById("alert").textContent));
+    await page.fill("#token", token);
+    await page.keyboard.press("Enter");
+    await until(page, () => document.body.dataset.server && !document.getElementById("alert").textContent);
+    await chooseBall(page, held);
+    await mesh(page);
+    assert.equal((await page.context().cookies()).length, 0);
+    assert.equal(await page.evaluate(() => localStorage.length + sessionStorage.length), 0);
+  });
+});
+
+part("Looks", () => {
+  const held = stage();
+
+  for (const [name, options] of [
+    ["dark", { colorScheme: "dark" }],
+    ["light", { colorScheme: "light" }],
+    ["phone", { colorScheme: "dark", viewport: { width: 390, height: 844 } }]]) {
+    it(`is accessible and in place: ${name}`, async () => {
+      const page = await held.browser.open(held.server.url, options);
+      await chooseBall(page, held);
+      await mesh(page);
+      await page.selectOption("#colour", "size");
+      for (const view of ["mesh", "jobs", "server"]) {
+        await page.click(`nav a[href="#${view}"]`);
+        await page.waitForSelector(`#${view}:not([hidden])`);
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+        assert.ok(wide <= 0, `${view} is ${wide} pixels too wide`);
+        await page.evaluate(axeSource);
+        const found = await page.evaluate(() => axe.run());
+        assert.deepEqual(found.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]), [], view);
+      }
+      await page.click('nav a[href="#mesh"]');
+      if (process.env.PAGE_SCREENSHOTS) {
+        mkdirSync(process.env.PAGE_SCREENSHOTS, { recursive: true });
+        writeFileSync(join(process.env.PAGE_SCREENSHOTS, `page_${name}.png`), await page.screenshot());
+      }
+    });
+  }
+});
