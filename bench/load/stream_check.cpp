@@ -20,14 +20,15 @@ std::uint64_t column_bytes_of(const ReceivedChunk& chunk) {
 }
 
 std::uint64_t column_bytes_of(const v1::MeshChunk& chunk) {
-  return chunk.positions().size() + chunk.tets().size() + chunk.regions().size() +
-         chunk.fields().size() + chunk.compact().size() + chunk.packed().size();
+  std::uint64_t bytes = chunk.compact().size() + chunk.packed().size();
+  for (const std::string_view column : columns_of(chunk)) bytes += column.size();
+  return bytes;
 }
 
 std::uint32_t checksum_of(const v1::MeshChunk& chunk) {
   if (!chunk.compact().empty()) return chunk_checksum({chunk.compact()});
   if (!chunk.packed().empty()) return chunk_checksum({chunk.packed()});
-  return chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(), chunk.fields()});
+  return chunk_checksum(columns_of(chunk));
 }
 
 }  // namespace

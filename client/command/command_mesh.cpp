@@ -123,7 +123,7 @@ absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
 
 absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
   const Stopwatch watch;
-  const absl::StatusOr<MeshOptions> options = understand_input(arguments);
+  absl::StatusOr<MeshOptions> options = understand_input(arguments);
   if (!options.ok()) return options.status();
   if (auto status = check_options(*options); !status.ok()) return status;
 

@@ -37,6 +37,16 @@ Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
   return boundary;
 }
 
+/// How many faces have each label.
+Json faces_json(const TetMesh& mesh) {
+  const MeshHeader& header = mesh.header;
+  std::vector<std::uint64_t> counts(header.face_labels.size());
+  for (std::uint64_t i = 0; i < header.face_count; ++i) ++counts[mesh.face_label(i)];
+  Json faces = Json::object();
+  for (std::size_t i = 0; i < counts.size(); ++i) faces[header.face_labels[i].name] = counts[i];
+  return faces;
+}
+
 Json region_json(const TetMesh& mesh, MeshRegion region) {
   return {{"tets", count_tets(mesh, region)}, {"volume", measure_volume(mesh, region)}};
 }
@@ -219,6 +229,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
   if (const auto& box = made.mesh.header.box) {
     report["box"] = {{"min", json_of(box->min)}, {"max", json_of(box->max)}};
   }
+  if (made.mesh.header.has_faces()) report["faces"] = faces_json(made.mesh);
   if (made.mesh.header.has_regions) {
     report["regions"] = {{"inside", region_json(made.mesh, MeshRegion::kInside)},
                          {"outside", region_json(made.mesh, MeshRegion::kOutside)}};

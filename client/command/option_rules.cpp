@@ -21,6 +21,7 @@ FeatureNames option_names(const MeshRequest& request) {
                       "the sizing's grade_surface",
                       "--improve",
                       "--field",
+                      "--faces",
                       "--coordinates float64",
                       "--skip-statistics",
                       "a range of chunks",

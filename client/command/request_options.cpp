@@ -57,6 +57,8 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
                  "off there, flat")
       ->type_name("X0 Y0 Z0 X1 Y1 Z1");
   app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
+  app.add_flag("--faces", request.faces,
+               "Boundary triangles beside the tets, with names: docs/faces.md");
   app.add_flag("--improve", request.improve,
                "Move vertices, on the surface along it, to better the worst angles");
   app.add_option(

@@ -65,6 +65,16 @@ class ChunkReader {
         return read_column(chunk_.columns[2]);
       case bytes_tag(chunk_field::kFields):
         return read_column(chunk_.columns[3]);
+      case varint_tag(chunk_field::kFirstFace):
+        return read_number(numbers.first_face);
+      case varint_tag(chunk_field::kFaceCount):
+        return read_number(numbers.face_count);
+      case bytes_tag(chunk_field::kFaces):
+        return read_column(chunk_.columns[4]);
+      case bytes_tag(chunk_field::kFaceTets):
+        return read_column(chunk_.columns[5]);
+      case bytes_tag(chunk_field::kFaceLabels):
+        return read_column(chunk_.columns[6]);
       default:
         return false;
     }
@@ -136,8 +146,25 @@ void read_columns(grpc::ByteBuffer& message, const ReceivedChunk& chunk, const U
 
 }  // namespace
 
-void copy_column(const std::string& from, std::span<std::byte> to) {
-  if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
+std::array<std::size_t, kMeshColumns> sizes_of(const ReceivedChunk& chunk) {
+  std::array<std::size_t, kMeshColumns> sizes{};
+  std::ranges::transform(chunk.columns, sizes.begin(), &ReceivedChunk::Column::size);
+  return sizes;
+}
+
+std::array<std::size_t, kMeshColumns> sizes_of(
+    const std::array<std::string_view, kMeshColumns>& columns) {
+  std::array<std::size_t, kMeshColumns> sizes{};
+  std::ranges::transform(columns, sizes.begin(), &std::string_view::size);
+  return sizes;
+}
+
+void copy_columns(const std::array<std::string_view, kMeshColumns>& from,
+                  const ChunkColumns& to) {
+  const auto places = to.all();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!places[i].empty()) std::memcpy(places[i].data(), from[i].data(), places[i].size());
+  }
 }
 
 std::optional<ReceivedChunk> read_chunk(grpc::ByteBuffer& message) {
@@ -158,7 +185,7 @@ std::uint32_t copy_columns(grpc::ByteBuffer& message,
                            const ReceivedChunk& chunk,
                            const ChunkColumns& to) {
   std::uint32_t checksum = 0;
-  std::array left{to.positions, to.tets, to.regions, to.fields};
+  std::array left = to.all();
   read_columns(message, chunk, [&](std::size_t i, std::span<const std::byte> piece) {
     checksum = add_to_checksum(checksum, piece);
     std::memcpy(left[i].data(), piece.data(), piece.size());

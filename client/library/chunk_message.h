@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
+#include <string_view>
 
 #include <grpcpp/support/byte_buffer.h>
 
@@ -21,11 +21,16 @@ struct ReceivedChunk {
     std::size_t begin = 0, size = 0;
   };
   ChunkNumbers numbers;
-  std::array<Column, ChunkFrame::kColumns> columns;  ///< positions, tets, regions, fields
+  std::array<Column, kMeshColumns> columns;  ///< in the order in which they are sent
 };
 
-/// Copies a column that has the size of its place.
-void copy_column(const std::string& from, std::span<std::byte> to);
+std::array<std::size_t, kMeshColumns> sizes_of(const ReceivedChunk& chunk);
+std::array<std::size_t, kMeshColumns> sizes_of(
+    const std::array<std::string_view, kMeshColumns>& columns);
+
+/// Copies columns that have the sizes of their places.
+void copy_columns(const std::array<std::string_view, kMeshColumns>& from,
+                  const ChunkColumns& to);
 
 /// Reads a MeshEvent that holds a chunk as our server writes it: no field twice or unknown, and
 /// the columns last. Anything else, malformed bytes too, is left to protobuf: nothing.

@@ -22,7 +22,7 @@ namespace tet {
 struct ChunkView {
   std::uint64_t index = 0;
   ChunkExtent place;
-  std::span<const std::byte> positions, tets, regions, fields;
+  ConstColumns columns;
 };
 
 /// What is told of a mesh behind its last chunk.

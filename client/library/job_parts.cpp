@@ -87,16 +87,21 @@ absl::Status receive(Connection& connection,
 
 /// Whether the ranges lie one after the other and are all of the mesh.
 absl::Status check_whole(const std::vector<PartReceiver>& receivers, const MeshHeader& header) {
-  std::uint64_t vertices = 0, tets = 0;
+  std::uint64_t vertices = 0, tets = 0, faces = 0;
   for (const PartReceiver& receiver : receivers) {
     const ChunkExtent& covered = receiver.covered();
-    if (covered.first_vertex != vertices || covered.first_tet != tets) {
+    if (covered.first_vertex != vertices || covered.first_tet != tets ||
+        covered.first_face != faces) {
       return bad_stream("its chunks leave gaps");
     }
     vertices += covered.vertex_count;
     tets += covered.tet_count;
+    faces += covered.face_count;
   }
-  if (vertices == header.vertex_count && tets == header.tet_count) return absl::OkStatus();
+  if (vertices == header.vertex_count && tets == header.tet_count &&
+      faces == header.face_count) {
+    return absl::OkStatus();
+  }
   return bad_stream("its chunks are not all of the mesh");
 }
 

@@ -47,12 +47,7 @@ absl::StatusOr<const ChunkView*> LocalChunks::next() {
   if (!failure_.ok()) return failure_;
   const Made& made = batch_[next_ - batch_begin_];
   quality_.add(made.quality);
-  chunk_ = {next_,
-            plan_->chunk(next_),
-            made.columns.positions.bytes(),
-            made.columns.tets.bytes(),
-            made.columns.regions.bytes(),
-            made.columns.fields.bytes()};
+  chunk_ = {next_, plan_->chunk(next_), std::as_const(made.columns).columns()};
   ++next_;
   if (progress_) {
     progress_(static_cast<double>(next_) / static_cast<double>(plan_->header().chunk_count));
@@ -78,13 +73,8 @@ absl::Status LocalChunks::make_batch() try {
 
 void LocalChunks::make(std::uint64_t index, Made& made) const {
   const ChunkExtent place = plan_->chunk(index);
-  MeshHeader header = plan_->header();
-  header.vertex_count = place.vertex_count;
-  header.tet_count = place.tet_count;
-  made.columns = TetMesh(header, std::move(made.columns));
-  made.quality = plan_->fill_chunk(index, made.workspace,
-                                   {made.columns.positions.bytes(), made.columns.tets.bytes(),
-                                    made.columns.regions.bytes(), made.columns.fields.bytes()});
+  made.columns = TetMesh(header_of_chunk(plan_->header(), place), std::move(made.columns));
+  made.quality = plan_->fill_chunk(index, made.workspace, made.columns.columns());
 }
 
 void LocalChunks::finish() {

@@ -8,6 +8,7 @@
 
 #include "client/library/chunk_message.h"
 #include "client/library/stream_checks.h"
+#include "core/mesh/check_faces.h"
 #include "proto/convert/chunk_numbers.h"
 #include "proto/convert/counts.h"
 #include "proto/wire/checksum.h"
@@ -28,13 +29,9 @@ PartReceiver::PartReceiver(const MeshHeader& header,
 
 absl::Status PartReceiver::take(grpc::ByteBuffer& event) {
   if (const auto chunk = read_chunk(event)) {
-    const auto& [positions, tets, regions, fields] = chunk->columns;
-    absl::Status status =
-        size_part(chunk->numbers, {positions.size, tets.size, regions.size, fields.size});
+    absl::Status status = size_part(chunk->numbers, sizes_of(*chunk));
     if (!status.ok()) return status;
-    return hand_on(chunk->numbers, copy_columns(event, *chunk,
-                                                {part_.positions.bytes(), part_.tets.bytes(),
-                                                 part_.regions.bytes(), part_.fields.bytes()}));
+    return hand_on(chunk->numbers, copy_columns(event, *chunk, part_.columns()));
   }
   v1::MeshEvent message;
   if (!deserialize(event, message)) return bad_stream("a message that is no MeshEvent");
@@ -49,15 +46,11 @@ absl::Status PartReceiver::take(const v1::MeshEvent& event) {
 
 absl::Status PartReceiver::take_chunk(const v1::MeshChunk& chunk) {
   const ChunkNumbers numbers = from_proto(chunk);
-  absl::Status status = size_part(numbers, {chunk.positions().size(), chunk.tets().size(),
-                                            chunk.regions().size(), chunk.fields().size()});
+  const auto received = columns_of(chunk);
+  absl::Status status = size_part(numbers, sizes_of(received));
   if (!status.ok()) return status;
-  copy_column(chunk.positions(), part_.positions.bytes());
-  copy_column(chunk.tets(), part_.tets.bytes());
-  copy_column(chunk.regions(), part_.regions.bytes());
-  copy_column(chunk.fields(), part_.fields.bytes());
-  return hand_on(numbers, chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(),
-                                          chunk.fields()}));
+  copy_columns(received, part_.columns());
+  return hand_on(numbers, chunk_checksum(received));
 }
 
 absl::Status PartReceiver::check_place(const ChunkNumbers& chunk) const {
@@ -65,26 +58,25 @@ absl::Status PartReceiver::check_place(const ChunkNumbers& chunk) const {
   const bool follows =
       chunk.index == next_ && next_ < end_ &&
       (!any_ || (chunk.first_vertex == so_far.first_vertex + so_far.vertex_count &&
-                 chunk.first_tet == so_far.first_tet + so_far.tet_count));
-  const bool fits = is_count(chunk.vertex_count) && is_count(chunk.tet_count) &&
-                    chunk.first_vertex <= header_.vertex_count &&
-                    chunk.vertex_count <= header_.vertex_count - chunk.first_vertex &&
-                    chunk.first_tet <= header_.tet_count &&
-                    chunk.tet_count <= header_.tet_count - chunk.first_tet;
+                 chunk.first_tet == so_far.first_tet + so_far.tet_count &&
+                 chunk.first_face == so_far.first_face + so_far.face_count));
+  const auto fits_in = [](std::uint64_t first, std::uint64_t count, std::uint64_t all) {
+    return is_count(count) && first <= all && count <= all - first;
+  };
+  const bool fits = fits_in(chunk.first_vertex, chunk.vertex_count, header_.vertex_count) &&
+                    fits_in(chunk.first_tet, chunk.tet_count, header_.tet_count) &&
+                    fits_in(chunk.first_face, chunk.face_count, header_.face_count);
   if (follows && fits) return absl::OkStatus();
   return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
 }
 
 absl::Status PartReceiver::size_part(const ChunkNumbers& chunk, const ColumnBytes& columns) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
-  const ChunkSizes sizes(header_, chunk.vertex_count, chunk.tet_count);
-  if (columns != ColumnBytes{sizes.positions, sizes.tets, sizes.regions, sizes.fields}) {
+  const ChunkExtent extent = extent_of(chunk);
+  if (columns != ChunkSizes(header_, extent).all()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
   }
-  MeshHeader of_part = header_;
-  of_part.vertex_count = chunk.vertex_count;
-  of_part.tet_count = chunk.tet_count;
-  part_ = TetMesh(of_part, std::move(part_));
+  part_ = TetMesh(header_of_chunk(header_, extent), std::move(part_));
   return absl::OkStatus();
 }
 
@@ -96,12 +88,18 @@ absl::Status PartReceiver::hand_on(const ChunkNumbers& chunk, std::uint32_t chec
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
   }
-  const ChunkExtent place{chunk.first_vertex, chunk.vertex_count, chunk.first_tet,
-                          chunk.tet_count};
+  const ChunkExtent place = extent_of(chunk);
+  if (!faces_are_of_tets(header_, place, part_.columns())) {
+    return bad_stream(
+        absl::StrCat("chunk ", chunk.index, " has faces that are not of its tets"));
+  }
   if (absl::Status status = sink_(part_, place); !status.ok()) return status;
-  if (!std::exchange(any_, true)) covered_ = {place.first_vertex, 0, place.first_tet, 0};
+  if (!std::exchange(any_, true)) {
+    covered_ = {place.first_vertex, 0, place.first_tet, 0, place.first_face, 0};
+  }
   covered_.vertex_count += place.vertex_count;
   covered_.tet_count += place.tet_count;
+  covered_.face_count += place.face_count;
   ++next_;
   return absl::OkStatus();
 }

@@ -44,7 +44,7 @@ class PartReceiver {
   const ChunkExtent& covered() const noexcept { return covered_; }
 
  private:
-  using ColumnBytes = std::array<std::size_t, ChunkFrame::kColumns>;
+  using ColumnBytes = std::array<std::size_t, kMeshColumns>;
 
   absl::Status take(const v1::MeshEvent& event);
   absl::Status take_chunk(const v1::MeshChunk& chunk);

@@ -80,23 +80,18 @@ absl::Status ServedChunks::make_room(const MeshHeader& /*header*/, const KeptPar
 }
 
 absl::StatusOr<ChunkColumns> ServedChunks::place(const ChunkExtent& chunk) {
-  MeshHeader header = reader_.told().mesh.header;
-  header.vertex_count = chunk.vertex_count;
-  header.tet_count = chunk.tet_count;
+  const MeshHeader& header = reader_.told().mesh.header;
   try {
-    columns_ = TetMesh(header, std::move(columns_));
+    columns_ = TetMesh(header_of_chunk(header, chunk), std::move(columns_));
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(
         absl::StrCat("no memory for a chunk of ", chunk.tet_count, " tets"));
   }
-  return ChunkColumns{columns_.positions.bytes(), columns_.tets.bytes(),
-                      columns_.regions.bytes(), columns_.fields.bytes()};
+  return columns_.columns();
 }
 
 absl::Status ServedChunks::take(const ChunkExtent& chunk) {
-  chunk_ = {reader_.next_chunk() - 1,   chunk,
-            columns_.positions.bytes(), columns_.tets.bytes(),
-            columns_.regions.bytes(),   columns_.fields.bytes()};
+  chunk_ = {reader_.next_chunk() - 1, chunk, std::as_const(columns_).columns()};
   has_chunk_ = true;
   return absl::OkStatus();
 }
@@ -118,9 +113,7 @@ absl::Status ServedChunks::gather() {
 const ChunkView* ServedChunks::gathered_chunk() {
   if (handed_on_ == reader_.compact_chunks().size()) return nullptr;
   const ChunkExtent& place = reader_.compact_chunks()[handed_on_];
-  const ChunkColumns columns = columns_.columns_of(place);
-  chunk_ = {handed_on_++, place,           columns.positions,
-            columns.tets, columns.regions, columns.fields};
+  chunk_ = {handed_on_++, place, columns_.columns_of(place)};
   return &chunk_;
 }
 

@@ -10,6 +10,7 @@
 
 #include "client/library/chunk_message.h"
 #include "client/library/stream_checks.h"
+#include "core/mesh/check_faces.h"
 #include "proto/convert/chunk_numbers.h"
 #include "proto/convert/counts.h"
 #include "proto/convert/mesh_parts.h"
@@ -24,10 +25,6 @@ namespace {
 /// What the server said in a message that cannot be.
 absl::Status bad_part(const char* what, const absl::Status& status) {
   return bad_stream(absl::StrFormat("%s: %s", what, status.message()));
-}
-
-ChunkExtent extent_of(const ChunkNumbers& chunk) {
-  return {chunk.first_vertex, chunk.vertex_count, chunk.first_tet, chunk.tet_count};
 }
 
 absl::Status verify_checksum(const ChunkNumbers& chunk, std::uint32_t checksum) {
@@ -54,9 +51,7 @@ bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_
 absl::Status StreamReader::take(grpc::ByteBuffer& event) {
   if (const auto chunk = compact_ ? std::nullopt : read_chunk(event)) {
     planning_.reset();
-    const auto& [positions, tets, regions, fields] = chunk->columns;
-    const auto columns =
-        place_of(chunk->numbers, {positions.size, tets.size, regions.size, fields.size});
+    const auto columns = place_of(chunk->numbers, sizes_of(*chunk));
     if (!columns.ok()) return columns.status();
     return advance(chunk->numbers, *columns, copy_columns(event, *chunk, *columns));
   }
@@ -113,6 +108,7 @@ absl::Status StreamReader::begin(const v1::MeshHeader& header, const MeshHeader&
   if (!header.has_kept()) return consumer_->make_room(checked, nullptr);
   if (base_ == Base::kNone)
     return bad_stream("it keeps parts of a mesh that the request does not name");
+  if (checked.has_faces()) return bad_stream("it keeps parts of a mesh with faces");
   if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
   absl::StatusOr<KeptParts> kept = from_proto(header.kept());
   if (!kept.ok()) return bad_part("kept parts", kept.status());
@@ -127,16 +123,11 @@ absl::Status StreamReader::take_chunk(const v1::MeshChunk& chunk) {
   if (!chunk.packed().empty()) {
     return take_packed(numbers, std::as_bytes(std::span(chunk.packed())));
   }
-  const auto columns = place_of(numbers, {chunk.positions().size(), chunk.tets().size(),
-                                          chunk.regions().size(), chunk.fields().size()});
+  const auto received = columns_of(chunk);
+  const auto columns = place_of(numbers, sizes_of(received));
   if (!columns.ok()) return columns.status();
-  copy_column(chunk.positions(), columns->positions);
-  copy_column(chunk.tets(), columns->tets);
-  copy_column(chunk.regions(), columns->regions);
-  copy_column(chunk.fields(), columns->fields);
-  return advance(
-      numbers, *columns,
-      chunk_checksum({chunk.positions(), chunk.tets(), chunk.regions(), chunk.fields()}));
+  copy_columns(received, *columns);
+  return advance(numbers, *columns, chunk_checksum(received));
 }
 
 absl::Status StreamReader::take_packed(const ChunkNumbers& numbers,
@@ -167,8 +158,7 @@ absl::Status StreamReader::take_compact(const ChunkNumbers& numbers,
 absl::StatusOr<ChunkColumns> StreamReader::place_of(const ChunkNumbers& chunk,
                                                     const ColumnBytes& column_bytes) {
   if (absl::Status status = check_place(chunk); !status.ok()) return status;
-  const ChunkSizes sizes(header(), chunk.vertex_count, chunk.tet_count);
-  if (column_bytes != ColumnBytes{sizes.positions, sizes.tets, sizes.regions, sizes.fields}) {
+  if (column_bytes != ChunkSizes(header(), extent_of(chunk)).all()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
   }
   return consumer_->place(extent_of(chunk));
@@ -177,17 +167,19 @@ absl::StatusOr<ChunkColumns> StreamReader::place_of(const ChunkNumbers& chunk,
 /// Whether this is the chunk that is missing next, and fits.
 absl::Status StreamReader::check_place(const ChunkNumbers& chunk) const {
   if (!has_header_) return bad_stream("a chunk before the header");
-  if (!is_count(chunk.vertex_count) || !is_count(chunk.tet_count)) {
+  if (!is_count(chunk.vertex_count) || !is_count(chunk.tet_count) ||
+      !is_count(chunk.face_count)) {
     return bad_stream("a chunk with impossible counts");
   }
   const bool follows = chunk.index == next_chunk_ && chunk.first_vertex >= next_vertex_ &&
-                       chunk.first_tet >= next_tet_ &&
+                       chunk.first_tet >= next_tet_ && chunk.first_face == next_face_ &&
                        is_kept(kept_.vertices, next_vertex_, chunk.first_vertex) &&
                        is_kept(kept_.tets, next_tet_, chunk.first_tet);
   if (!follows || chunk.first_vertex > header().vertex_count ||
       chunk.first_tet > header().tet_count ||
       chunk.vertex_count > header().vertex_count - chunk.first_vertex ||
-      chunk.tet_count > header().tet_count - chunk.first_tet) {
+      chunk.tet_count > header().tet_count - chunk.first_tet ||
+      chunk.face_count > header().face_count - next_face_) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
   }
   return absl::OkStatus();
@@ -203,6 +195,10 @@ absl::Status StreamReader::advance(const ChunkNumbers& chunk,
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
   }
+  if (!faces_are_of_tets(header(), extent_of(chunk), columns)) {
+    return bad_stream(
+        absl::StrCat("chunk ", chunk.index, " has faces that are not of its tets"));
+  }
   return hand_on(chunk);
 }
 
@@ -215,12 +211,13 @@ absl::Status StreamReader::hand_on(const ChunkNumbers& chunk) {
 void StreamReader::count(const ChunkNumbers& chunk) {
   next_vertex_ = chunk.first_vertex + chunk.vertex_count;
   next_tet_ = chunk.first_tet + chunk.tet_count;
+  next_face_ = chunk.first_face + chunk.face_count;
   tets_sent_ += chunk.tet_count;
   ++next_chunk_;
 }
 
 absl::Status StreamReader::take_trailer(const v1::MeshTrailer& trailer) {
-  if (!has_header_ || next_chunk_ != chunks_ ||
+  if (!has_header_ || next_chunk_ != chunks_ || next_face_ != header().face_count ||
       !is_kept(kept_.vertices, next_vertex_, header().vertex_count) ||
       !is_kept(kept_.tets, next_tet_, header().tet_count)) {
     return bad_stream("it ended before the mesh was whole");

@@ -66,7 +66,7 @@ class StreamReader {
   const std::vector<ChunkExtent>& compact_chunks() const noexcept { return compact_chunks_; }
 
  private:
-  using ColumnBytes = std::array<std::size_t, ChunkFrame::kColumns>;
+  using ColumnBytes = std::array<std::size_t, kMeshColumns>;
 
   const MeshHeader& header() const noexcept { return told_.mesh.header; }
   absl::Status take_header(const v1::MeshHeader& header);
@@ -95,6 +95,7 @@ class StreamReader {
   ChunkUnpacker unpacker_;
   std::optional<v1::MeshProgress> planning_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0, tets_sent_ = 0;
+  std::uint64_t next_face_ = 0;
   bool has_header_ = false, keeps_parts_ = false, has_quality_ = false, complete_ = false;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -197,9 +196,7 @@ LabelFace labels_of(const TetMesh& mesh) {
   }
   if (!has_cut_faces(mesh.header)) return [](auto&&...) { return std::uint16_t{0}; };
   return [faces = VertexCutFaces(mesh)](const TetFace&, const Triangle& triangle) {
-    const std::uint32_t shared = faces[triangle[0]] & faces[triangle[1]] & faces[triangle[2]];
-    return shared == 0 ? std::uint16_t{0}
-                       : label_of_box_face(static_cast<std::size_t>(std::countr_zero(shared)));
+    return label_of_cut(faces[triangle[0]] & faces[triangle[1]] & faces[triangle[2]]);
   };
 }
 
@@ -314,7 +311,7 @@ void set_faces(const FoundFaces& found, const TetMesh& mesh, TetMesh& to) {
     const TetFace& face = found.faces[i];
     const Triangle triangle = face_of(mesh.tet(face.tet()), face.opposite());
     store_as<3>(to.header.index_type, to.faces.bytes(), i, triangle);
-    store_as<1>(to.header.face_tet_type(), to.face_tets.bytes(), i, {face.tet()});
+    store_as<1>(to.header.index_type, to.face_tets.bytes(), i, {face.tet()});
     const std::uint16_t label = found.label(face, triangle);
     std::memcpy(to.face_labels.bytes().data() + i * sizeof(label), &label, sizeof(label));
   };

@@ -2,6 +2,7 @@
 // whole, for files, and to check those that come with chunks.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -40,6 +41,13 @@ std::vector<FaceLabel> labels_of_parts(std::span<const FaceLabel> of_one,
 /// bit of CutFace.
 constexpr std::uint16_t label_of_box_face(std::size_t face) noexcept {
   return static_cast<std::uint16_t>(1 + face);
+}
+
+/// The label of a face whose vertices all lie in some faces of the box, CutFaces: that of the
+/// first, or of the surface where they share none.
+constexpr std::uint16_t label_of_cut(std::uint32_t shared) noexcept {
+  return shared == 0 ? std::uint16_t{0}
+                     : label_of_box_face(static_cast<std::size_t>(std::countr_zero(shared)));
 }
 
 /// Which label a face has.

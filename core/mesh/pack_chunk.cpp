@@ -193,6 +193,37 @@ void pack_regions(std::span<const std::byte> regions, ByteWriter& out) {
   }
 }
 
+/// Says of each face how far it is behind the one before it, of the chunk's tets' four each;
+/// then the labels, by runs.
+template <class Id>
+void pack_faces(const ChunkExtent& extent, const ChunkColumns& columns, ByteWriter& out) {
+  std::uint64_t next = 0;
+  for (std::uint64_t i = 0; i < extent.face_count; ++i) {
+    const std::uint64_t tet = read_id<Id>(columns.face_tets, i) - extent.first_tet;
+    std::size_t k = 0;
+    const auto is_face = [&] {
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (read_id<Id>(columns.faces, 3 * i + c) !=
+            read_id<Id>(columns.tets, 4 * tet + kFaceCorners[k][c])) {
+          return false;
+        }
+      }
+      return true;
+    };
+    while (k < 3 && !is_face()) ++k;
+    out.varint(4 * tet + k - next);
+    next = 4 * tet + k + 1;
+  }
+  const auto label = [&](std::uint64_t i) {
+    return read_id<std::uint16_t>(columns.face_labels, i);
+  };
+  for (std::uint64_t i = 0, end = 0; i < extent.face_count; i = end) {
+    while (end < extent.face_count && label(end) == label(i)) ++end;
+    out.varint(label(i));
+    out.varint(end - i);
+  }
+}
+
 }  // namespace
 
 std::span<const std::byte> ChunkPacker::pack(const MeshHeader& header,
@@ -215,6 +246,11 @@ std::span<const std::byte> ChunkPacker::pack(const MeshHeader& header,
   pack_tets();
   pack_regions(columns.regions, out);
   out.append(columns.fields);
+  if (header.index_type == IndexType::kUint64) {
+    pack_faces<std::uint64_t>(extent, columns, out);
+  } else {
+    pack_faces<std::uint32_t>(extent, columns, out);
+  }
   out.extend(kPackedPadding);
   return bytes_;
 }

@@ -89,7 +89,7 @@ Triangle TetMesh::face(std::uint64_t i) const noexcept {
 }
 
 std::uint64_t TetMesh::face_tet(std::uint64_t i) const noexcept {
-  if (header.face_tet_type() == IndexType::kUint64) {
+  if (header.index_type == IndexType::kUint64) {
     return row_of<std::uint64_t, 1>(face_tets.bytes(), i)[0];
   }
   return row_of<std::uint32_t, 1>(face_tets.bytes(), i)[0];
@@ -114,6 +114,26 @@ ChunkColumns TetMesh::columns_of(const ChunkExtent& chunk) noexcept {
           faces.bytes().subspan(before.faces, size.faces),
           face_tets.bytes().subspan(before.face_tets, size.face_tets),
           face_labels.bytes().subspan(before.face_labels, size.face_labels)};
+}
+
+ConstColumns TetMesh::columns() const noexcept {
+  ConstColumns columns;
+  columns.positions = positions.bytes();
+  columns.tets = tets.bytes();
+  columns.regions = regions.bytes();
+  columns.fields = fields.bytes();
+  columns.faces = faces.bytes();
+  columns.face_tets = face_tets.bytes();
+  columns.face_labels = face_labels.bytes();
+  return columns;
+}
+
+MeshHeader header_of_chunk(const MeshHeader& header, const ChunkExtent& chunk) {
+  MeshHeader of_chunk = header;
+  of_chunk.vertex_count = chunk.vertex_count;
+  of_chunk.tet_count = chunk.tet_count;
+  of_chunk.face_count = chunk.face_count;
+  return of_chunk;
 }
 
 }  // namespace tet

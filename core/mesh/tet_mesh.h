@@ -94,11 +94,6 @@ struct MeshHeader {
   std::uint64_t face_count = 0;
 
   bool has_faces() const noexcept { return !face_labels.empty(); }
-  /// How the number of a face's tet is stored: as ids are, but for more tets than uint32
-  /// counts.
-  IndexType face_tet_type() const noexcept {
-    return tet_count > UINT32_MAX ? IndexType::kUint64 : index_type;
-  }
   /// float32 values that a vertex has, of all fields together.
   std::size_t field_values() const noexcept;
 };
@@ -121,6 +116,9 @@ inline ChunkExtent whole_of(const MeshHeader& header) noexcept {
   return {0, header.vertex_count, 0, header.tet_count, 0, header.face_count};
 }
 
+/// How many columns a chunk has, empty ones with them.
+inline constexpr std::size_t kMeshColumns = 7;
+
 /// Sizes of a chunk's columns, bytes.
 struct ChunkSizes {
   std::size_t positions, tets, regions, fields;
@@ -135,7 +133,7 @@ struct ChunkSizes {
         regions(header.has_regions ? tet_count : 0),
         fields(vertices * header.field_values() * sizeof(float)),
         faces(face_count * 3 * size_of(header.index_type)),
-        face_tets(face_count * size_of(header.face_tet_type())),
+        face_tets(face_count * size_of(header.index_type)),
         face_labels(face_count * sizeof(std::uint16_t)) {}
   ChunkSizes(const MeshHeader& header, const ChunkExtent& chunk) noexcept
       : ChunkSizes(header, chunk.vertex_count, chunk.tet_count, chunk.face_count) {}
@@ -146,6 +144,10 @@ struct ChunkSizes {
 
   std::size_t total() const noexcept {
     return positions + tets + regions + fields + faces + face_tets + face_labels;
+  }
+  /// In the order in which they are sent.
+  std::array<std::size_t, kMeshColumns> all() const noexcept {
+    return {positions, tets, regions, fields, faces, face_tets, face_labels};
   }
 };
 
@@ -159,7 +161,32 @@ struct ChunkColumns {
   std::span<std::byte> faces = {};
   std::span<std::byte> face_tets = {};
   std::span<std::byte> face_labels = {};
+
+  /// In the order in which they are sent.
+  std::array<std::span<std::byte>, kMeshColumns> all() const noexcept {
+    return {positions, tets, regions, fields, faces, face_tets, face_labels};
+  }
 };
+
+/// Columns that are only read.
+struct ConstColumns {
+  std::span<const std::byte> positions, tets;
+  std::span<const std::byte> regions = {}, fields = {};
+  std::span<const std::byte> faces = {}, face_tets = {}, face_labels = {};
+
+  ConstColumns() = default;
+  ConstColumns(const ChunkColumns& columns) noexcept
+      : positions(columns.positions),
+        tets(columns.tets),
+        regions(columns.regions),
+        fields(columns.fields),
+        faces(columns.faces),
+        face_tets(columns.face_tets),
+        face_labels(columns.face_labels) {}
+};
+
+/// A header with the totals of one of the mesh's chunks, for memory of its size.
+MeshHeader header_of_chunk(const MeshHeader& header, const ChunkExtent& chunk);
 
 /// Whether every id of a column of tets is a vertex of the mesh.
 bool ids_are_within(std::span<const std::byte> ids, const MeshHeader& header) noexcept;
@@ -218,9 +245,12 @@ inline std::array<WorldPoint, 4> MeshView::stored_places(std::uint64_t i) const 
 /// faces: face_count * 3 vertex ids, or nothing: the boundary triangles, counter-clockwise seen
 /// from outside the tet that each belongs to, in the order of those tets and, within one, of
 /// the corners opposite them (see kFaceCorners, which says where each begins). Where both sides
-/// are meshed, what lies between them is there once, as the inside's. face_tets: face_count
-/// numbers of tets, of header.face_tet_type(). face_labels: face_count uint16, places in
-/// header.face_labels.
+/// are meshed, what lies between them is there once, as the inside's.
+///
+/// face_tets: face_count numbers of tets, stored as ids are: of a mesh with faces no number of
+/// a tet is too large for that.
+///
+/// face_labels: face_count uint16, places in header.face_labels.
 struct TetMesh {
   MeshHeader header;
   ByteBuffer positions;
@@ -257,6 +287,9 @@ struct TetMesh {
   /// Inside, unless the mesh has regions.
   MeshRegion region(std::uint64_t i) const noexcept;
 
+  /// All of its columns.
+  ChunkColumns columns() noexcept { return columns_of(whole_of(header)); }
+  ConstColumns columns() const noexcept;
   /// Where a chunk's columns lie within the mesh's.
   ChunkColumns columns_of(const ChunkExtent& chunk) noexcept;
 };

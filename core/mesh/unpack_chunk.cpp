@@ -219,6 +219,59 @@ void unpack_regions(std::span<const std::byte> bits, std::span<std::byte> region
   }
 }
 
+/// Faces as they came: 4 * tet + the corner opposite, within the chunk, and labels.
+struct PackedFaces {
+  std::vector<std::uint64_t> faces;
+  std::vector<std::uint16_t> labels;
+};
+
+/// Reads them; returns nothing where they are no faces of the chunk's tets in their order, or
+/// have no labels.
+std::optional<PackedFaces> read_faces(ByteReader& reader,
+                                      const MeshHeader& header,
+                                      const ChunkExtent& extent) {
+  PackedFaces packed;
+  const std::uint64_t faces = 4 * extent.tet_count;
+  std::uint64_t next = 0;
+  for (std::uint64_t i = 0; i < extent.face_count; ++i) {
+    const std::uint64_t step = reader.varint();
+    if (reader.failed() || next >= faces || step >= faces - next) return std::nullopt;
+    packed.faces.push_back(next + step);
+    next += step + 1;
+  }
+  while (packed.labels.size() < extent.face_count) {
+    const std::uint64_t label = reader.varint(), run = reader.varint();
+    if (label >= header.face_labels.size() || run == 0 ||
+        run > extent.face_count - packed.labels.size()) {
+      return std::nullopt;
+    }
+    packed.labels.insert(packed.labels.end(), run, static_cast<std::uint16_t>(label));
+  }
+  return packed;
+}
+
+/// The tets are unpacked already.
+template <class Id>
+void unpack_faces(const PackedFaces& packed,
+                  const ChunkExtent& extent,
+                  const ChunkColumns& columns) noexcept {
+  std::byte* ids = columns.faces.data();
+  std::byte* of_tet = columns.face_tets.data();
+  for (const std::uint64_t face : packed.faces) {
+    const std::byte* const tet = columns.tets.data() + face / 4 * 4 * sizeof(Id);
+    for (const std::uint8_t corner : kFaceCorners[face % 4]) {
+      std::memcpy(ids, tet + corner * sizeof(Id), sizeof(Id));
+      ids += sizeof(Id);
+    }
+    const auto number = static_cast<Id>(extent.first_tet + face / 4);
+    std::memcpy(of_tet, &number, sizeof(Id));
+    of_tet += sizeof(Id);
+  }
+  if (!packed.labels.empty()) {
+    std::memcpy(columns.face_labels.data(), packed.labels.data(), columns.face_labels.size());
+  }
+}
+
 template <class Word>
 std::optional<Rows> read_vertex_rows(ByteReader& reader, std::size_t count) {
   return read_rows(reader, count, kVertexPatterns, vertex_bytes<Word>);
@@ -244,6 +297,8 @@ absl::Status ChunkUnpacker::unpack(std::span<const std::byte> bytes,
   const auto tets = read_rows(reader, extent.tet_count, kTetPatterns, tet_bytes);
   const auto regions = reader.take((columns.regions.size() + 7) / 8);
   const auto fields = reader.take(columns.fields.size());
+  const auto faces = read_faces(reader, header, extent);
+  if (!faces) return broken("faces that are not of its tets, or without a label");
   if (reader.failed() || !reader.at_end()) return broken("it does not end where it says");
 
   absl::Status status = wide_ids
@@ -257,6 +312,11 @@ absl::Status ChunkUnpacker::unpack(std::span<const std::byte> bytes,
   }
   unpack_regions(regions, columns.regions);
   std::ranges::copy(fields, columns.fields.begin());
+  if (wide_ids) {
+    unpack_faces<std::uint64_t>(*faces, extent, columns);
+  } else {
+    unpack_faces<std::uint32_t>(*faces, extent, columns);
+  }
   return absl::OkStatus();
 }
 

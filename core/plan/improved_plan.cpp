@@ -37,7 +37,9 @@ ChunkExtent ImprovedPlan::chunk(std::uint64_t index) const noexcept {
 QualityStats ImprovedPlan::fill_chunk(std::uint64_t index,
                                       MeshWorkspace& workspace,
                                       ChunkColumns columns) const noexcept {
-  unimproved_->fill_chunk(index, workspace, {columns.positions, columns.tets, columns.regions});
+  ChunkColumns without_fields = columns;
+  without_fields.fields = {};
+  unimproved_->fill_chunk(index, workspace, without_fields);
   const ChunkExtent extent = chunk(index);
   const std::size_t first = ChunkSizes(header(), extent.first_vertex, 0).positions;
   std::ranges::copy(positions_.bytes().subspan(first, columns.positions.size()),

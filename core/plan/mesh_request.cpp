@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -75,6 +76,13 @@ std::vector<FieldArray> arrays_of(const MeshRequest& request) {
   std::vector<FieldArray> arrays = arrays_of(request.fields);
   if (has_cut(request)) arrays.push_back({kCutFaceArray, 1});
   return arrays;
+}
+
+IndexType index_type_of(const MeshHeader& header, const MeshRequest& request) noexcept {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  const bool wide =
+      header.vertex_count > kMost || (header.has_faces() && header.tet_count > kMost);
+  return wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
 }
 
 double default_spacing(const Shape& shape) {

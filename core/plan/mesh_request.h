@@ -58,6 +58,8 @@ struct MeshRequest {
   /// Neither the tets are measured nor the boundary's topology is counted: the same mesh,
   /// sooner.
   bool skip_statistics = false;
+  /// The mesh has its boundary faces, too: see TetMesh.
+  bool faces = false;
   Sizing sizing;                         ///< of leaves away from the surface
   std::vector<VertexField> fields = {};  ///< whose values the vertices get, in this order
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
@@ -73,6 +75,10 @@ bool has_cut(const MeshRequest& request);
 
 /// Whether the mesh is made as a whole while it is planned, by core/graded.
 bool is_made_whole(const MeshRequest& request);
+
+/// What ids of a mesh that is counted are stored as; numbers of tets, where it has faces, are
+/// stored as they are.
+IndexType index_type_of(const MeshHeader& header, const MeshRequest& request) noexcept;
 
 /// The arrays of a mesh: those of the request's fields, which are loaded, then that of a cut.
 std::vector<FieldArray> arrays_of(const MeshRequest& request);

@@ -18,6 +18,8 @@ constexpr std::string_view
     kMovesOthers = "A change in one place may move the improved vertices of others.",
     kValuesChange =
         "Values may change at vertices that stay where they are, and nothing compares them.",
+    kFacesChange =
+        "A tet that stays may get or lose a face on the boundary, and nothing compares them.",
     kNoBricksToStuff =
         "The mesh is made as a whole, without bricks that a client could stuff again.";
 
@@ -81,10 +83,12 @@ constexpr RequestRule kRules[] = {
     {F::kEarlierMesh, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
     {F::kEarlierMesh, F::kImprove, kSentWhole, "", "", kMovesOthers},
     {F::kEarlierMesh, F::kFields, kSentWhole, "", "", kValuesChange},
+    {F::kEarlierMesh, F::kFaces, kSentWhole, "", "", kFacesChange},
     {F::kSession, F::kCut, kSentWhole, "", "", kWithoutBricks},
     {F::kSession, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
     {F::kSession, F::kImprove, kSentWhole, "", "", kMovesOthers},
     {F::kSession, F::kFields, kSentWhole, "", "", kValuesChange},
+    {F::kSession, F::kFaces, kSentWhole, "", "", kFacesChange},
     {F::kSkipStatistics, F::kJob, Outcome::kIgnored, "", "",
      "A result is stored once for all readers, and some may want its statistics."},
 };
@@ -133,6 +137,7 @@ FeatureNames field_names() {
                        "sizing.grade_surface",
                        "improve",
                        "fields",
+                       "faces",
                        "coordinate_type COORDINATE_TYPE_FLOAT64",
                        "skip_statistics",
                        "start_chunk",
@@ -162,6 +167,7 @@ Features features_of(const MeshRequest& request) {
       .add(F::kGradedSurface, sizing.grade_surface)
       .add(F::kImprove, request.improve)
       .add(F::kFields, !request.fields.empty())
+      .add(F::kFaces, request.faces)
       .add(F::kFloat64, request.coordinates == CoordinateType::kFloat64)
       .add(F::kSkipStatistics, request.skip_statistics);
 }

@@ -36,6 +36,7 @@ enum class Feature : std::uint8_t {
   kGradedSurface,
   kImprove,
   kFields,
+  kFaces,
   kFloat64,
   kSkipStatistics,
   // How the mesh is asked for, and how it comes.

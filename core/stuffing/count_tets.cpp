@@ -110,14 +110,16 @@ struct SurfaceInShape {
 };
 
 TET_VECTOR_CLONES
-SurfaceInShape find_surface(const CellNodes& nodes, const TetShape& of_shape) noexcept {
-  const ShapeNodes shape(nodes, of_shape);
+SurfaceInShape find_surface(const CellNodes& nodes, std::size_t number) noexcept {
+  const ShapeNodes shape(nodes, kTetShape[number]);
+  const BrickMask& pairs = nodes.pairs[number / 4];
   SurfaceInShape found;
   for (std::size_t x = 0; x < 8; ++x) {
     const ShapeBits bits = shape.slice(x);
-    found.cut.slice[x] = bits.cut();
-    found.quad.slice[x] = bits.cut() & bits.two() & ~bits.any_zero;  // ++--
-    found.three_zeros.slice[x] = bits.no_minus & bits.one();
+    const std::uint64_t cut = bits.cut() & pairs.slice[x];
+    found.cut.slice[x] = cut;
+    found.quad.slice[x] = cut & bits.two() & ~bits.any_zero;  // ++--
+    found.three_zeros.slice[x] = pairs.slice[x] & bits.no_minus & bits.one();
   }
   return found;
 }
@@ -127,11 +129,15 @@ SurfaceInShape find_surface(const CellNodes& nodes, const TetShape& of_shape) no
 std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
   std::uint64_t count = 0;
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    const SurfaceInShape found = find_surface(nodes, kTetShape[shape]);
+    const SurfaceInShape found = find_surface(nodes, shape);
     count += std::uint64_t{found.cut.count()} + found.quad.count();
     three_zeros[shape] = found.three_zeros;
   }
   return count;
+}
+
+BrickMask tets_on_three_zeros(const CellNodes& nodes, std::size_t shape) noexcept {
+  return find_surface(nodes, shape).three_zeros;
 }
 
 }  // namespace tet

@@ -20,6 +20,9 @@ std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcep
 /// Tets of a brick's cells with one `+` and three zeros, by shape.
 using ThreeZeros = std::array<BrickMask, kTetShapes>;
 
+/// Those of one shape.
+BrickMask tets_on_three_zeros(const CellNodes& nodes, std::size_t shape) noexcept;
+
 /// For each node of a shape, how far from the cell the node opposite it lies, across the face
 /// of the other three: the mirror image in the middle of the tet's other long edge.
 inline constexpr std::array<std::array<int, 4>, kTetShapes> kMirrored = [] {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/stuffing/cut_tet.h"
+#include "core/stuffing/surface_faces.h"
 #include "core/stuffing/write_rows.h"
 
 namespace tet {
@@ -43,6 +44,55 @@ LocalTet moved_on(const LocalTet& first, int cells) noexcept {
                                  static_cast<std::uint64_t>(cells) * kEach);
 }
 
+/// The corner of a written tet that was corner `i` before it was made positive.
+std::size_t written_corner(const TetShape& shape, std::size_t i) noexcept {
+  return shape.negative && i >= 2 ? 5 - i : i;
+}
+
+/// Calls `visit(tet, x, y, z)` for some of the tets that are written whole, `first` the number
+/// of the first of those.
+template <class Visit>
+void for_each_of_whole(const BrickMask& whole,
+                       const BrickMask& some,
+                       std::size_t first,
+                       const Visit& visit) noexcept {
+  for (int x = 0; x < 8; ++x) {
+    const std::uint64_t slice = whole.slice[static_cast<std::size_t>(x)];
+    for (std::uint64_t bits = some.slice[static_cast<std::size_t>(x)]; bits != 0;
+         bits &= bits - 1) {
+      const int bit = std::countr_zero(bits);
+      const int before = std::popcount(slice & ((bits & -bits) - 1));
+      visit(first + static_cast<std::size_t>(before), x, bit >> 3, bit & 7);
+    }
+    first += static_cast<std::size_t>(std::popcount(slice));
+  }
+}
+
+/// Notes faces of tets that are written whole, `first` the number of the first of them.
+void add_faces_of_whole(const FinestBrick& brick,
+                        std::size_t shape,
+                        const BrickMask& whole,
+                        std::size_t first) noexcept {
+  const TetShape& of = kTetShape[shape];
+  const FacesAround& around = brick.faces->around;
+  LocalFaces& faces = brick.faces->faces;
+  if (brick.nodes.region == MeshRegion::kInside) {
+    const BrickMask open = tets_on_surface(brick.nodes, around, shape);
+    for_each_of_whole(whole, open, first, [&](std::size_t tet, int x, int y, int z) {
+      faces.add(tet, written_corner(of, plus_node(brick.nodes, shape, x, y, z)));
+    });
+  }
+  if (around.domain == nullptr) return;
+  const std::uint8_t label = label_of_direction(DomainFaces::direction_of(shape));
+  const BrickMask near = whole & around.domain->near_dents(brick.nodes, shape);
+  for_each_of_whole(whole, near, first, [&](std::size_t tet, int x, int y, int z) {
+    const unsigned behind = around.domain->behind_dents(shape, x, y, z);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if ((behind >> k & 1) != 0) faces.add(tet, written_corner(of, k), label);
+    }
+  });
+}
+
 void add_moved(const LocalTet& first, const BrickMask& moved, StuffedTets& out) noexcept {
   for (int x = 0; x < 8; ++x) {
     for (std::uint64_t bits = moved.slice[static_cast<std::size_t>(x)]; bits != 0;
@@ -52,11 +102,28 @@ void add_moved(const LocalTet& first, const BrickMask& moved, StuffedTets& out) 
   }
 }
 
+/// The zero nodes of each stencil's lattice tet, one bit each.
+constexpr auto kZeroNodes = [] {
+  std::array<std::uint8_t, kStencilCases> zeros{};
+  for (std::size_t number = 0; number < kStencilCases; ++number) {
+    const auto& sorted = internal::kSortedNodes[number];
+    for (std::size_t i = 0; i < sorted.zero_count; ++i) {
+      zeros[number] = static_cast<std::uint8_t>(zeros[number] | 1U << sorted.zero[i]);
+    }
+  }
+  return zeros;
+}();
+
 /// Makes the tets that stand for cut ones of one shape.
 class CutShape {
  public:
-  CutShape(const FinestBrick& brick, std::size_t number) noexcept
-      : brick_(brick), number_(number), shape_(kTetShape[number]), keys_(kShapeKeys[number]) {
+  /// `tets` have been written before those that are added first.
+  CutShape(const FinestBrick& brick, std::size_t number, std::size_t tets) noexcept
+      : brick_(brick),
+        number_(number),
+        shape_(kTetShape[number]),
+        keys_(kShapeKeys[number]),
+        tets_(tets) {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t o = node_around_cell(shape_, i);
       plus_[i] = &brick.nodes.plus[shape_.kind[i]][o];
@@ -65,9 +132,10 @@ class CutShape {
   }
 
   /// Adds those of the tet in the cell at a bit of a slice.
-  void add(int x, int bit, StuffedTets& out) const noexcept {
+  void add(int x, int bit, StuffedTets& out) noexcept {
     const int cell = cell_slot(x, bit);
     const std::size_t stencil = stencil_of(static_cast<std::size_t>(x), bit);
+    if (brick_.faces != nullptr) look_at_faces(stencil, x, bit);
     if (CutTet::has_columns(stencil)) {
       const EdgeFractions fraction = fractions(cell);
       const CutTet cut_tet(shape_, stencil, fraction, brick_.nodes.region, brick_.rules);
@@ -98,14 +166,48 @@ class CutShape {
     return fraction;
   }
 
-  void add_stencil(StencilTets tets, int cell, Slot middle, StuffedTets& out) const noexcept {
+  void add_stencil(StencilTets tets, int cell, Slot middle, StuffedTets& out) noexcept {
     const auto slot = [&](StencilVertex vertex) {
       return vertex == kQuadCentre ? middle : brick_.vertices.slot(keys_.corner[vertex] + cell);
     };
-    for (auto [a, b, c, d] : tets) {
+    for (auto tet : tets) {
+      auto& [a, b, c, d] = tet;
       if (shape_.negative) std::swap(c, d);
       out.add({slot(a), slot(b), slot(c), slot(d)});
+      if (brick_.faces != nullptr) add_face(tet);
+      ++tets_;
     }
+  }
+
+  void look_at_faces(std::size_t stencil, int x, int bit) noexcept {
+    const DomainFaces* const domain = brick_.faces->around.domain;
+    zeros_ = kZeroNodes[stencil];
+    behind_dents_ = domain == nullptr ? 0 : domain->behind_dents(number_, x, bit >> 3, bit & 7);
+  }
+
+  void add_face(const std::array<StencilVertex, 4>& tet) const noexcept {
+    LocalFaces& faces = brick_.faces->faces;
+    if (brick_.nodes.region == MeshRegion::kInside) {
+      const std::size_t opposite = opposite_surface(tet, zeros_);
+      if (opposite < 4) faces.add(tets_, opposite);
+    }
+    for (std::size_t k = 0; k < 4 && behind_dents_ != 0; ++k) {
+      if ((behind_dents_ >> k & 1) != 0) add_faces_on(k, tet, faces);
+    }
+  }
+
+  /// Notes those on the lattice tet's face opposite node `k`.
+  void add_faces_on(std::size_t k,
+                    const std::array<StencilVertex, 4>& tet,
+                    LocalFaces& faces) const noexcept {
+    std::size_t off = 0, opposite = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if ((kVerticesOnFace[k] >> tet[i] & 1) != 0) continue;
+      ++off;
+      opposite = i;
+    }
+    if (off != 1) return;
+    faces.add(tets_, opposite, label_of_direction(DomainFaces::direction_of(number_)));
   }
 
   const FinestBrick& brick_;
@@ -113,13 +215,17 @@ class CutShape {
   const TetShape& shape_;
   const ShapeKeys& keys_;
   std::array<const BrickMask*, 4> plus_, zero_;
+  std::size_t tets_;           // written so far
+  unsigned zeros_ = 0;         // nodes of the tet being added
+  unsigned behind_dents_ = 0;  // the same, opposite faces at the domain's end
 };
 
 void add_cut(const FinestBrick& brick,
              std::size_t shape,
              const BrickMask& cut,
+             std::size_t tets,
              StuffedTets& out) noexcept {
-  const CutShape cut_shape(brick, shape);
+  CutShape cut_shape(brick, shape, tets);
   for (int x = 0; x < 8; ++x) {
     for (std::uint64_t bits = cut.slice[static_cast<std::size_t>(x)]; bits != 0;
          bits &= bits - 1) {
@@ -136,17 +242,24 @@ Index* write_local(std::span<const LocalTet> tets,
   return out;
 }
 
+/// `tets` have been written before.
 template <class Index>
-Index* write_half_pyramids_of_finest(const CellNodes& nodes,
+Index* write_half_pyramids_of_finest(const FinestBrick& brick,
                                      const SlotIds<Index>& ids,
                                      Index* out,
+                                     std::size_t tets,
                                      BackgroundCounts& counts) noexcept {
+  const CellNodes& nodes = brick.nodes;
   const auto corner = [&](int x, int y, int z) {
     return ids[static_cast<std::size_t>(node_slot(x, y, z))];
   };
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     const BrickMask cells = half_pyramids_of_finest(nodes, direction);
     counts.half_pyramid += 2 * std::uint64_t{cells.count()};
+    if (brick.faces != nullptr && brick.faces->around.domain != nullptr) {
+      brick.faces->around.domain->add_half_pyramids(cells, direction, tets, brick.faces->faces);
+    }
+    tets += 2 * std::size_t{cells.count()};
     for_each_bit(cells, [&](int x, int y, int z) {
       const Index centre = ids[static_cast<std::size_t>(kSlotsOfKind + node_slot(x, y, z))];
       out = write_half_pyramids(direction, Cell(halo_index(x, y, z)), centre, corner, out);
@@ -164,18 +277,22 @@ Index* fill_finest(const FinestBrick& brick,
                    const Index* end,
                    StuffedTets& stuffed,
                    BackgroundCounts& counts) noexcept {
+  const Index* const begin = tets;
+  const std::size_t first_tet = brick.faces == nullptr ? 0 : brick.faces->first_tet;
+  const auto written = [&] { return first_tet + static_cast<std::size_t>(tets - begin) / 4; };
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
     const ShapeTets found = tets_of_shape(brick.nodes, shape);
+    if (brick.faces != nullptr) add_faces_of_whole(brick, shape, found.whole, written());
     tets = write_rows(found.whole, kShapeKeys[shape].whole, ids.data(), tets, end);
     counts.bcc += found.regular.count();
     if (brick.statistics == Statistics::kMeasured) {
       add_moved(kShapeKeys[shape].whole, found.whole & ~found.regular, stuffed);
     }
     const std::size_t first_cut = stuffed.count();
-    add_cut(brick, shape, found.cut, stuffed);
+    add_cut(brick, shape, found.cut, written(), stuffed);
     tets = write_local(stuffed.from(first_cut), ids, tets);
   }
-  return write_half_pyramids_of_finest(brick.nodes, ids, tets, counts);
+  return write_half_pyramids_of_finest(brick, ids, tets, written(), counts);
 }
 
 template std::uint32_t* fill_finest(const FinestBrick&,

@@ -10,9 +10,18 @@
 #include "core/base/quality.h"
 #include "core/lattice/background.h"
 #include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/faces_around.h"
+#include "core/stuffing/local_faces.h"
 #include "core/stuffing/local_vertices.h"
 
 namespace tet {
+
+/// Where the boundary faces of a brick's tets are noted, region by region.
+struct FacesOfBrick {
+  FacesAround around;
+  LocalFaces& faces;
+  std::size_t first_tet = 0;  ///< of the region, within the brick
+};
 
 /// A finest brick that is to be filled, as one region sees it.
 struct FinestBrick {
@@ -20,6 +29,7 @@ struct FinestBrick {
   const LocalVertices& vertices;
   const StuffingRules& rules;
   Statistics statistics;
+  const FacesOfBrick* faces = nullptr;  ///< null where none are wanted
 };
 
 /// Tets of one region of a brick that are no BCC tets: nodes moved, or were cut away.

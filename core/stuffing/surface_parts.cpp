@@ -18,8 +18,8 @@ struct PartVertices {
 };
 
 /// Words of a set that hold the nodes of the box.
-constexpr std::size_t kFirstWord = halo_index(NodePlanes::kMin, -2, -2) / 64;
-constexpr std::size_t kEndWord = halo_index(NodePlanes::kMax + 1, -2, -2) / 64;
+constexpr std::size_t kFirstPlaneWord = halo_index(NodePlanes::kMin, -2, -2) / 64;
+constexpr std::size_t kEndPlaneWord = halo_index(NodePlanes::kMax + 1, -2, -2) / 64;
 
 /// Cut points on the edges from `plus` nodes to `minus` nodes, at the nodes that own them.
 TET_VECTOR_CLONES
@@ -31,7 +31,7 @@ void find_cuts_between(const NodeSets& plus,
     const NodeKind end = end_kind(kind, family_direction(family));
     const int offset = end_offset(kind, family_direction(family));
     auto& cuts = slot[static_cast<std::size_t>(kNodeKinds + family)].word;
-    for (std::size_t w = kFirstWord; w < kEndWord; ++w) {
+    for (std::size_t w = kFirstPlaneWord; w < kEndPlaneWord; ++w) {
       cuts[w] = (plus[kind].word[w] & word_seen_from(minus[end], w, offset)) |
                 (minus[kind].word[w] & word_seen_from(plus[end], w, offset));
     }

@@ -67,10 +67,13 @@ bool fans_are_right(const CountedMesh& mesh) {
 absl::Status check_totals(const CountedMesh& mesh, const MeshHeader& header) {
   const std::uint64_t vertices = mesh.first_vertex(mesh.brick_count());
   const std::uint64_t tets = mesh.first_tet(mesh.brick_count());
-  if (vertices != header.vertex_count || tets != header.tet_count) {
+  const std::uint64_t faces = mesh.first_face(mesh.brick_count());
+  if (vertices != header.vertex_count || tets != header.tet_count ||
+      faces != header.face_count) {
     return absl::DataLossError(absl::StrFormat(
-        "the compact chunks make %d vertices and %d tets; the header says %d and %d", vertices,
-        tets, header.vertex_count, header.tet_count));
+        "the compact chunks make %d vertices, %d tets and %d faces; the header says %d, %d and "
+        "%d",
+        vertices, tets, faces, header.vertex_count, header.tet_count, header.face_count));
   }
   if (!fans_are_right(mesh)) {
     return absl::DataLossError("a compact chunk is broken: a fan where there is none");
@@ -87,8 +90,10 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
                                        TetMesh used,
                                        Statistics statistics) {
   const std::vector<std::size_t> first_brick = bricks.first_brick();
-  const absl::StatusOr<CountedMesh> counted = std::move(bricks).count(frame.rules);
+  absl::StatusOr<CountedMesh> counted = std::move(bricks).count(frame.rules);
   if (!counted.ok()) return counted.status();
+  if (header.has_faces()) counted->count_faces(cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   if (auto status = check_totals(*counted, header); !status.ok()) return status;
   FilledMesh filled;
   try {
@@ -109,10 +114,7 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
       BrickFiller filler(*counted, field, header, frame.to_world, statistics,
                          workspace->get<BrickScratch>());
       for (std::size_t i = first_brick[chunk]; i < first_brick[chunk + 1]; ++i) {
-        const std::uint64_t vertex = counted->first_vertex(i), tet = counted->first_tet(i);
-        const ChunkColumns columns =
-            filled.mesh.columns_of({vertex, counted->first_vertex(i + 1) - vertex, tet,
-                                    counted->first_tet(i + 1) - tet});
+        const ChunkColumns columns = filled.mesh.columns_of(counted->extent({i, i + 1}));
         filler.fill(i, columns);
         if (!ids_are_within(columns.tets, header)) whole = false;
       }

@@ -15,6 +15,7 @@
 #include "core/plan/vertex_field.h"
 #include "core/volume/grid_info.h"
 #include "proto/convert/counts.h"
+#include "proto/convert/face_labels.h"
 #include "proto/convert/points.h"
 
 namespace tet {
@@ -31,6 +32,7 @@ absl::Status check_counts(const v1::MeshHeader& message) {
   absl::Status status = check_count("vertex_count", message.vertex_count());
   if (status.ok()) status = check_count("tet_count", message.tet_count());
   if (status.ok()) status = check_count("chunk_count", message.chunk_count());
+  if (status.ok()) status = check_count("face_count", message.face_count());
   return status;
 }
 
@@ -187,6 +189,8 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   for (const MeshPart& part : header.parts) to_proto(part, *message.add_parts());
   if (header.box) to_proto(*header.box, *message.mutable_box());
   message.set_inside_guess(header.inside_guess);
+  for (const FaceLabel& label : header.face_labels) to_proto(label, *message.add_face_labels());
+  message.set_face_count(signed_count(header.face_count));
   message.set_mesh_bytes(signed_count(ChunkSizes(header, whole_of(header)).total()));
 }
 
@@ -201,6 +205,8 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   if (!fields.ok()) return fields.status();
   auto parts = parts_of(message);
   if (!parts.ok()) return parts.status();
+  auto labels = face_labels_of(message);
+  if (!labels.ok()) return labels.status();
   MeshHeader header;
   header.vertex_count = unsigned_count(message.vertex_count());
   header.tet_count = unsigned_count(message.tet_count());
@@ -216,6 +222,8 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   header.parts = *std::move(parts);
   if (message.has_box()) header.box = from_proto(message.box());
   header.inside_guess = message.inside_guess();
+  header.face_labels = *std::move(labels);
+  header.face_count = unsigned_count(message.face_count());
   return header;
 }
 

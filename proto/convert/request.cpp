@@ -139,6 +139,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
+  order.request.faces = request.faces();
   order.request.skip_statistics = request.skip_statistics();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   order.request.levels =
@@ -162,6 +163,7 @@ void to_proto(const MeshRequest& request, v1::MeshRequest& message) {
   if (request.origin) to_proto(*request.origin, *message.mutable_origin());
   message.set_manifold(request.manifold);
   message.set_improve(request.improve);
+  message.set_faces(request.faces);
   message.set_skip_statistics(request.skip_statistics);
   if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
   to_proto(request.fields, message);
@@ -247,6 +249,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   set_canonical_fields(order.request.fields, canonical);
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
+  canonical.set_faces(order.request.faces);
   canonical.set_skip_statistics(order.request.skip_statistics);
   const auto coordinates =
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
@@ -272,7 +275,8 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.preset()), static_cast<int>(canonical.coordinate_type()),
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
-                   exact_fields(canonical), exact_grids(canonical), exact_inside(canonical)),
+                   exact_fields(canonical), exact_grids(canonical), exact_inside(canonical),
+                   canonical.faces() ? " faces" : ""),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();

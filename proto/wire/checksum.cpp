@@ -11,7 +11,7 @@ std::uint32_t add_to_checksum(std::uint32_t checksum,
                          bytes.size());
 }
 
-std::uint32_t chunk_checksum(std::initializer_list<std::string_view> columns) noexcept {
+std::uint32_t chunk_checksum(std::span<const std::string_view> columns) noexcept {
   std::uint32_t checksum = 0;
   for (const std::string_view column : columns) {
     checksum = add_to_checksum(checksum, std::as_bytes(std::span(column)));

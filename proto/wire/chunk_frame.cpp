@@ -15,7 +15,10 @@ constexpr std::size_t aligned(std::size_t offset) noexcept {
 }
 
 constexpr std::array<std::uint32_t, ChunkFrame::kColumns> kFieldOfColumn = {
-    chunk_field::kPositions, chunk_field::kTets, chunk_field::kRegions, chunk_field::kFields};
+    chunk_field::kPositions, chunk_field::kTets,  chunk_field::kRegions,
+    chunk_field::kFields,    chunk_field::kFaces, chunk_field::kFaceTets,
+    chunk_field::kFaceLabels};
+constexpr std::size_t kFacesColumn = 4;
 
 FieldWriter write_numbers(const ChunkNumbers& numbers) noexcept {
   FieldWriter writer;
@@ -36,7 +39,7 @@ ChunkFrame::ChunkFrame(const std::array<std::size_t, kColumns>& column_bytes) no
   for (std::size_t i = 0; i < bytes_.size(); ++i) {
     begin_[i] = aligned(end_ + room);
     end_ = begin_[i] + bytes_[i];
-    room = kAlignment;  // for a tag and a size, 11 bytes at most
+    room = kAlignment;  // for two numbers, a tag and a size: 34 bytes at most
   }
 }
 
@@ -44,6 +47,8 @@ std::array<ChunkFrame::Part, ChunkFrame::kColumns> ChunkFrame::write(
     std::byte* block, const ChunkNumbers& numbers) const noexcept {
   std::array<FieldWriter, kColumns> before;
   before[0] = write_numbers(numbers);
+  before[kFacesColumn].number(chunk_field::kFirstFace, numbers.first_face);
+  before[kFacesColumn].number(chunk_field::kFaceCount, numbers.face_count);
   std::size_t chunk_bytes = 0;
   for (std::size_t i = 0; i < bytes_.size(); ++i) {
     before[i].bytes(kFieldOfColumn[i], bytes_[i]);

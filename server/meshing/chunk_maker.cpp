@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <span>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,18 +20,30 @@ namespace {
 using Held = std::shared_ptr<SendBudget::Lease>;
 
 std::uint32_t checksum_of(const ChunkColumns& columns) {
-  const auto text = [](std::span<const std::byte> bytes) {
-    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  };
-  return chunk_checksum({text(columns.positions), text(columns.tets), text(columns.regions),
-                         text(columns.fields)});
+  std::uint32_t checksum = 0;
+  for (const std::span<std::byte> column : columns.all()) {
+    checksum = add_to_checksum(checksum, column);
+  }
+  return checksum;
 }
 
 ChunkNumbers numbers_of(std::uint64_t index,
                         const ChunkExtent& extent,
                         std::uint32_t checksum) {
-  return {index,   extent.first_vertex, extent.vertex_count, extent.first_tet, extent.tet_count,
-          checksum};
+  return {.index = index,
+          .first_vertex = extent.first_vertex,
+          .vertex_count = extent.vertex_count,
+          .first_tet = extent.first_tet,
+          .tet_count = extent.tet_count,
+          .checksum = checksum,
+          .first_face = extent.first_face,
+          .face_count = extent.face_count};
+}
+
+/// Where a frame has its columns.
+ChunkColumns columns_in(const ChunkFrame& frame, std::byte* block) {
+  const auto column = [&](std::size_t i) { return frame.column(block, i); };
+  return {column(0), column(1), column(2), column(3), column(4), column(5), column(6)};
 }
 
 /// Columns as they are: each is sent from where it was made in `block`.
@@ -69,11 +80,10 @@ ChunkMessage make_columns(const ChunkSource& source,
   const MeshPlan& plan = *source.plan;
   const ChunkExtent extent = source.patch ? source.patch->extent(index) : plan.chunk(index);
   const ChunkSizes size(plan.header(), extent);
-  const ChunkFrame frame({size.positions, size.tets, size.regions, size.fields});
+  const ChunkFrame frame(size.all());
   const grpc::Slice slice = memory.blocks.take(frame.block_bytes(), held);
   auto* const block = reinterpret_cast<std::byte*>(const_cast<std::uint8_t*>(slice.begin()));
-  const ChunkColumns columns{frame.positions(block), frame.tets(block), frame.regions(block),
-                             frame.fields(block)};
+  const ChunkColumns columns = columns_in(frame, block);
 
   ChunkMessage message;
   message.tets = extent.tet_count;

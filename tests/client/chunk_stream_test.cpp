@@ -49,10 +49,10 @@ class Assembly {
     vertices_ += chunk.place.vertex_count;
     tets_ += chunk.place.tet_count;
     const ChunkColumns to = mesh_.columns_of(chunk.place);
-    copy(chunk.positions, to.positions);
-    copy(chunk.tets, to.tets);
-    copy(chunk.regions, to.regions);
-    copy(chunk.fields, to.fields);
+    copy(chunk.columns.positions, to.positions);
+    copy(chunk.columns.tets, to.tets);
+    copy(chunk.columns.regions, to.regions);
+    copy(chunk.columns.fields, to.fields);
   }
 
   void expect_whole() const {

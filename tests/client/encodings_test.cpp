@@ -1,4 +1,5 @@
 // The encodings that a client may ask for: the same mesh of each.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/mesh_client.h"
+#include "core/mesh/find_faces.h"
 #include "tests/client/cutting_proxy.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/service_fixture.h"
@@ -37,6 +39,29 @@ TEST_F(EncodingsTest, MakeTheSameMesh) {
       EXPECT_EQ(encoded->quality.volume, plain->quality.volume);
       EXPECT_EQ(encoded->quality.histogram, plain->quality.histogram);
       EXPECT_TRUE(encoded->boundary == plain->boundary);
+    }
+  }
+}
+
+TEST_F(EncodingsTest, CarryTheSameFaces) {
+  v1::MeshRequest fine = mesh_of(solid_file("gyroid", 0.08));
+  for (v1::MeshRequest request : {uniform_ball(16), both_sides_of_ball(16, 2), fine}) {
+    const auto without = client_->stream_mesh(request, {}, never_);
+    request.set_faces(true);
+    const auto plain = client_->stream_mesh(request, {}, never_);
+    ASSERT_TRUE(without.ok() && plain.ok()) << without.status() << plain.status();
+    EXPECT_FALSE(without->mesh.header.has_faces());
+    EXPECT_NE(plain->mesh_id, without->mesh_id);
+    EXPECT_GT(plain->mesh.header.face_count, 100U);
+    TetMesh found(plain->mesh.header);
+    set_faces(find_faces(plain->mesh), plain->mesh, found);
+    EXPECT_TRUE(std::ranges::equal(plain->mesh.faces.bytes(), found.faces.bytes()));
+    for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+      const auto encoded =
+          client_->stream_mesh(request, {}, never_, {.encoding = encoding, .used = {}});
+      ASSERT_TRUE(encoded.ok()) << encoded.status();
+      expect_same_stream(*encoded, *plain);
+      EXPECT_EQ(encoded->mesh.header.face_labels, plain->mesh.header.face_labels);
     }
   }
 }

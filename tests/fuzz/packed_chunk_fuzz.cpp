@@ -29,13 +29,17 @@ struct Input {
     header.has_regions = (flags & 4) != 0;
     if ((flags & 8) != 0) header.fields = {{"t", 1}, {"v", 3}};
     extent = {before, vertices, 0, tets};
+    if ((flags & 16) != 0) {
+      header.face_labels = {{.name = "surface"}, {.name = "cut_x_min"}, {.name = "cut_x_max"}};
+      extent.face_count = std::min<std::uint64_t>(flags >> 8, tets);
+    }
     header.vertex_count = std::uint64_t{before} + vertices + 1000;
     header.tet_count = tets;
   }
 };
 
 struct Columns {
-  Bytes positions, tets, regions, fields;
+  Bytes positions, tets, regions, fields, faces, face_tets, face_labels;
 
   explicit Columns(const Input& input) {
     const ChunkSizes sizes(input.header, input.extent);
@@ -43,8 +47,13 @@ struct Columns {
     tets.resize(sizes.tets);
     regions.resize(sizes.regions, std::byte{1});
     fields.resize(sizes.fields);
+    faces.resize(sizes.faces);
+    face_tets.resize(sizes.face_tets);
+    face_labels.resize(sizes.face_labels);
   }
-  ChunkColumns places() { return {positions, tets, regions, fields}; }
+  ChunkColumns places() {
+    return {positions, tets, regions, fields, faces, face_tets, face_labels};
+  }
   bool operator==(const Columns&) const = default;
 };
 
@@ -63,6 +72,24 @@ void expect_refused_or_ids_of_vertices(const Input& input, std::span<const std::
   for (std::size_t i = 0; i < input.extent.tet_count * 4; ++i) {
     if (id_at(columns.tets, i, size) >= input.header.vertex_count) std::abort();
   }
+  for (std::size_t i = 0; i < input.extent.face_count; ++i) {
+    if (id_at(columns.face_tets, i, size) >= input.extent.tet_count) std::abort();
+    if (id_at(columns.face_labels, i, 2) >= input.header.face_labels.size()) std::abort();
+  }
+}
+
+/// Gives each of the first tets a face, and those labels by turns.
+void add_some_faces(const Input& input, Columns& columns) {
+  const std::size_t size = size_of(input.header.index_type);
+  for (std::size_t i = 0; i < input.extent.face_count; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::memcpy(&columns.faces[(3 * i + c) * size],
+                  &columns.tets[(4 * i + kFaceCorners[i % 4][c]) * size], size);
+    }
+    const std::uint64_t tet = i, label = i / 5 % input.header.face_labels.size();
+    std::memcpy(&columns.face_tets[i * size], &tet, size);
+    std::memcpy(&columns.face_labels[i * 2], &label, 2);
+  }
 }
 
 void expect_same_back(const Input& input, std::span<const std::byte> bytes) {
@@ -80,6 +107,7 @@ void expect_same_back(const Input& input, std::span<const std::byte> bytes) {
     const std::uint64_t id = id_at(columns.tets, i, size) % input.header.vertex_count;
     std::memcpy(&columns.tets[i * size], &id, size);
   }
+  add_some_faces(input, columns);
   ChunkPacker packer;
   const auto packed = packer.pack(input.header, input.extent, columns.places());
   if (packed.empty()) return;

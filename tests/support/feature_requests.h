@@ -63,6 +63,8 @@ class FeatureRequest {
         return mesh.set_improve(true);
       case Feature::kFields:
         return add_field(*mesh.add_fields());
+      case Feature::kFaces:
+        return mesh.set_faces(true);
       case Feature::kFloat64:
         return mesh.set_coordinate_type(v1::COORDINATE_TYPE_FLOAT64);
       case Feature::kSkipStatistics:

@@ -71,6 +71,7 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   core.levels = request.levels.value_or(tet::default_levels(core.sizing));
   core.improve = request.improve;
   core.manifold = request.manifold;
+  core.faces = request.faces;
   core.skip_statistics = !request.statistics;
   core.coordinates = to_core(request.coordinates);
   for (const Field& field : request.fields) {

@@ -18,24 +18,25 @@ std::span<const Number> numbers(std::span<const std::byte> column) {
   return {reinterpret_cast<const Number*>(column.data()), column.size() / sizeof(Number)};
 }
 
-MeshColumns columns_from(const tet::MeshHeader& header,
-                         std::span<const std::byte> positions,
-                         std::span<const std::byte> tets,
-                         std::span<const std::byte> regions,
-                         std::span<const std::byte> fields) {
+MeshColumns columns_from(const tet::MeshHeader& header, const tet::ConstColumns& from) {
   MeshColumns columns;
   if (header.coordinate_type == tet::CoordinateType::kFloat64) {
-    columns.points64 = numbers<double>(positions);
+    columns.points64 = numbers<double>(from.positions);
   } else {
-    columns.points32 = numbers<float>(positions);
+    columns.points32 = numbers<float>(from.positions);
   }
   if (header.index_type == tet::IndexType::kUint64) {
-    columns.tets64 = numbers<std::uint64_t>(tets);
+    columns.tets64 = numbers<std::uint64_t>(from.tets);
+    columns.faces64 = numbers<std::uint64_t>(from.faces);
+    columns.face_tets64 = numbers<std::uint64_t>(from.face_tets);
   } else {
-    columns.tets32 = numbers<std::uint32_t>(tets);
+    columns.tets32 = numbers<std::uint32_t>(from.tets);
+    columns.faces32 = numbers<std::uint32_t>(from.faces);
+    columns.face_tets32 = numbers<std::uint32_t>(from.face_tets);
   }
-  columns.regions = numbers<std::uint8_t>(regions);
-  columns.fields = numbers<float>(fields);
+  columns.regions = numbers<std::uint8_t>(from.regions);
+  columns.fields = numbers<float>(from.fields);
+  columns.face_labels = numbers<std::uint16_t>(from.face_labels);
   return columns;
 }
 
@@ -80,7 +81,9 @@ MeshHeader to_public(const tet::MeshHeader& header, std::string id) {
                     .field_values = 0,
                     .parts = {},
                     .inside_guess = header.inside_guess,
-                    .id = std::move(id)};
+                    .id = std::move(id),
+                    .face_labels = {},
+                    .face_count = header.face_count};
   for (const tet::FieldArray& field : header.fields) {
     result.fields.push_back({field.name, field.components, result.field_values});
     result.field_values += field.components;
@@ -88,6 +91,10 @@ MeshHeader to_public(const tet::MeshHeader& header, std::string id) {
   for (const tet::MeshPart& part : header.parts) {
     result.parts.push_back(
         {part.name, part.first_vertex, part.vertex_count, part.first_tet, part.tet_count});
+  }
+  for (const tet::FaceLabel& label : header.face_labels) {
+    result.face_labels.push_back(
+        {label.name, static_cast<FaceLabel::Kind>(label.kind), label.part});
   }
   return result;
 }
@@ -104,17 +111,13 @@ Statistics to_public(const tet::TrailerFacts& facts) {
 
 Chunk to_public(const tet::ChunkView& chunk, const tet::MeshHeader& header) {
   const tet::ChunkExtent& place = chunk.place;
-  return {chunk.index,
-          place.first_vertex,
-          place.vertex_count,
-          place.first_tet,
-          place.tet_count,
-          columns_from(header, chunk.positions, chunk.tets, chunk.regions, chunk.fields)};
+  return {chunk.index,      place.first_vertex, place.vertex_count,
+          place.first_tet,  place.tet_count,    columns_from(header, chunk.columns),
+          place.first_face, place.face_count};
 }
 
 MeshColumns columns_of(const tet::TetMesh& mesh) {
-  return columns_from(mesh.header, mesh.positions.bytes(), mesh.tets.bytes(),
-                      mesh.regions.bytes(), mesh.fields.bytes());
+  return columns_from(mesh.header, mesh.columns());
 }
 
 }  // namespace tetstream

@@ -50,6 +50,21 @@ class ArrayMaker {
     return make(columns.fields, header.field_values);
   }
 
+  // These return None where the mesh has no faces.
+
+  py::object faces(const MeshColumns& columns, const MeshHeader& header) const {
+    if (header.face_labels.empty()) return py::none();
+    return header.uint64 ? make(columns.faces64, 3) : make(columns.faces32, 3);
+  }
+  py::object face_tets(const MeshColumns& columns, const MeshHeader& header) const {
+    if (header.face_labels.empty()) return py::none();
+    return header.uint64 ? make(columns.face_tets64, 0) : make(columns.face_tets32, 0);
+  }
+  py::object face_labels(const MeshColumns& columns, const MeshHeader& header) const {
+    if (header.face_labels.empty()) return py::none();
+    return make(columns.face_labels, 0);
+  }
+
  private:
   py::handle owner_;
 };

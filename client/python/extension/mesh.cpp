@@ -1,5 +1,6 @@
 #include "tetstream/mesh.h"
 
+#include <array>
 #include <string>
 
 #include <pybind11/stl.h>
@@ -26,6 +27,16 @@ py::list parts_of(const MeshHeader& header) {
                                 part.tet_count));
   }
   return parts;
+}
+
+py::list face_labels_of(const MeshHeader& header) {
+  constexpr std::array kKinds{"", "surface", "interface", "box", "region"};
+  py::list labels;
+  for (const FaceLabel& label : header.face_labels) {
+    labels.append(py::make_tuple(label.name, kKinds.at(static_cast<std::size_t>(label.kind)),
+                                 label.part));
+  }
+  return labels;
 }
 
 py::object quality_of(const std::optional<Statistics::Quality>& quality) {
@@ -87,7 +98,8 @@ py::dict to_python(const MeshHeader& header) {
                                          py::tuple(py::cast(header.bounds.max))),
       py::arg("spacing") = header.spacing, py::arg("levels") = header.levels,
       py::arg("fields") = fields_of(header), py::arg("parts") = parts_of(header),
-      py::arg("id") = header.id);
+      py::arg("id") = header.id, py::arg("face_labels") = face_labels_of(header),
+      py::arg("face_count") = header.face_count);
 }
 
 py::dict to_python(const Statistics& statistics) {
@@ -122,6 +134,18 @@ void bind_mesh(py::module_& module) {
       .def_property_readonly("field_rows",
                              of_mesh([](ArrayMaker maker, Columns columns, Header header) {
                                return maker.field_rows(columns, header);
+                             }))
+      .def_property_readonly("faces",
+                             of_mesh([](ArrayMaker maker, Columns columns, Header header) {
+                               return maker.faces(columns, header);
+                             }))
+      .def_property_readonly("face_tets",
+                             of_mesh([](ArrayMaker maker, Columns columns, Header header) {
+                               return maker.face_tets(columns, header);
+                             }))
+      .def_property_readonly("face_labels",
+                             of_mesh([](ArrayMaker maker, Columns columns, Header header) {
+                               return maker.face_labels(columns, header);
                              }))
       .def("write", &write);
 }

@@ -24,10 +24,11 @@ class Turn {
 
 py::object copy_of(const Chunk& chunk, const MeshHeader& header) {
   const ArrayMaker copies;
-  return py::make_tuple(chunk.index, chunk.first_vertex, chunk.first_tet,
-                        copies.points(chunk.columns), copies.tets(chunk.columns),
-                        copies.regions(chunk.columns, header),
-                        copies.field_rows(chunk.columns, header));
+  return py::make_tuple(
+      chunk.index, chunk.first_vertex, chunk.first_tet, copies.points(chunk.columns),
+      copies.tets(chunk.columns), copies.regions(chunk.columns, header),
+      copies.field_rows(chunk.columns, header), copies.faces(chunk.columns, header),
+      copies.face_tets(chunk.columns, header), copies.face_labels(chunk.columns, header));
 }
 
 }  // namespace

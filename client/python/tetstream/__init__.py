@@ -26,15 +26,15 @@ from ._client import Client, Estimate
 from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceededError, Error,
                       FailedPreconditionError, InternalError, InvalidArgumentError, NotFoundError,
                       ResourceExhaustedError, StatusCode, UnavailableError)
-from ._mesh import (Boundary, Chunk, FieldArray, Header, Improvement, Mesh, MeshPart, Quality, Statistics,
-                    ThinWalls)
+from ._mesh import (Boundary, Chunk, FaceLabel, FieldArray, Header, Improvement, Mesh, MeshPart, Quality,
+                    Statistics, ThinWalls)
 from ._stream import MeshStream
 from ._tetstream import version
 from ._volume import Volume
 
 __all__ = [
     "AccessError", "Boundary", "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError",
-    "DeadlineExceededError", "Error", "Estimate", "FailedPreconditionError", "FieldArray", "Header",
+    "DeadlineExceededError", "Error", "Estimate", "FaceLabel", "FailedPreconditionError", "FieldArray", "Header",
     "Improvement", "InternalError", "InvalidArgumentError", "Mesh", "MeshPart", "MeshStream", "NotFoundError",
     "Quality", "ResourceExhaustedError", "Statistics", "StatusCode", "StoredVolume", "ThinWalls",
     "UnavailableError", "Volume", "estimate", "mesh", "stream", "version",

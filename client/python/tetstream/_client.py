@@ -97,6 +97,7 @@ class Client:
         improve: bool = False,
         manifold: bool = False,
         statistics: bool = True,
+        faces: bool = False,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
         threads: int = 0,
@@ -124,6 +125,7 @@ class Client:
         improve      move vertices to better the worst angles
         manifold     the boundary touches itself nowhere, whatever the field
         statistics   measure angles and boundary: a little slower
+        faces        boundary triangles beside the tets, with names: docs/faces.md
         coordinates  how they are stored: "float32", "float64", or "automatic", which takes float64 where
                      float32 would bend the angle bounds
         fields       {name: Volume}: arrays of values that the vertices get, at most 16
@@ -141,7 +143,8 @@ class Client:
         """
         request = request_of(
             spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, coordinates=coordinates, fields=fields)
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
+            fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         return Mesh(self._backend.mesh(volume, request, options))
@@ -160,6 +163,7 @@ class Client:
         improve: bool = False,
         manifold: bool = False,
         statistics: bool = True,
+        faces: bool = False,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
         threads: int = 0,
@@ -175,7 +179,8 @@ class Client:
         """
         request = request_of(
             spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, coordinates=coordinates, fields=fields)
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
+            fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         return MeshStream(self._backend.stream(volume, request, options))
@@ -194,6 +199,7 @@ class Client:
         improve: bool = False,
         manifold: bool = False,
         statistics: bool = True,
+        faces: bool = False,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
         threads: int = 0,
@@ -202,7 +208,8 @@ class Client:
         """Counts a mesh without making it. Options and errors are those of `mesh`."""
         request = request_of(
             spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, coordinates=coordinates, fields=fields)
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
+            fields=fields)
         told = self._backend.estimate(volume, request, options_of(timeout=timeout, threads=threads))
         return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["bytes"]), told["seconds"])
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _tetstream
-from ._errors import FailedPreconditionError, StatusCode
+from ._errors import FailedPreconditionError, StatusCode, invalid
 from ._request import Progress, options_of
 
 _Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -40,6 +40,20 @@ class MeshPart:
 
 
 @dataclasses.dataclass(frozen=True)
+class FaceLabel:
+    """A name that boundary faces have; each face has one.
+
+    kind   "surface"; "interface" between inside and outside; "box", in a face of the box that the mesh
+           ends at; "region", a piece of one of them that the request names
+    part   of a mesh of several grids, from 1 on; else 0
+    """
+
+    name: str
+    kind: str
+    part: int
+
+
+@dataclasses.dataclass(frozen=True)
 class Header:
     """What is known of a mesh before its first vertex.
 
@@ -53,6 +67,8 @@ class Header:
     fields            arrays that every vertex has values in
     parts             of a mesh of several grids; else empty
     id                from a server: the same id is the same bytes; else empty
+    face_labels       with `faces=True` the names that faces have; else empty
+    face_count        boundary faces
     """
 
     vertex_count: int
@@ -68,11 +84,14 @@ class Header:
     fields: tuple[FieldArray, ...]
     parts: tuple[MeshPart, ...]
     id: str
+    face_labels: tuple[FaceLabel, ...]
+    face_count: int
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Header:
         told["fields"] = tuple(FieldArray(*field) for field in told["fields"])
         told["parts"] = tuple(MeshPart(*part) for part in told["parts"])
+        told["face_labels"] = tuple(FaceLabel(*label) for label in told["face_labels"])
         return cls(**told)
 
 
@@ -148,12 +167,18 @@ class Arrays:
         tets: NDArray[np.unsignedinteger[Any]],
         regions: NDArray[np.uint8] | None,
         field_rows: NDArray[np.float32] | None,
+        faces: NDArray[np.unsignedinteger[Any]] | None,
+        face_tets: NDArray[np.unsignedinteger[Any]] | None,
+        face_labels: NDArray[np.uint16] | None,
     ) -> None:
         self.header = header
         self.local_points = local_points
         self.tets = tets
         self.regions = regions
         self._field_rows = field_rows
+        self.faces = faces
+        self.face_tets = face_tets
+        self.face_labels = face_labels
 
     header: Header
     """The whole mesh's totals, origin and spacing."""
@@ -163,6 +188,13 @@ class Arrays:
     """Shape (m, 4): vertex ids, uint32 or uint64. det(b - a, c - a, d - a) is positive."""
     regions: NDArray[np.uint8] | None
     """Shape (m,): 1 inside, 2 outside; None unless both sides are meshed."""
+    faces: NDArray[np.unsignedinteger[Any]] | None
+    """Shape (f, 3): vertex ids of the boundary triangles, counter-clockwise seen from outside, in the
+    order of their tets; None unless asked for with `faces=True`."""
+    face_tets: NDArray[np.unsignedinteger[Any]] | None
+    """Shape (f,): the tet that each face belongs to, as the whole mesh counts."""
+    face_labels: NDArray[np.uint16] | None
+    """Shape (f,): places in `header.face_labels`."""
 
     @functools.cached_property
     def points(self) -> NDArray[np.float64]:
@@ -176,6 +208,14 @@ class Arrays:
     def fields(self) -> Mapping[str, NDArray[np.float32]]:
         """{name: values at the vertices}, each of shape (n,), or (n, 3) of a vector; views, float32."""
         return {field.name: self._field(field) for field in self.header.fields}
+
+    def faces_of(self, name: str) -> NDArray[np.unsignedinteger[Any]]:
+        """The faces with one label, shape (n, 3). Errors: InvalidArgumentError (no such label)."""
+        names = [label.name for label in self.header.face_labels]
+        if self.faces is None or self.face_labels is None or name not in names:
+            known = ", ".join(names) or "none: mesh with faces=True"
+            raise invalid(f"no faces are named {name!r}; there are {known}")
+        return self.faces[self.face_labels == names.index(name)]
 
     def _field(self, field: FieldArray) -> NDArray[np.float32]:
         assert self._field_rows is not None
@@ -196,13 +236,16 @@ class Mesh(Arrays):
     tets           (m, 4) uint32 or uint64, vertex ids
     regions        (m,) uint8, 1 inside and 2 outside; None unless both sides are meshed
     fields         {name: (n,) or (n, 3) float32}
+    faces          (f, 3) uint32 or uint64, vertex ids of boundary triangles; None unless asked for
+    face_tets, face_labels   (f,) uint32 or uint64, and uint16
     header, statistics, quality()   what is known of it
     """
 
     def __init__(self, mesh: _tetstream.Mesh) -> None:
         if not isinstance(mesh, _tetstream.Mesh):
             raise TypeError("a Mesh is made by tetstream.mesh, or by Client.mesh")
-        super().__init__(Header._of(mesh.header), mesh.points, mesh.tets, mesh.regions, mesh.field_rows)
+        super().__init__(Header._of(mesh.header), mesh.points, mesh.tets, mesh.regions, mesh.field_rows,
+                         mesh.faces, mesh.face_tets, mesh.face_labels)
         self._mesh = mesh
 
     @functools.cached_property
@@ -254,8 +297,9 @@ class Mesh(Arrays):
 
     def __repr__(self) -> str:
         h = self.header
-        megabytes = sum(array.nbytes for array in (self.local_points, self.tets, self.regions, self._field_rows)
-                        if array is not None) / 1e6
+        arrays = (self.local_points, self.tets, self.regions, self._field_rows, self.faces, self.face_tets,
+                  self.face_labels)
+        megabytes = sum(array.nbytes for array in arrays if array is not None) / 1e6
         named = f", fields {', '.join(self.fields)}" if self.fields else ""
         return (f"<tetstream.Mesh: {h.vertex_count:,} vertices, {h.tet_count:,} tets, "
                 f"spacing {h.spacing:g}, {megabytes:.1f} MB{named}>")
@@ -269,7 +313,7 @@ class Chunk(Arrays):
 
     index                       from 0 to header.chunk_count - 1
     first_vertex, first_tet     how many the chunks before it hold
-    points, local_points, tets, regions, fields   as those of a `Mesh`
+    points, local_points, tets, regions, fields, faces, face_tets, face_labels   as those of a `Mesh`
     """
 
     def __init__(self, header: Header, index: int, first_vertex: int, first_tet: int, *arrays: Any) -> None:

@@ -34,6 +34,7 @@ def request_of(
     improve: bool,
     manifold: bool,
     statistics: bool,
+    faces: bool,
     coordinates: Coordinates,
     fields: Mapping[str, Volume] | None,
 ) -> _tetstream.Request:
@@ -53,6 +54,7 @@ def request_of(
     request.improve = improve
     request.manifold = manifold
     request.statistics = statistics
+    request.faces = faces
     request.coordinates = member("coordinates", coordinates, _tetstream.Coordinates.__members__)
     for name, values in (fields or {}).items():
         request.add_field(name, values._volume)

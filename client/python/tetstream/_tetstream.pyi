@@ -60,6 +60,7 @@ class Request:
     improve: bool
     manifold: bool
     statistics: bool
+    faces: bool
     coordinates: Coordinates
     def set_box(self, box: tuple[_Point, _Point] | None) -> None: ...
     def add_field(self, name: str, values: Volume) -> None: ...
@@ -84,6 +85,12 @@ class Mesh:
     def regions(self) -> NDArray[np.uint8] | None: ...
     @property
     def field_rows(self) -> NDArray[np.float32] | None: ...
+    @property
+    def faces(self) -> NDArray[np.unsignedinteger[Any]] | None: ...
+    @property
+    def face_tets(self) -> NDArray[np.unsignedinteger[Any]] | None: ...
+    @property
+    def face_labels(self) -> NDArray[np.uint16] | None: ...
     def write(self, path: str, format: str, options: Options) -> None: ...
 
 class Stream:
@@ -100,6 +107,9 @@ class Stream:
             NDArray[np.unsignedinteger[Any]],
             NDArray[np.uint8] | None,
             NDArray[np.float32] | None,
+            NDArray[np.unsignedinteger[Any]] | None,
+            NDArray[np.unsignedinteger[Any]] | None,
+            NDArray[np.uint16] | None,
         ]
         | None
     ): ...

@@ -9,6 +9,29 @@
 #include "core/plan/mesh_workspace.h"
 
 namespace tet {
+namespace {
+
+/// What of some bricks' columns belongs to the first of them; without fields.
+ChunkColumns first_of(const ChunkColumns& columns, const ChunkSizes& size) noexcept {
+  return {.positions = columns.positions.first(size.positions),
+          .tets = columns.tets.first(size.tets),
+          .regions = columns.regions.first(size.regions),
+          .faces = columns.faces.first(size.faces),
+          .face_tets = columns.face_tets.first(size.face_tets),
+          .face_labels = columns.face_labels.first(size.face_labels)};
+}
+
+/// The rest.
+ChunkColumns after(const ChunkColumns& columns, const ChunkSizes& size) noexcept {
+  return {.positions = columns.positions.subspan(size.positions),
+          .tets = columns.tets.subspan(size.tets),
+          .regions = columns.regions.subspan(size.regions),
+          .faces = columns.faces.subspan(size.faces),
+          .face_tets = columns.face_tets.subspan(size.face_tets),
+          .face_labels = columns.face_labels.subspan(size.face_labels)};
+}
+
+}  // namespace
 
 BrickPlan::BrickPlan(MeshFacts facts,
                      MeshSource source,
@@ -23,9 +46,7 @@ BrickRange BrickPlan::bricks_of_chunk(std::uint64_t index) const noexcept {
 }
 
 ChunkExtent BrickPlan::bricks(const BrickRange& range) const noexcept {
-  const auto [begin, end] = range;
-  return {mesh_.first_vertex(begin), mesh_.first_vertex(end) - mesh_.first_vertex(begin),
-          mesh_.first_tet(begin), mesh_.first_tet(end) - mesh_.first_tet(begin)};
+  return mesh_.extent(range);
 }
 
 QualityStats BrickPlan::fill_bricks(const BrickRange& range,
@@ -36,10 +57,8 @@ QualityStats BrickPlan::fill_bricks(const BrickRange& range,
   for (std::size_t brick = range.begin; brick < range.end; ++brick) {
     const ChunkExtent extent = bricks({brick, brick + 1});
     const ChunkSizes size(header(), extent);
-    filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),
-                        columns.regions.first(size.regions)});
-    columns = {columns.positions.subspan(size.positions), columns.tets.subspan(size.tets),
-               columns.regions.subspan(size.regions)};
+    filler.fill(brick, first_of(columns, size));
+    columns = after(columns, size);
   }
   TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
   return filler.stats();
@@ -65,7 +84,9 @@ std::vector<std::size_t> cut_into_chunks(const CountedMesh& mesh,
                                          std::size_t chunk_bytes,
                                          MeshHeader& header) {
   const auto bytes_before = [&](std::size_t brick) {
-    return ChunkSizes(header, mesh.first_vertex(brick), mesh.first_tet(brick)).total();
+    return ChunkSizes(header, mesh.first_vertex(brick), mesh.first_tet(brick),
+                      mesh.first_face(brick))
+        .total();
   };
   std::vector<std::size_t> first_brick{0};
   for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {

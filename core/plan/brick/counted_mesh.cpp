@@ -10,6 +10,7 @@
 #include "core/lattice/reach.h"
 #include "core/plan/brick/mesh_difference.h"
 #include "core/stuffing/count_tets.h"
+#include "core/stuffing/surface_faces.h"
 
 namespace tet {
 namespace {
@@ -210,7 +211,8 @@ bool CountedMesh::touches_surface(std::size_t brick) const noexcept {
 }
 
 std::uint64_t CountedMesh::bytes() const noexcept {
-  std::uint64_t bytes = survey_.bytes() + all_heap_bytes(stuffed_, first_vertex_, first_tet_);
+  std::uint64_t bytes =
+      survey_.bytes() + all_heap_bytes(stuffed_, first_vertex_, first_tet_, first_face_);
   for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();
   for (const LevelNodes& nodes : nodes_) {
     bytes += nodes.bytes();
@@ -316,6 +318,84 @@ std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
   const std::uint64_t inside = count_finest(nodes, fans);
   see_from_outside(nodes);
   return inside + count_finest(nodes, fans);
+}
+
+void CountedMesh::count_faces(const Cancellation& cancellation) {
+  if (rules_.both_sides) find_domain();
+  std::vector<std::uint64_t> faces(brick_count());
+  const std::vector<LevelRange> ranges = ranges_of(tree_);
+  for_each_index(ranges.size(), [&](std::size_t range) {
+    const auto [l, begin, end] = ranges[range];
+    // Only where both sides are meshed a coarser brick can have any.
+    if (cancellation.requested() || (l > 0 && !rules_.both_sides)) return;
+    const std::vector<BrickCoord>& bricks = tree_.levels[l].bricks;
+    BrickNeighbours neighbours(bricks);
+    for (std::size_t i = begin; i < end; ++i) {
+      faces[first_brick_[l] + i] =
+          faces_of({static_cast<int>(l), i}, neighbours.around(bricks[i]));
+    }
+  });
+  first_face_ = offsets_from_counts(faces.size(), [&](std::size_t i) { return faces[i]; });
+}
+
+void CountedMesh::find_domain() {
+  for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
+    const OctreeLevel& level = tree_.levels[l];
+    for (std::size_t i = 0; i < level.bricks.size(); ++i) {
+      domain_.add(level.bricks[i], static_cast<int>(l), level.leaf[i]);
+    }
+  }
+}
+
+OuterCells CountedMesh::outer(BrickPlace place) const noexcept {
+  if (!rules_.both_sides) return {};
+  const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
+  return outer_cells(domain_, level.bricks[place.brick], place.level);
+}
+
+std::uint64_t CountedMesh::faces_of(BrickPlace place,
+                                    const PlacesAround& around) const noexcept {
+  const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
+  if (!level.leaf[place.brick].any()) return 0;
+  if (place.level == 0) return finest_faces_of(place.brick, around);
+  const OuterCells outer = this->outer(place);
+  if (!any(outer)) return 0;
+  std::uint64_t faces = 0;
+  for (const MeshRegion region : regions()) {
+    faces += count_background_faces(gather_background(level, around, region), outer);
+  }
+  return faces;
+}
+
+std::uint64_t CountedMesh::finest_faces_of(std::size_t brick,
+                                           const PlacesAround& around) const noexcept {
+  BrickNeighbourhood bricks;
+  bool at_surface = false;
+  for (std::size_t o = 0; o < bricks.size(); ++o) {
+    const std::uint32_t place = around[upper_place(o)];
+    bricks[o] = stuffed_at(place);
+    at_surface = at_surface || (place != kNoBrick && touches_surface(place));
+  }
+  const OuterCells outer = this->outer({0, brick});
+  const bool at_end = any(outer);
+  if (!at_surface && !at_end) return 0;
+  const BrickSurroundings beside = surroundings(around);
+  const DomainFaces domain(outer, beside);
+  const FacesAround faces{beside, at_end ? &domain : nullptr};
+  CellNodes nodes = nodes_around_cells(bricks, leaves_around(around));
+  std::uint64_t count = 0;
+  if (at_surface) count = count_surface_faces(nodes, faces, vertices_of_finest(brick).fans);
+  if (!at_end) return count;
+  count += domain.count(nodes);
+  see_from_outside(nodes);
+  return count + domain.count(nodes);
+}
+
+ChunkExtent CountedMesh::extent(const BrickRange& bricks) const noexcept {
+  const auto [begin, end] = bricks;
+  return {first_vertex(begin), first_vertex(end) - first_vertex(begin),
+          first_tet(begin),    first_tet(end) - first_tet(begin),
+          first_face(begin),   first_face(end) - first_face(begin)};
 }
 
 }  // namespace tet

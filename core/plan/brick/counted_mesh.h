@@ -8,9 +8,11 @@
 
 #include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
+#include "core/mesh/tet_mesh.h"
 #include "core/octree/octree.h"
 #include "core/plan/brick/survey.h"
 #include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/domain_faces.h"
 #include "core/stuffing/local_vertices.h"
 #include "core/stuffing/stuffed_brick.h"
 
@@ -89,6 +91,20 @@ class CountedMesh {
   std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
   std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
 
+  /// Counts the faces of each brick's tets on the surface, for a mesh that has them. Parallel.
+  void count_faces(const Cancellation& cancellation);
+  /// 0 unless they were counted.
+  std::uint64_t first_face(std::size_t brick) const noexcept {
+    return first_face_.empty() ? 0 : first_face_[brick];
+  }
+  /// A brick's cells at the domain's end; none where the mesh has no domain. They are known
+  /// once faces were counted.
+  OuterCells outer(BrickPlace place) const noexcept;
+  /// Where some bricks lie in the mesh.
+  ChunkExtent extent(const BrickRange& bricks) const noexcept;
+  /// What the survey kept of the bricks around a finest one.
+  BrickSurroundings surroundings(const PlacesAround& around) const noexcept;
+
   /// A finest brick and those beyond its upper faces, with what the survey kept of each.
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
   /// The vertices of these bricks; `geometry` is null where it was not kept.
@@ -109,7 +125,6 @@ class CountedMesh {
  private:
   const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
   OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
-  BrickSurroundings surroundings(const PlacesAround& around) const noexcept;
   void find_stuffed(const PhiField& field, const Cancellation& cancellation);
   void find_vertices(const Cancellation& cancellation);
   NodeMasks find_finest_vertices(std::size_t brick, const PlacesAround& around) const;
@@ -123,6 +138,9 @@ class CountedMesh {
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
   std::uint64_t tets_of(BrickPlace place, const PlacesAround& around) const noexcept;
   std::uint64_t finest_tets_of(std::size_t brick, const PlacesAround& around) const noexcept;
+  std::uint64_t faces_of(BrickPlace place, const PlacesAround& around) const noexcept;
+  std::uint64_t finest_faces_of(std::size_t brick, const PlacesAround& around) const noexcept;
+  void find_domain();
 
   StuffingRules rules_;
   bool geometry_is_trimmed_ = false;  ///< packed after cut points that no tet uses were dropped
@@ -133,6 +151,8 @@ class CountedMesh {
   std::vector<LevelNodes> nodes_;
   std::vector<std::size_t> first_brick_;                 // of each level
   std::vector<std::uint64_t> first_vertex_, first_tet_;  // one more than bricks: totals
+  std::vector<std::uint64_t> first_face_;                // the same, or empty
+  CellBox domain_;                                       // of all leaves, where it is needed
 };
 
 }  // namespace tet

@@ -90,10 +90,19 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
   write_positions(BrickFrame(to_world_, level.bricks[place.brick], place.level), around_[0],
                   workspace_.vertices.own_places(), header_.coordinate_type, columns.positions);
   if (columns.tets.empty()) return;
+  has_faces_ = !columns.faces.empty();
+  workspace_.faces.clear();
+  if (has_faces_) {
+    outer_ = mesh_.outer(place);
+    if (place.level == 0) surroundings_ = mesh_.surroundings(places);
+  }
+  const std::uint64_t first_tet = mesh_.first_tet(brick);
   if (header_.index_type == IndexType::kUint32) {
     fill_tets<std::uint32_t>(place, places, columns);
+    write_faces<std::uint32_t>(first_tet, columns);
   } else {
     fill_tets<std::uint64_t>(place, places, columns);
+    write_faces<std::uint64_t>(first_tet, columns);
   }
 }
 
@@ -145,8 +154,9 @@ void BrickFiller::fill_tets(BrickPlace place,
   if (place.level == 0) nodes_ = nodes_of(places);
   for (const MeshRegion region : mesh_.regions()) {
     Index* const first = end;
-    end = place.level == 0 ? fill_finest_tets(region, first, limit)
-                           : fill_background_tets(place, places, region, first);
+    const auto before = static_cast<std::size_t>(first - begin) / 4;
+    end = place.level == 0 ? fill_finest_tets(region, first, limit, before)
+                           : fill_background_tets(place, places, region, first, before);
     if (labels.empty()) continue;
     const auto tets = static_cast<std::size_t>(end - first) / 4;
     std::fill_n(labels.begin(), tets, static_cast<std::byte>(region));
@@ -155,6 +165,29 @@ void BrickFiller::fill_tets(BrickPlace place,
   TET_CHECK(reinterpret_cast<std::byte*>(end) == columns.tets.data() + columns.tets.size());
   if (!to_world_.mirrors) return;
   for (Index* tet = begin; tet != end; tet += 4) std::swap(tet[2], tet[3]);
+}
+
+/// Writes the faces that were noted while the tets were made.
+template <class Index>
+void BrickFiller::write_faces(std::uint64_t first_tet, const ChunkColumns& columns) noexcept {
+  if (!has_faces_) return;
+  if (to_world_.mirrors) workspace_.faces.mirror();
+  if (any(outer_)) workspace_.faces.sort();
+  const std::span<const LocalFace> noted = workspace_.faces.all();
+  const std::size_t counted = columns.face_labels.size() / sizeof(std::uint16_t);
+  TET_CHECK(noted.size() == counted);
+  // What a server says of its bricks must not write beyond the columns.
+  const std::span<const LocalFace> faces = noted.first(std::min(noted.size(), counted));
+  const auto* const tets = reinterpret_cast<const Index*>(columns.tets.data());
+  auto* ids = reinterpret_cast<Index*>(columns.faces.data());
+  auto* of_tet = reinterpret_cast<Index*>(columns.face_tets.data());
+  for (const LocalFace& face : faces) {
+    const Index* const tet = tets + std::size_t{4} * face.tet;
+    for (const std::uint8_t corner : kFaceCorners[face.opposite]) *ids++ = tet[corner];
+    *of_tet++ = static_cast<Index>(first_tet + face.tet);
+  }
+  auto* label = reinterpret_cast<std::uint16_t*>(columns.face_labels.data());
+  for (const LocalFace& face : faces) *label++ = face.label;
 }
 
 CellNodes BrickFiller::nodes_of(const PlacesAround& places) const noexcept {
@@ -166,13 +199,18 @@ CellNodes BrickFiller::nodes_of(const PlacesAround& places) const noexcept {
 template <class Index>
 Index* BrickFiller::fill_finest_tets(MeshRegion region,
                                      Index* out,
-                                     const Index* limit) noexcept {
+                                     const Index* limit,
+                                     std::size_t tets) noexcept {
   if (region == MeshRegion::kOutside) see_from_outside(nodes_);
   StuffedTets& stuffed = workspace_.stuffed_tets;
   stuffed.clear();
   BackgroundCounts counts;
-  out = fill_finest({nodes_, workspace_.vertices, mesh_.rules(), statistics_}, ids<Index>(),
-                    out, limit, stuffed, counts);
+  const DomainFaces domain(outer_, surroundings_);
+  const FacesOfBrick faces{
+      {surroundings_, any(outer_) ? &domain : nullptr}, workspace_.faces, tets};
+  out = fill_finest(
+      {nodes_, workspace_.vertices, mesh_.rules(), statistics_, has_faces_ ? &faces : nullptr},
+      ids<Index>(), out, limit, stuffed, counts);
   if (statistics_ == Statistics::kMeasured) {
     meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
     count_background_quality(counts, 0);
@@ -184,12 +222,14 @@ template <class Index>
 Index* BrickFiller::fill_background_tets(BrickPlace place,
                                          const PlacesAround& places,
                                          MeshRegion region,
-                                         Index* out) noexcept {
+                                         Index* out,
+                                         std::size_t tets) noexcept {
   const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
   const BrickCoord brick = level.bricks[place.brick];
   const BackgroundCells cells = gather_background(level, places, region);
   BackgroundCounts counts;
   out = fill_background(cells, numbers_, place.level, brick, out, counts);
+  if (has_faces_) add_background_faces(cells, outer_, tets, workspace_.faces);
   if (statistics_ == Statistics::kMeasured) count_background_quality(counts, place.level);
   return out;
 }

@@ -29,6 +29,7 @@ struct BrickScratch {
   SlotIds<std::uint32_t> ids32;
   std::unique_ptr<SlotIds<std::uint64_t>> ids64;  // for meshes beyond 2^32 vertices only
   StuffedTets stuffed_tets;
+  LocalFaces faces;
 };
 
 /// Bricks whose statistics are summed by themselves, from the first of a chunk on: parts of a
@@ -65,12 +66,18 @@ class BrickFiller {
                  const PlacesAround& places,
                  const ChunkColumns& columns) noexcept;
   template <class Index>
-  Index* fill_finest_tets(MeshRegion region, Index* out, const Index* limit) noexcept;
+  void write_faces(std::uint64_t first_tet, const ChunkColumns& columns) noexcept;
+  template <class Index>
+  Index* fill_finest_tets(MeshRegion region,
+                          Index* out,
+                          const Index* limit,
+                          std::size_t tets) noexcept;
   template <class Index>
   Index* fill_background_tets(BrickPlace place,
                               const PlacesAround& places,
                               MeshRegion region,
-                              Index* out) noexcept;
+                              Index* out,
+                              std::size_t tets) noexcept;
   const PlacesAround& neighbours_of(BrickPlace place) noexcept;
   void find_vertices(std::size_t brick) noexcept;
   void find_geometry(std::size_t brick) noexcept;
@@ -91,6 +98,10 @@ class BrickFiller {
   BrickPlace last_;             // the brick that they have come to
   VerticesAround around_;       // of the brick being filled, where it is finest
   CellNodes nodes_;
+  // Of the brick being filled, where it has faces.
+  bool has_faces_ = false;
+  OuterCells outer_;
+  BrickSurroundings surroundings_;
   std::size_t filled_ = 0;  // bricks
   QualityStats runs_;       // filled before; then of the one being filled
   QualityMeter meter_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/mesh/find_faces.h"
 #include "core/plan/brick/boundary_count.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/divided_survey.h"
@@ -84,8 +85,11 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.has_regions = mesh.rules().both_sides;
   header.fields = arrays_of(request);
-  const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
-  header.index_type = wide ? IndexType::kUint64 : request.indices.value_or(IndexType::kUint32);
+  if (request.faces) {
+    header.face_labels = face_labels_of(header.has_regions, header.has_regions);
+    header.face_count = mesh.first_face(mesh.brick_count());
+  }
+  header.index_type = index_type_of(header, request);
   return header;
 }
 
@@ -137,6 +141,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
                     .uniform = prepared.asked.levels == 0,
                     .earlier = alike ? &alike->mesh : nullptr},
                    cancellation);
+  if (job.request.faces) mesh.count_faces(cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   MeshHeader header = header_of(mesh, job.request);

@@ -9,6 +9,7 @@
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_format.h>
 
+#include "core/mesh/find_faces.h"
 #include "core/octree/leaf_rules.h"
 #include "core/plan/budget.h"
 #include "core/plan/mesh_place.h"
@@ -126,9 +127,10 @@ absl::Status PartPlanner::store_alike() {
     any_is_far = any_is_far || is_far(i);
   }
   if (!request_.coordinates && any_is_far) request_.coordinates = CoordinateType::kFloat64;
-  if (vertices > std::numeric_limits<std::uint32_t>::max()) {
-    request_.indices = IndexType::kUint64;
-  }
+  MeshHeader all = plans_.front()->header();
+  all.vertex_count = vertices;
+  all.tet_count = planned_tets();
+  if (index_type_of(all, request_) == IndexType::kUint64) request_.indices = IndexType::kUint64;
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     const MeshHeader& header = plans_[i]->header();
     const bool same_ids = header.index_type == request_.indices.value_or(IndexType::kUint32);
@@ -182,6 +184,15 @@ void add_to_ids(std::span<std::byte> ids, std::uint64_t first) noexcept {
     id += static_cast<Id>(first);
     std::memcpy(&ids[i], &id, sizeof(id));
   }
+}
+
+/// Turns the numbers that a part's chunk has alone into those of the whole mesh.
+template <class Id>
+void number_on(const JoinedPart& part, const ChunkColumns& columns) noexcept {
+  add_to_ids<Id>(columns.tets, part.first_vertex);
+  add_to_ids<Id>(columns.faces, part.first_vertex);
+  add_to_ids<Id>(columns.face_tets, part.first_tet);
+  add_to_ids<std::uint16_t>(columns.face_labels, part.first_label);
 }
 
 /// Stores places that are doubles, moved, as whatever number the mesh has.
@@ -267,12 +278,13 @@ std::optional<Improvement> improvement_of(const Parts& parts) {
 void add_to_header(const std::string& name, const MeshHeader& of, MeshHeader& header) {
   if (header.parts.empty()) {
     header = of;
-    header.vertex_count = header.tet_count = header.chunk_count = 0;
+    header.vertex_count = header.tet_count = header.face_count = header.chunk_count = 0;
   }
   header.parts.push_back({name, header.vertex_count, of.vertex_count, header.tet_count,
                           of.tet_count, of.spacing, of.levels});
   header.vertex_count += of.vertex_count;
   header.tet_count += of.tet_count;
+  header.face_count += of.face_count;
   header.chunk_count += of.chunk_count;
   header.bounds = box_around(header.bounds, of.bounds);
   if (header.box && of.box) header.box = box_around(*header.box, *of.box);
@@ -318,6 +330,7 @@ ChunkExtent JoinedPlan::chunk(std::uint64_t index) const noexcept {
   ChunkExtent chunk = part.plan->chunk(index - part.first_chunk);
   chunk.first_vertex += part.first_vertex;
   chunk.first_tet += part.first_tet;
+  chunk.first_face += part.first_face;
   return chunk;
 }
 
@@ -339,9 +352,9 @@ QualityStats JoinedPlan::fill_chunk(std::uint64_t index,
     store_moved<float>(own.positions, *part.move, columns.positions);
   }
   if (header().index_type == IndexType::kUint64) {
-    add_to_ids<std::uint64_t>(columns.tets, part.first_vertex);
+    number_on<std::uint64_t>(part, columns);
   } else {
-    add_to_ids<std::uint32_t>(columns.tets, part.first_vertex);
+    number_on<std::uint32_t>(part, columns);
   }
   return stats;
 }
@@ -373,12 +386,19 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const PlanJob& job,
   for (std::size_t i = 0; i < names.size(); ++i) {
     const MeshHeader& of = (*plans)[i]->header();
     JoinedPart& part = parts.emplace_back();
-    part = {(*plans)[i], {}, header.chunk_count, header.vertex_count, header.tet_count};
+    part = {(*plans)[i],
+            {},
+            header.chunk_count,
+            header.vertex_count,
+            header.tet_count,
+            header.face_count,
+            i * of.face_labels.size()};
     if (planner.is_moved(i)) {
       part.move = {of.origin.x - to.x, of.origin.y - to.y, of.origin.z - to.z};
     }
     add_to_header(names[i], of, header);
   }
+  header.face_labels = labels_of_parts(header.face_labels, header.parts);
   facts.thin_walls = thin_walls_of(parts);
   facts.boundary = boundary_of(parts);
   facts.improvement = improvement_of(parts);

@@ -31,6 +31,7 @@ struct JoinedPart {
   std::shared_ptr<const MeshPlan> plan;
   std::optional<WorldPoint> move;  ///< to the shared origin; nothing where it has that
   std::uint64_t first_chunk = 0, first_vertex = 0, first_tet = 0;
+  std::uint64_t first_face = 0, first_label = 0;  ///< 0 where the mesh has no faces
 };
 
 /// Each grid has the mesh that it has alone, on its own lattice; no two are connected. A chunk

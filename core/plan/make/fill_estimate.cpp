@@ -30,15 +30,29 @@ ChunkSizes sizes_of(const MeshPlan& plan, std::uint64_t chunk) {
   return {plan.header(), plan.chunk(chunk)};
 }
 
+/// The columns one after the other, those with the largest numbers first.
+ChunkColumns columns_in(std::span<std::byte> bytes, const ChunkSizes& size) {
+  const auto take = [&](std::size_t count) {
+    const std::span<std::byte> taken = bytes.first(count);
+    bytes = bytes.subspan(count);
+    return taken;
+  };
+  ChunkColumns columns;
+  columns.positions = take(size.positions);
+  columns.tets = take(size.tets);
+  columns.faces = take(size.faces);
+  columns.face_tets = take(size.face_tets);
+  columns.fields = take(size.fields);
+  columns.face_labels = take(size.face_labels);
+  columns.regions = take(size.regions);
+  return columns;
+}
+
 /// Makes a chunk in memory of its own, as those that are sent are made: one a thread at a time.
 void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspace) {
   const ChunkSizes size = sizes_of(plan, chunk);
   ByteBuffer memory(size.total());
-  const std::span<std::byte> bytes = memory.bytes();
-  plan.fill_chunk(
-      chunk, workspace,
-      {bytes.first(size.positions), bytes.subspan(size.positions, size.tets),
-       bytes.last(size.regions), bytes.subspan(size.positions + size.tets, size.fields)});
+  plan.fill_chunk(chunk, workspace, columns_in(memory.bytes(), size));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "core/base/heap_bytes.h"
 #include "core/graded/stuffed_background.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/find_faces.h"
 #include "core/mesh/quality.h"
 #include "core/plan/check_tets.h"
 #include "core/plan/mesh_place.h"
@@ -47,23 +48,59 @@ absl::Status check_bytes(const MeshHeader& header,
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
 }
 
-MeshHeader header_of_whole(const StuffedBackground& stuffed,
-                           const MeshRequest& request,
-                           std::size_t chunk_bytes) {
+MeshHeader header_of_whole(const StuffedBackground& stuffed, const MeshRequest& request) {
   MeshHeader header;
   header.vertex_count = stuffed.vertex_count();
   header.tet_count = stuffed.tet_count();
   header.levels = stuffed.levels();
-  header.index_type = request.indices.value_or(IndexType::kUint32);
   header.fields = arrays_of(request);
+  if (request.faces) header.face_labels = face_labels_of(false, has_cut(request));
+  header.index_type = index_type_of(header, request);
+  return header;
+}
+
+/// Says how many chunks there are, when all else is counted.
+void count_chunks(std::size_t chunk_bytes, MeshHeader& header) {
   const std::size_t bytes = ChunkSizes(header, whole_of(header)).total();
   header.chunk_count = std::max<std::size_t>(1, (bytes + chunk_bytes - 1) / chunk_bytes);
-  return header;
+}
+
+/// Finds the faces of a whole mesh, which has the labels.
+void find_faces_of(WholeMesh& whole) {
+  const std::vector<CutFaces>& faces = whole.vertex_faces;
+  FoundFaces found{
+      find_boundary_faces(whole.mesh), whole.mesh.header.face_labels,
+      [&](const TetFace&, const Triangle& triangle) {
+        const unsigned shared =
+            faces.empty() ? 0U : faces[triangle[0]] & faces[triangle[1]] & faces[triangle[2]];
+        return label_of_cut(shared);
+      }};
+  set_faces(found, whole.mesh, whole.mesh);
 }
 
 /// Where part `index` of `parts` begins.
 std::uint64_t begin_of(std::uint64_t index, std::uint64_t parts, std::uint64_t all) noexcept {
   return all / parts * index + all % parts * index / parts;
+}
+
+void copy_from(std::span<const std::byte> column,
+               std::size_t first,
+               std::span<std::byte> to) noexcept {
+  std::ranges::copy(column.subspan(first, to.size()), to.begin());
+}
+
+/// The first face of a mesh that belongs to a tet from `tet` on.
+std::uint64_t first_face_of(const TetMesh& mesh, std::uint64_t tet) noexcept {
+  std::uint64_t begin = 0, end = mesh.header.face_count;
+  while (begin < end) {
+    const std::uint64_t middle = begin + (end - begin) / 2;
+    if (mesh.face_tet(middle) < tet) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  return begin;
 }
 
 /// The tree whose leaves carry the background.
@@ -84,7 +121,8 @@ GradedTree grow_tree(const PreparedMesh& prepared,
 }  // namespace
 
 std::uint64_t WholeMesh::bytes() const noexcept {
-  return mesh.positions.size() + mesh.tets.size() + all_heap_bytes(vertex_levels, vertex_faces);
+  return mesh.positions.size() + mesh.tets.size() + mesh.faces.size() + mesh.face_tets.size() +
+         mesh.face_labels.size() + all_heap_bytes(vertex_levels, vertex_faces);
 }
 
 WholePlan::WholePlan(MeshFacts facts, MeshSource source, WholeMesh whole)
@@ -97,19 +135,24 @@ ChunkExtent WholePlan::chunk(std::uint64_t index) const noexcept {
   };
   const auto [first_vertex, vertices] = part(header().vertex_count);
   const auto [first_tet, tets] = part(header().tet_count);
-  return {first_vertex, vertices, first_tet, tets};
+  const std::uint64_t first_face = first_face_of(whole_.mesh, first_tet);
+  return {first_vertex, vertices,   first_tet,
+          tets,         first_face, first_face_of(whole_.mesh, first_tet + tets) - first_face};
 }
 
 QualityStats WholePlan::fill_chunk(std::uint64_t index,
                                    MeshWorkspace& /*workspace*/,
                                    ChunkColumns columns) const noexcept {
   const ChunkExtent extent = chunk(index);
-  const ChunkSizes before(header(), extent.first_vertex, extent.first_tet);
-  MeshView view = whole_.mesh.view();
+  const ChunkSizes before = ChunkSizes::before(header(), extent);
+  const TetMesh& mesh = whole_.mesh;
+  MeshView view = mesh.view();
   view.tets = view.tets.subspan(before.tets, columns.tets.size());
-  std::ranges::copy(view.positions.subspan(before.positions, columns.positions.size()),
-                    columns.positions.begin());
+  copy_from(view.positions, before.positions, columns.positions);
   std::ranges::copy(view.tets, columns.tets.begin());
+  copy_from(mesh.faces.bytes(), before.faces, columns.faces);
+  copy_from(mesh.face_tets.bytes(), before.face_tets, columns.face_tets);
+  copy_from(mesh.face_labels.bytes(), before.face_labels, columns.face_labels);
   if (!columns.fields.empty()) fill_fields(extent, columns);
   return statistics() == Statistics::kMeasured ? measure_tets(view) : QualityStats{};
 }
@@ -135,7 +178,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
   const StuffedBackground stuffed(background, edges, kGradedLimits, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
-  MeshHeader header = header_of_whole(stuffed, job.request, job.limits.chunk_bytes);
+  MeshHeader header = header_of_whole(stuffed, job.request);
   if (auto status = check_not_empty(header, prepared, {}); !status.ok()) return status;
   if (prepared.space.domain) header.box = world_box_of(*prepared.space.domain, field);
   // Rounding takes a vertex no farther from the box around all than half a spacing.
@@ -151,6 +194,12 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   whole.vertex_levels = stuffed.vertex_levels();
   if (background.box) whole.vertex_faces = stuffed.vertex_faces();
+  if (header.has_faces()) {
+    find_faces_of(whole);
+    header.face_count = whole.mesh.header.face_count;
+    if (auto status = check_bytes(header, used, job.limits); !status.ok()) return status;
+  }
+  count_chunks(job.limits.chunk_bytes, header);
   MeshFacts facts{.shape = job.shape,
                   .header = std::move(header),
                   .statistics = statistics_on_lattice(job.request)};

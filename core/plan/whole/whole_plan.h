@@ -20,7 +20,7 @@ namespace tet {
 
 /// A mesh in memory, and what is known of its vertices.
 struct WholeMesh {
-  TetMesh mesh;  ///< without fields, which are sampled chunk by chunk
+  TetMesh mesh;  ///< with its faces, without fields, which are sampled chunk by chunk
   /// Octree level of the smallest leaves at each vertex.
   std::vector<std::uint8_t> vertex_levels = {};
   /// Faces of the request's box that each vertex lies in; empty where there is no box.

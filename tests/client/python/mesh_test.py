@@ -310,3 +310,22 @@ def test_keeps_nothing_of_meshes_that_are_gone():
     gc.collect()
     assert len(gc.get_objects()) - objects < 200
     assert resident_bytes() - before < 2000 * size / 4, f"each mesh has {size} bytes"
+
+
+def test_has_faces_as_views_where_they_are_asked_for(mesh):
+    assert mesh.faces is mesh.face_tets is mesh.face_labels is None and mesh.header.face_labels == ()
+    values, place = distances()
+    made = ts.mesh(ts.Volume.from_array(values, **place), faces=True)
+    assert made.header.face_labels == (ts.FaceLabel("surface", "surface", 0),)
+    assert made.faces.shape == (made.header.face_count, 3) and made.faces.dtype == made.tets.dtype
+    assert not made.faces.flags.writeable and not made.faces.flags.owndata
+    assert made.face_labels.dtype == np.uint16 and (made.face_labels == 0).all()
+    of_tets = made.tets[made.face_tets]
+    assert (made.faces[:, :, None] == of_tets[:, None, :]).any(axis=2).all()
+    assert np.array_equal(made.faces_of("surface"), made.faces)
+    a, b, c = (made.points[made.faces[:, i]] for i in range(3))
+    assert np.einsum("ij,ij->", np.cross(a, b), c) / 6 == pytest.approx(volumes_of(made).sum())
+    with pytest.raises(ts.InvalidArgumentError, match="no faces are named 'rim'; there are surface"):
+        made.faces_of("rim")
+    with pytest.raises(ts.InvalidArgumentError, match="mesh with faces=True"):
+        mesh.faces_of("surface")

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 
 #include "core/mesh/boundary.h"
+#include "core/mesh/check_faces.h"
 #include "tests/core/mesh/small_meshes.h"
 
 namespace tet {
@@ -137,6 +139,34 @@ TEST(FindFaces, NamesThemByTheirPartsWhereThereAreSeveral) {
   EXPECT_EQ(labels_of(mesh),
             (std::map<std::string, int>{{"femur_surface", 4}, {"tibia_surface", 4}}));
   EXPECT_EQ(mesh.header.face_labels[1].part, 2U);
+}
+
+TEST(CheckFaces, TakesTheFacesOfItsTetsAndNoOthers) {
+  for (const auto ids : {IndexType::kUint32, IndexType::kUint64}) {
+    const TetMesh right =
+        with_faces(make_mesh(unit_corner(), {{0, 1, 2, 3}}, {.ids = ids, .origin = {}}));
+    const ChunkExtent all = whole_of(right.header);
+    EXPECT_TRUE(faces_are_of_tets(right.header, all, right.columns()));
+    const auto spoilt = [&](ByteBuffer TetMesh::*column, std::size_t byte, int value) {
+      TetMesh mesh = with_faces(make_mesh(unit_corner(), {{0, 1, 2, 3}}, {.ids = ids}));
+      (mesh.*column).bytes()[byte] = static_cast<std::byte>(value);
+      return faces_are_of_tets(mesh.header, all, std::as_const(mesh).columns());
+    };
+    EXPECT_FALSE(spoilt(&TetMesh::faces, 0, 0)) << "0, 2, 3 is not a face of the tet";
+    EXPECT_FALSE(spoilt(&TetMesh::faces, 0, 77)) << "no vertex";
+    EXPECT_FALSE(spoilt(&TetMesh::face_tets, 0, 1)) << "no tet";
+    EXPECT_FALSE(spoilt(&TetMesh::face_labels, 2, 1)) << "no label";
+    ChunkExtent later = all;
+    later.first_tet = 1;
+    EXPECT_FALSE(faces_are_of_tets(right.header, later, right.columns())) << "another's tet";
+  }
+}
+
+TEST(CheckFaces, TakesNoFaceTwice) {
+  TetMesh mesh = with_faces(one_tet());
+  const std::size_t face = 3 * sizeof(std::uint32_t);
+  std::ranges::copy(mesh.faces.bytes().first(face), mesh.faces.bytes().subspan(face).begin());
+  EXPECT_FALSE(faces_are_of_tets(mesh.header, whole_of(mesh.header), mesh.columns()));
 }
 
 TEST(FindFaces, OfNothingAreNone) {

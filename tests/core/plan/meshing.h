@@ -38,7 +38,10 @@ inline bool same_bytes(const TetMesh& a, const TetMesh& b) {
   return std::ranges::equal(a.positions.bytes(), b.positions.bytes()) &&
          std::ranges::equal(a.tets.bytes(), b.tets.bytes()) &&
          std::ranges::equal(a.regions.bytes(), b.regions.bytes()) &&
-         std::ranges::equal(a.fields.bytes(), b.fields.bytes());
+         std::ranges::equal(a.fields.bytes(), b.fields.bytes()) &&
+         std::ranges::equal(a.faces.bytes(), b.faces.bytes()) &&
+         std::ranges::equal(a.face_tets.bytes(), b.face_tets.bytes()) &&
+         std::ranges::equal(a.face_labels.bytes(), b.face_labels.bytes());
 }
 
 /// Totals, chunks, topology, thin walls and every byte.

@@ -62,9 +62,12 @@ TEST(PackedMesh, IsByteForByteThePlainMesh) {
   improved.improve = true;
   wide.coordinates = CoordinateType::kFloat64;
   wide.indices = IndexType::kUint64;
-  for (const MeshRequest& request : {graded, uniform, both_sides, improved, wide}) {
-    const Packed packed = pack(test::ball(20), request);
-    EXPECT_TRUE(test::same_bytes(unpack(packed), packed.mesh));
+  for (MeshRequest request : {graded, uniform, both_sides, improved, wide}) {
+    for (const bool faces : {false, true}) {
+      request.faces = faces;
+      const Packed packed = pack(test::ball(20), request);
+      EXPECT_TRUE(test::same_bytes(unpack(packed), packed.mesh));
+    }
   }
   const Packed noise = pack(test::random_signs(20, 3), graded);
   EXPECT_TRUE(test::same_bytes(unpack(noise), noise.mesh));

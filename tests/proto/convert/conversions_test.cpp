@@ -115,6 +115,59 @@ TEST(Conversions, BringAHeaderBack) {
   }
 }
 
+MeshHeader header_with_faces() {
+  MeshHeader header;
+  header.vertex_count = 4;
+  header.tet_count = 1;
+  header.face_count = 4;
+  header.parts = {{"femur", 0, 4, 0, 1, 1, 0}};
+  header.face_labels = {{"femur_surface", FaceKind::kSurface, 1},
+                        {"femur_cut_x_min", FaceKind::kBox, 1},
+                        {"sides", FaceKind::kInterface, 0},
+                        {"bore", FaceKind::kRegion, 0}};
+  return header;
+}
+
+TEST(Conversions, BringTheLabelsOfFacesBack) {
+  const MeshHeader header = header_with_faces();
+  const auto back = from_proto(sent<v1::MeshHeader>(header));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->face_labels, header.face_labels);
+  EXPECT_EQ(back->face_count, 4U);
+}
+
+TEST(Conversions, TakeNoFacesThatCannotBe) {
+  const auto refused = [](auto&& spoil) {
+    auto message = sent<v1::MeshHeader>(header_with_faces());
+    spoil(message);
+    return !from_proto(message).ok();
+  };
+  EXPECT_FALSE(refused([](v1::MeshHeader&) {}));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.set_face_count(-1); }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.set_face_count(8); })) << "of one tet";
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.clear_face_labels(); }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) {
+    m.mutable_face_labels(1)->set_name("femur_surface");
+  })) << "twice";
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.mutable_face_labels(0)->set_name("\n"); }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.mutable_face_labels(0)->clear_name(); }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.mutable_face_labels(0)->set_part(2); }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) { m.mutable_face_labels(0)->clear_kind(); }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) {
+    for (int i = 0; i < 1024; ++i) {
+      v1::FaceLabel& label = *m.add_face_labels();
+      label.set_name(std::to_string(i));
+      label.set_kind(v1::FACE_KIND_REGION);
+    }
+  }));
+  EXPECT_TRUE(refused([](v1::MeshHeader& m) {
+    m.clear_parts();
+    m.mutable_face_labels(0)->clear_part();
+    m.mutable_face_labels(1)->clear_part();
+    m.set_tet_count(std::int64_t{1} << 33);
+  })) << "numbers of tets that ids of 4 bytes cannot hold";
+}
+
 TEST(Conversions, BringStatisticsBack) {
   RandomNumbers random(2);
   for (int i = 0; i < kRounds; ++i) {
@@ -198,8 +251,8 @@ TEST(Conversions, BringKeptPartsLatticesAndChunkNumbersBack) {
     EXPECT_EQ(placed->origin.y, lattice.origin.y);
     EXPECT_EQ(placed->origin.z, lattice.origin.z);
 
-    const ChunkNumbers numbers{random.count(), random.count(), random.count(),
-                               random.count(), random.count(), 0xdeadbeef};
+    const ChunkNumbers numbers{random.count(), random.count(), random.count(), random.count(),
+                               random.count(), 0xdeadbeef,     random.count(), random.count()};
     const ChunkNumbers chunk = from_proto(sent<v1::MeshChunk>(numbers));
     EXPECT_EQ(chunk.index, numbers.index);
     EXPECT_EQ(chunk.first_vertex, numbers.first_vertex);
@@ -207,6 +260,8 @@ TEST(Conversions, BringKeptPartsLatticesAndChunkNumbersBack) {
     EXPECT_EQ(chunk.first_tet, numbers.first_tet);
     EXPECT_EQ(chunk.tet_count, numbers.tet_count);
     EXPECT_EQ(chunk.checksum, numbers.checksum);
+    EXPECT_EQ(chunk.first_face, numbers.first_face);
+    EXPECT_EQ(chunk.face_count, numbers.face_count);
   }
 }
 
@@ -222,6 +277,7 @@ MeshRequest random_request(RandomNumbers& random) {
   request.manifold = random.either() && !has_cut(request);
   request.improve = random.either();
   request.skip_statistics = random.either();
+  request.faces = random.either();
   if (random.either()) request.sizing.coarsest = 1 + random.positive();
   if (random.either()) request.sizing.growth = 0.5 + random.positive() / 2;
   if (random.either())
@@ -251,6 +307,7 @@ TEST(Conversions, BringARequestBack) {
     EXPECT_EQ(back.manifold, request.manifold);
     EXPECT_EQ(back.improve, request.improve);
     EXPECT_EQ(back.skip_statistics, request.skip_statistics);
+    EXPECT_EQ(back.faces, request.faces);
     EXPECT_EQ(back.sizing.coarsest, request.sizing.coarsest);
     EXPECT_EQ(back.sizing.growth, request.sizing.growth);
     ASSERT_EQ(back.fields.size(), request.fields.size());

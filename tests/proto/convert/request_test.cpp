@@ -182,6 +182,18 @@ TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
   EXPECT_NE(id(valid_request()), id(improved));
 }
 
+TEST(MeshId, IsAnotherWithFaces) {
+  const auto volume = std::make_shared<Volume>();
+  v1::MeshRequest faces = valid_request();
+  faces.set_faces(true);
+  const auto canonical = [&](const v1::MeshRequest& request) {
+    return canonical_request(*parse_mesh_request(request), volume, nullptr);
+  };
+  EXPECT_TRUE(canonical(faces).faces());
+  EXPECT_NE(mesh_id_of(canonical(faces)), mesh_id_of(canonical(valid_request())));
+  EXPECT_NE(name_of_request(faces), name_of_request(valid_request()));
+}
+
 TEST(MeshId, IsTheSameWithoutStatistics) {
   const auto volume = std::make_shared<Volume>();
   v1::MeshRequest only = valid_request();

@@ -1,6 +1,7 @@
 #include "proto/wire/chunk_frame.h"
 
 #include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -31,12 +32,11 @@ BothMessages messages_of(const ChunkNumbers& numbers,
                          std::array<std::size_t, ChunkFrame::kColumns> sizes) {
   const ChunkFrame frame(sizes);
   EXPECT_LE(frame.block_bytes(),
-            sizes[0] + sizes[1] + sizes[2] + sizes[3] + ChunkFrame::kMaxOverhead);
+            std::accumulate(sizes.begin(), sizes.end(), ChunkFrame::kMaxOverhead));
   std::vector<std::byte> block(frame.block_bytes());
-  fill(frame.positions(block.data()), 1);
-  fill(frame.tets(block.data()), 2);
-  fill(frame.regions(block.data()), 3);
-  fill(frame.fields(block.data()), 4);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    fill(frame.column(block.data(), i), static_cast<unsigned>(i) + 1);
+  }
   BothMessages both;
   for (const auto& part : frame.write(block.data(), numbers)) {
     both.framed += text(std::span(block).subspan(part.begin, part.end - part.begin));
@@ -49,10 +49,15 @@ BothMessages messages_of(const ChunkNumbers& numbers,
   chunk.set_first_tet(static_cast<std::int64_t>(numbers.first_tet));
   chunk.set_tet_count(static_cast<std::int64_t>(numbers.tet_count));
   chunk.set_checksum(numbers.checksum);
-  chunk.set_positions(text(frame.positions(block.data())));
-  chunk.set_tets(text(frame.tets(block.data())));
-  chunk.set_regions(text(frame.regions(block.data())));
-  chunk.set_fields(text(frame.fields(block.data())));
+  chunk.set_positions(text(frame.column(block.data(), 0)));
+  chunk.set_tets(text(frame.column(block.data(), 1)));
+  chunk.set_regions(text(frame.column(block.data(), 2)));
+  chunk.set_fields(text(frame.column(block.data(), 3)));
+  chunk.set_first_face(static_cast<std::int64_t>(numbers.first_face));
+  chunk.set_face_count(static_cast<std::int64_t>(numbers.face_count));
+  chunk.set_faces(text(frame.column(block.data(), 4)));
+  chunk.set_face_tets(text(frame.column(block.data(), 5)));
+  chunk.set_face_labels(text(frame.column(block.data(), 6)));
   both.protobuf = event.SerializeAsString();
   return both;
 }
@@ -63,12 +68,19 @@ TEST(ChunkFrame, IsByteForByteTheMessageThatProtobufWrites) {
       {},
       {1, 2, 3, 4, 5, 6},
       {0, 127, 128, 16383, 16384, 0x80000001},
-      {most, most, most, most, most, 0xffffffff},
+      {most, most, most, most, most, 0xffffffff, most, most},
+      {0, 0, 0, 0, 0, 0, 128, 3},
   };
   const std::array<std::size_t, ChunkFrame::kColumns> all_sizes[] = {
-      {0, 0, 0, 0},       {12, 16, 0, 0},       {12, 16, 0, 4},
-      {0, 16, 1, 0},      {127, 128, 129, 128}, {16380, 16384, 70000, 65536},
+      {0, 0, 0, 0},
+      {12, 16, 0, 0},
+      {12, 16, 0, 4},
+      {0, 16, 1, 0},
+      {127, 128, 129, 128},
+      {16380, 16384, 70000, 65536},
       {12, 0, 300000, 0},
+      {12, 16, 0, 0, 36, 12, 6},
+      {12, 16, 1, 4, 0, 0, 2},
   };
   for (const ChunkNumbers& numbers : all_numbers) {
     for (const auto& sizes : all_sizes) {
@@ -81,16 +93,15 @@ TEST(ChunkFrame, IsByteForByteTheMessageThatProtobufWrites) {
 }
 
 TEST(ChunkFrame, KeepsColumnsAlignedWhateverComesBefore) {
-  std::vector<std::byte> block(2048);
+  std::vector<std::byte> block(4096);
   for (std::size_t size = 0; size < 300; ++size) {
     const ChunkFrame frame({size, size + 1, size + 2, size + 3});
     const auto misalignment = [&](std::span<const std::byte> column) {
       return (column.data() - block.data()) % std::ptrdiff_t{ChunkFrame::kAlignment};
     };
-    EXPECT_EQ(misalignment(frame.positions(block.data())), 0);
-    EXPECT_EQ(misalignment(frame.tets(block.data())), 0);
-    EXPECT_EQ(misalignment(frame.regions(block.data())), 0);
-    EXPECT_EQ(misalignment(frame.fields(block.data())), 0);
+    for (std::size_t i = 0; i < ChunkFrame::kColumns; ++i) {
+      EXPECT_EQ(misalignment(frame.column(block.data(), i)), 0);
+    }
   }
 }
 

@@ -36,6 +36,19 @@ struct MeshPart {
   std::uint64_t first_tet = 0, tet_count = 0;
 };
 
+/// A name that boundary faces have; each face has one.
+struct FaceLabel {
+  enum class Kind : std::uint8_t {
+    kSurface = 1,    ///< between the inside and what is not meshed
+    kInterface = 2,  ///< between the inside and the outside, where both are meshed
+    kBox = 3,        ///< in a face of the box that the mesh ends at
+    kRegion = 4,     ///< a piece of one of the others that the request names
+  };
+  std::string name;  ///< no other label of the mesh has it
+  Kind kind = Kind::kSurface;
+  std::uint32_t part = 0;  ///< the part of a mesh of several grids, from 1 on; else 0
+};
+
 /// What is known of a mesh before its first vertex: enough to allocate all of it.
 struct MeshHeader {
   std::uint64_t vertex_count = 0;
@@ -55,6 +68,9 @@ struct MeshHeader {
   /// neither its class nor the request says it; a line for each such grid.
   std::string inside_guess;
   std::string id;  ///< from a server: the same id is the same bytes
+  /// Where the request asks for faces: their names, whether or not a face has them.
+  std::vector<FaceLabel> face_labels = {};
+  std::uint64_t face_count = 0;
 };
 
 /// What is told of a whole mesh beside itself.
@@ -89,8 +105,9 @@ struct Statistics {
   ThinWalls thin_walls;
 };
 
-/// Vertices and tets as arrays that somebody else holds. Of `points32` and `points64` one is
-/// empty, and so is one of `tets32` and `tets64`: the header says which.
+/// Vertices, tets and faces as arrays that somebody else holds. Of `points32` and `points64`
+/// one is empty, and so is one of `tets32` and `tets64`: the header says which. Faces are
+/// stored as tets are.
 struct MeshColumns {
   std::span<const float> points32;        ///< x, y, z of each vertex, relative to the origin
   std::span<const double> points64;       ///< the same where the header says float64
@@ -98,9 +115,16 @@ struct MeshColumns {
   std::span<const std::uint64_t> tets64;  ///< the same where the header says uint64
   std::span<const std::uint8_t> regions;  ///< of each tet: 1 inside, 2 outside; or empty
   std::span<const float> fields;          ///< `field_values` of each vertex; or empty
+  std::span<const std::uint32_t> faces32 = {};  ///< three vertex ids of each boundary face
+  std::span<const std::uint64_t> faces64 = {};
+  std::span<const std::uint32_t> face_tets32 =
+      {};  ///< the tet of each face, as the mesh counts
+  std::span<const std::uint64_t> face_tets64 = {};
+  std::span<const std::uint16_t> face_labels = {};  ///< places in the header's `face_labels`
 
   std::size_t vertex_count() const noexcept { return (points32.size() + points64.size()) / 3; }
   std::size_t tet_count() const noexcept { return (tets32.size() + tets64.size()) / 4; }
+  std::size_t face_count() const noexcept { return face_labels.size(); }
   /// Stored coordinates of the i-th vertex here, relative to the header's origin.
   Point point(std::size_t i) const noexcept {
     if (!points64.empty()) return {points64[3 * i], points64[3 * i + 1], points64[3 * i + 2]};
@@ -113,6 +137,14 @@ struct MeshColumns {
     }
     return {tets32[4 * i], tets32[4 * i + 1], tets32[4 * i + 2], tets32[4 * i + 3]};
   }
+  /// Vertex ids of the i-th face here, counter-clockwise seen from outside its tet.
+  std::array<std::uint64_t, 3> face(std::size_t i) const noexcept {
+    if (!faces64.empty()) return {faces64[3 * i], faces64[3 * i + 1], faces64[3 * i + 2]};
+    return {faces32[3 * i], faces32[3 * i + 1], faces32[3 * i + 2]};
+  }
+  std::uint64_t face_tet(std::size_t i) const noexcept {
+    return face_tets64.empty() ? face_tets32[i] : face_tets64[i];
+  }
 };
 
 /// A contiguous run of a mesh's vertices and tets. Chunks come in order and leave no gaps, so
@@ -123,6 +155,7 @@ struct Chunk {
   std::uint64_t first_vertex = 0, vertex_count = 0;
   std::uint64_t first_tet = 0, tet_count = 0;
   MeshColumns columns;
+  std::uint64_t first_face = 0, face_count = 0;  ///< boundary faces of the chunk's tets
 };
 
 /// A whole mesh. Copies share it; it is never changed, so any thread may read it. Spans live as
@@ -138,6 +171,7 @@ class TETSTREAM_API Mesh {
   /// World coordinates of a vertex.
   Point vertex(std::size_t i) const noexcept;
   std::array<std::uint64_t, 4> tet(std::size_t i) const noexcept { return columns().tet(i); }
+  std::size_t face_count() const noexcept { return columns().face_count(); }
 
   struct Impl;
   explicit Mesh(std::shared_ptr<const Impl> impl);

@@ -57,6 +57,7 @@ struct Request {
   bool improve = false;    ///< move vertices to better the worst angles
   bool manifold = false;   ///< the boundary touches itself nowhere, whatever the field
   bool statistics = true;  ///< measure quality and boundary: a little slower
+  bool faces = false;      ///< boundary faces beside the tets, with names: docs/faces.md
   Coordinates coordinates = Coordinates::kAutomatic;
   std::vector<Field> fields = {};  ///< at most 16
 };

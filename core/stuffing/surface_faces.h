@@ -1,0 +1,47 @@
+// The triangles of the surface that bound a finest brick's tets inside: counted from signs, and
+// noted while the tets are made.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/brick_mask.h"
+#include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/domain_faces.h"
+#include "core/stuffing/faces_around.h"
+#include "core/stuffing/stuffed_brick.h"
+
+namespace tet {
+
+/// Tets `+000` of one shape whose three zeros are a triangle of the surface: the tet behind
+/// them is not inside, too. `inside` has the nodes as the inside sees them.
+BrickMask tets_on_surface(const CellNodes& inside,
+                          const FacesAround& around,
+                          std::size_t shape) noexcept;
+
+/// Triangles of the surface that bound the brick's tets inside. `fans` is null where there are
+/// none.
+std::uint64_t count_surface_faces(const CellNodes& inside,
+                                  const FacesAround& around,
+                                  const FanMasks* fans) noexcept;
+
+/// The `+` node of a tet `+000` of one shape.
+std::size_t plus_node(const CellNodes& nodes, std::size_t shape, int x, int y, int z) noexcept;
+
+/// The corner of a stencil's tet that is opposite a triangle of the surface, or 4: no stencil's
+/// tet has more than one. `zeros` has a bit for each node of the lattice tet that is zero.
+constexpr std::size_t opposite_surface(const std::array<StencilVertex, 4>& tet,
+                                       unsigned zeros) noexcept {
+  std::size_t opposite = 4;
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool on_surface = tet[i] >= 4 || (zeros >> tet[i] & 1) != 0;
+    if (on_surface) continue;
+    ++off;
+    opposite = i;
+  }
+  return off == 1 ? opposite : 4;
+}
+
+}  // namespace tet
