@@ -5,9 +5,9 @@
 FROM debian:bookworm-slim AS build
 WORKDIR /tetstream
 COPY scripts/install_packages scripts/common.sh scripts/packages.txt scripts/
-RUN scripts/install_packages build && rm -rf /var/lib/apt/lists/*
+RUN scripts/install_packages build page && rm -rf /var/lib/apt/lists/*
 COPY . .
-RUN scripts/build release tetstream tetstreamd \
+RUN scripts/build release tetstream tetstreamd page \
     && for component in common command server; do \
         cmake --install build/release --prefix /opt/tetstream --strip --component "$component" || exit; \
     done

@@ -358,6 +358,21 @@ class Strangers(HttpTest):
                         b"Content-Type: application/json\r\nContent-Length: 100\r\n\r\n{")
         self.assertIn(b" 408 ", said.split(b"\r\n")[0])
 
+    def test_a_stream_that_nobody_reads_ends_after_a_while(self):
+        self.assertEqual(self.put(self.bytes)[0], 200)
+        request = field(MESH_NAME, field(1, f"grids/{self.digest}".encode()) +
+                        b"\x19" + struct.pack("<d", 0.008))
+        with socket.socket() as stuck:
+            stuck.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            stuck.connect((self.host, self.port))
+            stuck.sendall(b"POST /tetstream.v1.MeshService/StreamMesh HTTP/1.1\r\nHost: localhost\r\n"
+                          b"Content-Type: application/grpc-web+proto\r\nx-request-id: stuck\r\n"
+                          b"Content-Length: %d\r\n\r\n" % (len(request) + 5) + framed(request))
+            wait_until(lambda: [line for line in self.server.log("call")
+                                if line["request_id"] == "stuck" and line["status"] != "OK"])
+        line = next(line for line in self.server.log("call") if line["request_id"] == "stuck")
+        self.assertIn(line["reason"], ("CLIENT_STALLED", "CANCELLED"))
+
     def test_idle_connections_harm_nobody(self):
         before = len(os.listdir(f"/proc/{self.server.process.pid}/task"))
         idle = []

@@ -142,6 +142,32 @@ export function meshIs(page, ...states) {
   return until(page, (wanted) => wanted.includes(document.body.dataset.mesh), states);
 }
 
+/** Waits until what the worker made last is on the canvas. */
+export function drawn(page) {
+  return until(page, () => {
+    const { drawn, triangles } = document.getElementById("canvas").dataset;
+    return drawn !== undefined && drawn === triangles;
+  });
+}
+
+/** How far two pictures are apart, from 0 to 255: their means over squares of a twentieth of their width. */
+export function difference(page, one, other) {
+  return page.evaluate(async (texts) => {
+    const cells = 20;
+    const small = await Promise.all(texts.map(async (text) => {
+      const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+      const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }),
+        { resizeWidth: cells, resizeHeight: cells, resizeQuality: "high" });
+      const context = new OffscreenCanvas(cells, cells).getContext("2d");
+      context.drawImage(image, 0, 0);
+      return context.getImageData(0, 0, cells, cells).data;
+    }));
+    let most = 0;
+    small[0].forEach((value, i) => (most = Math.max(most, Math.abs(value - small[1][i]))));
+    return most;
+  }, [one.toString("base64"), other.toString("base64")]);
+}
+
 export function remove(folder) {
   rmSync(folder, { recursive: true, force: true });
 }

@@ -1,5 +1,6 @@
 // The page as people use it, in a real browser against a real server.
-//   TETSTREAM_BIN=build/release/bin PAGE_MODULES=build/release/client/web/npm/ node tests/web/page_test.mjs [PART]
+//   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_test.mjs [PART]
+// With PAGE_SCREENSHOTS=FOLDER the documents' pictures go there, and those to compare with are taken anew.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -7,7 +8,7 @@ import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
 import { axeSource, binary, Browser, kGenerousEnd, makeFixture, meshIs, remove, RunningServer, scratchFolder,
-  skipWithoutBrowser, until } from "./browser_case.mjs";
+  skipWithoutBrowser, until, drawn, difference } from "./browser_case.mjs";
 
 skipWithoutBrowser();
 const wanted = process.argv[2];
@@ -145,6 +146,81 @@ part("Cuts", () => {
     await page.keyboard.press("ArrowLeft");
     await page.locator("#worst button").first().click();
     assert.deepEqual(page.errors, []);
+  });
+});
+
+part("Marks", () => {
+  const held = stage();
+
+  it("marks where the surface is no manifold", async () => {
+    const rough = makeFixture(held.folder, "random-signs", 0.1);
+    const page = await held.browser.open(held.server.url);
+    await page.setInputFiles("#file", rough);
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await mesh(page);
+    assert.match(await page.textContent("#quality"), /non-manifold spots/);
+    await until(page, () => Number(document.getElementById("canvas").dataset.marks) > 0);
+    assert.deepEqual(page.errors, []);
+  });
+});
+
+part("Pictures", () => {
+  const held = stage();
+
+  // Another renderer may round otherwise; a change that anybody sees is ten times as much.
+  const kMostDifference = 12;
+  const pictures = join(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "pictures");
+
+  it("draws what it drew when the pictures were kept", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await mesh(page);
+    const taken = {};
+    const look = async (name) => {
+      await drawn(page);
+      taken[name] = await page.locator("#canvas").screenshot();
+      if (process.env.PAGE_SCREENSHOTS) writeFileSync(join(pictures, `${name}.png`), taken[name]);
+    };
+    await look("whole");
+    const whole = await triangles(page);
+    await page.selectOption("#colour", "size");
+    await page.selectOption("#cut-axis", "x");
+    await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) !== n, whole);
+    await look("cut");
+    for (const [name, picture] of Object.entries(taken)) {
+      const apart = await difference(page, picture, readFileSync(join(pictures, `${name}.png`)));
+      assert.ok(apart <= kMostDifference, `${name} is ${apart} away from what is kept in ${pictures}`);
+    }
+    assert.ok(await difference(page, taken.whole, taken.cut) > 2 * kMostDifference, "this would notice nothing");
+  });
+});
+
+part("Bunny", () => {
+  const held = stage();
+
+  it("draws a scan of three quarters of a million tets, and cuts it", async () => {
+    const bunny = join(held.folder, "bunny.vdb");
+    execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", bunny, "--voxel", "0.02"],
+      { stdio: "ignore" });
+    const page = await held.browser.open(held.server.url);
+    await page.setInputFiles("#file", bunny);
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await mesh(page);
+    const tets = Number((await page.textContent("#status")).match(/^[\d,]+/)[0].replace(/,/g, ""));
+    assert.ok(tets > 700_000, `${tets} tets`);
+    const whole = await triangles(page);
+    await page.selectOption("#colour", "size");
+    await page.selectOption("#cut-axis", "z");
+    await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) !== n, whole);
+    await drawn(page);
+    const said = await page.evaluate(() => ({ ...document.getElementById("canvas").dataset }));
+    console.log(`# ${tets} tets; first triangles after ${said.first} s, all after ${said.seconds} s; ` +
+      `${said.drawn} triangles in ${said.calls} call(s), ${said.drawMs} ms of the page's thread`);
+    assert.equal(said.calls, "1");
+    assert.deepEqual(page.errors, []);
+    if (process.env.PAGE_SCREENSHOTS) {
+      writeFileSync(join(process.env.PAGE_SCREENSHOTS, "page_bunny.png"), await page.screenshot());
+    }
   });
 });
 

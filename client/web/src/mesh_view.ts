@@ -4,7 +4,7 @@ import { GetGridInfoRequestSchema, GridFileSchema, ListGridsRequestSchema, ListG
   type GridInfo } from "../generated/tetstream/v1/grids_pb";
 import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
 import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, MeshRequestSchema, Preset, StreamMeshRequestSchema,
-  type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
+  type Box, type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
 import type { FromWorker, ToWorker } from "./mesh_worker";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
 import { RpcError, unary } from "./rpc";
@@ -246,7 +246,11 @@ export class MeshView {
 
   /** Where the mesh lies, relative to its origin as its positions are. */
   private bounds(header: MeshHeader): [number[], number[]] {
-    const o = header.origin, low = header.bounds?.min, high = header.bounds?.max;
+    return this.relative(header.bounds, header);
+  }
+
+  private relative(box: Box | undefined, header = this.header): [number[], number[]] {
+    const o = header?.origin, low = box?.min, high = box?.max;
     const less = (p: typeof low): number[] =>
       [(p?.x ?? 0) - (o?.x ?? 0), (p?.y ?? 0) - (o?.y ?? 0), (p?.z ?? 0) - (o?.z ?? 0)];
     return [less(low), less(high)];
@@ -265,7 +269,10 @@ export class MeshView {
         return this.takeSurface(message);
       case "trailer": {
         const event = fromBinary(MeshEventSchema, message.event).event;
-        if (event.case === "trailer") this.takeTrailer(event.value, message.worst);
+        if (event.case === "trailer") {
+          this.takeTrailer(event.value, message.worst);
+          this.mark(event.value, message.seams);
+        }
         return;
       }
       case "failed":
@@ -328,6 +335,12 @@ export class MeshView {
         this.viewer.look(one.at.map((x) => x - size), one.at.map((x) => x + size), true);
       });
     }
+  }
+
+  /** Thin walls as boxes, edges that are no manifold as lines. */
+  private mark(trailer: MeshTrailer, seams: Float32Array): void {
+    const regions = trailer.thinWalls?.regions ?? [];
+    this.viewer.mark(regions.map((region) => this.relative(region.box)), seams);
   }
 
   private drawHistogram(trailer: MeshTrailer): void {

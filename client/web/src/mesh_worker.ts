@@ -1,7 +1,7 @@
 // Meshes away from the page's own thread: reads the stream, keeps the mesh, makes what is drawn.
 /// <reference lib="webworker" />
 import { fromBinary } from "@bufbuild/protobuf";
-import { MeshEventSchema } from "../generated/tetstream/v1/meshes_pb";
+import { MeshEventSchema, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
 import { RpcError, streamBytes } from "./rpc";
 import { stlOf, vtuOf } from "./save";
 import { TetMesh, type Cut } from "./tet_mesh";
@@ -17,7 +17,7 @@ export type FromWorker =
   | { kind: "header"; event: Uint8Array; keepsTets: boolean }
   | { kind: "surface"; positions: Float32Array; colours: Uint8Array; triangles: number; chunks: number;
       tets: number; bytes: number; seconds: number }
-  | { kind: "trailer"; event: Uint8Array; worst: { tet: number; angle: number; at: [number, number, number] }[] }
+  | { kind: "trailer"; event: Uint8Array; seams: Float32Array; worst: { tet: number; angle: number; at: [number, number, number] }[] }
   | { kind: "saved"; format: string; blob: Blob }
   | { kind: "failed"; code: number; message: string; reason: string; requestId: string };
 
@@ -57,8 +57,16 @@ function take(event: Uint8Array): void {
       return;
     case "trailer":
       draw();
-      return tell({ kind: "trailer", event, worst: mesh!.findWorst() });
+      return tell({ kind: "trailer", event, worst: mesh!.findWorst(),
+        seams: hasSeams(message.value) ? mesh!.seams() : new Float32Array() });
   }
+}
+
+// Beyond these the search would take the worker's memory.
+const kMostTriangles = 2_000_000;
+
+function hasSeams(trailer: MeshTrailer): boolean {
+  return (trailer.boundary?.nonManifoldEdges ?? 0n) > 0n && mesh!.surfaceTriangles <= kMostTriangles;
 }
 
 async function run(order: { method: string; request: Uint8Array; token: string }): Promise<void> {

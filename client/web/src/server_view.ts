@@ -42,6 +42,15 @@ function sum(samples: Samples, name: string): number {
   return total;
 }
 
+/** A colour of the style sheet as a canvas takes it. */
+function resolved(name: string, beside: HTMLElement): string {
+  const probe = made("span", "", beside);
+  probe.style.color = `var(${name})`;
+  const colour = getComputedStyle(probe).color;
+  probe.remove();
+  return colour;
+}
+
 export class ServerView {
   private readonly times: number[] = [];
   private readonly values = kPlots.map((plot) => plot.metrics.map(() => [] as (number | null)[]));
@@ -64,7 +73,7 @@ export class ServerView {
     const box = made("div", "", element("plots"));
     box.className = "plot";
     const style = getComputedStyle(document.body);
-    const colours = [style.getPropertyValue("--mark"), style.getPropertyValue("--bad"), style.getPropertyValue("--quiet")];
+    const colours = ["--mark", "--bad", "--quiet"].map((name) => resolved(name, box));
     const axis = { stroke: style.color, grid: { stroke: "#8884" }, ticks: { stroke: "#8884" } };
     return new uPlot({
       title: plot.title,

@@ -107,6 +107,30 @@ export class TetMesh {
     return this.worst;
   }
 
+  /** Edges of the surface that have not two triangles: pairs of ends, 6 numbers each. */
+  seams(): Float32Array {
+    const triangles = new Map<number, number>();
+    const vertices = this.positions.length / 3;
+    this.faces.forEach((p, q, r) => {
+      for (const [a, b] of [[p, q], [q, r], [r, p]] as const) {
+        const edge = Math.min(a, b) * vertices + Math.max(a, b);
+        triangles.set(edge, (triangles.get(edge) ?? 0) + 1);
+      }
+    });
+    const ends: number[] = [];
+    for (const [edge, count] of triangles) {
+      if (count === 2) continue;
+      for (const v of [Math.floor(edge / vertices), edge % vertices]) {
+        ends.push(this.positions[v * 3]!, this.positions[v * 3 + 1]!, this.positions[v * 3 + 2]!);
+      }
+    }
+    return Float32Array.from(ends);
+  }
+
+  get surfaceTriangles(): number {
+    return this.faces.count;
+  }
+
   private centroid(tet: number): [number, number, number] {
     const p = this.positions, t = this.tets!;
     const sum = (axis: number): number =>

@@ -1,7 +1,7 @@
 // The surface in three.js, drawn when something has changed and never else.
 import {
-  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Mesh,
-  MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+  AmbientLight, Box3, Box3Helper, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group,
+  LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 export class Viewer {
@@ -10,6 +10,7 @@ export class Viewer {
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
   private readonly mesh: Mesh;
+  private readonly marks = new Group();
   private pending = false;
   /** What was measured of the last frame. */
   last = { triangles: 0, calls: 0, ms: 0 };
@@ -21,7 +22,7 @@ export class Viewer {
     this.mesh = new Mesh(new BufferGeometry(),
       new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, flatShading: true }));
     this.mesh.visible = false;
-    this.scene.add(this.mesh, new AmbientLight(0xffffff, 0.9), this.camera);
+    this.scene.add(this.mesh, this.marks, new AmbientLight(0xffffff, 0.9), this.camera);
     const light = new DirectionalLight(0xffffff, 2.2);
     light.position.set(0.4, 0.7, 1);
     this.camera.add(light);
@@ -33,6 +34,7 @@ export class Viewer {
 
   clear(): void {
     this.mesh.visible = false;
+    this.marks.clear();
     this.draw();
   }
 
@@ -47,6 +49,20 @@ export class Viewer {
     this.draw();
   }
 
+  /** Marks what deserves a look: boxes, and lines by their ends. Seen through the surface. */
+  mark(boxes: [number[], number[]][], ends: Float32Array): void {
+    this.marks.clear();
+    for (const [low, high] of boxes) {
+      this.marks.add(new Box3Helper(new Box3(new Vector3(...low), new Vector3(...high)), 0xe8a000));
+    }
+    if (ends.length > 0) {
+      const lines = new BufferGeometry().setAttribute("position", new BufferAttribute(ends, 3));
+      this.marks.add(new LineSegments(lines, new LineBasicMaterial({ color: 0xff3b30, depthTest: false })));
+    }
+    this.canvas.dataset["marks"] = String(boxes.length + ends.length / 6);
+    this.draw();
+  }
+
   /** Looks at a box from the front, or with `near` from close by. */
   look(low: number[], high: number[], near = false): void {
     const box = new Box3(new Vector3(...low), new Vector3(...high));
@@ -55,7 +71,7 @@ export class Viewer {
     const away = near ? this.camera.position.clone().sub(middle).normalize() : new Vector3(0.5, 0.35, 1).normalize();
     this.camera.near = size / 100;
     this.camera.far = size * 100;
-    this.camera.position.copy(middle).addScaledVector(away, size * 1.35);
+    this.camera.position.copy(middle).addScaledVector(away, size * 1.1);
     this.camera.updateProjectionMatrix();
     this.controls.target.copy(middle);
     this.controls.update();
@@ -102,5 +118,9 @@ export class Viewer {
     this.renderer.render(this.scene, this.camera);
     const { triangles, calls } = this.renderer.info.render;
     this.last = { triangles, calls, ms: performance.now() - start };
+    // What a test may wait for.
+    this.canvas.dataset["drawn"] = String(this.mesh.visible ? triangles : 0);
+    this.canvas.dataset["calls"] = String(calls);
+    this.canvas.dataset["drawMs"] = this.last.ms.toFixed(1);
   }
 }
