@@ -104,6 +104,12 @@ MeshRegion TetMesh::region(std::uint64_t i) const noexcept {
   return static_cast<MeshRegion>(regions.bytes()[i]);
 }
 
+LabelNumber TetMesh::label(std::uint64_t i) const noexcept {
+  LabelNumber label = 0;
+  std::memcpy(&label, regions.bytes().data() + i * sizeof(label), sizeof(label));
+  return label;
+}
+
 ChunkColumns TetMesh::columns_of(const ChunkExtent& chunk) noexcept {
   const ChunkSizes before = ChunkSizes::before(header, chunk);
   const ChunkSizes size(header, chunk);

@@ -67,6 +67,18 @@ struct FaceLabel {
 /// Labels of one mesh: a label's number has two bytes.
 inline constexpr std::size_t kMaxFaceLabels = 1024;
 
+/// One of the labels that a segmentation's mesh has, as its file has it and as people call it.
+struct MeshLabel {
+  std::int64_t value = 0;
+  std::string name = {};
+  friend bool operator==(const MeshLabel&, const MeshLabel&) = default;
+};
+
+/// Tets name their label by its place in the header's list, in two bytes; the last number is
+/// kept free.
+inline constexpr std::size_t kMaxMeshLabels = 65535;
+using LabelNumber = std::uint16_t;
+
 /// Totals and encodings of a mesh.
 struct MeshHeader {
   std::uint64_t vertex_count = 0;
@@ -94,6 +106,15 @@ struct MeshHeader {
   std::uint64_t face_count = 0;
 
   bool has_faces() const noexcept { return !face_labels.empty(); }
+
+  /// The labels of a segmentation's mesh, by number: then the column of regions has a
+  /// LabelNumber of each tet, and `has_regions` is false. Empty for any other mesh.
+  std::vector<MeshLabel> labels = {};
+
+  /// Bytes of a tet in the column of regions; 0 where there is none.
+  std::size_t region_bytes() const noexcept {
+    return !labels.empty() ? sizeof(LabelNumber) : has_regions ? 1 : 0;
+  }
   /// float32 values that a vertex has, of all fields together.
   std::size_t field_values() const noexcept;
 };
@@ -130,7 +151,7 @@ struct ChunkSizes {
              std::uint64_t face_count = 0) noexcept
       : positions(vertices * 3 * size_of(header.coordinate_type)),
         tets(tet_count * 4 * size_of(header.index_type)),
-        regions(header.has_regions ? tet_count : 0),
+        regions(tet_count * header.region_bytes()),
         fields(vertices * header.field_values() * sizeof(float)),
         faces(face_count * 3 * size_of(header.index_type)),
         face_tets(face_count * size_of(header.index_type)),
@@ -155,7 +176,7 @@ struct ChunkSizes {
 struct ChunkColumns {
   std::span<std::byte> positions;
   std::span<std::byte> tets;
-  std::span<std::byte> regions = {};  ///< empty unless the header has regions
+  std::span<std::byte> regions = {};  ///< empty unless the header has regions or labels
   std::span<std::byte> fields = {};   ///< empty unless the header has fields
   // Empty unless the header has labels of faces.
   std::span<std::byte> faces = {};
@@ -239,7 +260,7 @@ inline std::array<WorldPoint, 4> MeshView::stored_places(std::uint64_t i) const 
 ///
 /// positions: vertex_count * 3 coordinates (x, y, z), relative to `header.origin`.
 /// tets: tet_count * 4 vertex ids, each tet positive: det(b-a, c-a, d-a) > 0.
-/// regions: tet_count MeshRegions of one byte, or nothing.
+/// regions: tet_count MeshRegions of one byte, or LabelNumbers of two, or nothing.
 /// fields: vertex_count rows of float32, in each the values of one field after the other; or
 /// nothing.
 /// faces: face_count * 3 vertex ids, or nothing: the boundary triangles, counter-clockwise seen
@@ -286,6 +307,8 @@ struct TetMesh {
 
   /// Inside, unless the mesh has regions.
   MeshRegion region(std::uint64_t i) const noexcept;
+  /// The number of a tet's label, where the mesh has labels.
+  LabelNumber label(std::uint64_t i) const noexcept;
 
   /// All of its columns.
   ChunkColumns columns() noexcept { return columns_of(whole_of(header)); }

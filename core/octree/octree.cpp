@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <optional>
 
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
@@ -106,19 +107,21 @@ OctreeLevel make_level(const CoveredSpace& space,
   made.bricks = std::move(candidates.bricks);
   std::vector<BrickMask> leaf = std::move(candidates.cells);
   std::vector<BrickMask> divided(made.bricks.size()), inside;
-  if (space.cover.domain) inside.resize(made.bricks.size());
+  if (space.cover.domain && space.is_inside) inside.resize(made.bricks.size());
   made.index = BrickIndex(made.bricks);
   const BrickIndex refined_index(refined.bricks);
   for_each_range(made.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
-    PhiSampler sampler(space.field);
+    std::optional<PhiSampler> sampler;
+    if (space.is_inside) sampler.emplace(space.field);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord brick = made.bricks[i];
       const std::uint32_t at = refined_index.find(brick);
       if (at != kNoBrick) divided[i] = refined.cells[at];
       leaf[i] &= ~divided[i];
       if (space.cover.domain) leaf[i] &= DomainCells(*space.cover.domain, level).whole(brick);
+      if (!sampler) continue;
       (space.cover.domain ? inside : leaf)[i] =
-          inside_cells(sampler, space.is_inside, brick, level, leaf[i]);
+          inside_cells(*sampler, space.is_inside, brick, level, leaf[i]);
     }
   });
   made.leaf = MaskColumn(leaf);
@@ -141,11 +144,16 @@ CellSet finest_cells(const CellSet& at_surface,
                      const CoveredSpace& space,
                      const Cancellation& cancellation) {
   CellSet cells = children_of(refined, cancellation);
+  if (space.cover.domain) {  // all of it is covered
+    drop_empty(cells);
+    unite(cells, at_surface);
+    return cells;
+  }
   for_each_range(cells.bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(space.field);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const BrickCoord b = cells.bricks[i];
-      if (space.cover.domain || std::ranges::binary_search(at_surface.bricks, b)) continue;
+      if (std::ranges::binary_search(at_surface.bricks, b)) continue;
       const auto corner = [](std::int32_t brick) { return std::int64_t{kBrickEdge} * brick; };
       if (!space.is_inside(sampler, corner(b.x), corner(b.y), corner(b.z))) cells.cells[i] = {};
     }

@@ -62,7 +62,8 @@ using InsideTest =
     std::function<bool(PhiSampler& sampler, std::int64_t x, std::int64_t y, std::int64_t z)>;
 
 /// Grows an octree above the finest leaves. Cells that are not `finest` have all their nodes on
-/// one side, which `is_inside` tells. If cancelled, discard the result.
+/// one side, which `is_inside` tells; of a domain it may be null, and then no side is told, and
+/// `field` not looked at. If cancelled, discard the result.
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,

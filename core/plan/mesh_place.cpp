@@ -68,9 +68,13 @@ VoxelBox corner_box(const BrickBox& domain) {
   return {corner(domain.min), corner({last.x + 1, last.y + 1, last.z + 1})};
 }
 
-WorldBox world_box_of(const BrickBox& domain, const PhiField& field) {
+WorldBox world_box_of(const BrickBox& domain, const VoxelTransform& lattice) {
   const VoxelBox corners = corner_box(domain);
-  return field.lattice_transform().to_world_box(point_of(corners.min), point_of(corners.max));
+  return lattice.to_world_box(point_of(corners.min), point_of(corners.max));
+}
+
+WorldBox world_box_of(const BrickBox& domain, const PhiField& field) {
+  return world_box_of(domain, field.lattice_transform());
 }
 
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept {
@@ -86,7 +90,17 @@ absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               double beyond,
                                               const MeshRequest& request,
                                               MeshHeader& header) {
-  const VoxelTransform lattice = field.lattice_transform();
+  header.inside_guess = field.scene != nullptr
+                            ? field.scene->inside_guess
+                            : describe_guess(*field.volume, request.inside, field.iso);
+  return place_lattice(field.lattice_transform(), corners, beyond, request, header);
+}
+
+absl::StatusOr<LatticeToWorld> place_lattice(const VoxelTransform& lattice,
+                                             const VoxelBox& corners,
+                                             double beyond,
+                                             const MeshRequest& request,
+                                             MeshHeader& header) {
   const absl::StatusOr<VoxelCoord> origin =
       request.origin ? corner_next_to(*request.origin, lattice) : middle_of(corners);
   if (!origin.ok()) return origin.status();
@@ -94,9 +108,6 @@ absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
   header.bounds = lattice.to_world_box(shifted(point_of(corners.min), -beyond),
                                        shifted(point_of(corners.max), beyond));
   header.spacing = lattice.voxel_size;
-  header.inside_guess = field.scene != nullptr
-                            ? field.scene->inside_guess
-                            : describe_guess(*field.volume, request.inside, field.iso);
   const bool far = reach_from(*origin, corners) > kMaxFloat32Extent;
   header.coordinate_type =
       request.coordinates.value_or(far ? CoordinateType::kFloat64 : CoordinateType::kFloat32);

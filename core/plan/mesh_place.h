@@ -21,6 +21,9 @@ WorldBox world_box_of(const BrickBox& domain, const PhiField& field);
 /// Whether float32 coordinates from `origin` on would bend the angle bounds of a mesh.
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept;
 
+/// The same, of any lattice.
+WorldBox world_box_of(const BrickBox& domain, const VoxelTransform& lattice);
+
 /// Puts the origin where the request says, or in the middle of `corners`, a box of lattice
 /// corners; all vertices are no farther than `beyond` spacings outside of it. Fills in the
 /// header's origin, bounds, spacing, type of coordinates and guess of the inside. Errors:
@@ -30,5 +33,12 @@ absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               double beyond,
                                               const MeshRequest& request,
                                               MeshHeader& header);
+
+/// The same of any lattice, but for the guess.
+absl::StatusOr<LatticeToWorld> place_lattice(const VoxelTransform& lattice,
+                                             const VoxelBox& corners,
+                                             double beyond,
+                                             const MeshRequest& request,
+                                             MeshHeader& header);
 
 }  // namespace tet

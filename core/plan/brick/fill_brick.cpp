@@ -1,58 +1,13 @@
 #include "core/plan/brick/fill_brick.h"
 
 #include <algorithm>
-#include <cmath>
-#include <initializer_list>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/plan/brick/background_quality.h"
 #include "core/plan/brick/write_positions.h"
 
 namespace tet {
-namespace {
-
-/// Statistics of one tet of each background shape on a lattice of spacing 1.
-struct BackgroundShapes {
-  QualityStats bcc, bisected, quadrisected, half_pyramid;
-  QualityStats halved, in_three;  ///< the two, and the three, tets of a half pyramid
-};
-
-using TetPoints = std::array<LocalPoint, 4>;
-
-QualityStats stats_of(std::initializer_list<TetPoints> tets) {
-  constexpr LocalTet kInOrder{0, 1, 2, 3};
-  QualityMeter meter;
-  for (const TetPoints& points : tets) meter.add_tets(points.data(), {&kInOrder, 1});
-  return meter.stats();
-}
-
-const BackgroundShapes& background_shapes() {
-  // Cell [0, 1]^3 with its upper face across x, seen from the centre.
-  constexpr LocalPoint kLow{0.5F, 0.5F, 0.5F}, kHigh{1.5F, 0.5F, 0.5F};
-  constexpr LocalPoint kFace{1, 0.5F, 0.5F}, kMiddle{1, 0.5F, 0};
-  constexpr LocalPoint kCorner0{1, 0, 0}, kCorner1{1, 1, 0}, kCorner2{1, 1, 1};
-  constexpr LocalPoint kNext{1, 1, 0.5F};  // between corners 1 and 2
-  const auto tet = [&](LocalPoint a, LocalPoint b, LocalPoint c) {
-    return TetPoints{kLow, a, b, c};
-  };
-  static const BackgroundShapes shapes{
-      .bcc = stats_of({tet(kHigh, kCorner0, kCorner1)}),
-      .bisected = stats_of({tet(kHigh, kCorner0, kMiddle)}),
-      .quadrisected = stats_of({tet(kFace, kCorner0, kMiddle)}),
-      .half_pyramid = stats_of({tet(kCorner0, kCorner1, kCorner2)}),
-      .halved = stats_of({tet(kCorner0, kMiddle, kCorner2), tet(kMiddle, kCorner1, kCorner2)}),
-      .in_three = stats_of({tet(kMiddle, kCorner1, kNext), tet(kCorner0, kMiddle, kNext),
-                            tet(kCorner0, kNext, kCorner2)})};
-  return shapes;
-}
-
-double determinant(const std::array<std::array<double, 3>, 3>& m) noexcept {
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
-}  // namespace
 
 template <>
 SlotIds<std::uint32_t>& BrickFiller::ids() noexcept {
@@ -213,7 +168,7 @@ Index* BrickFiller::fill_finest_tets(MeshRegion region,
       ids<Index>(), out, limit, stuffed, counts);
   if (statistics_ == Statistics::kMeasured) {
     meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
-    count_background_quality(counts, 0);
+    add_background_quality(counts, 0, background_);
   }
   return out;
 }
@@ -230,19 +185,9 @@ Index* BrickFiller::fill_background_tets(BrickPlace place,
   BackgroundCounts counts;
   out = fill_background(cells, numbers_, place.level, brick, out, counts);
   if (has_faces_) add_background_faces(cells, outer_, tets, workspace_.faces);
-  if (statistics_ == Statistics::kMeasured) count_background_quality(counts, place.level);
+  if (statistics_ == Statistics::kMeasured)
+    add_background_quality(counts, place.level, background_);
   return out;
-}
-
-void BrickFiller::count_background_quality(const BackgroundCounts& counts, int level) noexcept {
-  const BackgroundShapes& shapes = background_shapes();
-  const double scale = std::ldexp(1.0, 3 * level);
-  background_.add_copies(shapes.bcc, counts.bcc, scale);
-  background_.add_copies(shapes.bisected, counts.bisected, scale);
-  background_.add_copies(shapes.quadrisected, counts.quadrisected, scale);
-  background_.add_copies(shapes.half_pyramid, counts.half_pyramid, scale);
-  background_.add_copies(shapes.halved, counts.halved, scale);
-  background_.add_copies(shapes.in_three, counts.in_three, scale);
 }
 
 QualityStats BrickFiller::stats() const noexcept {
@@ -254,7 +199,7 @@ QualityStats BrickFiller::stats() const noexcept {
 QualityStats BrickFiller::stats_of_run() const noexcept {
   QualityStats stats = meter_.stats();
   stats.add(background_);
-  stats.volume *= std::abs(determinant(to_world_.linear));
+  stats.volume *= volume_scale(to_world_);
   return stats;
 }
 

@@ -84,7 +84,6 @@ class BrickFiller {
   CellNodes nodes_of(const PlacesAround& places) const noexcept;
   template <class Index>
   SlotIds<Index>& ids() noexcept;
-  void count_background_quality(const BackgroundCounts& counts, int level) noexcept;
   QualityStats stats_of_run() const noexcept;
 
   const CountedMesh& mesh_;

@@ -1,0 +1,63 @@
+// Labels of voxels as indicators: smooth functions that compete for each node of the lattice.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/base/types.h"
+#include "core/labels/label.h"
+#include "core/labels/label_samples.h"
+
+namespace tet {
+
+/// Labels of voxels, whatever they are kept in. Immutable: any thread may ask.
+class LabelVoxels {
+ public:
+  virtual ~LabelVoxels() = default;
+  /// The label of all voxels of a box, where that is told at small cost.
+  virtual std::optional<Label> one_label(const VoxelBox& box) const = 0;
+  /// Writes the labels of a box's voxels, z fastest, then y, then x.
+  virtual void copy(const VoxelBox& box, Label* out) const = 0;
+};
+
+/// How far a voxel's label reaches.
+enum class LabelKernel : std::uint8_t {
+  kTrilinear,  ///< to the next voxels: keeps every voxel, and every stair
+  kQuadratic,  ///< a quadratic B-spline: keeps sheets one voxel thin, and most of their volume
+  kGauss,      ///< a Gaussian, cut off at 2 voxels for each 0.7 of its width
+};
+
+/// The Gaussian's width, voxels: of those that were tried the one whose interfaces are flattest
+/// among those that keep sheets one voxel thin whole (docs/labels.md).
+inline constexpr double kDefaultSmooth = 0.7;
+/// Wider kernels take more voxels a node than is worth it.
+inline constexpr double kMostSmooth = 4;
+
+/// The lattice among the voxels, and the kernel.
+struct IndicatorRules {
+  std::array<double, 3> spacing_voxels{1, 1, 1};  ///< along each axis
+  LabelKernel kernel = LabelKernel::kGauss;
+  double smooth =
+      kDefaultSmooth;  ///< of the Gaussian: voxels, or spacings where these are larger
+};
+
+/// The indicator of a label is the sum of the weights of its voxels, and weights sum to one: so
+/// labels compete fairly, no distances are computed, and only the labels around a node cost
+/// anything. The largest indicator wins, of equal ones the lower label. An edge between A and B
+/// is cut where the straight line between the differences of their indicators at its ends is
+/// zero.
+class IndicatorLabels final : public LabelSource {
+ public:
+  IndicatorLabels(std::shared_ptr<const LabelVoxels> voxels, const IndicatorRules& rules)
+      : voxels_(std::move(voxels)), rules_(rules) {}
+
+  std::unique_ptr<LabelSampler> sampler() const override;
+
+ private:
+  const std::shared_ptr<const LabelVoxels> voxels_;
+  const IndicatorRules rules_;
+};
+
+}  // namespace tet

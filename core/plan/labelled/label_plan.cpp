@@ -1,0 +1,140 @@
+#include "core/plan/labelled/label_plan.h"
+
+#include <limits>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+#include "core/base/check.h"
+#include "core/base/heap_bytes.h"
+#include "core/plan/budget.h"
+#include "core/plan/labelled/fill_labelled_brick.h"
+#include "core/plan/mesh_place.h"
+#include "core/plan/mesh_workspace.h"
+
+namespace tet {
+namespace {
+
+LabelRules label_rules_of(const LabelJob& job) {
+  return {stuffing_rules(Preset::kBothSides).limits, job.domain, job.kept};
+}
+
+Octree grow_label_tree(const LabelSurvey& survey,
+                       const LabelJob& job,
+                       const Cancellation& cancellation) {
+  const OctreeCover cover{{job.domain}, job.domain};
+  LeafRules rules;
+  rules.max_levels = job.request.levels;
+  return build_octree(survey.finest(), {}, nullptr, cover, rules, cancellation);
+}
+
+MeshHeader header_of_labels(const CountedLabels& mesh, const LabelJob& job) {
+  MeshHeader header;
+  header.vertex_count = mesh.first_vertex(mesh.brick_count());
+  header.tet_count = mesh.first_tet(mesh.brick_count());
+  header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
+  header.labels = job.labels;
+  const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
+  header.index_type =
+      wide ? IndexType::kUint64 : job.request.indices.value_or(IndexType::kUint32);
+  return header;
+}
+
+absl::Status check_label_tets(const MeshHeader& header, const MeshLimits& limits) {
+  if (header.tet_count == 0) {
+    return absl::FailedPreconditionError(
+        "there is nothing to mesh: no label but the background is left in the box. Name other "
+        "labels, another background, or a smaller spacing");
+  }
+  if (header.tet_count <= limits.max_tets) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("the mesh would have %d tets; the limit is %d. Use more levels, a larger "
+                      "spacing or a smaller box",
+                      header.tet_count, limits.max_tets));
+}
+
+std::vector<std::size_t> cut_labels_into_chunks(const CountedLabels& mesh,
+                                                std::size_t chunk_bytes,
+                                                MeshHeader& header) {
+  const auto bytes_before = [&](std::size_t brick) {
+    return ChunkSizes(header, mesh.first_vertex(brick), mesh.first_tet(brick)).total();
+  };
+  std::vector<std::size_t> first_brick{0};
+  for (std::size_t brick = 0; brick < mesh.brick_count(); ++brick) {
+    const bool fits = bytes_before(brick + 1) - bytes_before(first_brick.back()) <= chunk_bytes;
+    if (!fits && brick > first_brick.back()) first_brick.push_back(brick);
+  }
+  first_brick.push_back(mesh.brick_count());
+  header.chunk_count = first_brick.size() - 1;
+  return first_brick;
+}
+
+}  // namespace
+
+LabelPlan::LabelPlan(MeshFacts facts,
+                     const LatticeToWorld& to_world,
+                     CountedLabels mesh,
+                     std::vector<std::size_t> first_brick)
+    : MeshPlan(std::move(facts)),
+      to_world_(to_world),
+      mesh_(std::move(mesh)),
+      first_brick_(std::move(first_brick)) {}
+
+ChunkExtent LabelPlan::bricks(std::size_t begin, std::size_t end) const noexcept {
+  return {mesh_.first_vertex(begin), mesh_.first_vertex(end) - mesh_.first_vertex(begin),
+          mesh_.first_tet(begin), mesh_.first_tet(end) - mesh_.first_tet(begin)};
+}
+
+ChunkExtent LabelPlan::chunk(std::uint64_t index) const noexcept {
+  return bricks(first_brick_[index], first_brick_[index + 1]);
+}
+
+QualityStats LabelPlan::fill_chunk(std::uint64_t index,
+                                   MeshWorkspace& workspace,
+                                   ChunkColumns columns) const noexcept {
+  LabelledBrickFiller filler(mesh_, header(), to_world_, statistics(),
+                             workspace.get<LabelledScratch>());
+  for (std::size_t brick = first_brick_[index]; brick < first_brick_[index + 1]; ++brick) {
+    const ChunkExtent extent = bricks(brick, brick + 1);
+    const ChunkSizes size(header(), extent.vertex_count, extent.tet_count);
+    filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),
+                        columns.regions.first(size.regions)});
+    columns = {columns.positions.subspan(size.positions), columns.tets.subspan(size.tets),
+               columns.regions.subspan(size.regions)};
+  }
+  TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
+  return filler.stats();
+}
+
+std::uint64_t LabelPlan::bytes() const noexcept {
+  return mesh_.bytes() + heap_bytes(first_brick_);
+}
+
+absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_labels(const LabelJob& job,
+                                                             const Cancellation& cancellation) {
+  if (auto status = check_domain_budget(job.domain, job.request.levels, job.limits);
+      !status.ok()) {
+    return status;
+  }
+  absl::StatusOr<LabelSurvey> survey = survey_labels(
+      *job.source, label_rules_of(job), job.limits.max_plan_bytes, cancellation, job.progress);
+  if (!survey.ok()) return survey.status();
+  Octree tree = grow_label_tree(*survey, job, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  CountedLabels mesh(*std::move(survey), std::move(tree), cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  MeshHeader header = header_of_labels(mesh, job);
+  if (auto status = check_label_tets(header, job.limits); !status.ok()) return status;
+  // Moved nodes may lie beyond the domain where labels meet at its faces, by half a spacing.
+  const auto to_world =
+      place_lattice(job.lattice, corner_box(job.domain), 0.5, job.request, header);
+  if (!to_world.ok()) return to_world.status();
+  std::vector<std::size_t> first_brick =
+      cut_labels_into_chunks(mesh, job.limits.chunk_bytes, header);
+  return std::make_shared<const LabelPlan>(
+      MeshFacts{.header = std::move(header), .statistics = statistics_of(job.request)},
+      *to_world, std::move(mesh), std::move(first_brick));
+}
+
+}  // namespace tet

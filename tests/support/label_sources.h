@@ -1,0 +1,56 @@
+// Labels on the lattice that tests mesh: any function of nodes and edges.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/brick_box.h"
+#include "core/labels/label_samples.h"
+#include "core/lattice/bcc.h"
+
+namespace tet::test {
+
+/// A label for each node, in doubled coordinates, and a fraction in [0, 1] for each edge, by
+/// its lower node and its direction.
+struct LabelFunctions {
+  std::function<Label(LatticeCoord)> label;
+  std::function<float(LatticeCoord, int)> fraction;
+};
+
+/// Samples functions, node by node.
+class FunctionLabels final : public LabelSource {
+ public:
+  explicit FunctionLabels(LabelFunctions functions) : functions_(std::move(functions)) {}
+
+  const LabelFunctions& functions() const noexcept { return functions_; }
+  std::unique_ptr<LabelSampler> sampler() const override;
+
+ private:
+  const LabelFunctions functions_;
+};
+
+/// Fractions drawn from a hash of the edge, among them many that are exactly 0, 1, a limit of
+/// the warp, a half, or nearly one of these.
+float hostile_fraction(std::uint32_t seed, LatticeCoord low, int direction);
+
+struct LabelCase {
+  std::string name;
+  LabelFunctions functions;
+  std::size_t labels = 0;  ///< that there are
+};
+
+/// - any of 2 .. 1,000 labels at each node, with hostile fractions;
+/// - the same within a box of bricks, and label 0 around it: nothing meets the domain's faces;
+/// - sheets and threads one node thin, and checkerboards;
+/// - indicators: affine ones, of which the largest wins, so that three labels meet along lines
+///   and four at points; four along whole lines; exact ties.
+/// `box` is the domain.
+std::vector<LabelCase> label_cases(const BrickBox& box, std::uint32_t seed);
+
+/// Label 0 wherever a node, or a node next to it, is not well within the box.
+LabelFunctions surrounded(LabelFunctions functions, const BrickBox& box);
+
+}  // namespace tet::test
