@@ -92,7 +92,9 @@ ColumnSizes column_sizes(const MeshHeader& header,
           .connectivity = header.tet_count * 4 * size_of(types.ids),
           .offsets = offset_rows * size_of(types.ids),
           .types = header.tet_count,
-          .regions = header.has_regions ? header.tet_count : 0,
+          .regions = header.tet_count * (header.has_regions      ? 1
+                                         : header.labels.empty() ? 0
+                                                                 : label_value_bytes(header)),
           .parts = header.parts.empty() ? 0 : header.tet_count,
           .fields = ChunkSizes(header, header.vertex_count, 0).fields};
 }
@@ -160,6 +162,26 @@ void write_part_numbers(BlockWriter& writer, const MeshHeader& header) {
     while (tet - header.parts[part].first_tet >= header.parts[part].tet_count) ++part;
     return static_cast<std::uint8_t>(part + 1);
   });
+}
+
+std::size_t label_value_bytes(const MeshHeader& header) noexcept {
+  using Narrow = std::numeric_limits<std::int32_t>;
+  const bool fits = std::ranges::all_of(header.labels, [](const MeshLabel& label) {
+    return label.value >= Narrow::min() && label.value <= Narrow::max();
+  });
+  return fits ? sizeof(std::int32_t) : sizeof(std::int64_t);
+}
+
+void write_label_values(BlockWriter& writer, const TetMesh& mesh, std::size_t value_bytes) {
+  const auto value = [&](std::uint64_t tet) {
+    return mesh.header.labels[mesh.label(tet)].value;
+  };
+  if (value_bytes == sizeof(std::int64_t)) {
+    writer.rows(mesh.header.tet_count, value);
+  } else {
+    writer.rows(mesh.header.tet_count,
+                [&](std::uint64_t tet) { return static_cast<std::int32_t>(value(tet)); });
+  }
 }
 
 void write_types(BlockWriter& writer, std::uint64_t count) {

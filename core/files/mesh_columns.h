@@ -30,7 +30,7 @@ inline constexpr std::uint8_t kVtkTetra = 10;
 /// Bytes of each column.
 struct ColumnSizes {
   std::uint64_t points = 0, connectivity = 0, offsets = 0, types = 0;
-  std::uint64_t regions = 0;  ///< of a mesh without them none
+  std::uint64_t regions = 0;  ///< or labels; of a mesh without them none
   std::uint64_t parts = 0;    ///< of one grid's mesh none
   std::uint64_t fields = 0;   ///< of all fields together
   std::uint64_t total() const noexcept {
@@ -58,6 +58,11 @@ void write_offsets(BlockWriter& writer,
                    IndexType type);
 /// Which part of a mesh of several grids each tet is of: one byte, from 1 on.
 void write_part_numbers(BlockWriter& writer, const MeshHeader& header);
+/// The value of each tet's label, as its segmentation has it: int32, or int64 where one of them
+/// needs it (see label_value_bytes).
+void write_label_values(BlockWriter& writer, const TetMesh& mesh, std::size_t value_bytes);
+/// Bytes of a label's value in a file: 4 or 8.
+std::size_t label_value_bytes(const MeshHeader& header) noexcept;
 /// `count` times kVtkTetra.
 void write_types(BlockWriter& writer, std::uint64_t count);
 

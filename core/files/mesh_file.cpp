@@ -151,9 +151,18 @@ absl::Status check_can_write(const MeshOutput& output) {
   return check_can_create(output.path);
 }
 
+bool takes_labels(MeshFormat format) noexcept {
+  return format == MeshFormat::kVtu || format == MeshFormat::kVtkHdf;
+}
+
 absl::Status write_mesh_file(const MeshOutput& output,
                              const TetMesh& mesh,
                              const WriteControl& control) {
+  if (!mesh.header.labels.empty() && !takes_labels(output.format)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("a ", row_of(output.format).ending, " cannot hold a mesh of ",
+                     mesh.header.labels.size(), " labels yet: write a .vtu or .vtkhdf"));
+  }
   if (output.format == MeshFormat::kXdmf) return write_two_files(output.path, mesh, control);
   if (output.format == MeshFormat::kPolyMesh) return write_folder(output.path, mesh, control);
   return write_one_file(writer_of(output.format), output.path, mesh, control);

@@ -21,6 +21,7 @@ namespace {
 struct Layout {
   haddr_t points = HADDR_UNDEF, connectivity = HADDR_UNDEF, offsets = HADDR_UNDEF;
   haddr_t types = HADDR_UNDEF, regions = HADDR_UNDEF, parts = HADDR_UNDEF;
+  haddr_t labels = HADDR_UNDEF;
   std::vector<haddr_t> fields = {};
 };
 
@@ -62,6 +63,12 @@ std::optional<Layout> lay_out(const std::string& path,
   if (mesh.has_regions) {
     outline.group("CellData");
     layout.regions = outline.column("CellData/region", H5T_STD_U8LE, {mesh.tet_count});
+  }
+  if (!mesh.labels.empty()) {
+    skeleton.group("CellData");
+    const bool narrow = label_value_bytes(mesh) == sizeof(std::int32_t);
+    layout.labels = skeleton.column("CellData/label", narrow ? H5T_STD_I32LE : H5T_STD_I64LE,
+                                    {mesh.tet_count});
   }
   if (!mesh.parts.empty()) {
     outline.group("CellData");
@@ -129,6 +136,11 @@ absl::Status VtkHdfWriter::put(const TetMesh& part, const ChunkExtent& place) {
            [&] { write_connectivity(to, part, as.ids); });
   write_at(to, place_of(layout.regions, place.first_tet, 1),
            [&] { to.bytes(part.regions.bytes()); });
+  if (!part.header.labels.empty()) {
+    const std::size_t bytes = label_value_bytes(part.header);
+    write_at(to, place_of(layout.labels, place.first_tet, bytes),
+             [&] { write_label_values(to, part, bytes); });
+  }
   for (std::size_t i = 0; i < layout.fields.size(); ++i) {
     const std::size_t row_bytes = part.header.fields[i].components * sizeof(float);
     write_at(to, place_of(layout.fields[i], place.first_vertex, row_bytes),

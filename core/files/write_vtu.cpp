@@ -24,27 +24,41 @@ std::uint64_t field_bytes(const MeshHeader& mesh, const FieldArray& field) {
 
 /// Meshes of one side of one grid have no data of cells, and no mesh has labels of both kinds.
 std::string cell_data(const MeshHeader& mesh, std::uint64_t offset) {
-  if (!mesh.has_regions && mesh.parts.empty()) return "";
-  const char* const label = mesh.has_regions ? "region" : "part";
-  return absl::StrCat("      <CellData Scalars=\"", label, "\">\n",
-                      data_array(absl::StrCat("type=\"UInt8\" Name=\"", label, "\""), offset),
-                      "      </CellData>\n");
+  if (!mesh.has_regions && mesh.parts.empty() && mesh.labels.empty()) return "";
+  const char* const label = !mesh.labels.empty() ? "label"
+                            : mesh.has_regions   ? "region"
+                                                 : "part";
+  const char* const type = mesh.labels.empty()                               ? "UInt8"
+                           : label_value_bytes(mesh) == sizeof(std::int32_t) ? "Int32"
+                                                                             : "Int64";
+  return absl::StrCat(
+      "      <CellData Scalars=\"", label, "\">\n",
+      data_array(absl::StrCat("type=\"", type, "\" Name=\"", label, "\""), offset),
+      "      </CellData>\n");
 }
 
 std::string xml_text(const std::string& name) {
   return absl::StrReplaceAll(name, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}});
 }
 
-/// Which number the part of each grid has, as arrays called like the grids.
+std::string named_number(const char* type, const std::string& name, std::int64_t number) {
+  return absl::StrCat("      <DataArray type=\"", type, "\" Name=\"",
+                      absl::StrReplaceAll(xml_text(name), {{"\"", "&quot;"}}),
+                      "\" NumberOfTuples=\"1\" format=\"ascii\">", number, "</DataArray>\n");
+}
+
+/// Which number the part of each grid has, or each label that has a name, as arrays called
+/// like the grids and labels.
 std::string field_data(const MeshHeader& mesh) {
-  if (mesh.parts.empty()) return "";
-  std::string text = "    <FieldData>\n";
+  std::string text;
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
-    absl::StrAppend(&text, "      <DataArray type=\"Int32\" Name=\"",
-                    absl::StrReplaceAll(xml_text(mesh.parts[i].name), {{"\"", "&quot;"}}),
-                    "\" NumberOfTuples=\"1\" format=\"ascii\">", i + 1, "</DataArray>\n");
+    text += named_number("Int32", mesh.parts[i].name, static_cast<std::int64_t>(i) + 1);
   }
-  return absl::StrCat(text, "    </FieldData>\n");
+  for (const MeshLabel& label : mesh.labels) {
+    if (!label.name.empty()) text += named_number("Int64", label.name, label.value);
+  }
+  if (text.empty()) return "";
+  return absl::StrCat("    <FieldData>\n", text, "    </FieldData>\n");
 }
 
 /// What a viewer shows before it is told what to: the first field of so many components.
@@ -127,6 +141,9 @@ absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl
   if (mesh.header.has_regions) {
     writer.number(sizes.regions);
     writer.bytes(mesh.regions.bytes());
+  } else if (!mesh.header.labels.empty()) {
+    writer.number(sizes.regions);
+    write_label_values(writer, mesh, label_value_bytes(mesh.header));
   } else if (sizes.parts > 0) {
     writer.number(sizes.parts);
     write_part_numbers(writer, mesh.header);

@@ -6,9 +6,9 @@
 
 namespace tet {
 
-/// Writes the whole mesh, regions as the cells' scalars `region`, the parts of several grids as
-/// `part`, and beside the mesh the number of each grid's part under the grid's name; `file` is
-/// left for the caller to commit.
+/// Writes the whole mesh, regions as the cells' scalars `region`, labels as `label`, the parts
+/// of several grids as `part`, and beside the mesh the number of each grid's part, and of each
+/// label that has a name, under that name; `file` is left for the caller to commit.
 absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
 
 }  // namespace tet

@@ -20,15 +20,22 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from samples import PART_NAMES, SAMPLES, SampleTest, volumes
 
+# Of the samples of labels, which VTK's formats take: numbers of those that have names.
+LABEL_SAMPLES = {"labels": numpy.float32, "large_labels": numpy.float32}
+LABEL_NAMES = ['bone "left"', "<grey> & white"]
+
 
 def read_vtu_with_meshio(path):
     mesh = meshio.read(path)
     assert [block.type for block in mesh.cells] == ["tetra"], mesh.cells
-    assert set(mesh.cell_data) < {"region", "part"}, mesh.cell_data
+    assert set(mesh.cell_data) < {"region", "part", "label"}, mesh.cell_data
     labels = next(iter(mesh.cell_data.values()), [None])[0]
     if "part" in mesh.cell_data:
         assert {name: list(number) for name, number in mesh.field_data.items()} == {
             name: [i + 1] for i, name in enumerate(PART_NAMES)}, mesh.field_data
+    if "label" in mesh.cell_data:
+        assert set(mesh.field_data) == set(LABEL_NAMES), mesh.field_data
+        assert list(mesh.field_data[LABEL_NAMES[1]]) == [11175], mesh.field_data
     return mesh.points, mesh.cells[0].data, labels, mesh.point_data
 
 
@@ -43,7 +50,7 @@ def read_with_vtk(reader, path):
     offsets = vtk_to_numpy(cells.GetOffsetsArray())
     assert (offsets == 4 * numpy.arange(grid.GetNumberOfCells() + 1)).all()
     data = grid.GetCellData()
-    labels = data.GetArray("region") or data.GetArray("part")
+    labels = data.GetArray("region") or data.GetArray("part") or data.GetArray("label")
     assert data.GetNumberOfArrays() == (labels is not None)
     return (points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4),
             None if labels is None else vtk_to_numpy(labels), point_data_of(grid))
@@ -57,7 +64,7 @@ def point_data_of(grid):
 
 class ReadBack(SampleTest):
     def check_every_sample(self, ending, read):
-        for name, coordinates in SAMPLES.items():
+        for name, coordinates in {**SAMPLES, **LABEL_SAMPLES}.items():
             with self.subTest(name=name, ending=ending):
                 expected = self.expected(name)
                 points, tets, regions, fields = read(self.directory / f"{name}{ending}")

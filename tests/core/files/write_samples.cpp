@@ -1,6 +1,7 @@
 // Writes known meshes in every format, with their contents as JSON beside them, for
 // read_back.py.
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <string>
 
@@ -58,6 +59,17 @@ nlohmann::json faces_of(const TetMesh& mesh) {
   return faces;
 }
 
+/// Labels with and without names, in turn.
+TetMesh with_labels(TetMesh mesh, std::int64_t first_value) {
+  mesh.header.labels = {{first_value, "bone \"left\""}, {7, ""}, {11175, "<grey> & white"}};
+  mesh.regions = ByteBuffer(mesh.header.tet_count * sizeof(LabelNumber));
+  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    const auto number = static_cast<LabelNumber>(i % mesh.header.labels.size());
+    std::memcpy(mesh.regions.bytes().data() + i * sizeof(number), &number, sizeof(number));
+  }
+  return mesh;
+}
+
 nlohmann::json contents_of(const TetMesh& mesh) {
   nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
   nlohmann::json parts = points;
@@ -68,6 +80,7 @@ nlohmann::json contents_of(const TetMesh& mesh) {
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
     tets.push_back(mesh.tet(i));
     if (mesh.header.has_regions) regions.push_back(mesh.region(i));
+    if (!mesh.header.labels.empty()) regions.push_back(mesh.header.labels[mesh.label(i)].value);
     if (!mesh.header.parts.empty()) parts.push_back(i < mesh.header.parts[1].first_tet ? 1 : 2);
   }
   return {{"points", points},   {"tets", tets},   {"faces", faces_of(mesh)},
@@ -80,6 +93,7 @@ absl::Status write_sample(const std::string& path, TetMesh unbounded) {
     return status;
   }
   for (const MeshFormatRow& row : mesh_formats()) {
+    if (!mesh.header.labels.empty() && !takes_labels(row.format)) continue;
     const std::string to = path + std::string(row.ending);
     if (auto status = write_mesh_file(to, mesh); !status.ok()) return status;
   }
@@ -126,6 +140,9 @@ absl::Status write_samples(const std::string& directory) {
                              with_fields(with_regions(kuhn_mesh(33), every_third), fields)));
   status.Update(write_sample(directory + "/parts",
                              with_fields(in_two_parts(kuhn_mesh(33), 100'001), fields)));
+  status.Update(write_sample(directory + "/labels", with_labels(kuhn_mesh(33), -3)));
+  status.Update(
+      write_sample(directory + "/large_labels", with_labels(kuhn_mesh(2), 3'000'000'000)));
   return status;
 }
 
