@@ -219,5 +219,23 @@ class Compose(DeployTest):
         self.assertEqual(str(server["environment"]["TETSTREAM_JOB_WORKERS"]), "0")
 
 
+
+class Alerts(unittest.TestCase):
+    rules = ROOT / "docker" / "alerts.yml"
+    manual = (ROOT / "docs" / "operations.md").read_text()
+
+    def test_each_fires_when_it_should_and_not_before(self):
+        tested = run("promtool", "test", "rules", ROOT / "tests" / "deploy" / "alerts_promtool.yml")
+        self.assertEqual(tested.returncode, 0, tested.stdout + tested.stderr)
+        shown = (ROOT / "tests" / "deploy" / "alerts_promtool.yml").read_text()
+        for name in re.findall(r"alert: (\w+)", self.rules.read_text()):
+            self.assertGreaterEqual(shown.count(f"alertname: {name}"), 2, name)
+
+    def test_they_ask_for_metrics_that_there_are(self):
+        asked = set(re.findall(r"tetstream_\w+", self.rules.read_text()))
+        self.assertGreater(len(asked), 5)
+        self.assertEqual({name for name in asked if f"`{name}`" not in self.manual}, set())
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)
