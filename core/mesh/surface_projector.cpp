@@ -4,29 +4,9 @@
 #include <cstddef>
 
 #include "core/scene/scene_evaluator.h"
+#include "core/volume/trilinear_cell.h"
 
 namespace tet {
-namespace {
-
-/// A trilinear function of the unit cube and its gradient.
-struct Trilinear {
-  std::array<double, 8> corner;  ///< at x*4 + y*2 + z
-
-  PhiSlope at(double x, double y, double z) const noexcept {
-    const auto along_z = [&](std::size_t i) {
-      return corner[i] + z * (corner[i + 1] - corner[i]);
-    };
-    const auto z_slope = [&](std::size_t i) { return corner[i + 1] - corner[i]; };
-    const auto mix = [](double low, double high, double t) { return low + t * (high - low); };
-    const double v00 = along_z(0), v01 = along_z(2), v10 = along_z(4), v11 = along_z(6);
-    const double v0 = mix(v00, v01, y), v1 = mix(v10, v11, y);
-    return {mix(v0, v1, x),
-            {v1 - v0, mix(v01 - v00, v11 - v10, x),
-             mix(mix(z_slope(0), z_slope(2), y), mix(z_slope(4), z_slope(6), y), x)}};
-  }
-};
-
-}  // namespace
 
 SurfaceProjector::SurfaceProjector(const PhiField& field,
                                    const LatticeToWorld& to_world,
@@ -91,19 +71,19 @@ PhiSlope SurfaceProjector::at_voxel(double x, double y, double z) noexcept {
   const VoxelCoord cell{origin_.x + static_cast<std::int32_t>(cx),
                         origin_.y + static_cast<std::int32_t>(cy),
                         origin_.z + static_cast<std::int32_t>(cz)};
-  Trilinear values{};
+  TrilinearCell values{};
   for (int i = 0; i < 8; ++i) {
     values.corner[static_cast<std::size_t>(i)] =
         reader_->value({cell.x + (i >> 2), cell.y + (i >> 1 & 1), cell.z + (i & 1)});
   }
-  const PhiSlope voxel = values.at(x - cx, y - cy, z - cz);
+  const ValueSlope voxel = values.at(x - cx, y - cy, z - cz);
   const double sign = field_.negated() ? -1 : 1;
-  const Vector& g = voxel.gradient;
+  const Vector& g = voxel.slope;
   const auto across = [&](std::size_t row) {
     return sign * inverse_square_ *
            (linear_[row][0] * g.x + linear_[row][1] * g.y + linear_[row][2] * g.z);
   };
-  return {sign * (voxel.phi - static_cast<double>(field_.iso)),
+  return {sign * (voxel.value - static_cast<double>(field_.iso)),
           {across(0), across(1), across(2)}};
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/tet_geometry.h"
 #include "core/base/types.h"
 #include "core/field/phi_field.h"
+#include "core/field/world_phi.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/volume/volume_reader.h"
@@ -15,12 +16,6 @@
 namespace tet {
 
 class SceneEvaluator;
-
-/// phi at a point and how fast it grows there, per world unit.
-struct PhiSlope {
-  double phi = 0;
-  Vector gradient{};
-};
 
 /// The surface as stored positions see it. Not thread-safe: one per task.
 class SurfaceProjector {
