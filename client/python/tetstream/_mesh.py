@@ -215,7 +215,8 @@ class Arrays:
         if self.faces is None or self.face_labels is None or name not in names:
             known = ", ".join(names) or "none: mesh with faces=True"
             raise invalid(f"no faces are named {name!r}; there are {known}")
-        return self.faces[self.face_labels == names.index(name)]
+        named: NDArray[np.unsignedinteger[Any]] = self.faces[self.face_labels == names.index(name)]
+        return named
 
     def _field(self, field: FieldArray) -> NDArray[np.float32]:
         assert self._field_rows is not None
