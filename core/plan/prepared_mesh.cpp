@@ -87,6 +87,12 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
 
 }  // namespace
 
+absl::StatusOr<PhiField> meshed_field(const Shape& shape, const MeshRequest& request) {
+  const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
+  if (!asked.ok()) return asked.status();
+  return field_of(shape, *asked);
+}
+
 absl::StatusOr<PreparedMesh> prepare_mesh(const Shape& shape,
                                           const MeshRequest& request,
                                           const MeshLimits& limits,

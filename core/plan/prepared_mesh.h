@@ -20,6 +20,10 @@ struct PreparedMesh {
   FoundBricks bricks;
 };
 
+/// The field that a request means. It refers to the shape, which must outlive it. Errors: those
+/// of canonical.
+absl::StatusOr<PhiField> meshed_field(const Shape& shape, const MeshRequest& request);
+
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
 /// kCancelled, kDeadlineExceeded.

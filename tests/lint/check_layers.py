@@ -12,7 +12,8 @@ import sys
 CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
         "core/octree", "core/lattice", "core/stuffing", "core/labels", "core/mesh", "core/graded",
         "core/plan", "core/plan/brick", "core/plan/labelled", "core/plan/whole", "core/plan/joined",
-        "core/plan/make", "core/fidelity", "core/remap", "core/transfer", "core/files", "core/manual"]
+        "core/plan/make", "core/fidelity", "core/remap", "core/second_order", "core/transfer",
+        "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/http", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
