@@ -19,6 +19,9 @@ using Command = std::function<absl::Status(const Cancellation& interruption)>;
 
 /// Each describes a command's options to its `CLI::App` and returns what runs it.
 Command add_mesh_command(CLI::App& app);
+Command add_report_command(CLI::App& app);
+Command add_transfer_command(CLI::App& app);
+Command add_sample_command(CLI::App& app);
 Command add_estimate_command(CLI::App& app);
 Command add_info_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);

@@ -13,9 +13,11 @@
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
 #include "client/command/stopwatch.h"
+#include "client/command/use_shape.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 #include "core/files/mesh_file.h"
+#include "core/files/write_second_order.h"
 
 namespace tet {
 namespace {
@@ -55,6 +57,8 @@ Examples:
       larger ones at the surface, too
   tetstream mesh fire.vdb -o fire.vtu --grid density --field temperature --field v=flow.vdb:vel
       the values of other grids at the vertices, as named arrays; docs/fields.md
+  tetstream mesh bunny.vdb -o bunny.msh --order 2
+      tets of ten nodes whose faces follow the surface; docs/second_order.md
   tetstream mesh bunny.vdb -o bunny.vtu --levels 0 --skip-statistics
       the mesh and no more, when there are many to make
   tetstream mesh bunny.vdb -o bunny.vtu --server localhost:7447 --report bunny.json
@@ -78,8 +82,14 @@ void describe_options(CLI::App& app, MeshArguments& arguments) {
       ->excludes(packed);
   app.add_flag("--skip-cache", options.skip_cache,
                "Have a server make the mesh though it has it as a job's result");
-  auto* const report = app.add_option(
-      "--report", options.report, "JSON file for counts, times, angles, boundary and regions");
+  app.add_option("--order", options.order,
+                 "2 gives each tet ten nodes, those between the surface's on the surface: "
+                 "docs/second_order.md [1]")
+      ->check(CLI::Range(1, 2));
+  auto* const report =
+      app.add_option("--report", options.report,
+                     "JSON file for counts, times, angles, shapes, boundary, regions, "
+                     "and how far the surface is from the true one: docs/report.md");
   app.add_flag("--skip-statistics", arguments.request.request.skip_statistics,
                "Neither measure angles nor count the boundary: the same mesh, sooner")
       ->excludes(report);
@@ -101,7 +111,11 @@ absl::Status check_cache(const MeshOptions& options) {
 
 absl::Status check_output(const MeshOptions& options) {
   const auto output = mesh_output(options.output, options.format);
-  return output.ok() ? check_can_write(*output) : output.status();
+  if (!output.ok()) return output.status();
+  if (options.order > 1) {
+    if (auto status = check_second_order_format(*output); !status.ok()) return status;
+  }
+  return check_can_write(*output);
 }
 
 /// All that can be refused before hours of work.
@@ -121,6 +135,21 @@ absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
                                 : make_mesh_on_server(options, bar, interruption);
 }
 
+/// Does what needs the shape beside the mesh.
+absl::Status use_shape(const MeshOptions& options,
+                       MadeMesh& made,
+                       ProgressBar& bar,
+                       const Cancellation& interruption) {
+  absl::Status status;
+  if (options.order > 1) status = add_middle_nodes(options, made, bar, interruption);
+  if (status.ok() && !options.report.empty()) {
+    status = check_fidelity(options, made, bar, interruption);
+  }
+  made.shape.reset();
+  made.fields.clear();
+  return status;
+}
+
 absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
   const Stopwatch watch;
   absl::StatusOr<MeshOptions> options = understand_input(arguments);
@@ -133,6 +162,8 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     made = make_mesh(*options, bar, interruption);
     if (!made.ok()) return made.status();
     made->cuts_inside = options->request.box || options->request.iso;
+    const absl::Status finished = use_shape(*options, *made, bar, interruption);
+    if (!finished.ok()) return finished;
     const auto output = mesh_output(options->output, options->format);
     if (!output.ok()) return output.status();
     if (auto status = write_made_mesh(*output, *made, bar, interruption); !status.ok())

@@ -29,8 +29,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     bar.update(fraction, 1);
   };
   absl::StatusOr<MeshResult> result = mesh_volume(
-      pool, {.shape = std::move(input->shape), .request = *request, .progress = show},
-      interruption);
+      pool, {.shape = input->shape, .request = *request, .progress = show}, interruption);
   if (!result.ok()) return result.status();
   MadeMesh made{.mesh = std::move(result->mesh),
                 .quality = result->quality,
@@ -41,6 +40,10 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
                 .stages = {{"reading", reading_seconds},
                            {"planning", result->plan_seconds},
                            {"meshing", result->fill_seconds}}};
+  if (!options.report.empty() || options.order > 1) {
+    made.shape = std::move(input->shape);
+    made.fields = request->fields;
+  }
   if (made.improvement) made.stages.push_back({"improving", result->improve_seconds});
   return made;
 }

@@ -10,11 +10,15 @@
 #include "client/command/mesh_options.h"
 #include "client/command/progress_bar.h"
 #include "core/base/cancel.h"
+#include "core/fidelity/fidelity.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/plan/mesh_request.h"
+#include "core/plan/shape.h"
 #include "core/plan/thin_walls.h"
+#include "core/second_order/middle_nodes.h"
 #include "core/vdb/conversion_report.h"
 
 namespace tet {
@@ -32,6 +36,12 @@ struct MadeMesh {
   std::optional<Improvement> improvement;  ///< where the request asked for it
   ThinWalls thin_walls;
   std::optional<ConversionReport> surface = std::nullopt;  ///< of one that was converted first
+  std::optional<MiddleNodes> middles = std::nullopt;       ///< of a mesh of second order
+  std::optional<Shape> shape = std::nullopt;  ///< of a mesh made here, while it is wanted
+  std::vector<VertexField> fields = {};       ///< loaded, beside it
+  /// One, or one a grid of several; empty where nobody measured it, or could, and why.
+  std::vector<Fidelity> fidelity = {};
+  std::string fidelity_missing = {};
   bool cuts_inside = false;   ///< the mesh is not of all that is inside
   std::vector<Stage> stages;  ///< in the order they ran
 };

@@ -26,6 +26,7 @@ struct MeshOptions {
   bool packed = false;      ///< four bytes a tet, and it is unpacked here
   bool skip_cache = false;  ///< also where the server has the mesh as a job's result
   std::string report;       ///< path; empty writes none
+  int order = 1;            ///< of the tets: with 2 they have a node in the middle of each edge
 
   /// The meshes of more than one grid are joined.
   bool has_several_grids() const noexcept { return all_grids || grids.size() > 1; }

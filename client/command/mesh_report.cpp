@@ -11,9 +11,11 @@
 #include <absl/strings/str_replace.h>
 #include <nlohmann/json.hpp>
 
+#include "client/command/shape_json.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/regions.h"
+#include "core/mesh/tet_shapes.h"
 
 namespace tet {
 namespace {
@@ -161,6 +163,13 @@ std::string restored_nodes(const std::optional<BoundaryTopology>& boundary) {
   return absl::StrFormat(", %d %s restored", nodes, nodes == 1 ? "node" : "nodes");
 }
 
+/// Adds what there is; each part of several grids has its own.
+void add_fidelity(const MadeMesh& made, Json& report) {
+  if (!made.fidelity_missing.empty()) report["fidelity_missing"] = made.fidelity_missing;
+  if (made.fidelity.empty() || !made.mesh.header.parts.empty()) return;
+  report["fidelity"] = fidelity_json(made.fidelity.front());
+}
+
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
@@ -223,7 +232,12 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
               {"stages", json_of(made.stages)},
               {"boundary", boundary_json(made, request)},
               {"thin_walls", json_of(made.thin_walls)},
-              {"dihedral_histogram", made.quality.histogram}};
+              {"dihedral_histogram", made.quality.histogram},
+              {"bounds",
+               {{"min", json_of(made.mesh.header.bounds.min)},
+                {"max", json_of(made.mesh.header.bounds.max)}}},
+              {"shapes", shapes_json(measure_shapes(made.mesh))}};
+  add_fidelity(made, report);
   const std::string& guess = made.mesh.header.inside_guess;
   if (!guess.empty()) report["inside_guess"] = guess;
   if (const auto& box = made.mesh.header.box) {
@@ -234,10 +248,14 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
     report["regions"] = {{"inside", region_json(made.mesh, MeshRegion::kInside)},
                          {"outside", region_json(made.mesh, MeshRegion::kOutside)}};
   }
-  for (const MeshPart& part : made.mesh.header.parts) {
-    report["parts"].push_back(json_of(part, made.mesh));
+  for (std::size_t i = 0; i < made.mesh.header.parts.size(); ++i) {
+    report["parts"].push_back(json_of(made.mesh.header.parts[i], made.mesh));
+    if (i < made.fidelity.size()) {
+      report["parts"].back()["fidelity"] = fidelity_json(made.fidelity[i]);
+    }
   }
   if (made.surface) report["surface"] = surface_json(made);
+  if (made.middles) report["second_order"] = second_order_json(made.mesh, *made.middles);
   if (made.improvement) report["improvement"] = json_of(*made.improvement, made.quality);
   // Names come from files and need not be UTF-8; a terminal may be where it goes.
   return report.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";

@@ -34,9 +34,10 @@ std::string volume_warning(const MadeMesh& made);
 /// max_dihedral_deg), and of improved ones
 /// improvement (min_before_deg, max_before_deg, min_after_deg, max_after_deg, moved_vertices,
 /// seconds), and thin_walls (inside_spots, outside_spots, region_count, regions, thickness,
-/// suggested_spacing), and of converted surfaces surface (converted_to, voxel, area, volume of
-/// the surface where it has one, converted_volume, text, warnings, and counts of all that was
-/// found).
+/// suggested_spacing), bounds (min, max), shapes, fidelity and second_order (see shape_json.h;
+/// of several grids each part's, and fidelity_missing where it could not be measured), and of
+/// converted surfaces surface (converted_to, voxel, area, volume of the surface where it has
+/// one, converted_volume, text, warnings, and counts of all that was found).
 ///
 /// Measures what was not counted with the mesh.
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);

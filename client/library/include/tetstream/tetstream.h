@@ -8,5 +8,6 @@
 #include "tetstream/request.h"
 #include "tetstream/status.h"
 #include "tetstream/stream.h"
+#include "tetstream/transfer.h"
 #include "tetstream/version.h"
 #include "tetstream/volume.h"

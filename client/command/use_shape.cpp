@@ -1,0 +1,75 @@
+#include "client/command/use_shape.h"
+
+#include <string>
+#include <utility>
+
+#include "client/command/read_shape.h"
+#include "client/command/stopwatch.h"
+#include "core/base/parallel.h"
+#include "core/second_order/second_order.h"
+
+namespace tet {
+namespace {
+
+/// Reads the input once more where a server made the mesh.
+absl::Status need_shape(const MeshOptions& options,
+                        TaskPool& pool,
+                        ProgressBar& bar,
+                        const Cancellation& interruption,
+                        MadeMesh& made) {
+  if (made.shape) return absl::OkStatus();
+  absl::StatusOr<ReadShape> read = absl::UnknownError("not read");
+  pool.run([&] { read = read_shape(options, bar, interruption); });
+  if (!read.ok()) return read.status();
+  made.shape = std::move(read->shape);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status add_middle_nodes(const MeshOptions& options,
+                              MadeMesh& made,
+                              ProgressBar& bar,
+                              const Cancellation& interruption) {
+  const Stopwatch watch;
+  TaskPool pool(options.threads);
+  if (auto status = need_shape(options, pool, bar, interruption, made); !status.ok()) {
+    return status;
+  }
+  bar.begin("curving");
+  MeshRequest request = options.request;
+  request.fields = made.fields;
+  absl::StatusOr<MiddleNodes> middles = absl::UnknownError("not made");
+  pool.run([&] { middles = make_second_order(made.mesh, *made.shape, request, interruption); });
+  if (!middles.ok()) return middles.status();
+  made.middles = *std::move(middles);
+  made.stages.push_back({"curving", watch.seconds()});
+  return absl::OkStatus();
+}
+
+absl::Status check_fidelity(const MeshOptions& options,
+                            MadeMesh& made,
+                            ProgressBar& bar,
+                            const Cancellation& interruption) {
+  const Stopwatch watch;
+  TaskPool pool(options.threads);
+  const absl::Status read = need_shape(options, pool, bar, interruption, made);
+  absl::StatusOr<std::vector<Fidelity>> measured =
+      read.ok() ? absl::UnknownError("not measured") : read;
+  if (read.ok()) {
+    bar.begin("checking");
+    pool.run([&] {
+      measured = measure_fidelity(made.mesh, *made.shape, options.request, interruption);
+    });
+  }
+  if (auto status = check_cancelled(interruption); !status.ok()) return status;
+  made.stages.push_back({"checking", watch.seconds()});
+  if (measured.ok()) {
+    made.fidelity = *std::move(measured);
+  } else {
+    made.fidelity_missing = std::string(measured.status().message());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace tet

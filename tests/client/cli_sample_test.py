@@ -1,0 +1,66 @@
+"""phi and fields at points by the tetstream command.
+
+    TETSTREAM_BIN=build/dev/bin python3 tests/client/cli_sample_test.py [unittest options]
+"""
+
+import csv
+import json
+import math
+import unittest
+
+from command_case import REFUSED, USAGE, CommandTest
+
+POINTS = [(0.9, 0, 0), (0, -1.05, 0), (0.3, 0.4, 0.9), (0.6, -0.6, 0.5)]
+
+
+class Sample(CommandTest):
+    volumes = {"sphere": 0.05, "fields": 0.1}
+
+    def setUp(self):
+        super().setUp()
+        self.points = self.inputs / "points.txt"
+        self.points.write_text("# points\n" + "\n".join("%g, %g %g  # one" % p for p in POINTS) + "\n\n")
+
+    def sample(self, name, *options):
+        return self.tetstream("sample", self.inputs / name, self.points, "-o",
+                              self.out / "samples.csv", *options)
+
+    def rows(self):
+        with open(self.out / "samples.csv", newline="", encoding="utf-8") as file:
+            return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+    def check_ball(self, tolerance):
+        rows = self.rows()
+        self.assertEqual(len(rows), len(POINTS))
+        for row, (x, y, z) in zip(rows, POINTS):
+            radius = math.hypot(x, y, z)
+            self.assertEqual((row["x"], row["y"], row["z"]), (x, y, z))
+            self.assertAlmostEqual(row["phi"], radius - 1, delta=tolerance)
+            for axis, at in zip("xyz", (x, y, z)):
+                self.assertAlmostEqual(row[f"phi_{axis}"], at / radius, delta=40 * tolerance)
+
+    def test_tells_phi_and_its_slope_of_a_grid(self):
+        self.assert_done(self.sample("sphere.vdb"))
+        self.check_ball(2e-3)
+
+    def test_tells_them_of_a_scene(self):
+        (self.inputs / "ball.json").write_text(json.dumps(
+            {"nodes": [{"name": "ball", "sphere": {"radius": 1}}]}))
+        self.assert_done(self.sample("ball.json"))
+        self.check_ball(1e-7)
+
+    def test_tells_fields(self):
+        self.assert_done(self.sample("fields.vdb", "--grid", "sphere", "--field", "T=heat"))
+        for row in self.rows():
+            self.assertTrue(math.isfinite(row["T"]))
+
+    def test_refuses_what_is_no_point(self):
+        self.points.write_text("1 2 3\n1 2\n")
+        self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 2", "three")
+        self.points.write_text("1 2 nan\n")
+        self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 1")
+        self.assert_fails(self.sample("sphere.vdb", "--inside", "out"), USAGE, "--inside")
+
+
+if __name__ == "__main__":
+    unittest.main()
