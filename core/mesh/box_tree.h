@@ -85,13 +85,12 @@ void BoxTree::visit_touching(const WorldBox& box, const Visit& visit) const {
     const Node& node = levels_[at.level][at.node];
     // Without branches, so that compilers make vector instructions of it.
     std::array<int, kWidth> touches;
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      int all = 1;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        all &= static_cast<int>(node.min[axis][i] <= high[axis]);
-        all &= static_cast<int>(node.max[axis][i] >= low[axis]);
+    touches.fill(1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i < kWidth; ++i) {
+        touches[i] &= static_cast<int>(node.min[axis][i] <= high[axis]) &
+                      static_cast<int>(node.max[axis][i] >= low[axis]);
       }
-      touches[i] = all;
     }
     for (std::size_t i = 0; i < kWidth; ++i) {
       if (touches[i] == 0) continue;

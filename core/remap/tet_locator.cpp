@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/base/parallel.h"
@@ -20,6 +21,21 @@ BoxTree tree_over(const DataMesh& mesh) {
       boxes.size(), [&](std::size_t i) { boxes[i] = box_around(mesh.places(i)); },
       kTetsPerRange);
   return BoxTree(boxes);
+}
+
+/// The square of the distance from a tet to a point outside: to the nearest of the faces that
+/// have the point on their outer side, and of a flat tet to any.
+double squared_distance_outside(const std::array<WorldPoint, 4>& t,
+                                const WorldPoint& p) noexcept {
+  const CornerShares shares = shares_of(t, p);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    if (shares[corner] >= 0) continue;
+    const std::array<WorldPoint, 3> face{t[(corner + 1) % 4], t[(corner + 2) % 4],
+                                         t[(corner + 3) % 4]};
+    least = std::min(least, squared_distance(p, face));
+  }
+  return least;
 }
 
 }  // namespace
@@ -46,17 +62,19 @@ TetLocator::Place TetLocator::find(const WorldPoint& p, std::uint32_t hint) cons
     found = lies_in(tet);
     return !found;
   });
-  return found ? place : nearest(p);
+  return found ? place : nearest(p, hint);
 }
 
-TetLocator::Place TetLocator::nearest(const WorldPoint& p) const {
-  const BoxTree::Nearest near = tree_.nearest(p, [&](std::uint32_t tet) {
-    const auto [a, b, c, d] = mesh_.places(tet);
-    return std::min(std::min(squared_distance(p, {a, b, c}), squared_distance(p, {a, b, d})),
-                    std::min(squared_distance(p, {a, c, d}), squared_distance(p, {b, c, d})));
-  });
-  return {near.box, shares_of(mesh_.places(near.box), p), true,
-          std::sqrt(near.squared_distance)};
+/// Nothing farther than the hint is looked at.
+TetLocator::Place TetLocator::nearest(const WorldPoint& p, std::uint32_t hint) const {
+  const double to_hint = squared_distance_outside(mesh_.places(hint), p);
+  const BoxTree::Nearest near = tree_.nearest(
+      p, [&](std::uint32_t tet) { return squared_distance_outside(mesh_.places(tet), p); },
+      to_hint);
+  const bool is_nearer = near.squared_distance < to_hint;
+  const std::uint32_t tet = is_nearer ? near.box : hint;
+  return {tet, shares_of(mesh_.places(tet), p), true,
+          std::sqrt(is_nearer ? near.squared_distance : to_hint)};
 }
 
 }  // namespace tet

@@ -38,7 +38,7 @@ class TetLocator {
   const DataMesh& mesh() const noexcept { return mesh_; }
 
  private:
-  Place nearest(const WorldPoint& p) const;
+  Place nearest(const WorldPoint& p, std::uint32_t hint) const;
 
   const DataMesh& mesh_;
   BoxTree tree_;
