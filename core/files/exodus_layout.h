@@ -30,12 +30,12 @@ struct ExodusLayout {
   NetcdfHeader::Variable element_numbers = 0;
   NetcdfVariables coordinates;
   NetcdfHeader::Variable coordinate_names = 0;
-  // Of faces, if there are any.
+  // These are laid out where there are faces.
   NetcdfHeader::Variable side_status = 0, side_ids = 0, side_names = 0;
   NetcdfVariables side_elements, sides;
   NetcdfHeader::Variable node_status = 0, node_ids = 0, node_names = 0;
   NetcdfVariables nodes;
-  // Of fields, if there are any.
+  // These are laid out where there are fields, but for the times.
   NetcdfHeader::Variable variable_names = 0;
   NetcdfVariables values;
   NetcdfHeader::Variable times = 0;

@@ -19,7 +19,7 @@ class InnerFaceNumbers {
     }
   }
 
-  /// Of the face between two tets.
+  /// Returns the number of the face between two tets.
   std::uint64_t number(std::uint64_t low, std::uint64_t high) const noexcept {
     std::uint64_t number = first_[low];
     for (std::size_t k = 0; k < 4; ++k) {

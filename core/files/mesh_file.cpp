@@ -11,8 +11,10 @@
 #include "core/files/write_boundary.h"
 #include "core/files/write_exodus.h"
 #include "core/files/write_inp.h"
+#include "core/files/write_mfem.h"
 #include "core/files/write_msh.h"
 #include "core/files/write_polymesh.h"
+#include "core/files/write_usd.h"
 #include "core/files/write_vtkhdf.h"
 #include "core/files/write_vtu.h"
 #include "core/files/write_xdmf.h"
@@ -43,6 +45,10 @@ FileWriter writer_of(MeshFormat format) {
       return write_obj;
     case MeshFormat::kExodus:
       return write_exodus;
+    case MeshFormat::kMfem:
+      return write_mfem;
+    case MeshFormat::kUsd:
+      return write_usd;
     case MeshFormat::kXdmf:
     case MeshFormat::kPolyMesh:
       return nullptr;
@@ -53,6 +59,12 @@ FileWriter writer_of(MeshFormat format) {
 /// The .h5 beside an .xdmf. Errors: kInvalidArgument (the path is that itself).
 absl::StatusOr<std::string> columns_path(const std::string& path) {
   const std::string columns = fs::path(path).replace_extension(".h5").string();
+  if (fs::path(columns).filename().string().find(':') != std::string::npos) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the output ", path,
+                     " has a colon in its name, behind which readers of .xdmf expect a "
+                     "dataset: name it otherwise"));
+  }
   if (columns != path) return columns;
   return absl::InvalidArgumentError(absl::StrCat(
       "the output ", path,
@@ -96,7 +108,8 @@ absl::Status write_one_file(FileWriter write,
 
 // ---- Names that change ----
 
-/// Of regions, parts and faces, and of fields; unset where a format takes any.
+/// What a format takes as names of regions, parts and faces, and of fields; unset where it
+/// takes any.
 struct FormatNames {
   std::optional<NameRule> groups = {}, fields = {};
 };
@@ -109,6 +122,8 @@ FormatNames names_in(MeshFormat format) {
       return {.groups = kExodusNames, .fields = kExodusNames};
     case MeshFormat::kPolyMesh:
       return {.groups = kFoamNames};
+    case MeshFormat::kUsd:
+      return {.groups = kUsdNames, .fields = kUsdNames};
     case MeshFormat::kPly:
       return {.fields = kPlyNames};
     case MeshFormat::kObj:

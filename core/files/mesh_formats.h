@@ -20,6 +20,8 @@ enum class MeshFormat : std::uint8_t {
   kXdmf,
   kExodus,
   kPolyMesh,
+  kMfem,
+  kUsd,
   kStl,
   kPly,
   kObj,

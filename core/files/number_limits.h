@@ -17,7 +17,8 @@ inline constexpr std::uint64_t kMostInt32 = std::numeric_limits<std::int32_t>::m
 /// no numbers for those of the mesh; says what to write instead.
 absl::Status check_numbers(const MeshHeader& header, std::uint64_t most, std::string_view what);
 
-/// The same of any count: `things` says of what, and `what` in which format.
+/// Errors: kFailedPrecondition where a format takes fewer than the `count` things of the mesh;
+/// `things` says of what, and `what` which format.
 absl::Status check_count(std::uint64_t count,
                          std::uint64_t most,
                          std::string_view things,

@@ -1,5 +1,5 @@
 // A set of numbers that says how many of its own lie below any: new numbers for what is kept of
-// a column, in three bits each.
+// a column, in two bits each.
 #pragma once
 
 #include <bit>

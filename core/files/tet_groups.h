@@ -15,7 +15,7 @@ namespace tet {
 struct TetGroup {
   std::int32_t tag = 1;  ///< the tets' label: their region or part
   std::string name = {};
-  /// Of its tets; they are all that follow each other if unset.
+  /// The region that its tets have; if unset they are all that follow each other.
   std::optional<MeshRegion> region = {};
   std::uint64_t first_tet = 0, tets = 0;
 };

@@ -30,7 +30,7 @@ inline char* put_coordinate(char* place, double value, CoordinateType type) noex
              : std::to_chars(place, place + kRoom, value).ptr;
 }
 
-/// The same in at most 20 characters: the last digits go where they must.
+/// Takes at most 20 characters: the last digits go where they must.
 inline char* put_short_coordinate(char* place, double value, CoordinateType type) noexcept {
   constexpr std::ptrdiff_t kMost = 20;
   char* end = put_coordinate(place, value, type);

@@ -117,7 +117,7 @@ class PolyMeshWriter {
     writer.text(")\n");
   }
 
-  /// Of all labels of cells OpenFOAM wants to know the counts.
+  /// OpenFOAM reads how many of everything there are before it reads the labels.
   std::string counts_note() const {
     return absl::StrCat("    note        \"nPoints:", mesh_.header.vertex_count,
                         "  nCells:", mesh_.header.tet_count, "  nFaces:", faces_.count(),

@@ -27,10 +27,22 @@ SAMPLES = {
 PART_NAMES = ['femur "left"', "a/b <c> & d"]
 
 
+# The labels of regions and parts, by their names as plain() has them.
+LABELS = {"inside": 1, "outside": 2, "femur__left_": 1, "a_b__c____d": 2}
+
+
 def plain(name):
     """As formats have a name that take letters, digits and underscores."""
     name = re.sub(r"\W", "_", name, flags=re.ASCII)
     return name if name[:1].isalpha() else "n" + name
+
+
+class Read:
+    """What a reader found. Nothing of what a format has no place for."""
+
+    def __init__(self, points, tets=None, labels=None, faces=None, fields=None):
+        self.points, self.tets, self.labels = points, tets, labels
+        self.faces, self.fields = faces or {}, fields or {}
 
 
 def volumes(points, tets):

@@ -134,6 +134,8 @@ class Completions(ManualTest):
     def test_bash_completes_a_value(self):
         self.assertEqual(self.bash("tetstream mesh --preset b"), ["both-sides"])
         self.assertEqual(self.bash("tetstream mesh --preset = b"), ["both-sides"])
+        self.assertEqual(self.bash("tetstream mesh --format in"), ["inp"])
+        self.assertEqual(self.bash("tetstream job fetch --format pol"), ["polymesh"])
         (self.folder / "scan.vdb").touch()
         self.assertEqual(self.bash("tetstream mesh sc"), ["scan.vdb"])
         self.assertEqual(self.bash("tetstream mesh --sizing-grid sc"), ["scan.vdb"])
