@@ -1,5 +1,6 @@
 #include "server/server.h"
 
+#include <atomic>
 #include <map>
 #include <set>
 #include <string>
@@ -134,7 +135,8 @@ struct Server::Parts {
   UnreadMessages unread;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsPort> metrics;
-  std::unique_ptr<HttpPort> http;         ///< its calls are the server's
+  std::unique_ptr<HttpPort> http;                   ///< its calls are the server's
+  std::atomic<const HttpPort*> open_port{nullptr};  ///< it, once it is open: for its own thread
   std::unique_ptr<Heartbeat> job_health;  ///< tells whoever asks after the service `jobs`
   int port = 0;
   bool stopped = false;
@@ -220,8 +222,10 @@ absl::Status Server::Parts::open_http() {
   if (config.http_listen.empty()) return absl::OkStatus();
   auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
                                         [this] { return !admission.is_draining(); }});
-  if (opened.ok()) http = *std::move(opened);
-  return opened.status();
+  if (!opened.ok()) return opened.status();
+  http = *std::move(opened);
+  open_port = http.get();
+  return absl::OkStatus();
 }
 
 void Server::Parts::tell_health_of_jobs() {
@@ -240,8 +244,8 @@ std::string Server::Parts::metrics_text() const {
       for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
     }
     for (Reading& reading : unread.readings()) readings.push_back(std::move(reading));
-    if (http != nullptr) {
-      for (Reading& reading : http->readings()) readings.push_back(std::move(reading));
+    if (const HttpPort* const port_now = open_port.load()) {
+      for (Reading& reading : port_now->readings()) readings.push_back(std::move(reading));
     }
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
@@ -316,6 +320,7 @@ void Server::stop(std::chrono::seconds drain) {
     parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kGoodbye);
   }
   parts_->metrics.reset();  // which reads the port that goes
+  parts_->open_port = nullptr;
   parts_->http.reset();
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
