@@ -175,7 +175,7 @@ absl::Status write_mesh_file(const MeshOutput& output,
                              const WriteControl& control) {
   if (!mesh.header.labels.empty() && !takes_labels(output.format)) {
     return absl::FailedPreconditionError(
-        absl::StrCat("a ", row_of(output.format).ending, " cannot hold a mesh of ",
+        absl::StrCat("a ", std::string(row_of(output.format).ending), " cannot hold a mesh of ",
                      mesh.header.labels.size(), " labels yet: write a .vtu or .vtkhdf"));
   }
   if (output.format == MeshFormat::kXdmf) return write_two_files(output.path, mesh, control);

@@ -97,7 +97,7 @@ absl::Status byte_error(const PlyBody& body, std::string_view why) {
 }
 
 /// Before memory is taken: can the rest of the file hold that many elements?
-absl::Status check_count(const PlyBody& body, const PlyElement& element) {
+absl::Status check_element(const PlyBody& body, const PlyElement& element) {
   std::size_t smallest = 0;
   for (const PlyProperty& property : element.properties) {
     smallest += body.smallest(property.count_type.value_or(property.type));
@@ -273,7 +273,7 @@ absl::Status read_strips(PlyBody& body, const PlyElement& element, TriangleSurfa
 }
 
 absl::Status read_element(PlyBody& body, const PlyElement& element, PlyParts& parts) {
-  if (absl::Status s = check_count(body, element); !s.ok()) return s;
+  if (absl::Status s = check_element(body, element); !s.ok()) return s;
   if (element.name == "vertex") return read_vertices(body, element, parts.surface);
   if (element.name == "face") return read_faces(body, element, parts);
   if (element.name == "tristrips") return read_strips(body, element, parts.surface);

@@ -97,7 +97,7 @@ bool is_text(std::string_view bytes) {
 /// A count that is too large is of a file that was cut off; one that is too small would leave
 /// triangles out. Bytes behind the last triangle are nobody's, if they are no triangle or all
 /// 0.
-absl::Status check_count(std::string_view bytes) {
+absl::Status check_triangles(std::string_view bytes) {
   const std::uint64_t count = claimed_triangles(bytes), held = held_triangles(bytes);
   if (count > held) {
     return absl::InvalidArgumentError(absl::StrFormat(
@@ -115,7 +115,7 @@ absl::Status check_count(std::string_view bytes) {
 }
 
 absl::StatusOr<TriangleSurface> read_binary(std::string_view bytes) {
-  if (absl::Status s = check_count(bytes); !s.ok()) return s;
+  if (absl::Status s = check_triangles(bytes); !s.ok()) return s;
   const std::uint64_t count = claimed_triangles(bytes);
   TriangleSurface surface;
   surface.triangles.reserve(count);

@@ -65,10 +65,10 @@ std::optional<Layout> lay_out(const std::string& path,
     layout.regions = outline.column("CellData/region", H5T_STD_U8LE, {mesh.tet_count});
   }
   if (!mesh.labels.empty()) {
-    skeleton.group("CellData");
+    outline.group("CellData");
     const bool narrow = label_value_bytes(mesh) == sizeof(std::int32_t);
-    layout.labels = skeleton.column("CellData/label", narrow ? H5T_STD_I32LE : H5T_STD_I64LE,
-                                    {mesh.tet_count});
+    layout.labels = outline.column("CellData/label", narrow ? H5T_STD_I32LE : H5T_STD_I64LE,
+                                   {mesh.tet_count});
   }
   if (!mesh.parts.empty()) {
     outline.group("CellData");
