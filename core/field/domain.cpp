@@ -58,10 +58,26 @@ VoxelBox stored_box(const Volume& volume) {
   return stored.box();
 }
 
+absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& box) {
+  const bool ordered = box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
+  if (!ordered) {  // not-a-numbers end here too
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "box (%g, %g, %g) to (%g, %g, %g) is empty: its first corner must be the lower one",
+        box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
+  }
+  const auto [min, max] = to_voxel_span(field.lattice_transform(), box);
+  return LatticeBox{{min.x, min.y, min.z}, {max.x, max.y, max.z}};
+}
+
 absl::StatusOr<LatticeBox> all_that_is_stored(const PhiField& field) {
   const VoxelBox box = stored_box(*field.volume);
   if (box.empty()) {
     return absl::FailedPreconditionError("the grid stores nothing, so it has no bounding box");
+  }
+  if (field.scene != nullptr) {
+    return lattice_box(field, field.volume->transform.to_world_box(
+                                  {1.0 * box.min.x, 1.0 * box.min.y, 1.0 * box.min.z},
+                                  {1.0 * box.max.x, 1.0 * box.max.y, 1.0 * box.max.z}));
   }
   const double spacing = field.spacing_voxels;
   return LatticeBox{{box.min.x / spacing, box.min.y / spacing, box.min.z / spacing},
@@ -83,30 +99,13 @@ absl::StatusOr<LatticeBox> all_that_is_reached(const PhiField& field) {
       {max.x / spacing + kAround, max.y / spacing + kAround, max.z / spacing + kAround}};
 }
 
-absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& box) {
-  const bool ordered = box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
-  if (!ordered) {  // not-a-numbers end here too
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "box (%g, %g, %g) to (%g, %g, %g) is empty: its first corner must be the lower one",
-        box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
-  }
-  const auto [min, max] = to_voxel_span(field.lattice_transform(), box);
-  return LatticeBox{{min.x, min.y, min.z}, {max.x, max.y, max.z}};
-}
-
 /// Rotations leave rounding errors; a face this near a brick's face is meant to lie on it.
 constexpr double kOnTheFace = 1e-6;
 constexpr double kMostUnits = 512;
 
-}  // namespace
-
-absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
-                                     const std::optional<WorldBox>& box) {
-  const absl::StatusOr<LatticeBox> asked = box                      ? lattice_box(field, *box)
-                                           : field.scene != nullptr ? all_that_is_reached(field)
-                                                                    : all_that_is_stored(field);
+absl::StatusOr<BrickBox> whole_bricks(const absl::StatusOr<LatticeBox>& asked,
+                                      const char* what) {
   if (!asked.ok()) return asked.status();
-  const char* what = box || field.scene == nullptr ? "box" : "scene";
   double longest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double reach = std::max(std::abs(asked->min[axis]), std::abs(asked->max[axis]));
@@ -128,6 +127,18 @@ absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
     max[axis] = static_cast<std::int32_t>(high) * (unit / kBrickEdge) - 1;
   }
   return BrickBox{{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
+}
+
+}  // namespace
+
+absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
+                                     const std::optional<WorldBox>& box) {
+  if (!box && field.volume == nullptr) return reached_bricks(field);
+  return whole_bricks(box ? lattice_box(field, *box) : all_that_is_stored(field), "box");
+}
+
+absl::StatusOr<BrickBox> reached_bricks(const PhiField& field) {
+  return whole_bricks(all_that_is_reached(field), "scene");
 }
 
 }  // namespace tet

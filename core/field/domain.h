@@ -19,4 +19,7 @@ namespace tet {
 /// kFailedPrecondition (no box, and nothing is stored, or no end).
 absl::StatusOr<BrickBox> mesh_domain(const PhiField& field, const std::optional<WorldBox>& box);
 
+/// All that is inside of a scene, or of what it stands for. Errors as above.
+absl::StatusOr<BrickBox> reached_bricks(const PhiField& field);
+
 }  // namespace tet

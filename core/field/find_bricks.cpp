@@ -306,7 +306,7 @@ absl::Status check_surface_bricks(double bricks, std::size_t most) {
 }
 
 absl::Status check_inside_ends(const PhiField& field) {
-  if (field.scene != nullptr) return check_ends(*field.scene);
+  if (field.volume == nullptr) return check_ends(*field.scene);
   if (!(field.phi(field.volume->background) < 0)) return absl::OkStatus();
   const Volume& volume = *field.volume;
   const InsideSide inside = inside_side(volume, field.inside);

@@ -228,7 +228,7 @@ absl::StatusOr<FoundBricks> find_scene_bricks(const PhiField& field,
                                               std::size_t most_bricks,
                                               const Cancellation& cancellation) {
   const absl::StatusOr<BrickBox> reached =
-      domain ? with_upper_faces(*domain) : mesh_domain(field, std::nullopt);
+      domain ? with_upper_faces(*domain) : reached_bricks(field);
   if (!reached.ok()) return reached.status();
   FoundBricks found;
   CubeLevel level = covering(*reached);

@@ -20,13 +20,14 @@ struct Scene;
 class SceneEvaluator;
 
 /// A volume seen at an iso value and a lattice spacing: phi = sign * (value - iso). Or a scene,
-/// whose phi is its own, and whose voxels are world units.
+/// whose phi is its own, and whose voxels are world units. A volume whose voxels are no cubes
+/// has a scene beside it, which stands for it: core/scene/grid_scene.h.
 ///
 /// Lattice corner (i, j, k) lies at voxel `spacing_voxels` * (i, j, k); with spacing 1 corners
 /// sit on voxel centres and their samples are the stored values.
 struct PhiField {
   const Volume* volume = nullptr;
-  const Scene* scene = nullptr;  ///< instead of a volume
+  const Scene* scene = nullptr;  ///< instead of a volume, or of its voxels
   float iso = 0;
   std::optional<InsideSide> inside = {};  ///< of a volume; its own unless given
   double spacing_voxels = 1;

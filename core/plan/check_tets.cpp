@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/scene/scene.h"
 #include "core/volume/inside.h"
 
 namespace tet {
@@ -11,7 +12,7 @@ namespace {
 
 /// Tells which iso values a grid has a surface at; a scene has no others.
 std::string values_of(const PhiField& field) {
-  if (field.scene != nullptr) return "";
+  if (field.volume == nullptr) return "";
   const auto [min, max] = value_range(*field.volume);
   const InsideSide side = inside_side(*field.volume, field.inside);
   return absl::StrFormat(
@@ -46,6 +47,14 @@ absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin
 }
 
 }  // namespace
+
+absl::Status check_anything_inside(const PhiField& field, double iso) {
+  if (field.volume == nullptr || field.scene == nullptr) return absl::OkStatus();
+  const auto& [min, max] = field.scene->extent;
+  if (min.x <= max.x) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "nothing is inside at iso %g, so there is nothing to mesh%s", iso, values_of(field)));
+}
 
 absl::Status check_not_empty(const MeshHeader& header,
                              const PreparedMesh& prepared,

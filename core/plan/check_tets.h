@@ -10,6 +10,10 @@
 
 namespace tet {
 
+/// OK or kFailedPrecondition: nothing of a grid that a scene stands for is inside. The message
+/// has the range of its values.
+absl::Status check_anything_inside(const PhiField& field, double iso);
+
 /// OK or kFailedPrecondition: there is nothing to mesh. The message says why, as far as the
 /// walls that were found too thin tell it.
 absl::Status check_not_empty(const MeshHeader& header,

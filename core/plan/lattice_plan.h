@@ -2,6 +2,7 @@
 // have values of fields.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/field/phi_field.h"
@@ -14,9 +15,10 @@ namespace tet {
 
 /// What a mesh on one lattice was made from, and where the lattice lies.
 struct MeshSource {
-  PhiField field;  ///< refers to the plan's shape
+  PhiField field;  ///< refers to the plan's shape, or to `stand_in`
   LatticeToWorld to_world;
   std::vector<VertexField> fields = {};
+  std::shared_ptr<const Scene> stand_in = nullptr;  ///< kept for the field: PreparedMesh
 };
 
 /// Whether a mesh's chunks are measured as they come from its lattice: a mesh that is to be

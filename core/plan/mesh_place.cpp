@@ -90,7 +90,7 @@ absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               double beyond,
                                               const MeshRequest& request,
                                               MeshHeader& header) {
-  header.inside_guess = field.scene != nullptr
+  header.inside_guess = field.volume == nullptr
                             ? field.scene->inside_guess
                             : describe_guess(*field.volume, request.inside, field.iso);
   return place_lattice(field.lattice_transform(), corners, beyond, request, header);

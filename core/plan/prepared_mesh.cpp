@@ -10,11 +10,23 @@
 #include "core/field/domain.h"
 #include "core/field/find_scene_bricks.h"
 #include "core/plan/budget.h"
+#include "core/plan/check_tets.h"
+#include "core/scene/grid_scene.h"
+#include "core/volume/check_transform.h"
 
 namespace tet {
 namespace {
 
-PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
+/// A scene in the place of a grid whose voxels are no cubes: its lattice lies in the world, and
+/// every angle of a mesh is what it is of any.
+std::shared_ptr<const Scene> stand_in_for(const Shape& shape, const CanonicalRequest& request) {
+  const auto* volume = std::get_if<std::shared_ptr<const Volume>>(&shape);
+  if (volume == nullptr || has_cubic_voxels((*volume)->transform)) return nullptr;
+  return std::make_shared<const Scene>(
+      scene_of_grid(*volume, static_cast<float>(request.iso), request.inside));
+}
+
+PhiField field_of(const Shape& shape, const CanonicalRequest& request, const Scene* stand_in) {
   PhiField field;
   field.scene = scene_of(shape);
   field.spacing_voxels = request.spacing;
@@ -23,6 +35,10 @@ PhiField field_of(const Shape& shape, const CanonicalRequest& request) {
   field.volume = &volume;
   field.iso = static_cast<float>(request.iso);
   field.inside = request.inside;
+  if (stand_in != nullptr) {
+    field.scene = stand_in;
+    return field;
+  }
   const double ratio = request.spacing / volume.transform.voxel_size;
   // A spacing typed with a few digits means the voxels themselves.
   constexpr double kSameSpacing = 1e-6;
@@ -99,14 +115,16 @@ absl::StatusOr<PreparedMesh> prepare_mesh(const Shape& shape,
                                           const Cancellation& cancellation) {
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();
-  const PhiField field = field_of(shape, *asked);
+  std::shared_ptr<const Scene> stand_in = stand_in_for(shape, *asked);
+  const PhiField field = field_of(shape, *asked, stand_in.get());
   if (auto status = check_spacing(field); !status.ok()) return status;
+  if (auto status = check_anything_inside(field, asked->iso); !status.ok()) return status;
   const absl::StatusOr<MeshedSpace> space = space_of(field, request, limits);
   if (!space.ok()) return space.status();
   absl::StatusOr<FoundBricks> bricks =
       bricks_of(field, *space, asked->levels, limits, cancellation);
   if (!bricks.ok()) return bricks.status();
-  return PreparedMesh{*asked, field, *space, *std::move(bricks)};
+  return PreparedMesh{*asked, std::move(stand_in), field, *space, *std::move(bricks)};
 }
 
 }  // namespace tet

@@ -1,6 +1,8 @@
 // What is looked at for a mesh: its field, its space, and the bricks of its surface.
 #pragma once
 
+#include <memory>
+
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
@@ -15,6 +17,8 @@ namespace tet {
 /// Refers to the shape, which must outlive it.
 struct PreparedMesh {
   CanonicalRequest asked;
+  /// What stands for a grid whose voxels are no cubes; the field refers to it. Null for others.
+  std::shared_ptr<const Scene> stand_in;
   PhiField field;
   MeshedSpace space;
   FoundBricks bricks;

@@ -2,7 +2,7 @@
 
 #include <absl/strings/str_format.h>
 
-#include "core/vdb/byte_source.h"
+#include "core/base/posix/byte_source.h"
 #include "core/vdb/walk_vdb.h"
 
 namespace tet {

@@ -48,8 +48,13 @@ void copy_leaves(const TreeT& tree, Component component, Volume& volume) {
       leaves.size(),
       [&](std::size_t i) {
         volume.bricks[i] = to_brick(leaves[i]->origin());
-        const auto* from = leaves[i]->buffer().data();
-        std::transform(from, from + kBrickCells, &volume.values[i * kBrickCells], component);
+        float* const to = &volume.values[i * kBrickCells];
+        if constexpr (std::is_same_v<typename TreeT::ValueType, bool>) {
+          for (openvdb::Index v = 0; v < kBrickCells; ++v) to[v] = leaves[i]->getValue(v);
+        } else {
+          const auto* from = leaves[i]->buffer().data();
+          std::transform(from, from + kBrickCells, to, component);
+        }
       },
       64);
 }
@@ -61,7 +66,9 @@ void for_each_tile(const NodeT& node,
                    float background,
                    const Visit& visit) {
   for (auto tile = node.cbeginValueAll(); tile; ++tile) {
-    const float value = component(*tile);
+    // A mask's tiles are in it where they are active, as its voxels are.
+    constexpr bool kMask = std::is_same_v<typename NodeT::BuildType, openvdb::ValueMask>;
+    const float value = kMask ? static_cast<float>(tile.isValueOn()) : component(*tile);
     if (value != background) visit(tile.getCoord(), value);
   }
 }
@@ -146,14 +153,40 @@ absl::StatusOr<Volume> copy_component(const openvdb::GridBase& grid, std::uint32
 
 absl::Status wrong_type(const openvdb::GridBase& grid) {
   return absl::FailedPreconditionError(
-      absl::StrFormat("its values are %s, and only float and double grids can be meshed: write "
-                      "a level set or a "
-                      "density",
+      absl::StrFormat("its values are %s, and only float, double, int32, int64, bool and mask "
+                      "grids can be meshed: write a level set or a density",
                       grid.valueType()));
 }
 
+/// Calls `visit` with a grid of numbers as what it is; `otherwise()` where it is none.
+template <class Visit, class Otherwise>
+auto visit_scalar(const openvdb::GridBase& grid,
+                  const Visit& visit,
+                  const Otherwise& otherwise) {
+  if (grid.isType<openvdb::FloatGrid>()) {
+    return visit(static_cast<const openvdb::FloatGrid&>(grid));
+  }
+  if (grid.isType<openvdb::DoubleGrid>()) {
+    return visit(static_cast<const openvdb::DoubleGrid&>(grid));
+  }
+  if (grid.isType<openvdb::Int32Grid>()) {
+    return visit(static_cast<const openvdb::Int32Grid&>(grid));
+  }
+  if (grid.isType<openvdb::Int64Grid>()) {
+    return visit(static_cast<const openvdb::Int64Grid&>(grid));
+  }
+  if (grid.isType<openvdb::BoolGrid>()) {
+    return visit(static_cast<const openvdb::BoolGrid&>(grid));
+  }
+  if (grid.isType<openvdb::MaskGrid>()) {
+    return visit(static_cast<const openvdb::MaskGrid&>(grid));
+  }
+  return otherwise();
+}
+
 bool is_scalar(const openvdb::GridBase& grid) {
-  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
+  return visit_scalar(
+      grid, [](const auto&) { return true; }, [] { return false; });
 }
 
 bool is_vector(const openvdb::GridBase& grid) {
@@ -168,19 +201,16 @@ absl::Status check_meshable(const openvdb::GridBase& grid) {
 }
 
 absl::StatusOr<Volume> copy_grid(const openvdb::GridBase& grid) {
-  if (grid.isType<openvdb::FloatGrid>()) {
-    return copy_scalar_grid(static_cast<const openvdb::FloatGrid&>(grid));
-  }
-  if (grid.isType<openvdb::DoubleGrid>()) {
-    return copy_scalar_grid(static_cast<const openvdb::DoubleGrid&>(grid));
-  }
-  return wrong_type(grid);
+  return visit_scalar(
+      grid, [](const auto& known) { return copy_scalar_grid(known); },
+      [&]() -> absl::StatusOr<Volume> { return wrong_type(grid); });
 }
 
 absl::Status check_field(const openvdb::GridBase& grid) {
   if (is_scalar(grid) || is_vector(grid)) return voxel_transform(grid.transform()).status();
   return absl::FailedPreconditionError(absl::StrFormat(
-      "its values are %s, and a field has float, double, vec3s or vec3d", grid.valueType()));
+      "its values are %s, and a field has float, double, int32, int64, bool, vec3s or vec3d",
+      grid.valueType()));
 }
 
 std::uint32_t field_components(const openvdb::GridBase& grid) {
@@ -189,19 +219,22 @@ std::uint32_t field_components(const openvdb::GridBase& grid) {
 }
 
 absl::StatusOr<Volume> copy_field(const openvdb::GridBase& grid, std::uint32_t component) {
-  if (grid.isType<openvdb::FloatGrid>()) {
-    return copy_component<openvdb::FloatGrid>(grid, component);
-  }
-  if (grid.isType<openvdb::DoubleGrid>()) {
-    return copy_component<openvdb::DoubleGrid>(grid, component);
-  }
   if (grid.isType<openvdb::Vec3SGrid>()) {
     return copy_component<openvdb::Vec3SGrid>(grid, component);
   }
   if (grid.isType<openvdb::Vec3DGrid>()) {
     return copy_component<openvdb::Vec3DGrid>(grid, component);
   }
-  return check_field(grid);
+  return visit_scalar(
+      grid,
+      [&](const auto& known) {
+        return copy_component<std::remove_cvref_t<decltype(known)>>(grid, component);
+      },
+      [&]() -> absl::StatusOr<Volume> { return check_field(grid); });
+}
+
+bool has_real_values(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
 }
 
 }  // namespace tet

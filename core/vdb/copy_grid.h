@@ -15,13 +15,16 @@ namespace tet {
 /// Errors: kFailedPrecondition (says why and what to do).
 absl::Status check_meshable(const openvdb::GridBase& grid);
 
-/// Copies a float or double grid, leaf by leaf in parallel.
+/// Copies a grid of numbers, leaf by leaf in parallel; of bools and masks 1 and 0.
 ///
 /// Level sets and fog volumes say which they are. Any other grid class is taken for a fog
 /// volume when neither its background nor any of its values is negative, and for a level set
 /// otherwise. Errors: those of `check_meshable` and `index_volume`, and kFailedPrecondition for
 /// an empty grid.
 absl::StatusOr<Volume> copy_grid(const openvdb::GridBase& grid);
+
+/// Whether its numbers are float or double.
+bool has_real_values(const openvdb::GridBase& grid);
 
 /// Ok when the values of a grid of this type and transform can be looked up.
 /// Errors: kFailedPrecondition (says why and what to do).

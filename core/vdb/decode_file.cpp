@@ -4,6 +4,7 @@
 
 #include "core/base/failure_name.h"
 #include "core/volume/flat_grid_list.h"
+#include "core/volume/flat_label_volume.h"
 #include "core/volume/flat_volume.h"
 
 namespace tet {
@@ -28,6 +29,14 @@ absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
     return bad_result(request, absl::InvalidArgumentError("it is not what was asked for"));
   }
   return volume;
+}
+
+absl::StatusOr<LabelVolume> labels_of(const absl::StatusOr<SealedBlock>& block,
+                                      const FileRequest& request) {
+  if (!block.ok()) return block.status();
+  absl::StatusOr<LabelVolume> labels = read_flat_labels(block->bytes(), request.max_bytes);
+  if (!labels.ok()) return bad_result(request, labels.status());
+  return labels;
 }
 
 absl::StatusOr<std::vector<GridInfo>> grid_list_of(const absl::StatusOr<SealedBlock>& block,

@@ -9,6 +9,7 @@
 #include "core/base/cancel.h"
 #include "core/vdb/decoder_pool.h"
 #include "core/volume/grid_info.h"
+#include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
 
 namespace tet {
@@ -17,6 +18,8 @@ namespace tet {
 /// DECODER_RESULT (it is not what was asked for); those of `block`.
 absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
                                  const FileRequest& request);
+absl::StatusOr<LabelVolume> labels_of(const absl::StatusOr<SealedBlock>& block,
+                                      const FileRequest& request);
 absl::StatusOr<std::vector<GridInfo>> grid_list_of(const absl::StatusOr<SealedBlock>& block,
                                                    const FileRequest& request);
 

@@ -14,6 +14,7 @@
 #include "core/vdb/load.h"
 #include "core/vdb/sealed_block.h"
 #include "core/volume/flat_grid_list.h"
+#include "core/volume/flat_label_volume.h"
 #include "core/volume/flat_volume.h"
 
 namespace tet {
@@ -25,8 +26,7 @@ absl::Status write_into(int result, std::span<const std::byte> bytes) {
       absl::StrCat("there is no memory for the result: ", std::strerror(errno)));
 }
 
-absl::Status check_size(const Volume& volume, const DecodeLimits& limits) {
-  const std::uint64_t size = flat_volume_bytes(volume);
+absl::Status check_size(std::uint64_t size, const DecodeLimits& limits) {
   if (size <= limits.result_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "what was decoded takes %d bytes and the limit is %d", size, limits.result_bytes));
@@ -40,12 +40,18 @@ absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& si
     const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(source, limits);
     return grids.ok() ? write_flat_grid_list(*grids, sink) : grids.status();
   }
+  if (order.task == DecodeTask::kLabels) {
+    const absl::StatusOr<LabelVolume> labels = load_labels(source, order.grid_name, limits);
+    if (!labels.ok()) return labels.status();
+    if (absl::Status s = check_size(flat_label_bytes(*labels), order.limits); !s.ok()) return s;
+    return write_flat_labels(*labels, sink);
+  }
   const absl::StatusOr<Volume> volume =
       order.task == DecodeTask::kField
           ? load_field(source, order.grid_name, order.component, limits)
           : load_volume(source, order.grid_name, limits);
   if (!volume.ok()) return volume.status();
-  if (absl::Status s = check_size(*volume, order.limits); !s.ok()) return s;
+  if (absl::Status s = check_size(flat_volume_bytes(*volume), order.limits); !s.ok()) return s;
   return write_flat_volume(*volume, sink);
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/posix/file.h"
 #include "core/vdb/charge_file.h"
 #include "core/vdb/check_file.h"
+#include "core/vdb/image_file.h"
 #include "core/volume/grid_info.h"
 
 namespace tet {
@@ -33,6 +34,10 @@ constexpr std::uint64_t kMemoryBytesPerSecond = 50'000'000;
 
 /// What the file takes, if that is not too much.
 absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGridFile& file) {
+  if (holds_image(file)) {
+    return charge_image(file, request.task == DecodeTask::kGridList, request.max_bytes,
+                        kReadingFactor * request.max_bytes);
+  }
   if (request.task == DecodeTask::kGridList) {
     return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
   }

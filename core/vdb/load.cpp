@@ -18,8 +18,12 @@
 #include "core/vdb/check_file.h"
 #include "core/vdb/conversion_report.h"
 #include "core/vdb/copy_grid.h"
+#include "core/vdb/image_file.h"
+#include "core/vdb/load_image_file.h"
 #include "core/vdb/tree_type.h"
 #include "core/vdb/vdb_file.h"
+#include "core/vdb/vdb_transform.h"
+#include "core/volume/check_transform.h"
 
 namespace tet {
 namespace {
@@ -41,6 +45,11 @@ absl::Status check_bytes(const OpenGridFile& file,
                          const Charge& charge) {
   if (limits.walked) return absl::OkStatus();
   return charge_file(file, charge, limits.max_bytes, limits.max_reading_bytes).status();
+}
+
+absl::Status check_image(const OpenGridFile& file, const LoadLimits& limits, bool lists) {
+  if (limits.walked) return absl::OkStatus();
+  return charge_image(file, lists, limits.max_bytes, limits.max_reading_bytes).status();
 }
 
 /// Calls `read(file)`; what OpenVDB throws becomes a status.
@@ -113,6 +122,14 @@ std::string made_of(const openvdb::GridBase& grid) {
   return text;
 }
 
+/// Says what voxels are that are no cubes.
+std::string describe_voxels(const VoxelTransform& transform) {
+  if (has_cubic_voxels(transform)) return "";
+  const auto [x, y, z] = voxel_edges(transform);
+  return absl::StrFormat("voxels of %g x %g x %g%s, meshed on a cubic lattice", x, y, z,
+                         are_square(transform) ? "" : ", sheared");
+}
+
 GridInfo describe(VdbFile& file, std::size_t i) {
   file.read_topology(i);
   const openvdb::GridBase& grid = file.grid(i);
@@ -121,6 +138,10 @@ GridInfo describe(VdbFile& file, std::size_t i) {
   info.value_type = value_type(grid);
   info.grid_class = openvdb::GridBase::gridClassToString(grid.getGridClass());
   info.voxel_size = grid.voxelSize().x();
+  if (const auto transform = voxel_transform(grid.transform()); transform.ok()) {
+    info.voxel_size = transform->voxel_size;
+    info.place = describe_voxels(*transform);
+  }
   info.active_voxels = grid.activeVoxelCount();
   info.active_box = active_box(grid);
   info.background = background(grid);
@@ -171,6 +192,7 @@ absl::StatusOr<std::size_t> find_only(VdbFile& file, const Reading& reading) {
   if (file.grid_count() == 1) return 0;
   std::vector<std::size_t> fitting;
   std::vector<std::string> names, refusals;
+  const auto is_real = [&](std::size_t i) { return has_real_values(file.grid(i)); };
   for (std::size_t i = 0; i < file.grid_count(); ++i) {
     const std::string refusal = reading.refusal(file, i);
     if (refusal.empty()) {
@@ -181,6 +203,10 @@ absl::StatusOr<std::size_t> find_only(VdbFile& file, const Reading& reading) {
     }
   }
   if (fitting.size() == 1) return fitting.front();
+  // Flags and ids beside it do not make the one density or level set less clear.
+  if (std::ranges::count_if(fitting, is_real) == 1) {
+    return *std::ranges::find_if(fitting, is_real);
+  }
   if (fitting.empty()) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "none of its grids can %s: %s", reading.verb(), absl::StrJoin(refusals, "; ")));
@@ -208,6 +234,10 @@ absl::StatusOr<Volume> load(const OpenGridFile& source,
                             const std::string& grid_name,
                             const Reading& reading,
                             const LoadLimits& limits) {
+  if (holds_image(source)) {
+    if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
+    return load_image_file(source, grid_name, reading.use, reading.component);
+  }
   const auto charge = [&](const VdbOutline& o) {
     return loading_charge(o, grid_name, reading.use);
   };
@@ -234,6 +264,10 @@ absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
 
 absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& source,
                                                  const LoadLimits& limits) {
+  if (holds_image(source)) {
+    if (absl::Status s = check_image(source, limits, true); !s.ok()) return s;
+    return list_image_file(source);
+  }
   if (absl::Status s = check_bytes(source, limits, listing_charge); !s.ok()) return s;
   return with_file(source, [](VdbFile& file) -> absl::StatusOr<std::vector<GridInfo>> {
     std::vector<GridInfo> grids;
@@ -269,6 +303,24 @@ absl::StatusOr<Volume> load_field(const OpenGridFile& source,
                                   std::uint32_t component,
                                   const LoadLimits& limits) {
   return load(source, grid_name, {GridUse::kField, component}, limits);
+}
+
+absl::StatusOr<LabelVolume> load_labels(const std::string& path,
+                                        const std::string& grid_name,
+                                        const LoadLimits& limits) {
+  return with_path(
+      path, [&](const OpenGridFile& file) { return load_labels(file, grid_name, limits); });
+}
+
+absl::StatusOr<LabelVolume> load_labels(const OpenGridFile& source,
+                                        const std::string& grid_name,
+                                        const LoadLimits& limits) {
+  if (!holds_image(source)) {
+    return absl::FailedPreconditionError(
+        absl::StrFormat("'%s' is no image, and only images have labels", source.name));
+  }
+  if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
+  return load_label_file(source, grid_name);
 }
 
 void prepare_loading() { openvdb::initialize(); }

@@ -1,4 +1,5 @@
-// OpenVDB files in, volumes out. OpenVDB's exceptions stop here and in surface_to_volume.
+// OpenVDB files and images in, volumes out. OpenVDB's exceptions stop here and in
+// surface_to_volume.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 
 #include "core/vdb/charge_file.h"
 #include "core/volume/grid_info.h"
+#include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
 
 namespace tet {
@@ -22,16 +24,16 @@ struct LoadLimits {
   bool walked = false;
 };
 
-/// The grids of a `.vdb` file, in the file's order. Values are not read.
-/// Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
+/// The grids of a `.vdb` file, or the arrays of an image, in the file's order. Values are not
+/// read. Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
 /// truncated, corrupt), kResourceExhausted (over `limits`).
 absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
                                                  const LoadLimits& limits = {});
 absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& file,
                                                  const LoadLimits& limits = {});
 
-/// Reads one float or double grid. An empty `grid_name` takes the only meshable grid of the
-/// file.
+/// Reads one grid of numbers. An empty `grid_name` takes the only meshable grid of the file, or
+/// the only one of float or double; of an image its only array of one number a voxel.
 ///
 /// A grid class says level set or fog volume; what the values of a grid without class mean is
 /// guessed: core/volume/inside.h. Errors:
@@ -57,6 +59,15 @@ absl::StatusOr<Volume> load_field(const OpenGridFile& file,
                                   const std::string& grid_name,
                                   std::uint32_t component,
                                   const LoadLimits& limits = {});
+
+/// Reads the labels of an image. An empty `grid_name` takes its only array. Errors: those of
+/// load_volume; kFailedPrecondition (values that are no labels, or no image).
+absl::StatusOr<LabelVolume> load_labels(const std::string& path,
+                                        const std::string& grid_name,
+                                        const LoadLimits& limits = {});
+absl::StatusOr<LabelVolume> load_labels(const OpenGridFile& file,
+                                        const std::string& grid_name,
+                                        const LoadLimits& limits = {});
 
 /// Has OpenVDB do all that it does once in a process, so that no later call does.
 void prepare_loading();

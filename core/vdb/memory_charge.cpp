@@ -1,7 +1,9 @@
 #include "core/vdb/memory_charge.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <string_view>
 
 #include <absl/strings/str_format.h>
 
@@ -50,7 +52,10 @@ std::uint64_t volume_bytes(const TreeOutline& tree) {
 }
 
 bool is_scalar(const GridOutline& grid) {
-  return grid.tree_type == "Tree_float_5_4_3" || grid.tree_type == "Tree_double_5_4_3";
+  constexpr std::array<std::string_view, 6> kScalars{"Tree_float_5_4_3", "Tree_double_5_4_3",
+                                                     "Tree_int32_5_4_3", "Tree_int64_5_4_3",
+                                                     "Tree_bool_5_4_3",  "Tree_mask_5_4_3"};
+  return std::ranges::find(kScalars, grid.tree_type) != kScalars.end();
 }
 
 bool is_vector(const GridOutline& grid) {

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/vdb/byte_source.h"
+#include "core/base/posix/byte_source.h"
 
 namespace tet {
 

@@ -1,7 +1,7 @@
 // One grid of a .vdb file: its descriptor, metadata, transform and tree.
 #pragma once
 
-#include "core/vdb/byte_source.h"
+#include "core/base/posix/byte_source.h"
 #include "core/vdb/vdb_cursor.h"
 #include "core/vdb/vdb_outline.h"
 #include "core/vdb/walk_vdb.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/vdb/byte_source.h"
+#include "core/base/posix/byte_source.h"
 #include "core/vdb/vdb_cursor.h"
 #include "core/vdb/vdb_outline.h"
 #include "core/vdb/walk_values.h"

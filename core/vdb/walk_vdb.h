@@ -10,7 +10,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/vdb/byte_source.h"
+#include "core/base/posix/byte_source.h"
 #include "core/vdb/vdb_cursor.h"
 #include "core/vdb/vdb_outline.h"
 #include "core/vdb/walk_metadata.h"

@@ -28,47 +28,87 @@ double mean_edge_squared(const Matrix& m) {
   return first + ((column_dot(m, 1, 1) - first) + (column_dot(m, 2, 2) - first)) / 3;
 }
 
-absl::Status check_edges(const Matrix& m, double edge_squared) {
-  constexpr const char* kRemedy =
-      "resample the grid onto cubic voxels (OpenVDB's tools::resampleToMatch)";
-  const std::array<double, 3> edges{std::sqrt(column_dot(m, 0, 0)),
-                                    std::sqrt(column_dot(m, 1, 1)),
-                                    std::sqrt(column_dot(m, 2, 2))};
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (std::abs(edges[i] * edges[i] - edge_squared) > kTolerance * edge_squared) {
-      return absl::FailedPreconditionError(
-          absl::StrFormat("its voxels are %g x %g x %g world units, which is not uniform: %s",
-                          edges[0], edges[1], edges[2], kRemedy));
-    }
-    for (std::size_t j = i + 1; j < 3; ++j) {
-      if (std::abs(column_dot(m, i, j)) > kTolerance * edge_squared) {
-        return absl::FailedPreconditionError(absl::StrFormat(
-            "its voxels are sheared (edges %d and %d meet at %.4g degrees): %s", i, j,
-            std::acos(column_dot(m, i, j) / (edges[i] * edges[j])) * 180 / M_PI, kRemedy));
-      }
-    }
+/// Longer voxels than this, or flatter ones, are mistakes: a slice is no thousand times as
+/// thick as its pixels are wide.
+constexpr double kMostStretch = 1000, kLeastFlatness = 1e-3;
+
+double determinant(const Matrix& m) {
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+absl::Status check_shape(const VoxelTransform& transform) {
+  constexpr const char* kRemedy = "check what wrote it, or resample it";
+  const auto edges = voxel_edges(transform);
+  const auto [shortest, longest] = std::minmax({edges[0], edges[1], edges[2]});
+  if (!(longest <= kMostStretch * shortest)) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "its voxels are %g x %g x %g world units, and the longest edge may be %g times the "
+        "shortest: %s",
+        edges[0], edges[1], edges[2], kMostStretch, kRemedy));
   }
-  return absl::OkStatus();
+  // The edges are made unit ones, so that no product of small ones vanishes.
+  Matrix unit = transform.linear;
+  for (auto& row : unit) {
+    for (std::size_t i = 0; i < 3; ++i) row[i] /= edges[i];
+  }
+  const double flatness = std::abs(determinant(unit));
+  if (flatness >= kLeastFlatness) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "its voxels are sheared flat: their volume is %g times that of their edges' box, and at "
+      "least %g can be meshed: %s",
+      flatness, kLeastFlatness, kRemedy));
 }
 
 }  // namespace
 
+std::array<double, 3> voxel_edges(const VoxelTransform& transform) noexcept {
+  const Matrix& m = transform.linear;
+  return {std::sqrt(column_dot(m, 0, 0)), std::sqrt(column_dot(m, 1, 1)),
+          std::sqrt(column_dot(m, 2, 2))};
+}
+
+bool are_square(const VoxelTransform& transform) noexcept {
+  const Matrix& m = transform.linear;
+  const auto edges = voxel_edges(transform);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    if (!(std::abs(column_dot(m, i, j)) <= kTolerance * edges[i] * edges[j])) return false;
+  }
+  return true;
+}
+
+bool has_cubic_voxels(const VoxelTransform& transform) noexcept {
+  const Matrix& m = transform.linear;
+  const double edge_squared = mean_edge_squared(m);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double own = column_dot(m, i, i), across = column_dot(m, i, (i + 1) % 3);
+    if (!(std::abs(own - edge_squared) <= kTolerance * edge_squared)) return false;
+    if (!(std::abs(across) <= kTolerance * edge_squared)) return false;
+  }
+  return true;
+}
+
 double voxel_edge(const VoxelTransform& transform) noexcept {
-  return std::sqrt(mean_edge_squared(transform.linear));
+  if (has_cubic_voxels(transform)) return std::sqrt(mean_edge_squared(transform.linear));
+  const auto edges = voxel_edges(transform);
+  return std::min({edges[0], edges[1], edges[2]});
 }
 
 absl::Status check_transform(const VoxelTransform& transform) {
-  const double edge_squared = mean_edge_squared(transform.linear);
   const auto& at = transform.translation;
+  const auto edges = voxel_edges(transform);
   const bool finite =
-      std::all_of(at.begin(), at.end(), [](double x) { return std::isfinite(x); });
-  if (!finite || !std::isnormal(edge_squared)) {
-    return absl::FailedPreconditionError(
-        absl::StrFormat("its transform is not usable: voxel size %g, translation (%g, %g, %g)",
-                        std::sqrt(edge_squared), at[0], at[1], at[2]));
+      std::all_of(at.begin(), at.end(), [](double x) { return std::isfinite(x); }) &&
+      std::all_of(edges.begin(), edges.end(), [](double x) { return std::isnormal(x * x); });
+  if (!finite) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "its transform is not usable: voxels of %g x %g x %g, translation (%g, %g, %g)",
+        edges[0], edges[1], edges[2], at[0], at[1], at[2]));
   }
-  if (absl::Status s = check_edges(transform.linear, edge_squared); !s.ok()) return s;
-  const double edge = std::sqrt(edge_squared);
+  if (absl::Status s = check_shape(transform); !s.ok()) return s;
+  const double edge = voxel_edge(transform);
   if (std::abs(transform.voxel_size - edge) <= kTolerance * edge) return absl::OkStatus();
   return absl::FailedPreconditionError(
       absl::StrFormat("its voxel size is %g, but its transform makes voxels of %g world units",

@@ -17,7 +17,7 @@ namespace tet {
 namespace {
 
 constexpr std::array<char, 8> kListMagic{'t', 'e', 't', '-', 'i', 'n', 'f', '\n'};
-constexpr std::uint32_t kListVersion = 2;
+constexpr std::uint32_t kListVersion = 3;
 constexpr std::size_t kMaxTextBytes = 1000;
 
 struct ListHeader {
@@ -41,7 +41,7 @@ struct Record {
   std::uint32_t not_meshable_bytes = 0;
   std::uint32_t field_components = 0;
   std::uint32_t made_of_bytes = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t place_bytes = 0;
 };
 static_assert(sizeof(Record) == 72);
 
@@ -57,6 +57,7 @@ Record record_of(const GridInfo& grid) {
   record.not_meshable_bytes = static_cast<std::uint32_t>(grid.not_meshable.size());
   record.field_components = grid.field_components;
   record.made_of_bytes = static_cast<std::uint32_t>(grid.made_of.size());
+  record.place_bytes = static_cast<std::uint32_t>(grid.place.size());
   return record;
 }
 
@@ -106,14 +107,15 @@ absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text)
       !take(text, record.value_type_bytes, kMaxTextBytes, grid.value_type) ||
       !take(text, record.grid_class_bytes, kMaxTextBytes, grid.grid_class) ||
       !take(text, record.not_meshable_bytes, kMaxTextBytes, grid.not_meshable) ||
-      !take(text, record.made_of_bytes, kMaxTextBytes, grid.made_of)) {
+      !take(text, record.made_of_bytes, kMaxTextBytes, grid.made_of) ||
+      !take(text, record.place_bytes, kMaxTextBytes, grid.place)) {
     return wrong_list("a text is too long");
   }
   if (!is_printable(grid.value_type) || !is_printable(grid.grid_class) ||
-      !is_printable(grid.not_meshable) || !is_printable(grid.made_of)) {
+      !is_printable(grid.not_meshable) || !is_printable(grid.made_of) ||
+      !is_printable(grid.place)) {
     return wrong_list("a text is not printable");
   }
-  if (record.reserved != 0) return wrong_list("a reserved number is not zero");
   if (!is_box(record.active_box)) return wrong_list("a box is none");
   if (!is_component_count(record.field_components))
     return wrong_list("a field has no such values");
@@ -136,7 +138,7 @@ absl::Status write_flat_grid_list(std::span<const GridInfo> grids, const ByteSin
   for (const GridInfo& grid : grids) {
     records.push_back(record_of(grid));
     absl::StrAppend(&text, grid.name, grid.value_type, grid.grid_class, grid.not_meshable,
-                    grid.made_of);
+                    grid.made_of, grid.place);
   }
   ListHeader header;
   header.grid_count = records.size();

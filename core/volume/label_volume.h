@@ -22,8 +22,8 @@ namespace tet {
 /// and an atlas those of nine digits. Immutable once built, so any number of threads may read
 /// it.
 struct LabelVolume {
-  /// Of an entry of `bricks`: the brick holds one label throughout, whose number the other bits
-  /// are.
+  /// Marks an entry of `bricks`: its brick holds one label throughout, whose number the other
+  /// bits are.
   static constexpr std::uint32_t kConstant = std::uint32_t{1} << 31;
   static constexpr std::size_t kMostLabels = 65535;
   /// What a voxel beyond the image has, where the image has all other numbers.

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/base/vector_clones.h"
+#include "core/volume/check_transform.h"
+#include "core/volume/to_voxel.h"
 
 namespace tet {
 namespace {
@@ -31,6 +33,10 @@ inline double between(double low, double high, double weight) noexcept {
 /// The other way round: of a rotation, scaled, the inverse is the transpose, scaled back.
 VoxelTransform inverse(const VoxelTransform& transform) noexcept {
   VoxelTransform inverse = transform;
+  if (!has_cubic_voxels(transform)) {
+    inverse.linear = inverse_linear(transform);
+    return inverse;
+  }
   const double square = transform.voxel_size * transform.voxel_size;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {

@@ -5,14 +5,41 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/volume/check_transform.h"
+
 namespace tet {
+
+std::array<std::array<double, 3>, 3> inverse_linear(const VoxelTransform& transform) noexcept {
+  const auto& m = transform.linear;
+  const auto cofactor = [&](std::size_t row, std::size_t column) {
+    const std::size_t r1 = (row + 1) % 3, r2 = (row + 2) % 3;
+    const std::size_t c1 = (column + 1) % 3, c2 = (column + 2) % 3;
+    return m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
+  };
+  const double det =
+      m[0][0] * cofactor(0, 0) + m[0][1] * cofactor(0, 1) + m[0][2] * cofactor(0, 2);
+  std::array<std::array<double, 3>, 3> inverse{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      inverse[row][column] = cofactor(column, row) / det;
+    }
+  }
+  return inverse;
+}
 
 VoxelPoint to_voxel(const VoxelTransform& transform, const WorldPoint& p) noexcept {
   const std::array<double, 3> from{p.x - transform.translation[0],
                                    p.y - transform.translation[1],
                                    p.z - transform.translation[2]};
-  // The transpose of a rotation is its inverse.
   std::array<double, 3> at{};
+  if (!has_cubic_voxels(transform)) {
+    const auto inverse = inverse_linear(transform);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t row = 0; row < 3; ++row) at[axis] += inverse[axis][row] * from[row];
+    }
+    return {at[0], at[1], at[2]};
+  }
+  // The transpose of a rotation is its inverse.
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t row = 0; row < 3; ++row) {
       at[axis] += transform.linear[row][axis] * from[row];

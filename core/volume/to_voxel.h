@@ -1,6 +1,8 @@
 // World points in index space.
 #pragma once
 
+#include <array>
+
 #include "core/base/types.h"
 #include "core/volume/volume.h"
 
@@ -10,6 +12,9 @@ namespace tet {
 struct VoxelSpan {
   VoxelPoint min, max;
 };
+
+/// The inverse of `linear` for voxels of any shape: voxel = this * (world - translation).
+std::array<std::array<double, 3>, 3> inverse_linear(const VoxelTransform& transform) noexcept;
 
 /// The inverse of VoxelTransform::to_world.
 VoxelPoint to_voxel(const VoxelTransform& transform, const WorldPoint& p) noexcept;

@@ -38,12 +38,12 @@ enum class KindSource : std::uint8_t {
 /// The side of the iso value that is inside.
 enum class InsideSide : std::uint8_t { kBelow, kAbove };
 
-/// world = linear * voxel + translation, where `linear` is `voxel_size` times a rotation (or a
-/// rotation and a mirror: every angle is kept).
+/// world = linear * voxel + translation. Of cubic voxels (core/volume/check_transform.h)
+/// `linear` is `voxel_size` times a rotation, or a rotation and a mirror: every angle is kept.
 struct VoxelTransform {
   std::array<std::array<double, 3>, 3> linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   std::array<double, 3> translation{};
-  double voxel_size = 1;  ///< world units
+  double voxel_size = 1;  ///< of a voxel the shortest edge, world units
 
   friend bool operator==(const VoxelTransform&, const VoxelTransform&) = default;
 

@@ -9,7 +9,7 @@ import re
 import sys
 
 # A request passes through these in order; a folder includes itself and those before it.
-CORE = ["core/base", "core/surface", "core/volume", "core/vdb", "core/scene", "core/field",
+CORE = ["core/base", "core/surface", "core/volume", "core/image", "core/vdb", "core/scene", "core/field",
         "core/octree", "core/lattice", "core/stuffing", "core/labels", "core/mesh", "core/graded",
         "core/plan", "core/plan/brick", "core/plan/labelled", "core/plan/whole", "core/plan/joined",
         "core/plan/make", "core/fidelity", "core/remap", "core/second_order", "core/transfer",

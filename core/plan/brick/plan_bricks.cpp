@@ -158,8 +158,8 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
                 .thin_walls = std::move(surveyed.thin_walls),
                 .statistics = statistics_on_lattice(job.request),
                 .boundary = surveyed.boundary},
-      MeshSource{prepared.field, *to_world, job.request.fields}, std::move(mesh),
-      std::move(first_brick));
+      MeshSource{prepared.field, *to_world, job.request.fields, prepared.stand_in},
+      std::move(mesh), std::move(first_brick));
 }
 
 }  // namespace tet

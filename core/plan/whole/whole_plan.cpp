@@ -205,7 +205,8 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
                   .statistics = statistics_on_lattice(job.request)};
   if (!job.request.skip_statistics) facts.boundary = measure_boundary(whole.mesh);
   return std::make_shared<const WholePlan>(
-      std::move(facts), MeshSource{field, *to_world, job.request.fields}, std::move(whole));
+      std::move(facts), MeshSource{field, *to_world, job.request.fields, prepared.stand_in},
+      std::move(whole));
 }
 
 }  // namespace tet

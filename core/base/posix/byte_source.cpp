@@ -1,4 +1,4 @@
-#include "core/vdb/byte_source.h"
+#include "core/base/posix/byte_source.h"
 
 #include <algorithm>
 

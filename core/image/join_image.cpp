@@ -1,0 +1,144 @@
+#include "core/image/join_image.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <sys/stat.h>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "core/base/posix/file.h"
+#include "core/image/image_refusal.h"
+#include "core/image/meta_header.h"
+#include "core/image/nrrd_header.h"
+#include "core/image/text_header.h"
+
+namespace tet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A header's bytes, with the end of a last line that has none.
+std::vector<std::byte> read_head(const std::string& path) {
+  const absl::StatusOr<File> file = File::open(path, O_RDONLY, io_error);
+  if (!file.ok()) throw ImageRefusal(file.status());
+  std::vector<char> bytes(kTextHeaderBytes);
+  const absl::StatusOr<std::size_t> count = file->read_at(0, bytes);
+  if (!count.ok()) throw ImageRefusal(count.status());
+  bytes.resize(*count);
+  bytes.push_back('\n');
+  const auto view = std::as_bytes(std::span(bytes));
+  return {view.begin(), view.end()};
+}
+
+DetachedHeader read_detached(std::span<const std::byte> head) {
+  return is_nrrd(head) ? read_detached_nrrd(head) : read_detached_meta(head);
+}
+
+/// Where a file is that a header names.
+fs::path place_of_data(const std::string& header, const std::string& name) {
+  const fs::path path(name);
+  const bool stays = !path.is_absolute() &&
+                     std::none_of(path.begin(), path.end(), [](auto& p) { return p == ".."; });
+  if (!stays || name.find('\0') != std::string::npos) {
+    refuse_image(absl::StrCat("its data are in ", quoted_text(name),
+                              ", and only files beside it are read: move them there, and name "
+                              "them without a path"));
+  }
+  return fs::path(header).parent_path() / path;
+}
+
+/// A file of data, open.
+File open_data(const std::string& header, const std::string& name) {
+  absl::StatusOr<File> file =
+      File::open(place_of_data(header, name), O_RDONLY | O_NOFOLLOW | O_NONBLOCK, io_error);
+  if (!file.ok()) throw ImageRefusal(file.status());
+  const auto mode = file->mode();
+  if (!mode.ok() || !S_ISREG(*mode)) {
+    refuse_image(absl::StrCat("its data are in ", quoted_text(name), ", which is no file"));
+  }
+  return *std::move(file);
+}
+
+/// Appends bytes [from, end) of a file.
+void append(const File& from_file, std::uint64_t from, std::uint64_t end, File& to) {
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (from < end) {
+    const auto piece =
+        static_cast<std::size_t>(std::min<std::uint64_t>(buffer.size(), end - from));
+    const auto count = from_file.read_at(from, std::span(buffer).first(piece));
+    if (!count.ok()) throw ImageRefusal(count.status());
+    if (*count == 0) refuse_image("a file of its data is cut while it is read");
+    const absl::Status written = to.append(std::string_view(buffer.data(), *count));
+    if (!written.ok()) throw ImageRefusal(written);
+    from += *count;
+  }
+}
+
+/// Appends the `bytes` of data that a file stores, or all that it has where they are packed.
+void append_data(const std::string& header,
+                 const std::string& name,
+                 const DetachedHeader& detached,
+                 std::optional<std::uint64_t> bytes,
+                 File& joined) {
+  const File file = open_data(header, name);
+  const absl::StatusOr<std::uint64_t> size = file.size();
+  if (!size.ok()) throw ImageRefusal(size.status());
+  const std::uint64_t skip =
+      !detached.skip_to_last ? detached.skip_bytes : *size - std::min(*size, bytes.value_or(0));
+  if (skip > *size || *size - skip < bytes.value_or(1)) {
+    refuse_image(
+        absl::StrFormat("its data file %s is truncated: %d bytes of it are data, and %d "
+                        "are needed",
+                        quoted_text(name), *size - std::min(*size, skip), bytes.value_or(1)));
+  }
+  append(file, skip, bytes ? skip + *bytes : *size, joined);
+}
+
+void join(const std::string& header, const std::string& path) {
+  const DetachedHeader detached = read_detached(read_head(header));
+  absl::StatusOr<File> joined = File::open(path, O_WRONLY | O_CREAT | O_EXCL, io_error, 0600);
+  if (!joined.ok()) throw ImageRefusal(joined.status());
+  const absl::Status begun = joined->append(detached.attached);
+  if (!begun.ok()) throw ImageRefusal(begun);
+  const std::uint64_t files = detached.files.size();
+  if (detached.data_bytes % files != 0) {
+    refuse_image(absl::StrFormat("its %d bytes do not divide into %d files",
+                                 detached.data_bytes, files));
+  }
+  std::optional<std::uint64_t> bytes;
+  if (detached.data_bytes > 0) bytes = detached.data_bytes / files;
+  for (const std::string& name : detached.files) {
+    append_data(header, name, detached, bytes, *joined);
+  }
+  const absl::Status closed = joined->close();
+  if (!closed.ok()) throw ImageRefusal(closed);
+}
+
+}  // namespace
+
+bool is_detached_image(const std::string& path) {
+  try {
+    const std::vector<std::byte> head = read_head(path);
+    return is_detached_nrrd(head) || is_detached_meta(head);
+  } catch (const ImageRefusal&) {
+    return false;  // whoever reads it says what is wrong
+  }
+}
+
+absl::Status join_image(const std::string& header, const std::string& joined) {
+  try {
+    join(header, joined);
+    return absl::OkStatus();
+  } catch (const ImageRefusal& refusal) {
+    return {refusal.status().code(),
+            absl::StrCat("'", header, "': ", refusal.status().message())};
+  }
+}
+
+}  // namespace tet

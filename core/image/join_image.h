@@ -1,0 +1,22 @@
+// Images of two files and more, joined into one: a header (.nhdr, .mhd) and its data.
+#pragma once
+
+#include <string>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+namespace tet {
+
+/// Whether the file is a header whose data are in others. False of what cannot be read.
+bool is_detached_image(const std::string& path);
+
+/// Writes the header and its data to `joined`, which is made.
+///
+/// A header may name files beside it or below alone, and no links: it may be somebody else's,
+/// and what it names goes to where its mesh goes. Errors: those of the header's reader,
+/// kNotFound (a file that it names), kPermissionDenied, kInvalidArgument (a file that is too
+/// short, or elsewhere; says what to do).
+absl::Status join_image(const std::string& header, const std::string& joined);
+
+}  // namespace tet

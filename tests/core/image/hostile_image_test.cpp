@@ -1,0 +1,146 @@
+// What the readers of images say of files that lie: tests/data/hostile_image.
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/image/load_image.h"
+#include "core/image/outline_image.h"
+
+namespace tet {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string file_of(const std::string& name) {
+  std::ifstream file(std::string(HOSTILE_IMAGE_PATH) + "/" + name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+ByteSource source_of(const std::string& bytes) {
+  return ByteSource(std::as_bytes(std::span(bytes)));
+}
+
+struct Entry {
+  std::string name, verdict;
+};
+
+std::vector<Entry> manifest() {
+  std::ifstream file(std::string(HOSTILE_IMAGE_PATH) + "/MANIFEST.tsv");
+  std::vector<Entry> entries;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t tab = line.find('\t');
+    if (line.starts_with('#') || tab == std::string::npos) continue;
+    entries.push_back({line.substr(0, tab), line.substr(tab + 1)});
+  }
+  return entries;
+}
+
+/// Reads a file in every way.
+absl::Status verdict_on(const std::string& bytes) {
+  const ByteSource source = source_of(bytes);
+  if (const auto outline = outline_image(source); !outline.ok()) return outline.status();
+  if (const auto arrays = list_image(source); !arrays.ok()) return arrays.status();
+  return load_image(source, "", ImageUse::kSurface).status();
+}
+
+TEST(HostileImage, IsRefusedInTheWordsOfTheManifest) {
+  const std::vector<Entry> entries = manifest();
+  ASSERT_GT(entries.size(), 80U);
+  for (const auto& [name, verdict] : entries) {
+    const absl::Status status = verdict_on(file_of(name));
+    if (verdict == "accepted") {
+      EXPECT_TRUE(status.ok()) << name << ": " << status;
+    } else {
+      EXPECT_FALSE(status.ok()) << name;
+      EXPECT_THAT(std::string(status.message()), HasSubstr(verdict)) << name;
+    }
+  }
+}
+
+TEST(HostileImage, IsRefusedOrReadWhereverItIsCut) {
+  for (const auto& [name, verdict] : manifest()) {
+    if (verdict != "accepted") continue;
+    const std::string whole = file_of(name);
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+      const absl::Status status = verdict_on(whole.substr(0, size));
+      // What follows the numbers of a text or of XML is not needed.
+      const bool may_end_early = name.ends_with(".vti") || name.starts_with("text") ||
+                                 name.starts_with("gz") || name.starts_with("zlib");
+      EXPECT_TRUE(!status.ok() || (may_end_early && size + 120 > whole.size()))
+          << name << " " << size;
+    }
+  }
+}
+
+TEST(HostileImage, IsRefusedOrReadWhateverItsBytesAre) {
+  std::mt19937 random(11);
+  for (const auto& [name, verdict] : manifest()) {
+    const std::string whole = file_of(name);
+    for (int trial = 0; trial < 200; ++trial) {
+      std::string changed = whole;
+      for (std::uint32_t i = 0; i < 1 + random() % 4 && !changed.empty(); ++i) {
+        changed[random() % changed.size()] = static_cast<char>(random());
+      }
+      const ByteSource source = source_of(changed);
+      const auto outline = outline_image(source);
+      if (!outline.ok() || outline->reading_bytes(changed.size()) > (1U << 26)) continue;
+      const auto volume = load_image(source, "", ImageUse::kSurface);
+      const auto labels = load_labels(source, "");
+      EXPECT_TRUE(volume.ok() || !volume.status().message().empty());
+      EXPECT_TRUE(labels.ok() || !labels.status().message().empty());
+    }
+  }
+}
+
+TEST(LoadImage, HasTheValuesOfItsVoxelsAndItsLeastBeyondThem) {
+  const std::string bytes = file_of("good.nrrd");
+  const auto volume = load_image(source_of(bytes), "image", ImageUse::kField);
+  ASSERT_TRUE(volume.ok()) << volume.status();
+  ASSERT_EQ(volume->bricks.size(), 1U);
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        const bool within = x < 4 && y < 3 && z < 2;
+        const float expected = within ? static_cast<float>((x * 3 + y) * 2 + z - 7) : -7.0F;
+        EXPECT_EQ(volume->values[static_cast<std::size_t>((x * 8 + y) * 8 + z)],
+                  within ? expected : volume->background);
+      }
+    }
+  }
+  EXPECT_EQ(volume->transform.voxel_size, 0.5);
+  const WorldPoint last = volume->transform.to_world({3, 2, 1});
+  EXPECT_EQ(last.x, 4.5);
+  EXPECT_EQ(last.y, -3);
+  EXPECT_EQ(last.z, 6.5);
+}
+
+TEST(LoadImage, ReadsEveryFormatAlike) {
+  const auto first = load_image(source_of(file_of("good.nrrd")), "", ImageUse::kSurface);
+  ASSERT_TRUE(first.ok());
+  for (const std::string name :
+       {"good.nii", "good.mha", "good.vti", "blocks.vti", "good.nii.gz", "gz.nrrd", "big.nii",
+        "zlib.mha", "text.nrrd"}) {
+    const std::string bytes = file_of(name);
+    const auto volume = load_image(source_of(bytes), "", ImageUse::kSurface);
+    ASSERT_TRUE(volume.ok()) << name << ": " << volume.status();
+    EXPECT_EQ(volume->values, first->values) << name;
+    EXPECT_EQ(volume->transform.linear, first->transform.linear) << name;
+    EXPECT_EQ(volume->transform.translation, first->transform.translation) << name;
+  }
+}
+
+TEST(LoadLabels, NumbersWholeValues) {
+  const std::string bytes = file_of("good.nii");
+  const auto labels = load_labels(source_of(bytes), "");
+  ASSERT_TRUE(labels.ok()) << labels.status();
+  EXPECT_EQ(labels->labels.size(), 24U);
+  EXPECT_EQ(labels->labels[labels->at({1, 2, 1})], (1 * 3 + 2) * 2 + 1 - 7);
+}
+
+}  // namespace
+}  // namespace tet

@@ -1,0 +1,88 @@
+// Voxels of every shape, and grids of whole numbers, bools and masks.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/vdb/load.h"
+#include "core/vdb/vdb_grids.h"
+#include "core/volume/volume_reader.h"
+#include "tests/core/vdb/vdb_test_files.h"
+
+namespace tet {
+namespace {
+
+using openvdb::FloatGrid;
+using test::ball;
+using ::testing::HasSubstr;
+
+class LoadVoxels : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { openvdb::initialize(); }
+
+  absl::StatusOr<Volume> loaded(const openvdb::GridCPtrVec& grids) {
+    test::write_vdb(path_, grids);
+    return load_volume(path_, "");
+  }
+  absl::Status refusal(const openvdb::GridBase::ConstPtr& grid) {
+    return loaded({grid}).status();
+  }
+
+  test::TestDirectory directory_;
+  std::string path_ = directory_.file("voxels.vdb");
+};
+
+// tests/data/whole_numbers: 1 from (-3, 2, 5) to (20, 30, 40), but for 0 at (0, 10, 10), which
+// is not active.
+TEST_F(LoadVoxels, ReadsWholeNumbersBoolsAndMasks) {
+  for (const std::string kind : {"int32", "int64", "bool", "mask"}) {
+    SCOPED_TRACE(kind);
+    const absl::StatusOr<Volume> volume =
+        load_volume(std::string(WHOLE_NUMBERS_PATH) + "/" + kind + ".vdb", "");
+    ASSERT_TRUE(volume.ok()) << volume.status();
+    EXPECT_EQ(volume->kind, VolumeKind::kFogVolume);
+    VolumeReader reader(*volume);
+    EXPECT_EQ(reader.value({-3, 2, 5}), 1);
+    EXPECT_EQ(reader.value({20, 30, 40}), 1);
+    EXPECT_EQ(reader.value({9, 17, 17}), 1);
+    EXPECT_EQ(reader.value({0, 10, 10}), 0);
+    EXPECT_EQ(reader.value({21, 30, 40}), 0);
+  }
+}
+
+TEST_F(LoadVoxels, KeepsVoxelsThatAreNoCubes) {
+  const FloatGrid::Ptr grid = ball(8);
+  openvdb::Mat4d rhombus = openvdb::Mat4d::identity();
+  rhombus(1, 0) = 0.6;
+  rhombus(1, 1) = 0.8;
+  rhombus(2, 2) = -1.5;
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(rhombus));
+  const absl::StatusOr<Volume> volume = loaded({grid});
+  ASSERT_TRUE(volume.ok()) << volume.status();
+  EXPECT_DOUBLE_EQ(volume->transform.voxel_size, 1);
+  const WorldPoint world = volume->transform.to_world({10, 20, 30});
+  EXPECT_NEAR(world.x, 22, 1e-12);
+  EXPECT_NEAR(world.y, 16, 1e-12);
+  EXPECT_NEAR(world.z, -45, 1e-12);
+}
+
+TEST_F(LoadVoxels, RefusesFlatEndlessAndFrustumVoxels) {
+  const FloatGrid::Ptr grid = ball(8);
+  openvdb::Mat4d flat = openvdb::Mat4d::identity();
+  flat(1, 0) = 1;
+  flat(1, 1) = 1e-4;
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(flat));
+  EXPECT_THAT(refusal(grid).message(), HasSubstr("sheared flat"));
+
+  openvdb::math::Transform stretched;
+  stretched.preScale(openvdb::Vec3d(1, 1, 2000));
+  grid->setTransform(stretched.copy());
+  EXPECT_THAT(refusal(grid).message(), HasSubstr("1 x 1 x 2000"));
+
+  grid->setTransform(openvdb::math::Transform::createFrustumTransform(
+      openvdb::BBoxd({-9, -9, -9}, {9, 9, 9}), 0.5, 20, 1));
+  EXPECT_THAT(refusal(grid).message(), HasSubstr("frustum"));
+}
+
+}  // namespace
+}  // namespace tet
