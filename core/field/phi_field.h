@@ -39,7 +39,7 @@ struct PhiField {
   /// Between two nodes lie voxels that they do not see.
   bool coarser_than_voxels() const noexcept { return scene == nullptr && spacing_voxels > 1; }
   bool negated() const noexcept {
-    return scene == nullptr && inside_side(*volume, inside) == InsideSide::kAbove;
+    return volume != nullptr && inside_side(*volume, inside) == InsideSide::kAbove;
   }
   float phi(float value) const noexcept;
   /// phi within what sums can bear; no zero has a sign.

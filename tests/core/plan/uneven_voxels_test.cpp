@@ -104,6 +104,22 @@ TEST(UnevenVoxels, AreImprovedOnTheirSurface) {
   EXPECT_NEAR(made.quality.volume, kVolume, 0.01 * kVolume);
 }
 
+TEST(UnevenVoxels, MayHaveTheirInsideAbove) {
+  const auto volume = ellipsoid_of(kVoxels[0].second);
+  auto turned = std::make_shared<Volume>(*volume);
+  for (float& value : turned->values) value = -value;
+  for (ValueRange& range : turned->ranges) range = {-range.max, -range.min};
+  for (Region& region : turned->regions) {
+    for (float& value : region.constant) value = -value;
+  }
+  turned->background = -volume->background;
+  MeshRequest request;
+  const MeshResult below = mesh_of(volume, request);
+  request.inside = InsideSide::kAbove;
+  request.iso = 0;
+  EXPECT_EQ(mesh_of(turned, request).quality.volume, below.quality.volume);
+}
+
 TEST(UnevenVoxels, AreRefusedWithTheirValuesWhereNothingIsInside) {
   MeshRequest request;
   request.iso = -3;
