@@ -103,10 +103,12 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
 
 }  // namespace
 
-absl::StatusOr<PhiField> meshed_field(const Shape& shape, const MeshRequest& request) {
+absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& request) {
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();
-  return field_of(shape, *asked);
+  std::shared_ptr<const Scene> stand_in = stand_in_for(shape, *asked);
+  const PhiField phi = field_of(shape, *asked, stand_in.get());
+  return MeshedField{std::move(stand_in), phi};
 }
 
 absl::StatusOr<PreparedMesh> prepare_mesh(const Shape& shape,

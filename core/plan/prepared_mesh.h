@@ -24,9 +24,15 @@ struct PreparedMesh {
   FoundBricks bricks;
 };
 
-/// The field that a request means. It refers to the shape, which must outlive it. Errors: those
-/// of canonical.
-absl::StatusOr<PhiField> meshed_field(const Shape& shape, const MeshRequest& request);
+/// The field that a request means, and what it refers to beside the shape.
+struct MeshedField {
+  /// Of a grid whose voxels are no cubes, else null: the scene that stands for it.
+  std::shared_ptr<const Scene> stand_in;
+  PhiField phi;
+};
+
+/// It refers to the shape, which must outlive it. Errors: those of canonical.
+absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& request);
 
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),

@@ -45,7 +45,7 @@ absl::StatusOr<PointSamples> sample_points(const Shape& shape,
         "several grids have no phi in common: sample one of them");
   }
   if (auto status = check_points(points); !status.ok()) return status;
-  const absl::StatusOr<PhiField> field = meshed_field(shape, request);
+  const absl::StatusOr<MeshedField> field = meshed_field(shape, request);
   if (!field.ok()) return field.status();
   const MeshHeader header = header_of_points(request.fields);
   PointSamples samples{.phi = std::vector<PhiSlope>(points.size()),
@@ -53,11 +53,11 @@ absl::StatusOr<PointSamples> sample_points(const Shape& shape,
                        .width = header.field_values(),
                        .values = {}};
   samples.values.resize(points.size() * samples.width);
-  const double step = kSlopeStep * field->lattice_transform().voxel_size;
+  const double step = kSlopeStep * field->phi.lattice_transform().voxel_size;
   static_assert(sizeof(WorldPoint) == 3 * sizeof(double));
   for_each_range(points.size(), kPointsPerRange, [&](std::size_t begin, std::size_t end) {
     if (cancellation.requested()) return;
-    WorldPhi phi(*field, step);
+    WorldPhi phi(field->phi, step);
     for (std::size_t i = begin; i < end; ++i) samples.phi[i] = phi.slope_at(points[i]);
     if (samples.width == 0) return;
     const std::span<float> rows =

@@ -27,9 +27,9 @@ absl::Status bend_all(const TetMesh& mesh,
                       const Cancellation& cancellation,
                       CurvedEdges& curved) {
   const auto bend = [&](const Shape& one, std::uint64_t first, std::uint64_t count) {
-    const absl::StatusOr<PhiField> field = meshed_field(one, request);
+    const absl::StatusOr<MeshedField> field = meshed_field(one, request);
     if (!field.ok()) return field.status();
-    curved.bend(*field, first, count, cancellation);
+    curved.bend(field->phi, first, count, cancellation);
     return absl::OkStatus();
   };
   const GridList* const grids = grids_of(shape);
