@@ -1,4 +1,4 @@
-// `tetstream convert`: a surface in, a .vdb level set out.
+// `tetstream convert`: a surface in, a .vdb level set out; or an array of NumPy, and an image.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -20,6 +20,7 @@
 #include "client/command/surface_input.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
+#include "core/image/place_array.h"
 
 namespace tet {
 namespace {
@@ -35,19 +36,35 @@ Examples:
   tetstream convert part.stl part.vdb --voxel 0.5
   tetstream convert bunny.ply bunny.vdb          voxels of the longest extent / 128
   tetstream convert scan.ply scan.vdb --open close   its holes get caps
+  tetstream convert ct.npy ct.nrrd --axes zyx --spacing3 0.5 0.5 1.5 --origin -120 -80 40
+
+An array of NumPy becomes an image with a place in the world, which its file does not have:
+docs/images.md.
 )";
 
 struct ConvertOptions {
   std::string input, output;
   SurfaceChoices surface;
+  ArrayPlace place;
 };
 
+bool ends_in(const std::string& path, const char* ending) {
+  return absl::EndsWith(absl::AsciiStrToLower(path), ending);
+}
+
+bool is_array(const ConvertOptions& options) { return ends_in(options.input, ".npy"); }
+
 absl::Status check_options(const ConvertOptions& options) {
+  if (is_array(options)) {
+    if (ends_in(options.output, ".nrrd")) return check_can_create(options.output);
+    return absl::InvalidArgumentError(
+        absl::StrCat("the output ", options.output, " of an array must end in .nrrd"));
+  }
   if (!is_surface_file(options.input)) {
     return absl::InvalidArgumentError(
-        absl::StrCat("the input ", options.input, " must end in .obj, .stl or .ply"));
+        absl::StrCat("the input ", options.input, " must end in .obj, .stl, .ply or .npy"));
   }
-  if (!absl::EndsWith(absl::AsciiStrToLower(options.output), ".vdb")) {
+  if (!ends_in(options.output, ".vdb")) {
     return absl::InvalidArgumentError(
         absl::StrCat("the output ", options.output, " must end in .vdb"));
   }
@@ -67,9 +84,31 @@ absl::StatusOr<ConversionReport> convert(const ConvertOptions& options,
                       absl::StrReplaceAll(message, {{made, options.output}}));
 }
 
+absl::Status move_to_output(const std::string& made, const ConvertOptions& options) {
+  std::error_code error;
+  fs::rename(made, options.output, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrFormat("'%s' cannot be written: %s", options.output, error.message()));
+}
+
+absl::Status convert_array(const ConvertOptions& options) {
+  const ScratchDirectory scratch(fs::absolute(options.output).parent_path());
+  const std::string made = scratch.file("made.nrrd");
+  const absl::Status status = place_array(options.input, options.place, made);
+  if (!status.ok()) {
+    return {status.code(), absl::StrCat("'", options.input, "': ", status.message())};
+  }
+  if (auto moved = move_to_output(made, options); !moved.ok()) return moved;
+  std::printf("%s: an image of %s\n", for_terminal(options.output).c_str(),
+              for_terminal(options.input).c_str());
+  return absl::OkStatus();
+}
+
 /// The file is written beside the output, where nothing is left of it if it is not finished.
 absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
   if (auto status = check_options(options); !status.ok()) return status;
+  if (is_array(options)) return convert_array(options);
   const fs::path folder = fs::absolute(options.output).parent_path();
   const ScratchDirectory scratch(folder);
   const std::string made = scratch.file("made.vdb");
@@ -79,12 +118,7 @@ absl::Status run_convert(const ConvertOptions& options, const Cancellation& inte
       run_abandonable<ConversionReport>([options, made] { return convert(options, made); },
                                         [&] { bar.update(0, 0); }, interruption);
   if (!report.ok()) return report.status();
-  std::error_code error;
-  fs::rename(made, options.output, error);
-  if (error) {
-    return absl::UnavailableError(
-        absl::StrFormat("'%s' cannot be written: %s", options.output, error.message()));
-  }
+  if (auto moved = move_to_output(made, options); !moved.ok()) return moved;
   bar.say(options.output + ": " + report->text(), stdout);
   for (const std::string& warning : report->warnings()) bar.say("warning: " + warning);
   return absl::OkStatus();
@@ -95,9 +129,24 @@ absl::Status run_convert(const ConvertOptions& options, const Cancellation& inte
 Command add_convert_command(CLI::App& app) {
   const auto options = std::make_shared<ConvertOptions>();
   app.footer(kConvertExamples);
-  app.add_option("IN", options->input, "A .obj, .stl or .ply surface")->required();
-  app.add_option("OUT", options->output, "The .vdb file to write")->required();
+  app.add_option("IN", options->input, "A .obj, .stl or .ply surface, or a .npy array")
+      ->required();
+  app.add_option("OUT", options->output, "The .vdb file to write; of an array the .nrrd")
+      ->required();
   describe_surface(app, options->surface);
+  app.add_option(
+         "--axes", options->place.axes,
+         "Which axes an array's indices run along, as zyx of one that is [z][y][x] [xyz]")
+      ->type_name("ORDER");
+  app.add_option(
+         "--spacing3", options->place.spacing,
+         "Of an array's voxels along x, y and z; negative where it runs against the axis "
+         "[1 1 1]")
+      ->type_name("X Y Z");
+  app.add_option("--origin", options->place.origin, "Where array[0, 0, 0] is [0 0 0]")
+      ->type_name("X Y Z");
+  app.add_option("--space", options->place.space, "What x, y and z are: RAS or LPS [not said]")
+      ->type_name("SPACE");
   return [options](const Cancellation& interruption) {
     return run_convert(*options, interruption);
   };

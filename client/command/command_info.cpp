@@ -1,4 +1,5 @@
-// `tetstream info`: the grids of a .vdb file.
+// `tetstream info`: the grids of a .vdb file, or what is in an image.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -22,6 +23,7 @@ constexpr const char* kInfoExamples = R"(
 Examples:
   tetstream info bunny.vdb
   tetstream info bunny.vdb --json | jq '.[].name'
+  tetstream info scan.nii.gz               its voxels, where in the world they are, labels
   tetstream info smoke.vdb --no-values     what its header says, in no time
 
 The values of float and double grids are read: their range, and the side of the surface that
@@ -46,6 +48,15 @@ std::string extent_of(const VoxelBox& box) {
                          std::int64_t{box.max.z} - box.min.z + 1);
 }
 
+/// How often a label is in an image.
+struct LabelCount {
+  std::int64_t label = 0;
+  std::uint64_t voxels = 0;
+};
+
+/// An image of more different values than this is no segmentation to list.
+constexpr std::size_t kMostLabels = 4096;
+
 /// What the values of a grid tell.
 struct GridValues {
   ValueRange range;
@@ -56,6 +67,7 @@ struct GridValues {
 struct KnownGrid {
   GridInfo info;
   std::optional<GridValues> values;  ///< of those that can be meshed, if they are read
+  std::vector<LabelCount> labels;    ///< of an image of integers, if they are read
 };
 
 std::string range_of(const KnownGrid& grid) {
@@ -79,6 +91,18 @@ std::string inside_of(const KnownGrid& grid) {
 
 constexpr const char* kRow = "%-16s %-8s %-11s %12s %14s %20s  %-6s  %-20s %10s  %-7s  %s\n";
 
+/// As many labels as a screen has room for.
+std::string labels_text(const std::vector<LabelCount>& labels) {
+  constexpr std::size_t kShown = 40;
+  std::string text = absl::StrFormat("%d labels (voxels):", labels.size());
+  for (std::size_t i = 0; i < std::min(labels.size(), kShown); ++i) {
+    absl::StrAppendFormat(&text, "%s %d (%d)", i == 0 ? "" : ",", labels[i].label,
+                          labels[i].voxels);
+  }
+  if (labels.size() > kShown) text += ", ...; --json has all";
+  return text;
+}
+
 /// Whether its values can be given to the vertices of a mesh.
 const char* field_of(const GridInfo& grid) {
   if (grid.field_components == 0) return "no";
@@ -97,6 +121,8 @@ void print_table(const std::vector<KnownGrid>& grids) {
         field_of(grid), range_of(known).c_str(), absl::StrFormat("%g", grid.background).c_str(),
         inside_of(known).c_str(),
         grid.not_meshable.empty() ? "yes" : for_terminal("no: " + grid.not_meshable).c_str());
+    if (!grid.place.empty()) std::printf("  %s\n", for_terminal(grid.place).c_str());
+    if (!known.labels.empty()) std::printf("  %s\n", labels_text(known.labels).c_str());
     if (!grid.made_of.empty()) {
       std::printf("  of a surface: %s\n", for_terminal(grid.made_of).c_str());
     }
@@ -117,6 +143,13 @@ nlohmann::ordered_json json_of(const KnownGrid& known) {
                               {"meshable", grid.not_meshable.empty()}};
   if (!grid.not_meshable.empty()) json["not_meshable"] = grid.not_meshable;
   if (!grid.made_of.empty()) json["made_of"] = grid.made_of;
+  if (!grid.place.empty()) json["place"] = grid.place;
+  if (!known.labels.empty()) {
+    auto& labels = json["labels"] = nlohmann::ordered_json::array();
+    for (const auto& [label, voxels] : known.labels) {
+      labels.push_back({{"label", label}, {"voxels", voxels}});
+    }
+  }
   if (known.values) {
     const GridValues& values = *known.values;
     json["values"] = {{"min", values.range.min}, {"max", values.range.max}};
@@ -140,6 +173,25 @@ void print_json(const std::vector<KnownGrid>& grids) {
   std::printf("%s\n", list.dump(2, ' ', kAscii, lenient).c_str());
 }
 
+/// Counts an image's labels; one of too many different values has none.
+absl::Status count_labels(const InfoOptions& options,
+                          KnownGrid& grid,
+                          const Cancellation& interruption) {
+  const bool integers = grid.info.value_type.find("int") != std::string::npos;
+  if (grid.info.grid_class != "image" || !integers || !grid.info.not_meshable.empty()) {
+    return absl::OkStatus();
+  }
+  const absl::StatusOr<LabelVolume> labels =
+      read_labels(options.path, grid.info.name, trust_of(options), interruption);
+  if (absl::IsFailedPrecondition(labels.status())) return absl::OkStatus();
+  if (!labels.ok()) return labels.status();
+  if (labels->labels.size() > kMostLabels) return absl::OkStatus();
+  for (std::size_t i = 0; i < labels->labels.size(); ++i) {
+    grid.labels.push_back({labels->labels[i], labels->voxel_counts[i]});
+  }
+  return absl::OkStatus();
+}
+
 /// What cannot be read cannot be meshed, and the list says why.
 absl::Status read_values(const InfoOptions& options,
                          KnownGrid& grid,
@@ -149,6 +201,7 @@ absl::Status read_values(const InfoOptions& options,
       read_volume(options.path, grid.info.name, trust_of(options), interruption);
   if (volume.ok()) {
     grid.values = {value_range(*volume), own_side(*volume), volume->kind_source};
+    grid.info.background = volume->background;
   } else if (absl::IsFailedPrecondition(volume.status())) {
     grid.info.not_meshable = std::string(volume.status().message());
   } else {
@@ -164,9 +217,12 @@ absl::StatusOr<std::vector<KnownGrid>> read_grids(const InfoOptions& options,
   if (!listed.ok()) return listed.status();
   std::vector<KnownGrid> grids;
   for (const GridInfo& info : *listed) {
-    grids.push_back({info, {}});
+    grids.push_back({info, {}, {}});
     if (options.no_values) continue;
     if (auto status = read_values(options, grids.back(), interruption); !status.ok()) {
+      return status;
+    }
+    if (auto status = count_labels(options, grids.back(), interruption); !status.ok()) {
       return status;
     }
   }
@@ -185,7 +241,9 @@ absl::Status run_info(const InfoOptions& options, const Cancellation& interrupti
 Command add_info_command(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
   app.footer(kInfoExamples);
-  app.add_option("FILE", options->path, "A .vdb file")->required();
+  app.add_option("FILE", options->path,
+                 "A .vdb file, or an image: .nii, .nrrd, .mha, .vti, .npy")
+      ->required();
   app.add_flag("--json", options->json, "As JSON, for programs");
   app.add_flag("--no-values", options->no_values,
                "Leave out what takes reading the values: their range, and the inside");

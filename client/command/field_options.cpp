@@ -1,18 +1,17 @@
 #include "client/command/field_options.h"
 
-#include <absl/strings/ascii.h>
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "client/command/mesh_input.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
+#include "client/command/volume_file.h"
 
 namespace tet {
 namespace {
 
 bool is_grid_file(const std::string& text) {
-  return absl::EndsWith(absl::AsciiStrToLower(text), ".vdb") || !stored_grid_name(text).empty();
+  return is_volume_file(text) || !stored_grid_name(text).empty();
 }
 
 /// Where the file's name ends; npos where none is named.

@@ -48,16 +48,17 @@ std::vector<NamedCommand> add_commands(CLI::App& app) {
     CLI::App* command = app.add_subcommand(name, about);
     return NamedCommand{command, describe(*command)};
   };
-  return {add("mesh", "Mesh a .vdb grid or a closed surface", add_mesh_command),
-          add("report", "Draw a page of a mesh's report", add_report_command),
-          add("transfer", "Put one mesh's arrays on another mesh", add_transfer_command),
-          add("sample", "Tell phi and fields at points", add_sample_command),
-          add("estimate", "Count a mesh, and tell what it takes", add_estimate_command),
-          add("info", "List the grids of a .vdb file", add_info_command),
-          add("convert", "Make a .vdb level set of a surface", add_convert_command),
-          add("formats", "List the mesh files that can be written", add_formats_command),
-          add("health", "Ask a server whether it is serving", add_health_command),
-          add("job", "Meshes made while nobody waits: submit, follow, fetch", add_job_command)};
+  return {
+      add("mesh", "Mesh a .vdb grid, an image or a closed surface", add_mesh_command),
+      add("report", "Draw a page of a mesh's report", add_report_command),
+      add("transfer", "Put one mesh's arrays on another mesh", add_transfer_command),
+      add("sample", "Tell phi and fields at points", add_sample_command),
+      add("estimate", "Count a mesh, and tell what it takes", add_estimate_command),
+      add("info", "List the grids of a .vdb file, or what an image holds", add_info_command),
+      add("convert", "Make a .vdb level set of a surface", add_convert_command),
+      add("formats", "List the mesh files that can be written", add_formats_command),
+      add("health", "Ask a server whether it is serving", add_health_command),
+      add("job", "Meshes made while nobody waits: submit, follow, fetch", add_job_command)};
 }
 
 /// With the name of the call in the server's log, where there is one.

@@ -62,8 +62,10 @@ absl::Status check_trust(const MeshOptions& options) {
 
 void describe_input(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;
-  app.add_option("INPUT", options.input,
-                 "A .vdb volume, a closed .obj, .stl or .ply surface, or a .json scene")
+  app.add_option(
+         "INPUT", options.input,
+         "A .vdb volume, an image (.nii, .nrrd, .mha, .vti, .npy), a closed .obj, .stl or "
+         ".ply surface, or a .json scene")
       ->required();
   describe_request(app, arguments.request);
   app.add_flag("--all-grids", options.all_grids,

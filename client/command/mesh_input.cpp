@@ -2,14 +2,13 @@
 
 #include <filesystem>
 
-#include <absl/strings/ascii.h>
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "client/command/abandonable.h"
 #include "client/command/scene_input.h"
 #include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
+#include "client/command/volume_file.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -43,13 +42,14 @@ absl::Status check_mesh_input(const MeshInput& input) {
     if (!input.surface.voxel) return check_open(input);
     return absl::InvalidArgumentError("--voxel is for surfaces; a scene takes --spacing");
   }
-  if (!absl::EndsWith(absl::AsciiStrToLower(input.path), ".vdb")) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the input ", input.path, " must end in .vdb, .obj, .stl, .ply or .json"));
+  if (!is_volume_file(input.path)) {
+    return absl::InvalidArgumentError(absl::StrCat("the input ", input.path, " must end in ",
+                                                   kVolumeEndings,
+                                                   ", .obj, .stl, .ply or .json"));
   }
   if (input.surface.voxel) {
     return absl::InvalidArgumentError(
-        "--voxel is for surfaces; use --spacing to mesh a .vdb at another size");
+        "--voxel is for surfaces; use --spacing to mesh a volume at another size");
   }
   return check_open(input);
 }

@@ -11,6 +11,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "client/command/text_file.h"
+#include "client/command/volume_file.h"
 #include "proto/scene/scene_message.h"
 #include "proto/wire/sha256.h"
 
@@ -36,11 +37,12 @@ std::string path_of_grid(const std::string& scene, const std::string& name) {
 
 /// Checks the name of the grid in node `node` of a scene file.
 absl::Status check_name(const std::string& scene, int node, const std::string& name) {
-  if (absl::EndsWith(absl::AsciiStrToLower(name), ".vdb")) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      scene, ": nodes[", node, "].grid.name \"", name,
-      "\" is no .vdb file: `tetstream convert` makes one of a surface, and what is stored as "
-      "grids/... is for --server"));
+  if (is_volume_file(name)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(scene, ": nodes[", node, "].grid.name \"", name,
+                   "\" is no .vdb file and no image: `tetstream convert` makes one of a "
+                   "surface, and what is stored as "
+                   "grids/... is for --server"));
 }
 
 absl::Status load_grids(const std::string& path,

@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "client/library/attached_image.h"
 #include "client/library/connection.h"
 #include "client/library/local_file.h"
 #include "client/library/mesh_receiver.h"
@@ -38,7 +39,9 @@ MeshClient::~MeshClient() = default;
 absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
                                                     const ClientProgress& progress,
                                                     const Cancellation& cancellation) {
-  const auto file = name_file(path, cancellation);
+  const absl::StatusOr<AttachedImage> attached = AttachedImage::of(path);
+  if (!attached.ok()) return attached.status();
+  const auto file = name_file(attached->path(), cancellation);
   if (!file.ok()) return file.status();
   v1::FindMissingGridsRequest find;
   find.add_names(file->name);

@@ -1,5 +1,6 @@
 #include "client/library/read_grids.h"
 
+#include "client/library/attached_image.h"
 #include "core/vdb/check_file.h"
 #include "core/vdb/decode_file.h"
 #include "core/vdb/load.h"
@@ -7,10 +8,20 @@
 namespace tet {
 namespace {
 
-absl::StatusOr<SealedBlock> decode_here(const FileRequest& request,
-                                        const Cancellation& interruption) {
+absl::StatusOr<SealedBlock> decode_here(FileRequest request, const Cancellation& interruption) {
   if (absl::Status s = check_file(request.path); !s.ok()) return s;
+  const absl::StatusOr<AttachedImage> file = AttachedImage::of(request.path);
+  if (!file.ok()) return file.status();
+  request.path = file->path();
   return decode_once(request, {}, [&] { return interruption.requested(); });
+}
+
+/// Calls `load(path)` of the file, or of what is joined of it.
+template <class Load>
+auto load_here(const std::string& path, const Load& load) -> decltype(load(path)) {
+  const absl::StatusOr<AttachedImage> file = AttachedImage::of(path);
+  if (!file.ok()) return file.status();
+  return load(file->path());
 }
 
 }  // namespace
@@ -19,7 +30,9 @@ absl::StatusOr<Volume> read_volume(const std::string& path,
                                    const std::string& grid_name,
                                    FileTrust trust,
                                    const Cancellation& interruption) {
-  if (trust == FileTrust::kFull) return load_volume(path, grid_name);
+  if (trust == FileTrust::kFull) {
+    return load_here(path, [&](const std::string& p) { return load_volume(p, grid_name); });
+  }
   const FileRequest request{DecodeTask::kVolume, path, path, grid_name, LoadLimits{}.max_bytes};
   return volume_of(decode_here(request, interruption), request);
 }
@@ -29,16 +42,32 @@ absl::StatusOr<Volume> read_field(const std::string& path,
                                   std::uint32_t component,
                                   FileTrust trust,
                                   const Cancellation& interruption) {
-  if (trust == FileTrust::kFull) return load_field(path, grid_name, component);
+  if (trust == FileTrust::kFull) {
+    return load_here(path,
+                     [&](const std::string& p) { return load_field(p, grid_name, component); });
+  }
   const FileRequest request{DecodeTask::kField,     path,     path, grid_name,
                             LoadLimits{}.max_bytes, component};
   return volume_of(decode_here(request, interruption), request);
 }
 
+absl::StatusOr<LabelVolume> read_labels(const std::string& path,
+                                        const std::string& grid_name,
+                                        FileTrust trust,
+                                        const Cancellation& interruption) {
+  if (trust == FileTrust::kFull) {
+    return load_here(path, [&](const std::string& p) { return load_labels(p, grid_name); });
+  }
+  const FileRequest request{DecodeTask::kLabels, path, path, grid_name, LoadLimits{}.max_bytes};
+  return labels_of(decode_here(request, interruption), request);
+}
+
 absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
                                                      FileTrust trust,
                                                      const Cancellation& interruption) {
-  if (trust == FileTrust::kFull) return list_grids(path);
+  if (trust == FileTrust::kFull) {
+    return load_here(path, [](const std::string& p) { return list_grids(p); });
+  }
   const FileRequest request{DecodeTask::kGridList, path, path, "", LoadLimits{}.max_bytes};
   return grid_list_of(decode_here(request, interruption), request);
 }

@@ -1,4 +1,5 @@
-// The grids of a .vdb file on this machine, by way of a decoder unless the file is trusted.
+// The grids of a .vdb file, or an image, on this machine, by way of a decoder unless the file
+// is trusted.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 
 #include "core/base/cancel.h"
 #include "core/volume/grid_info.h"
+#include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
 
 namespace tet {
@@ -35,6 +37,13 @@ absl::StatusOr<Volume> read_field(const std::string& path,
                                   std::uint32_t component,
                                   FileTrust trust,
                                   const Cancellation& interruption);
+
+/// An image's labels. Errors: those of load_labels; without trust those of decode_once and
+/// labels_of too.
+absl::StatusOr<LabelVolume> read_labels(const std::string& path,
+                                        const std::string& grid_name,
+                                        FileTrust trust,
+                                        const Cancellation& interruption);
 
 /// Errors: those of list_grids; without trust those of decode_once and grid_list_of too.
 absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,

@@ -3,6 +3,7 @@
     TETSTREAM_BIN=build/release/bin PYTHONPATH=tests/client python3 tests/docs/commands_test.py
 """
 
+import gzip
 import os
 import pathlib
 import re
@@ -10,7 +11,10 @@ import shlex
 import subprocess
 import unittest
 
+import numpy
+
 from command_case import ServerTest, binaries, unused_port
+from image_files import ellipsoid, nifti, nrrd, oblique
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -59,6 +63,16 @@ def octahedron(path, missing=0):
                     "".join(f"f {a} {b} {c}\n" for a, b, c in faces[missing:]))
 
 
+def images(folder):
+    """An ellipsoid with a value of 400 within, as the pages have scans."""
+    values, affine = ellipsoid(oblique((0.6, 0.6, 1.2)))
+    values = numpy.where(values > 100, 400, 0) + values
+    (folder / "ct.nii.gz").write_bytes(gzip.compress(nifti(values.astype("f4"), affine)))
+    (folder / "head.nhdr").write_bytes(nrrd(values.astype("f4"), affine, data_file="head.raw"))
+    (folder / "head.raw").write_bytes(values.astype("<f4").tobytes(order="F"))
+    numpy.save(folder / "stack.npy", values.transpose(2, 1, 0))
+
+
 class Commands(ServerTest):
     volumes = {}
 
@@ -67,6 +81,7 @@ class Commands(ServerTest):
         (self.out / "docs").symlink_to(ROOT / "docs")
         (self.out / "scans").mkdir()
         octahedron(self.out / "bunny.obj")
+        images(self.out)
         octahedron(self.out / "scan.obj", missing=1)
         for name, (kind, voxel) in FILES.items():
             subprocess.run([binaries() / "make_fixture", kind, str(voxel), self.out / name],

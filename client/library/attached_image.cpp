@@ -1,0 +1,22 @@
+#include "client/library/attached_image.h"
+
+#include <utility>
+
+#include "core/image/join_image.h"
+
+namespace tet {
+
+absl::StatusOr<AttachedImage> AttachedImage::of(const std::string& path) {
+  AttachedImage image;
+  image.path_ = path;
+  if (!is_detached_image(path)) return image;
+  absl::StatusOr<tetstream::TemporaryFolder> folder = tetstream::TemporaryFolder::make();
+  if (!folder.ok()) return folder.status();
+  image.path_ = folder->file("joined.image");
+  image.folder_.emplace(*std::move(folder));
+  const absl::Status joined = join_image(path, image.path_);
+  if (!joined.ok()) return joined;
+  return image;
+}
+
+}  // namespace tet
