@@ -21,7 +21,7 @@ using Clock = Cancellation::Clock;
 
 /// How long poll(2) waits at most: the clock that deadlines are on may be set meanwhile.
 constexpr std::chrono::milliseconds kLongestPoll{60'000};
-/// The same where the process has no descriptors left to be woken by.
+/// How long it waits where the process has no descriptors left to be woken by.
 constexpr std::chrono::milliseconds kUnwakeablePoll{25};
 
 /// The thread that waits for all cancellations that somebody wants to hear of. It is there from

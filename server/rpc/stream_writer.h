@@ -60,7 +60,7 @@ class StreamWriter : public Stallable, public std::enable_shared_from_this<Strea
   void advance();
   /// The call ends with `status` as soon as nothing is being written; the first status counts.
   void close(const absl::Status& status);
-  /// The same with the lock held, and without a step.
+  /// Does so with the lock held, and takes no step.
   void end(const absl::Status& status);
   /// Whether it ends; with the lock.
   bool ended() const { return ended_; }
