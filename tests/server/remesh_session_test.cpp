@@ -165,13 +165,13 @@ TEST_F(RemeshSessionTest, KeepsTheSideOfItsFirstRequestForEveryFrame) {
   request.set_inside(v1::INSIDE_ABOVE);
   const Session session = begin(request);
   ASSERT_TRUE(session);
-  const double before = session->mesh().quality->volume;
+  const double before = session->mesh().quality.volume;
   EXPECT_NEAR(before, 4.19, 0.1) << "the ball, and not what is around it";
   // The ball is where values are positive, so it shrinks there.
   ASSERT_EQ(session->update(std::vector{inflated(volume, volume.bricks.size() / 2)}),
             absl::OkStatus());
-  EXPECT_LT(session->mesh().quality->volume, before);
-  EXPECT_GT(session->mesh().quality->volume, 3.5);
+  EXPECT_LT(session->mesh().quality.volume, before);
+  EXPECT_GT(session->mesh().quality.volume, 3.5);
 }
 
 TEST_F(RemeshSessionTest, AnswersFramesThatAreSentAheadInTheirOrder) {

@@ -151,6 +151,7 @@ TEST(LabelMesh, HasTheSameBytesForAnyThreadsAndChunks) {
     SCOPED_TRACE(labels.name);
     LabelMeshing how{.domain = kBox, .levels = 1, .threads = 1};
     how.coordinates = CoordinateType::kFloat32;
+    how.chunk_bytes = 1 << 24;
     const FilledMesh first = mesh_of(labels.functions, how);
     how.threads = 3;
     how.chunk_bytes = 1 << 14;
@@ -178,7 +179,7 @@ TEST(LabelMesh, IsRefusedOverTheLimits) {
   job.limits.max_plan_bytes = 20'000;
   EXPECT_EQ(plan_labels(job).status().code(), absl::StatusCode::kResourceExhausted);
   job.limits = {};
-  job.limits.max_tets = 60'000;
+  job.limits.max_tets = 1'000;
   EXPECT_EQ(plan_labels(job).status().code(), absl::StatusCode::kResourceExhausted);
 }
 

@@ -46,15 +46,28 @@ class SidesOfVolume final : public LabelSource {
                           LabelSamples& samples) override {
       find_signs(*phi_, cuts_->signs);
       find_cut_points(*phi_, sampler_, brick, *cuts_);
-      for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
-        for_each_bit(changes[f], [&](int low) {
-          samples.fraction[f][static_cast<std::size_t>(low)] =
-              cuts_->fraction[f][static_cast<std::size_t>(low)];
+      for (int f = 0; f < static_cast<int>(kEdgeFamilies); ++f) {
+        const NodeKind kind = family_kind(f), end = end_kind(kind, family_direction(f));
+        const int to_end = end_offset(kind, family_direction(f));
+        for_each_bit(changes[static_cast<std::size_t>(f)], [&](int low) {
+          // A node that lies on the surface is its own cut point.
+          const float cut = phi_of(kind, low) == 0           ? 0
+                            : phi_of(end, low + to_end) == 0 ? 1
+                                                             : fraction_of(f, low);
+          samples.fraction[static_cast<std::size_t>(f)][static_cast<std::size_t>(low)] = cut;
         });
       }
     }
 
    private:
+    float phi_of(NodeKind kind, int node) const {
+      const auto i = static_cast<std::size_t>(node);
+      return kind == kCorner ? phi_->corner[i] : phi_->centre[i];
+    }
+    float fraction_of(int family, int low) const {
+      return cuts_->fraction[static_cast<std::size_t>(family)][static_cast<std::size_t>(low)];
+    }
+
     PhiSampler sampler_;
     std::unique_ptr<BrickSamples> phi_ = std::make_unique<BrickSamples>();
     std::unique_ptr<CutPoints> cuts_ = std::make_unique<CutPoints>();
