@@ -234,7 +234,8 @@ absl::StatusOr<Volume> copy_field(const openvdb::GridBase& grid, std::uint32_t c
 }
 
 bool has_real_values(const openvdb::GridBase& grid) {
-  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() ||
+         grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
 }
 
 }  // namespace tet

@@ -23,7 +23,7 @@ absl::Status check_meshable(const openvdb::GridBase& grid);
 /// an empty grid.
 absl::StatusOr<Volume> copy_grid(const openvdb::GridBase& grid);
 
-/// Whether its numbers are float or double.
+/// Whether its numbers, or those of its vectors, are float or double.
 bool has_real_values(const openvdb::GridBase& grid);
 
 /// Ok when the values of a grid of this type and transform can be looked up.

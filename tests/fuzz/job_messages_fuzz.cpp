@@ -157,10 +157,14 @@ class Calls {
     };
     const std::string id(24, '0');
     std::vector<SqlValue> values{id, std::string(kSpace), Blob{}, std::string("\nkey")};
-    constexpr int kBeforeError = 5, kAfterError = 15;
+    constexpr int kBeforeError = 5, kAfterError = 14;
     for (int i = 0; i < kBeforeError; ++i) values.emplace_back(number());
     values.emplace_back(Blob{std::string(bytes)});
     for (int i = 0; i < kAfterError; ++i) values.emplace_back(number());
+    values.emplace_back(std::string("algorithm"));
+    for (int i = 0; i < 2; ++i) values.emplace_back(number());  // replans, shards given back
+    values.emplace_back(Blob{std::string(bytes)});              // why they were
+    values.emplace_back(number());                              // leased shards
     values.emplace_back(Blob{std::string(bytes)});
     values.emplace_back(Blob{std::string(bytes)});
     check_told(job_row(SqlRow(std::move(values))).job);
