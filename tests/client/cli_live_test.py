@@ -194,7 +194,7 @@ class OnAServer(ServerTest):
                     name, ".vtu", "--report", self.out / "r.json", *options, *server))
                 reports.append(json.loads((self.out / "r.json").read_text()))
             self.assertEqual(set(reports[1].pop("stages")),
-                             {"uploading", "planning", "meshing", "writing"})
+                             {"uploading", "planning", "meshing", "checking", "writing"})
             del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
             self.assertEqual(*reports)
 
@@ -212,7 +212,7 @@ class OnAServer(ServerTest):
         self.assertGreaterEqual(reports[0]["improvement"]["min_after_deg"], 20)
         self.assertLess(reports[0]["improvement"]["min_before_deg"], 20)
         self.assertEqual(set(reports[0]["stages"]),
-                         {"reading", "planning", "meshing", "improving", "writing"})
+                         {"reading", "planning", "meshing", "improving", "checking", "writing"})
 
     def test_converts_a_surface_before_it_goes_up(self):
         (self.inputs / "cube.obj").write_text(CUBE + LID)
