@@ -61,7 +61,8 @@ class ImageCase(CommandTest):
         report = self.mesh_image(path, *options)
         self.assertLess(farthest_from_ellipsoid(surface_points(self.out / "mesh.vtu")),
                         0.1 * spacing)
-        self.assertAlmostEqual(report["volume"], VOLUME, delta=0.01 * VOLUME)
+        # Triangles with their corners on the ellipsoid hold less than it.
+        self.assertAlmostEqual(report["volume"], VOLUME, delta=0.02 * VOLUME)
         self.assertGreater(report["min_dihedral_deg"], 11.2)
         self.assertLess(report["max_dihedral_deg"], 154.9)
         return report
@@ -285,7 +286,6 @@ class ImageFormats(ImageCase):
                 extent = (box.max(axis=0) - box.min(axis=0)) / 2
                 numpy.testing.assert_allclose(extent, SEMI_AXES, atol=0.2)
 
-
     def test_of_numpy_get_their_place_from_convert(self):
         values, affine = ellipsoid(numpy.diag(CT))
         numpy.save(self.inputs / "zyx.npy", values.transpose(2, 1, 0).astype(">f4"))
@@ -299,7 +299,9 @@ class ImageFormats(ImageCase):
                               (("--spacing3", "1", "0", "1"), "no place")):
             result = self.tetstream("convert", self.inputs / "zyx.npy", self.out / "x.nrrd",
                                     *options)
-            self.assert_fails(result, REFUSED, word)
+            self.assertEqual(result.returncode, REFUSED)
+            self.assertIn(word, result.stderr)
+            self.assertFalse((self.out / "x.nrrd").exists())
 
 
 class ImageInfo(ImageCase):
