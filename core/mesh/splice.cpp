@@ -195,8 +195,8 @@ void copy_rows(std::span<const std::byte> from,
 absl::Status check_splice(const MeshHeader& from, const MeshHeader& to, const KeptParts& kept) {
   if (!can_splice(from, to)) {
     return absl::InvalidArgumentError(
-        "meshes with other types, about another origin or with fields have no parts in "
-        "common");
+        "meshes with other types, about another origin, with fields, faces or labels have no "
+        "parts in common");
   }
   absl::Status status =
       check_runs(kept.vertices, "vertices", from.vertex_count, to.vertex_count);
@@ -209,7 +209,8 @@ absl::Status check_splice(const MeshHeader& from, const MeshHeader& to, const Ke
 bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept {
   return from.coordinate_type == to.coordinate_type && from.index_type == to.index_type &&
          from.has_regions == to.has_regions && from.origin == to.origin &&
-         from.spacing == to.spacing && to.fields.empty();
+         from.spacing == to.spacing && to.fields.empty() && !to.has_faces() &&
+         to.labels.empty();
 }
 
 absl::StatusOr<TetMesh> splice_mesh(const TetMesh& from,

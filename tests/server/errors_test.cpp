@@ -196,8 +196,6 @@ void ErrorsTest::wrong_fields() {
   v1::Field& second = *request.add_fields();
   second.set_grid_name("wind");
   tell("a field that is not in the file", estimate(request));
-  second.set_grid_name("count");
-  tell("a field of whole numbers", estimate(request));
   second.set_grid_name("heat");
   tell("two fields of one name, by their grids", estimate(request));
   first.set_name("heat");

@@ -90,7 +90,7 @@ class RequestRulesTest : public ServiceTest {
     ASSERT_TRUE(session.ok()) << session.status();
     const std::uint64_t all = (*session)->mesh().mesh.header.tet_count;
     EXPECT_GT(all, 0U);
-    ASSERT_TRUE((*session)->update(std::vector<v1::LeafUpdate>()).ok());
+    ASSERT_EQ((*session)->update(std::vector<v1::LeafUpdate>()), absl::OkStatus());
     EXPECT_EQ((*session)->tets_sent(), rule == nullptr ? 0 : all);
   }
 
