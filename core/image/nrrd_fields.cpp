@@ -135,8 +135,9 @@ std::vector<std::string> numbered_files(const std::string& text) {
   if (!counts) refuse_image(absl::StrCat("its data file counts from ", first, " to ", last));
   std::vector<std::string> files;
   for (std::int64_t i = first; step > 0 ? i <= last : i >= last; i += step) {
+    const bool with_zeros = pattern[percent + 1] == '0';
     const std::string number =
-        absl::StrFormat(pattern[percent + 1] == '0' ? "%0*d" : "%*d", width, i);
+        with_zeros ? absl::StrFormat("%0*d", width, i) : absl::StrFormat("%*d", width, i);
     files.push_back(absl::StrCat(as_absl(pattern.substr(0, percent)), number,
                                  as_absl(pattern.substr(end + 1))));
   }
