@@ -137,7 +137,7 @@ class ThreeLabels {
       const auto [a, b] = kTetEdge[e];
       corner_.at[4 + e] = places_.cut(edge_between(roles_[a], roles_[b]));
     }
-    for (const std::size_t opposite : {0, 1}) {
+    for (const std::size_t opposite : {std::size_t{0}, std::size_t{1}}) {
       corner_.at[label_triple(opposite)] = places_.triple(roles_[opposite]);
     }
   }
