@@ -12,7 +12,6 @@
 #include "core/plan/mesh_request.h"
 #include "tests/certificate/background_cases.h"
 #include "tests/certificate/certify.h"
-#include "tests/certificate/label_cases.h"
 #include "tests/certificate/stuffing_cases.h"
 
 namespace tet::certificate {
@@ -57,11 +56,6 @@ std::vector<Row> rows_of(const StuffingRules& rules) {
   std::map<std::string, std::vector<Problem>> by_name;
   for (Problem& problem : stuffing_cases(rules)) {
     by_name[problem.name].push_back(std::move(problem));
-  }
-  if (rules.both_sides) {  // and any number of labels
-    for (Problem& problem : label_cases(rules.limits)) {
-      by_name[problem.name].push_back(std::move(problem));
-    }
   }
   by_name["background"] = background_cases();
   std::vector<Row> rows;
