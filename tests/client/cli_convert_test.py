@@ -99,7 +99,7 @@ class Convert(CommandTest):
         (self.inputs / "text.ply").write_text("hello")
         self.assert_fails(self.convert("text.ply"), REFUSED, "text.ply")
         self.assert_fails(self.convert("missing.stl"), REFUSED, "missing.stl")
-        self.assert_fails(self.convert("sphere.vdb"), REFUSED, ".obj, .stl or .ply")
+        self.assert_fails(self.convert("sphere.vdb"), REFUSED, ".obj, .stl, .ply or .npy")
 
     def test_refuses_voxels_without_a_size(self):
         for voxel in ("0", "-1", "nan"):
