@@ -88,7 +88,7 @@ class Fields(CommandTest):
             self.assertRegex(result.stdout, rf"{grid} .* {field} ")
         grids = json.loads(
             self.tetstream("info", self.inputs / "fields.vdb", "--json").stdout)
-        self.assertEqual([grid["field_components"] for grid in grids], [1, 1, 3, 0])
+        self.assertEqual([grid["field_components"] for grid in grids], [1, 1, 3, 1])
 
     def test_count_in_an_estimate(self):
         result = self.tetstream(
