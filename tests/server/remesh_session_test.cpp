@@ -72,7 +72,7 @@ v1::LeafUpdate inflated(const Volume& volume, std::size_t brick) {
   return leaf;
 }
 
-/// Of all tets together.
+/// The volume that all tets have together.
 double volume_of(const TetMesh& mesh) {
   double volume = 0;
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
