@@ -1,5 +1,6 @@
 #include "core/image/header_numbers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -134,6 +135,16 @@ void check_data_end(const ImageArray& array, std::uint64_t file_bytes) {
       "it is truncated: %d x %d x %d values of %s take %d bytes, and %d follow the header",
       array.size[0], array.size[1], array.size[2], scalar_name(array.type), array.value_bytes(),
       left));
+}
+
+void set_attached_data(std::uint64_t header_end, std::uint64_t file_bytes, ImageArray& array) {
+  array.offset = header_end;
+  array.bytes = file_bytes - std::min(header_end, file_bytes);
+  if (array.encoding == ImageEncoding::kRaw) {
+    check_data_end(array, file_bytes);
+    array.bytes = array.value_bytes();
+  }
+  check_claim(array);
 }
 
 }  // namespace tet

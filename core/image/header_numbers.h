@@ -39,4 +39,7 @@ void check_claim(const ImageArray& array);
 /// Refuses data that ends beyond the file.
 void check_data_end(const ImageArray& array, std::uint64_t file_bytes);
 
+/// Sets where an array's data lie that follow their header in one file, and checks them.
+void set_attached_data(std::uint64_t header_end, std::uint64_t file_bytes, ImageArray& array);
+
 }  // namespace tet

@@ -196,19 +196,12 @@ ImageOutline read_meta_header(std::span<const std::byte> head, std::uint64_t fil
   outline.format = ImageFormat::kMeta;
   outline.space.axes = "LPS";
   ImageArray array = read_meta_array(fields);
-  const std::string& file = fields.get("ElementDataFile");
-  if (file != "LOCAL" && file != "Local" && file != "local") {
+  if (!absl::EqualsIgnoreCase(fields.get("ElementDataFile"), "LOCAL")) {
     refuse_contents(
         "its data are in another file: join them, as tetstream does with a header "
         "that it is given on the command line");
   }
-  array.offset = fields.end;
-  array.bytes = file_bytes - std::min<std::uint64_t>(fields.end, file_bytes);
-  if (array.encoding == ImageEncoding::kRaw) {
-    check_data_end(array, file_bytes);
-    array.bytes = array.value_bytes();
-  }
-  check_claim(array);
+  set_attached_data(fields.end, file_bytes, array);
   outline.arrays.push_back(std::move(array));
   return outline;
 }

@@ -293,13 +293,7 @@ ImageOutline read_nrrd_header(std::span<const std::byte> head, std::uint64_t fil
         "it skips bytes before its data, though they follow its header: write it "
         "without 'byte skip' and 'line skip'");
   }
-  array.offset = fields.end;
-  array.bytes = file_bytes - std::min<std::uint64_t>(fields.end, file_bytes);
-  if (array.encoding == ImageEncoding::kRaw) {
-    check_data_end(array, file_bytes);
-    array.bytes = array.value_bytes();
-  }
-  check_claim(array);
+  set_attached_data(fields.end, file_bytes, array);
   outline.arrays.push_back(std::move(array));
   return outline;
 }

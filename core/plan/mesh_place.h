@@ -34,7 +34,8 @@ absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               const MeshRequest& request,
                                               MeshHeader& header);
 
-/// The same of any lattice, but for the guess.
+/// Places any lattice in the world as place_in_world does, and leaves the guess of the inside
+/// alone.
 absl::StatusOr<LatticeToWorld> place_lattice(const VoxelTransform& lattice,
                                              const VoxelBox& corners,
                                              double beyond,

@@ -26,7 +26,7 @@ struct PreparedMesh {
 
 /// The field that a request means, and what it refers to beside the shape.
 struct MeshedField {
-  /// Of a grid whose voxels are no cubes, else null: the scene that stands for it.
+  /// The scene that stands for a grid whose voxels are no cubes; null for all else.
   std::shared_ptr<const Scene> stand_in;
   PhiField phi;
 };

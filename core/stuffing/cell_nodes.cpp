@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/base/brick_index.h"
 #include "core/base/vector_clones.h"
 
 namespace tet {
@@ -28,6 +29,18 @@ void gather_around_cells(const std::array<const BrickMask*, 8>& bricks,
 }
 
 }  // namespace
+
+LeavesAround leaves_around(const MaskColumn& leaf, const PlacesAround& places) noexcept {
+  static constexpr BrickMask kNone;
+  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
+      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
+  LeavesAround leaves{&leaf[places[kItself]], {}};
+  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
+    const std::uint32_t at = places[kBeyond[direction]];
+    leaves.beyond[direction] = at != kNoBrick ? &leaf[at] : &kNone;
+  }
+  return leaves;
+}
 
 CellNodes nodes_around_cells(const BrickNeighbourhood& bricks,
                              const LeavesAround& leaves) noexcept {

@@ -5,6 +5,8 @@
 #include <cstddef>
 
 #include "core/base/brick_mask.h"
+#include "core/base/brick_neighbours.h"
+#include "core/base/mask_column.h"
 #include "core/base/types.h"
 #include "core/lattice/background.h"
 #include "core/lattice/bcc.h"
@@ -18,6 +20,9 @@ struct LeavesAround {
   const BrickMask* own;
   std::array<const BrickMask*, kFaceDirections> beyond;
 };
+
+/// Those of the finest brick in the middle of `places`; `leaf` has the finest level's.
+LeavesAround leaves_around(const MaskColumn& leaf, const PlacesAround& places) noexcept;
 
 /// The nodes around each cell of a finest brick, as one region sees them.
 ///

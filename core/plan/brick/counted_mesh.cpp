@@ -270,19 +270,6 @@ VerticesAround CountedMesh::vertices_around(const PlacesAround& places) const no
   return around;
 }
 
-LeavesAround CountedMesh::leaves_around(const PlacesAround& places) const noexcept {
-  static constexpr BrickMask kNone;
-  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
-      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
-  const MaskColumn& leaf = tree_.levels[0].leaf;
-  LeavesAround leaves{&leaf[places[kItself]], {}};
-  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
-    const std::uint32_t at = places[kBeyond[direction]];
-    leaves.beyond[direction] = at != kNoBrick ? &leaf[at] : &kNone;
-  }
-  return leaves;
-}
-
 std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
   if (place.level == 0) {
     return vertices_of_finest(place.brick).count();
@@ -312,7 +299,7 @@ std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
   const bool all_minus =
       std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
   if (all_minus && !rules_.both_sides) return 0;
-  CellNodes nodes = nodes_around_cells(bricks, leaves_around(around));
+  CellNodes nodes = nodes_around_cells(bricks, leaves_around(tree_.levels[0].leaf, around));
   if (!rules_.both_sides) return count_finest(nodes, nullptr);
   const FanMasks* fans = vertices_of_finest(brick).fans;
   const std::uint64_t inside = count_finest(nodes, fans);
@@ -382,7 +369,7 @@ std::uint64_t CountedMesh::finest_faces_of(std::size_t brick,
   const BrickSurroundings beside = surroundings(around);
   const DomainFaces domain(outer, beside);
   const FacesAround faces{beside, at_end ? &domain : nullptr};
-  CellNodes nodes = nodes_around_cells(bricks, leaves_around(around));
+  CellNodes nodes = nodes_around_cells(bricks, leaves_around(tree_.levels[0].leaf, around));
   std::uint64_t count = 0;
   if (at_surface) count = count_surface_faces(nodes, faces, vertices_of_finest(brick).fans);
   if (!at_end) return count;

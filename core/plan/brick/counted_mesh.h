@@ -111,8 +111,6 @@ class CountedMesh {
   VerticesAround vertices_around(std::size_t brick) const noexcept;
   /// Answers the same for a finest brick whose neighbours are known.
   VerticesAround vertices_around(const PlacesAround& places) const noexcept;
-  /// The leaves of that brick and of those beyond its faces.
-  LeavesAround leaves_around(const PlacesAround& places) const noexcept;
   /// What the survey kept of a finest brick: see MeshStructure::stuffed.
   std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
   const Survey& survey() const noexcept { return survey_; }

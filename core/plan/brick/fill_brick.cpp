@@ -148,7 +148,7 @@ void BrickFiller::write_faces(std::uint64_t first_tet, const ChunkColumns& colum
 CellNodes BrickFiller::nodes_of(const PlacesAround& places) const noexcept {
   BrickNeighbourhood signs;
   for (std::size_t o = 0; o < signs.size(); ++o) signs[o] = around_[o].stuffed;
-  return nodes_around_cells(signs, mesh_.leaves_around(places));
+  return nodes_around_cells(signs, leaves_around(mesh_.tree().levels[0].leaf, places));
 }
 
 template <class Index>

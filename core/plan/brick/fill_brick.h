@@ -97,8 +97,8 @@ class BrickFiller {
   BrickPlace last_;             // the brick that they have come to
   VerticesAround around_;       // of the brick being filled, where it is finest
   CellNodes nodes_;
-  // Of the brick being filled, where it has faces.
   bool has_faces_ = false;
+  // What is around the brick that is being filled; set only where the mesh has faces.
   OuterCells outer_;
   BrickSurroundings surroundings_;
   std::size_t filled_ = 0;  // bricks

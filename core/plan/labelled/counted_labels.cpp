@@ -172,7 +172,8 @@ std::uint64_t CountedLabels::tets_of(BrickPlace place, const PlacesAround& aroun
     return count_background(gather_background(level, around, MeshRegion::kInside)).total();
   }
   const LabelledParts all = parts(around);
-  return count_alike(all, leaf_faces(around), survey_.rules.kept) +
+  return count_alike(all, LeafFaces(leaves_around(tree_.levels[0].leaf, around)),
+                     survey_.rules.kept) +
          (all[0].brick != nullptr ? all[0].brick->divided_tets : 0);
 }
 
@@ -188,19 +189,6 @@ LabelledParts CountedLabels::parts(const PlacesAround& around) const noexcept {
     if (at != kNoBrick) parts[o] = part_of(at);
   }
   return parts;
-}
-
-LeafFaces CountedLabels::leaf_faces(const PlacesAround& around) const noexcept {
-  static constexpr BrickMask kNone;
-  constexpr std::array<std::size_t, kFaceDirections> kBeyond{
-      kItself + 9, kItself + 3, kItself + 1, kItself - 9, kItself - 3, kItself - 1};
-  const MaskColumn& leaf = tree_.levels[0].leaf;
-  LeavesAround leaves{&leaf[around[kItself]], {}};
-  for (std::size_t direction = 0; direction < kBeyond.size(); ++direction) {
-    const std::uint32_t at = around[kBeyond[direction]];
-    leaves.beyond[direction] = at != kNoBrick ? &leaf[at] : &kNone;
-  }
-  return LeafFaces(leaves);
 }
 
 std::span<const LabelLeaves> CountedLabels::leaves_of(BrickPlace place) const noexcept {

@@ -41,8 +41,6 @@ class CountedLabels {
 
   /// A finest brick and those beyond its upper faces.
   LabelledParts parts(const PlacesAround& around) const noexcept;
-  /// The leaves of that brick and of those beyond its faces.
-  LeafFaces leaf_faces(const PlacesAround& around) const noexcept;
   /// Leaves of a brick above the finest level, by label in ascending order.
   std::span<const LabelLeaves> leaves_of(BrickPlace place) const noexcept;
 

@@ -95,8 +95,10 @@ void LabelledBrickFiller::fill_finest(std::size_t brick,
   if (columns.tets.empty()) return;
   const FilledLabels filled =
       LabelFiller(scratch_.fill)
-          .fill({scratch_.vertices, mesh_.leaf_faces(around), parts[0], mesh_.rules().kept},
-                ids<Index>(), as_ids<Index>(columns.tets), columns.regions);
+          .fill(
+              {scratch_.vertices, LeafFaces(leaves_around(mesh_.tree().levels[0].leaf, around)),
+               parts[0], mesh_.rules().kept},
+              ids<Index>(), as_ids<Index>(columns.tets), columns.regions);
   mirror<Index>(columns.tets);
   if (statistics_ != Statistics::kMeasured) return;
   meter_.add_tets(scratch_.vertices.points(), filled.divided);

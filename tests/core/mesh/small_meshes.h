@@ -1,8 +1,10 @@
 // Meshes small enough to be right by eye.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
@@ -137,7 +139,8 @@ inline TetMesh with_fields(TetMesh mesh, const std::vector<FieldArray>& fields) 
   std::vector<float> values(mesh.header.vertex_count * row);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5F * static_cast<float>(i) - 7;
   mesh.fields = ByteBuffer(values.size() * sizeof(float));
-  std::memcpy(mesh.fields.bytes().data(), values.data(), mesh.fields.size());
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
+  std::ranges::copy(bytes, mesh.fields.bytes().begin());
   return mesh;
 }
 

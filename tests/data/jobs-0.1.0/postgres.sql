@@ -1,4 +1,4 @@
--- What tetstreamd 0.1.0 left in PostgreSQL (pg_dump --inserts): one job done, one queued, one cancelled.
+-- What a tetstreamd with the tables of 0.1.0 left in PostgreSQL (pg_dump --inserts): one job done, one queued, one cancelled.
 CREATE TABLE counters (
     name text NOT NULL COLLATE pg_catalog."C",
     value bigint NOT NULL

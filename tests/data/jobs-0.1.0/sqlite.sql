@@ -1,4 +1,4 @@
--- What tetstreamd 0.1.0 left in jobs.sqlite (.dump): one job done, one queued, one cancelled.
+-- What a tetstreamd with the tables of 0.1.0 left in jobs.sqlite (.dump): one job done, one queued, one cancelled.
 PRAGMA foreign_keys=OFF;
 BEGIN TRANSACTION;
 CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WITHOUT ROWID;
