@@ -75,12 +75,10 @@ JobsAtWork::JobsAtWork(const Config& config,
               absl::Seconds(config.job_lease_seconds)),
       worker(*store, maker, place, worker_settings(config)) {}
 
-std::vector<Reading> JobsInServer::readings() const {
-  std::vector<Reading> readings = work->readings();
-  readings.push_back(gauge("tetstream_jobs_up",
-                           "1 unless the jobs' database or the disk of results takes nothing.",
-                           health.status().ok()));
-  return readings;
+Reading JobsInServer::up() const {
+  return gauge("tetstream_jobs_up",
+               "1 unless the jobs' database or the disk of results takes nothing.",
+               health.status().ok());
 }
 
 absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs) {

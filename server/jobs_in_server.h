@@ -53,7 +53,8 @@ struct JobsInServer {
         context(engine, *work->store, *work->results, health),
         service(context, grids) {}
 
-  std::vector<Reading> readings() const;
+  /// `tetstream_jobs_up`: what is known without asking.
+  Reading up() const;
 
   const std::unique_ptr<JobsAtWork> work;
   JobHealth health;

@@ -23,6 +23,7 @@
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
 #include "server/ops/config.h"
+#include "server/ops/last_resort.h"
 #include "server/ops/logging.h"
 #include "server/rpc/grpc_log.h"
 #include "server/rpc/token_file.h"
@@ -31,6 +32,10 @@
 #include "server/worker_process.h"
 
 namespace {
+
+/// Beyond the time that calls have, for all that is to be put away.
+constexpr std::chrono::seconds kGrace{10};
+constexpr std::chrono::seconds kLastWords{1};
 
 enum ExitCode { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
 
@@ -57,10 +62,13 @@ struct CommandLine {
 
 /// A worker answers no calls.
 bool concerns_worker(std::string_view key) {
-  constexpr std::array<std::string_view, 13> kKeys{
-      "store",          "resident_bytes", "plan_bytes", "decoder",      "decoders",
-      "decode_seconds", "threads",        "jobs",       "result_bytes", "disk_reserve_bytes",
-      "log_level",      "metrics_listen", "max_tets"};
+  constexpr std::array<std::string_view, 14> kKeys{"store",          "resident_bytes",
+                                                   "plan_bytes",     "decoder",
+                                                   "decoders",       "decode_seconds",
+                                                   "threads",        "jobs",
+                                                   "result_bytes",   "disk_reserve_bytes",
+                                                   "log_level",      "log_buffer_bytes",
+                                                   "metrics_listen", "max_tets"};
   return key.starts_with("job_") || std::ranges::find(kKeys, key) != kKeys.end();
 }
 
@@ -182,6 +190,7 @@ int serve(const tet::Config& config) {
   tet::log_grpc_messages();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
+  tet::ignore_hangups();
   // A server that was killed may have left its file: whoever waits for ours must not read that.
   if (!config.port_file.empty()) std::remove(config.port_file.c_str());
   auto server = tet::Server::start(config);
@@ -197,6 +206,7 @@ int serve(const tet::Config& config) {
   int signal = 0;
   sigwait(&signals, &signal);
   tet::log_event(spdlog::level::info, "draining", {{"signal", signal}});
+  tet::end_after(std::chrono::seconds(config.drain_seconds) + kGrace, signals);
   (*server)->stop(std::chrono::seconds(config.drain_seconds));
   tet::log_event(spdlog::level::info, "stopped");
   return tet::stopped_listening() ? kFailed : kDone;
@@ -216,12 +226,14 @@ int work(const tet::Config& config) {
   raise_file_limit();
   const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);
+  tet::ignore_hangups();
   auto worker = tet::WorkerProcess::start(config);
   if (!worker.ok()) return cannot_start(worker.status());
   tet::log_event(spdlog::level::info, "working",
                  {{"metrics", (*worker)->metrics_address()}, {"version", TETSTREAM_VERSION}});
   tet::log_event(spdlog::level::info, "draining",
                  {{"signal", wait_for_end(signals, **worker)}});
+  tet::end_after(kGrace, signals);
   worker->reset();
   tet::log_event(spdlog::level::info, "stopped");
   return kDone;
@@ -246,10 +258,12 @@ int main(int argc, char** argv) {
     return kRefused;
   }
   if (line.print_config) {
-    std::cout << tet::to_toml(config);
+    std::cout << tet::to_toml(config, tet::Secrets::kHidden);
     return kDone;
   }
   if (line.upkeep) return tet::run_upkeep(*line.upkeep, config, line.folder);
-  tet::start_logging(config.log_level);
-  return line.worker ? work(config) : serve(config);
+  tet::start_logging(config.log_level, config.log_buffer_bytes);
+  const int code = line.worker ? work(config) : serve(config);
+  tet::flush_log(kLastWords);
+  return code;
 }

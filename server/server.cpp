@@ -20,6 +20,7 @@
 #include "server/http/http_port.h"
 #include "server/jobs_in_server.h"
 #include "server/ops/guard.h"
+#include "server/ops/latest_readings.h"
 #include "server/ops/logging.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
@@ -28,6 +29,7 @@
 #include "server/rpc/heartbeat.h"
 #include "server/rpc/tls.h"
 #include "server/rpc/unread_messages.h"
+#include "server/server_probes.h"
 #include "server/server_readings.h"
 #include "server/streams/mesh_service.h"
 
@@ -114,8 +116,10 @@ struct Server::Parts {
   bool listen();
   absl::Status open_metrics();
   absl::Status open_http();
-  void tell_health_of_jobs();
-  std::string metrics_text() const;
+  bool works() const { return !admission.is_draining() && probes.works(); }
+  void tell_health();
+  std::vector<Reading> slow_readings() const;
+  std::string metrics_text();
 
   const Config config;
   std::unique_ptr<ServerTls> tls;  ///< null where the port is plain
@@ -131,13 +135,15 @@ struct Server::Parts {
                         admission.expire(Admission::Clock::now());
                         engine.check_stalls();
                       }};
+  ServerProbes probes{config};
   std::unique_ptr<JobsInServer> jobs;  ///< null where they are off
   UnreadMessages unread;
   std::unique_ptr<grpc::Server> server;
+  LatestReadings latest{[this] { return slow_readings(); }};
   std::unique_ptr<MetricsPort> metrics;
   std::unique_ptr<HttpPort> http;                   ///< its calls are the server's
   std::atomic<const HttpPort*> open_port{nullptr};  ///< it, once it is open: for its own thread
-  std::unique_ptr<Heartbeat> job_health;  ///< tells whoever asks after the service `jobs`
+  std::unique_ptr<Heartbeat> health;                ///< tells whoever asks
   int port = 0;
   bool stopped = false;
 };
@@ -212,8 +218,7 @@ bool Server::Parts::listen() {
 absl::Status Server::Parts::open_metrics() {
   if (config.metrics_listen.empty()) return absl::OkStatus();
   auto opened = MetricsPort::open(
-      config.metrics_listen,
-      {[this] { return metrics_text(); }, [this] { return !admission.is_draining(); }});
+      config.metrics_listen, {[this] { return metrics_text(); }, [this] { return works(); }});
   if (opened.ok()) metrics = *std::move(opened);
   return opened.status();
 }
@@ -221,33 +226,43 @@ absl::Status Server::Parts::open_metrics() {
 absl::Status Server::Parts::open_http() {
   if (config.http_listen.empty()) return absl::OkStatus();
   auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
-                                        [this] { return !admission.is_draining(); }});
+                                        [this] { return works(); }});
   if (!opened.ok()) return opened.status();
   http = *std::move(opened);
   open_port = http.get();
   return absl::OkStatus();
 }
 
-void Server::Parts::tell_health_of_jobs() {
-  if (jobs == nullptr) return;
+void Server::Parts::tell_health() {
   const auto tell = [this] {
+    set_readiness(*server, works());
+    if (jobs == nullptr) return;
     server->GetHealthCheckService()->SetServingStatus("jobs", jobs->health.status().ok());
   };
   tell();
-  job_health = std::make_unique<Heartbeat>(kHealthBeat, tell);
+  health = std::make_unique<Heartbeat>(kHealthBeat, tell);
 }
 
-std::string Server::Parts::metrics_text() const {
+/// What asks a disk or a database, or waits for who does.
+std::vector<Reading> Server::Parts::slow_readings() const {
+  std::vector<Reading> readings = read_server(engine, *store);
+  if (jobs != nullptr) {
+    for (Reading& reading : jobs->work->readings()) readings.push_back(std::move(reading));
+  }
+  return readings;
+}
+
+std::string Server::Parts::metrics_text() {
   return calls.metrics().text([this] {
-    std::vector<Reading> readings = read_server(engine, *store);
-    if (jobs != nullptr) {
-      for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
-    }
-    for (Reading& reading : unread.readings()) readings.push_back(std::move(reading));
-    if (const HttpPort* const port_now = open_port.load()) {
-      for (Reading& reading : port_now->readings()) readings.push_back(std::move(reading));
-    }
-    for (Reading& reading : read_process()) readings.push_back(std::move(reading));
+    std::vector<Reading> readings = latest.get();
+    const auto add = [&](std::vector<Reading> more) {
+      for (Reading& reading : more) readings.push_back(std::move(reading));
+    };
+    add(probes.readings());
+    if (jobs != nullptr) add({jobs->up()});
+    add(unread.readings());
+    if (const HttpPort* const port_now = open_port.load()) add(port_now->readings());
+    add(read_process());
     return readings;
   });
 }
@@ -275,8 +290,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
   if (const absl::Status opened = parts->open_http(); !opened.ok()) return opened;
   if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
-  set_readiness(*parts->server, true);
-  parts->tell_health_of_jobs();
+  parts->tell_health();
   warn_if_exposed(config, config.listen);
   warn_if_exposed(config, config.http_listen);
   return std::unique_ptr<Server>(new Server(std::move(parts)));
@@ -310,8 +324,8 @@ int Server::running_calls() const { return parts_->calls.running(); }
 void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
   parts_->admission.drain();
+  parts_->health.reset();
   set_readiness(*parts_->server, false);
-  parts_->job_health.reset();
   if (parts_->jobs != nullptr) parts_->jobs->work->worker.stop();
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {

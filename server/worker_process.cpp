@@ -5,6 +5,7 @@
 
 #include "server/jobs_in_server.h"
 #include "server/ops/guard.h"
+#include "server/ops/latest_readings.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
 #include "server/server_readings.h"
@@ -16,7 +17,8 @@ struct WorkerProcess::Parts {
   Parts(Config settings, std::unique_ptr<Access> nobody, std::unique_ptr<GridStore> grids)
       : config(std::move(settings)), access(std::move(nobody)), store(std::move(grids)) {}
 
-  std::string metrics_text() const;
+  std::vector<Reading> slow_readings() const;
+  std::string metrics_text();
   bool finds_work();
 
   const Config config;
@@ -26,15 +28,22 @@ struct WorkerProcess::Parts {
   CallRegistry calls{*access, admission};
   MeshEngine engine{config, calls, *store};
   std::unique_ptr<JobsAtWork> jobs;
+  LatestReadings latest{[this] { return slow_readings(); }};
   std::unique_ptr<MetricsPort> metrics;
   std::int64_t settled_shards = 0;  // when it last looked
   std::chrono::steady_clock::time_point last_work = std::chrono::steady_clock::now();
 };
 
-std::string WorkerProcess::Parts::metrics_text() const {
+/// What asks a disk or a database, or waits for who does.
+std::vector<Reading> WorkerProcess::Parts::slow_readings() const {
+  std::vector<Reading> readings = read_server(engine, *store);
+  for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
+  return readings;
+}
+
+std::string WorkerProcess::Parts::metrics_text() {
   return calls.metrics().text([this] {
-    std::vector<Reading> readings = read_server(engine, *store);
-    for (Reading& reading : jobs->readings()) readings.push_back(std::move(reading));
+    std::vector<Reading> readings = latest.get();
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
   });

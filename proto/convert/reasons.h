@@ -49,6 +49,7 @@ inline constexpr std::string_view kReasons[] = {
     "NOTHING_TO_MESH",
     "NOT_A_FIELD",
     "NOT_MESHABLE",
+    "NO_ANSWER",
     "OTHER_MESH",
     "QUOTA_EXCEEDED",
     "RANGE_BEYOND_MESH",

@@ -75,21 +75,4 @@ void LargePlans::finished(TaskPool* pool) {
   if (idle_.size() == pools_.size()) all_idle_.notify_all();
 }
 
-void FairTasks::post(const std::string& client, std::function<void()> task) {
-  {
-    const std::lock_guard lock(mutex_);
-    waiting_.push(client, std::move(task));
-  }
-  pool_.post([this] { run_next(); });
-}
-
-void FairTasks::run_next() {
-  std::optional<std::function<void()>> task;
-  {
-    const std::lock_guard lock(mutex_);
-    task = waiting_.take(kAnyone);
-  }
-  (*task)();
-}
-
 }  // namespace tet

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <limits>
 #include <optional>
+#include <unistd.h>
 #include <vector>
 
 #include <absl/strings/ascii.h>
@@ -18,225 +18,7 @@ namespace tet {
 
 namespace {
 
-// Clients upload in pieces of a megabyte.
-constexpr std::uint64_t kMinMessage = std::uint64_t{2} << 20;
-constexpr std::uint64_t kMaxMessage = std::uint64_t{1} << 30;
-constexpr std::uint64_t kMinReceive = std::uint64_t{16} << 20;
-// What HTTP/2 begins with.
-constexpr std::uint64_t kMinWindow = (std::uint64_t{1} << 16) - 1;
-// gRPC counts milliseconds in an int.
-constexpr std::uint64_t kMaxSeconds = 2'000'000;
-// TOML's own integers end here.
-constexpr std::uint64_t kMaxBytes = std::numeric_limits<std::int64_t>::max();
-
-Setting text(std::string Config::*field, const char* key, const char* help) {
-  return {key, help, field};
-}
-
-Setting number(std::uint64_t Config::*field,
-               std::uint64_t min,
-               std::uint64_t max,
-               const char* key,
-               const char* help) {
-  return {key, help, field, min, max};
-}
-
-const Setting kSettings[] = {
-    text(&Config::listen, "listen", "host:port to serve on; port 0 takes a free one"),
-    text(&Config::tls_cert, "tls_cert", "PEM file of the certificate chain; turns TLS on"),
-    text(&Config::tls_key, "tls_key", "PEM file of its private key"),
-    text(&Config::tls_client_ca, "tls_client_ca", "PEM file; clients need a certificate of it"),
-    text(&Config::tokens, "tokens", "TOML file of who may call; turns bearer tokens on"),
-    text(&Config::reflection, "reflection", "on, off, or auto: unless there are tokens"),
-    text(&Config::store, "store", "directory of the stored grid files; made when missing"),
-    number(&Config::store_bytes,
-           1,
-           kMaxBytes,
-           "store_bytes",
-           "disk for grid files; the least used are evicted"),
-    number(&Config::resident_bytes,
-           1,
-           kMaxBytes,
-           "resident_bytes",
-           "memory for grids ready to mesh"),
-    number(&Config::plan_bytes,
-           1,
-           kMaxBytes,
-           "plan_bytes",
-           "memory for counted meshes; more are told to retry"),
-    text(&Config::decoder, "decoder", "program that reads grid files; empty finds it"),
-    number(&Config::decoders, 0, 1024, "decoders", "files decoded at once; 0: one a core"),
-    number(&Config::decode_seconds,
-           1,
-           86'400,
-           "decode_seconds",
-           "the longest that decoding one file may take"),
-    number(&Config::threads, 0, 4096, "threads", "meshing threads; 0 takes every core"),
-    text(&Config::jobs,
-         "jobs",
-         "file of the batch jobs, a postgresql:// address, or off; empty: in the store"),
-    number(&Config::job_workers, 0, 1024, "job_workers", "threads that do jobs; 0: none here"),
-    number(&Config::job_lease_seconds,
-           1,
-           86'400,
-           "job_lease_seconds",
-           "a worker not heard of for so long has died"),
-    number(&Config::job_idle_seconds,
-           0,
-           86'400,
-           "job_idle_seconds",
-           "a worker ends when there was no job for so long; 0: never"),
-    number(&Config::job_count_bricks,
-           64,
-           1 << 23,
-           "job_count_bricks",
-           "bricks near the surface that one shard counts, of a mesh with twice as many"),
-    number(&Config::job_keep_hours,
-           1,
-           1'000'000,
-           "job_keep_hours",
-           "how long finished jobs are kept"),
-    number(&Config::max_namespace_jobs,
-           1,
-           kMaxBytes,
-           "max_namespace_jobs",
-           "jobs of one namespace that are not finished"),
-    number(&Config::result_bytes,
-           1,
-           kMaxBytes,
-           "result_bytes",
-           "disk for meshes of jobs; the least used are evicted"),
-    number(&Config::disk_reserve_bytes,
-           0,
-           kMaxBytes,
-           "disk_reserve_bytes",
-           "disk that grids and meshes leave free, for the jobs' database"),
-    number(&Config::max_streams,
-           1,
-           100'000,
-           "max_streams",
-           "meshes made at once; more are told to retry"),
-    number(&Config::max_tets, 1, kMaxBytes, "max_tets", "tets of one mesh"),
-    number(&Config::max_request_bytes,
-           kMinMessage,
-           kMaxMessage,
-           "max_request_bytes",
-           "one message from a client"),
-    number(&Config::max_client_streams,
-           1,
-           100'000,
-           "max_client_streams",
-           "meshes made at once for one client"),
-    number(&Config::max_queued,
-           0,
-           100'000,
-           "max_queued",
-           "meshes that may wait for their turn; 0 refuses at once"),
-    number(&Config::max_client_queued,
-           0,
-           100'000,
-           "max_client_queued",
-           "meshes of one client that may wait"),
-    number(&Config::queue_seconds,
-           1,
-           86'400,
-           "queue_seconds",
-           "how long a mesh may wait for its turn"),
-    number(&Config::max_uploads, 1, 100'000, "max_uploads", "uploads at once"),
-    number(&Config::max_client_uploads,
-           1,
-           100'000,
-           "max_client_uploads",
-           "uploads of one client at once"),
-    number(&Config::max_client_upload_bytes,
-           1,
-           kMaxBytes,
-           "max_client_upload_bytes",
-           "disk for unfinished uploads of one client"),
-    number(&Config::send_bytes,
-           kMinMessage,
-           kMaxBytes,
-           "send_bytes",
-           "memory for chunks on their way to clients"),
-    number(&Config::receive_bytes,
-           kMinReceive,
-           kMaxBytes,
-           "receive_bytes",
-           "memory for what comes from clients"),
-    number(&Config::receive_window_bytes,
-           kMinWindow,
-           kMaxMessage,
-           "receive_window_bytes",
-           "what a client may send ahead of being read"),
-    number(&Config::stall_seconds,
-           1,
-           86'400,
-           "stall_seconds",
-           "how long a client may neither take nor send anything"),
-    number(&Config::session_idle_seconds,
-           1,
-           86'400,
-           "session_idle_seconds",
-           "how long a session may wait for its next frame"),
-    number(&Config::keepalive_seconds,
-           1,
-           86'400,
-           "keepalive_seconds",
-           "silent connections are pinged so often"),
-    number(&Config::max_connection_streams,
-           1,
-           100'000,
-           "max_connection_streams",
-           "calls on one connection at once"),
-    number(&Config::max_metadata_bytes,
-           1024,
-           1 << 20,
-           "max_metadata_bytes",
-           "headers of one call"),
-    number(&Config::connection_idle_seconds,
-           1,
-           kMaxSeconds,
-           "connection_idle_seconds",
-           "how long a connection may have no call"),
-    number(&Config::connection_age_seconds,
-           1,
-           kMaxSeconds,
-           "connection_age_seconds",
-           "when a connection is to be made again"),
-    number(&Config::connection_grace_seconds,
-           1,
-           kMaxSeconds,
-           "connection_grace_seconds",
-           "how long its calls may then go on"),
-    number(&Config::max_calls, 1, 1'000'000, "max_calls", "calls of all kinds at once"),
-    number(&Config::max_client_calls,
-           1,
-           1'000'000,
-           "max_client_calls",
-           "calls of one client at once"),
-    number(&Config::drain_seconds,
-           0,
-           86'400,
-           "drain_seconds",
-           "how long running calls may go on after SIGTERM"),
-    text(&Config::log_level, "log_level", "trace, debug, info, warn, error or off"),
-    text(&Config::metrics_listen,
-         "metrics_listen",
-         "host:port for metrics and health over HTTP; empty: none"),
-    text(&Config::http_listen,
-         "http_listen",
-         "host:port for browsers and curl: the page, gRPC-Web, JSON; empty: none"),
-    text(&Config::http_origins,
-         "http_origins",
-         "other origins whose pages may ask there, separated by commas"),
-    text(&Config::http_page, "http_page", "folder of the page's files; empty finds it"),
-    number(&Config::max_http_connections,
-           8,
-           100'000,
-           "max_http_connections",
-           "connections over HTTP at once"),
-    text(&Config::port_file, "port_file", "write the chosen port to this file once serving"),
-};
+constexpr char kHidden[] = "***";
 
 std::optional<std::uint64_t> parse_number(std::string_view text) {
   std::uint64_t number = 0;
@@ -247,7 +29,7 @@ std::optional<std::uint64_t> parse_number(std::string_view text) {
   const auto* found = std::find(std::begin(kUnits), std::end(kUnits), unit);
   if (found == std::end(kUnits)) return std::nullopt;
   const auto shift = 10 * (found - std::begin(kUnits));
-  if (number > (kMaxBytes >> shift)) return std::nullopt;
+  if (number > (kMaxSetting >> shift)) return std::nullopt;
   return number << shift;
 }
 
@@ -268,9 +50,9 @@ absl::Status check_text(const Setting& setting, std::string_view text) {
 }
 
 const Setting* find_setting(std::string_view key) {
-  const auto* found = std::find_if(std::begin(kSettings), std::end(kSettings),
-                                   [&](const Setting& s) { return s.key == key; });
-  return found == std::end(kSettings) ? nullptr : found;
+  const auto found =
+      std::ranges::find_if(settings(), [&](const Setting& s) { return s.key == key; });
+  return found == settings().end() ? nullptr : &*found;
 }
 
 absl::Status set_from_toml(Config& config, std::string_view key, const toml::node& node) {
@@ -286,6 +68,60 @@ absl::Status set_from_toml(Config& config, std::string_view key, const toml::nod
       absl::StrFormat("%s is neither text nor a whole number", key));
 }
 
+/// Variables that are not the server's, but of its proxy, of the client, of its build, or of
+/// the scripts that run it.
+bool is_of_others(std::string_view variable) {
+  // Kubernetes tells every pod of its services like this, one of which may be called tetstream.
+  const auto has = [&](std::string_view part) { return variable.find(part) != variable.npos; };
+  if (has("_SERVICE_HOST") || has("_SERVICE_PORT") || variable.ends_with("_PORT") ||
+      (has("_PORT_") && (has("_TCP") || has("_UDP")))) {
+    return true;
+  }
+  constexpr std::string_view kNames[] = {"TETSTREAM_CONFIG", "TETSTREAM_TOKEN_FILE",
+                                         "TETSTREAM_MANUAL_DATE", "TETSTREAM_BIN",
+                                         "TETSTREAM_BUILD"};
+  return variable.starts_with("TETSTREAM_PROXY_") ||
+         std::find(std::begin(kNames), std::end(kNames), variable) != std::end(kNames);
+}
+
+/// A variable that no setting has would be believed to work.
+absl::Status check_variables() {
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    const std::string_view variable = text.substr(0, text.find('='));
+    if (!variable.starts_with("TETSTREAM_") || is_of_others(variable)) continue;
+    const bool is_known = std::ranges::any_of(
+        settings(), [&](const Setting& setting) { return setting.environment() == variable; });
+    if (is_known) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s is the variable of no setting: unset it, or see --help for their "
+                        "names",
+                        variable));
+  }
+  return absl::OkStatus();
+}
+
+/// An address without the password in it: of user:password@, or of password=.
+std::string without_password(std::string text) {
+  const std::size_t scheme = text.find("://");
+  if (scheme == std::string::npos) return text;
+  const std::size_t begin = scheme + 3;
+  const std::size_t end = std::min(text.find_first_of("/?", begin), text.size());
+  const std::size_t at = text.rfind('@', end);
+  const std::size_t colon = text.find(':', begin);
+  if (at != std::string::npos && at > begin && colon < at) {
+    text.replace(colon + 1, at - colon - 1, kHidden);
+  }
+  for (std::string_view key : {"password=", "sslpassword="}) {
+    const std::size_t found = text.find(key);
+    if (found == std::string::npos) continue;
+    const std::size_t value = found + key.size();
+    const std::size_t value_end = std::min(text.find('&', value), text.size());
+    text.replace(value, value_end - value, kHidden);
+  }
+  return text;
+}
+
 absl::Status prefixed(std::string_view prefix, const absl::Status& status) {
   return {status.code(), absl::StrFormat("%s: %s", prefix, status.message())};
 }
@@ -295,8 +131,6 @@ absl::Status prefixed(std::string_view prefix, const absl::Status& status) {
 std::string Setting::flag() const { return "--" + absl::StrReplaceAll(key, {{"_", "-"}}); }
 
 std::string Setting::environment() const { return "TETSTREAM_" + absl::AsciiStrToUpper(key); }
-
-std::span<const Setting> settings() { return kSettings; }
 
 absl::Status set_from_text(Config& config, const Setting& setting, std::string_view text) {
   if (const auto* field = std::get_if<std::string Config::*>(&setting.field)) {
@@ -331,7 +165,8 @@ absl::Status set_from_file(Config& config, const std::string& path) {
 }
 
 absl::Status set_from_environment(Config& config) {
-  for (const Setting& setting : kSettings) {
+  if (auto status = check_variables(); !status.ok()) return status;
+  for (const Setting& setting : settings()) {
     const std::string variable = setting.environment();
     const char* text = std::getenv(variable.c_str());
     if (text == nullptr) continue;
@@ -341,21 +176,22 @@ absl::Status set_from_environment(Config& config) {
   return absl::OkStatus();
 }
 
-std::string to_toml(const Config& config) {
-  std::string text;
-  for (const Setting& setting : kSettings) {
+std::string to_toml(const Config& config, Secrets secrets) {
+  std::string lines;
+  for (const Setting& setting : settings()) {
     toml::table line;
     if (const auto* field = std::get_if<std::string Config::*>(&setting.field)) {
-      line.insert(setting.key, config.*(*field));
+      const std::string& text = config.*(*field);
+      line.insert(setting.key, secrets == Secrets::kHidden ? without_password(text) : text);
     } else {
       const auto number = config.*std::get<std::uint64_t Config::*>(setting.field);
       line.insert(setting.key, static_cast<std::int64_t>(number));
     }
     std::ostringstream out;
     out << line;
-    absl::StrAppend(&text, "# ", setting.help, "\n", out.str(), "\n");
+    absl::StrAppend(&lines, "# ", setting.help, "\n", out.str(), "\n");
   }
-  return text;
+  return lines;
 }
 
 }  // namespace tet

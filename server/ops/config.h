@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,9 @@
 #include <absl/status/status.h>
 
 namespace tet {
+
+/// TOML's own integers end here.
+inline constexpr std::uint64_t kMaxSetting = std::numeric_limits<std::int64_t>::max();
 
 struct Config {
   std::string listen = "127.0.0.1:7447";
@@ -58,8 +62,10 @@ struct Config {
   std::uint64_t connection_grace_seconds = 3600;
   std::uint64_t max_calls = 4096;
   std::uint64_t max_client_calls = 1024;
+  std::uint64_t max_client_watches = 64;
   std::uint64_t drain_seconds = 30;
   std::string log_level = "info";
+  std::uint64_t log_buffer_bytes = std::uint64_t{4} << 20;
   std::string metrics_listen;
   std::string http_listen;
   std::string http_origins;
@@ -95,10 +101,14 @@ absl::Status set_from_text(Config& config, const Setting& setting, std::string_v
 /// file).
 absl::Status set_from_file(Config& config, const std::string& path);
 
-/// Sets what the TETSTREAM_* variables say. Errors: kInvalidArgument, naming the variable.
+/// Sets what the TETSTREAM_* variables say. Errors: kInvalidArgument, naming the variable: a
+/// wrong value, or one that is no setting's.
 absl::Status set_from_environment(Config& config);
 
-/// The whole config as a TOML file that set_from_file reads back.
-std::string to_toml(const Config& config);
+enum class Secrets { kShown, kHidden };
+
+/// The whole config as a TOML file that set_from_file reads back; of addresses without their
+/// passwords, if these are hidden.
+std::string to_toml(const Config& config, Secrets secrets = Secrets::kShown);
 
 }  // namespace tet

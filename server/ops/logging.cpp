@@ -1,18 +1,30 @@
 #include "server/ops/logging.h"
 
+#include <atomic>
+#include <unistd.h>
+
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/null_sink.h>
 #include <spdlog/spdlog.h>
+
+#include "server/ops/log_writer.h"
 
 namespace tet {
 
-void start_logging(const std::string& level) {
+namespace {
+
+std::atomic<LogWriter*> log_writer{nullptr};  ///< null before start_logging: tests print
+
+}  // namespace
+
+void start_logging(const std::string& level, std::size_t buffer_bytes) {
+  // spdlog decides about levels; what it writes with would wait for whoever reads.
   auto logger = std::make_shared<spdlog::logger>(
-      "tetstream", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  logger->set_pattern("%v");
+      "tetstream", std::make_shared<spdlog::sinks::null_sink_mt>());
   logger->set_level(spdlog::level::from_str(level));
   spdlog::set_default_logger(std::move(logger));
+  if (log_writer == nullptr) log_writer = &LogWriter::start(STDERR_FILENO, buffer_bytes);
 }
 
 void log_event(spdlog::level::level_enum level,
@@ -25,7 +37,21 @@ void log_event(spdlog::level::level_enum level,
   line["event"] = event;
   line.update(fields);
   // A client's text may not be UTF-8; a log line must be all the same.
-  spdlog::log(level, "{}", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (LogWriter* const writer = log_writer) {
+    writer->write(std::move(text) + "\n");
+  } else {
+    spdlog::log(level, "{}", text);
+  }
+}
+
+void flush_log(std::chrono::milliseconds timeout) {
+  if (LogWriter* const writer = log_writer) writer->flush(timeout);
+}
+
+std::int64_t dropped_log_lines() {
+  LogWriter* const writer = log_writer;
+  return writer == nullptr ? 0 : writer->dropped_lines();
 }
 
 }  // namespace tet

@@ -1,6 +1,9 @@
 // Log lines: one JSON object each, on stderr.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -9,8 +12,14 @@
 
 namespace tet {
 
-/// Sends log lines of `level` (a name spdlog knows) and above to stderr. Call it once, first.
-void start_logging(const std::string& level);
+/// Sends log lines of `level` (a name spdlog knows) and above to stderr, by a LogWriter that
+/// keeps so many bytes. Call it once, first.
+void start_logging(const std::string& level, std::size_t buffer_bytes = std::size_t{4} << 20);
+
+/// Returns once all lines are written, or at the timeout.
+void flush_log(std::chrono::milliseconds timeout);
+/// Lines that nobody took in time.
+std::int64_t dropped_log_lines();
 
 /// Writes {"time", "level", "event", ...fields} as one line. `fields` is an object.
 /// Thread safety: any thread may call it at any time.

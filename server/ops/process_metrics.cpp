@@ -7,6 +7,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "server/ops/logging.h"
+
 namespace tet {
 
 namespace {
@@ -66,7 +68,9 @@ std::vector<Reading> read_process() {
           gauge("process_virtual_memory_bytes", "Addresses in use.", stat[23]),
           gauge("process_resident_memory_bytes", "Memory in use.", stat[24] * page),
           gauge("process_open_fds", "Open file descriptors.", open_files()),
-          gauge("process_max_fds", "File descriptors there may be.", file_limit())};
+          gauge("process_max_fds", "File descriptors there may be.", file_limit()),
+          counter("tetstream_log_dropped_lines_total", "Log lines that nobody read in time.",
+                  dropped_log_lines())};
 }
 
 }  // namespace tet

@@ -141,22 +141,47 @@ absl::Status client_stalled(const char* did_what, std::chrono::seconds waited) {
                      "CLIENT_STALLED");
 }
 
-grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 TaskPool& disk,
-                                 grpc::CallbackServerContext& context,
-                                 std::string method,
-                                 std::function<absl::Status(Call&)> work) {
-  auto call = std::make_shared<Call>(registry, context, std::move(method));
+namespace {
+
+/// Answers the call by what `post` is given, unless it is not admitted.
+template <class Post>
+grpc::ServerUnaryReactor* answer_by(const std::shared_ptr<Call>& call,
+                                    grpc::CallbackServerContext& context,
+                                    std::function<absl::Status(Call&)> work,
+                                    const Post& post) {
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   if (const absl::Status admitted = call->admission(); !admitted.ok()) {
     reactor->Finish(call->finish(admitted));
   } else {
-    disk.post([call, reactor, work = std::move(work)] {
+    post([call, reactor, work = std::move(work)] {
       reactor->Finish(
           call->finish(guarded(call->method().c_str(), [&] { return work(*call); })));
     });
   }
   return reactor;
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* answer(CallRegistry& registry,
+                                 TaskPool& disk,
+                                 grpc::CallbackServerContext& context,
+                                 std::string method,
+                                 std::function<absl::Status(Call&)> work) {
+  const auto call = std::make_shared<Call>(registry, context, std::move(method));
+  return answer_by(call, context, std::move(work),
+                   [&](std::function<void()> task) { disk.post(std::move(task)); });
+}
+
+grpc::ServerUnaryReactor* answer(CallRegistry& registry,
+                                 FairTasks& threads,
+                                 grpc::CallbackServerContext& context,
+                                 std::string method,
+                                 std::function<absl::Status(Call&)> work) {
+  const auto call = std::make_shared<Call>(registry, context, std::move(method));
+  return answer_by(call, context, std::move(work), [&](std::function<void()> task) {
+    threads.post(call->client(), std::move(task));
+  });
 }
 
 grpc::ServerUnaryReactor* answer_later(

@@ -22,6 +22,7 @@
 #include "server/ops/metrics.h"
 #include "server/rpc/access.h"
 #include "server/rpc/admission.h"
+#include "server/rpc/fair_tasks.h"
 
 namespace tet {
 
@@ -125,6 +126,12 @@ absl::Status client_stalled(const char* did_what, std::chrono::seconds waited);
 /// gRPC's own threads, and its status ends the call.
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  TaskPool& disk,
+                                 grpc::CallbackServerContext& context,
+                                 std::string method,
+                                 std::function<absl::Status(Call&)> work);
+/// Runs `work` on threads that clients share in turns.
+grpc::ServerUnaryReactor* answer(CallRegistry& registry,
+                                 FairTasks& threads,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work);

@@ -18,7 +18,9 @@ namespace tet {
 
 namespace {
 
-constexpr mode_t kAllButOwner = 077;
+// Its owner writes it, and a group may read it, as systemd's credentials and Kubernetes'
+// secrets have it.
+constexpr mode_t kForbidden = 037;
 constexpr std::size_t kMaxName = 64;
 
 absl::Status wrong(std::string_view key, std::string_view what) {
@@ -138,7 +140,7 @@ bool Token::allows(Scope scope) const noexcept {
 }
 
 absl::StatusOr<std::vector<Token>> read_token_file(const std::string& path) {
-  const auto text = read_small_file(path, kAllButOwner);
+  const auto text = read_small_file(path, kForbidden);
   if (!text.ok()) return text.status();
   try {
     auto tokens = read_tokens(toml::parse(*text));

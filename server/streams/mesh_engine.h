@@ -19,6 +19,7 @@
 #include "server/meshing/send_budget.h"
 #include "server/ops/config.h"
 #include "server/rpc/calls.h"
+#include "server/rpc/fair_tasks.h"
 #include "server/rpc/stall_watch.h"
 
 namespace tet {

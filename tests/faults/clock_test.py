@@ -1,6 +1,6 @@
 """Hosts of a farm whose clocks are wrong: the times that hold are the job store's.
 
-    TETSTREAM_BIN=build/dev/bin TETSTREAM_SHIFT_CLOCK=build/dev/.../libshift_clock.so \\
+    TETSTREAM_BIN=build/dev/bin TET_SHIFT_CLOCK_LIBRARY=build/dev/.../libshift_clock.so \\
         python3 tests/faults/clock_test.py [unittest options]
 """
 
@@ -18,7 +18,7 @@ SECONDS = DAYS_AHEAD * 86_400
 
 
 def shifted(seconds):
-    return {"LD_PRELOAD": os.environ["TETSTREAM_SHIFT_CLOCK"],
+    return {"LD_PRELOAD": os.environ["TET_SHIFT_CLOCK_LIBRARY"],
             "TET_CLOCK_AHEAD_SECONDS": str(seconds)}
 
 

@@ -1,6 +1,6 @@
 """Servers whose jobs find no room: the disk of their database or of their results is full for a while.
 
-    TETSTREAM_BIN=build/dev/bin TETSTREAM_FAIL_WRITES=build/dev/.../libfail_writes.so \\
+    TETSTREAM_BIN=build/dev/bin TET_FAIL_WRITES_LIBRARY=build/dev/.../libfail_writes.so \\
         python3 tests/faults/full_jobs_test.py [unittest options]
 """
 
@@ -18,7 +18,7 @@ class FullJobDisk(FaultTest):
         self.job_options = ["--jobs", self.folder / "jobs.sqlite"]
 
     def start_on(self, *places):
-        environment = {"LD_PRELOAD": os.environ["TETSTREAM_FAIL_WRITES"],
+        environment = {"LD_PRELOAD": os.environ["TET_FAIL_WRITES_LIBRARY"],
                        "TET_FULL_WHILE": str(self.full), "TET_FULL_AT": ":".join(places)}
         return self.start(*self.job_options, environment=environment)
 

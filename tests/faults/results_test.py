@@ -1,7 +1,7 @@
 """Results on a disk that fills or tears: a worker gives its shard back with the reason, it is done
 elsewhere, and what is damaged is noticed.
 
-    TETSTREAM_BIN=build/dev/bin TETSTREAM_FAIL_WRITES=build/dev/.../libfail_writes.so \\
+    TETSTREAM_BIN=build/dev/bin TET_FAIL_WRITES_LIBRARY=build/dev/.../libfail_writes.so \\
         python3 tests/faults/results_test.py [unittest options]
 """
 
@@ -46,7 +46,7 @@ class Results(FaultTest):
     def start_worker(self, full_at=None):
         """A worker; on a disk that is full from its n-th change on, if it is told when."""
         environment = {} if full_at is None else {
-            "LD_PRELOAD": os.environ["TETSTREAM_FAIL_WRITES"], "TET_FAIL_AT": str(full_at),
+            "LD_PRELOAD": os.environ["TET_FAIL_WRITES_LIBRARY"], "TET_FAIL_AT": str(full_at),
             "TET_FAIL_MARK": str(self.mark)}
         return RunningWorker(self.store, self.postgres.address, "--job-workers", "1",
                              environment=environment)

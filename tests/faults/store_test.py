@@ -1,6 +1,6 @@
 """Stores whose disk rots, fills, or is wanted by two servers.
 
-    TETSTREAM_BIN=build/dev/bin TETSTREAM_FAIL_WRITES=build/dev/.../libfail_writes.so \\
+    TETSTREAM_BIN=build/dev/bin TET_FAIL_WRITES_LIBRARY=build/dev/.../libfail_writes.so \\
         python3 tests/faults/store_test.py [unittest options]
 """
 
@@ -82,7 +82,7 @@ class FullDisk(FaultTest):
         Without jobs, whose database would be the first to miss the room.
         """
         mark = self.folder / "mark"
-        environment = {"LD_PRELOAD": os.environ["TETSTREAM_FAIL_WRITES"],
+        environment = {"LD_PRELOAD": os.environ["TET_FAIL_WRITES_LIBRARY"],
                        "TET_FAIL_AT": str(change), "TET_FAIL_MARK": str(mark)}
         try:
             with self.start("--jobs", "off", environment=environment) as server:

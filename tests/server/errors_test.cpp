@@ -52,6 +52,7 @@ constexpr std::string_view kNotTold[] = {
     "JOB_TIMEOUT",
     "LEASE_EXPIRED",
     "LEASE_LOST",
+    "NO_ANSWER",
     "RANGE_BEYOND_MESH",
     "REQUEST_ID_REUSED",
     "RESULTS_FULL",

@@ -7,11 +7,12 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/base/parallel.h"
 #include "server/jobs/results/result_store.h"
 #include "server/jobs/service/job_notifier.h"
 #include "server/jobs/store/job_store.h"
 #include "server/jobs/work/job_health.h"
+#include "server/rpc/client_tally.h"
+#include "server/rpc/fair_tasks.h"
 #include "server/streams/mesh_engine.h"
 
 namespace tet {
@@ -35,7 +36,9 @@ struct JobContext {
   ResultStore& results;
   const JobHealth& health;
   JobNotifier notifier{jobs};
-  TaskPool threads{4};  ///< they wait for the store, not for cores
+  ClientTally watches;  ///< WatchJobs under way
+  FairTasks threads{pool};
+  TaskPool pool{4};  ///< its threads wait for the store, not for cores; ends before the above
 };
 
 }  // namespace tet

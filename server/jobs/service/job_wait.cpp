@@ -30,7 +30,7 @@ void JobWait::begin(const v1::WaitJobRequest& request) {
   call_.on_cut([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->answer(shutting_down(), {});
   });
-  shared_.threads.post([self = shared_from_this(), timeout = *timeout] {
+  shared_.threads.post(call_.client(), [self = shared_from_this(), timeout = *timeout] {
     self->answer_failure(guarded("WaitJob", [&] { self->wait(timeout); }));
   });
 }
@@ -69,7 +69,7 @@ void JobWait::look_soon() {
     look_again_ = looking_;
     if (answered_ || std::exchange(looking_, true)) return;
   }
-  shared_.threads.post([self = shared_from_this()] {
+  shared_.threads.post(call_.client(), [self = shared_from_this()] {
     self->answer_failure(guarded("WaitJob", [&] { self->look(); }));
   });
 }

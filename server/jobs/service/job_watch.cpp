@@ -28,11 +28,14 @@ JobWatch::JobWatch(JobContext& shared, grpc::CallbackServerContext& context)
 
 void JobWatch::begin(const v1::WatchJobsRequest& request) {
   if (const absl::Status admitted = call_.admission(); !admitted.ok()) return close(admitted);
+  const std::uint64_t most = shared_.engine.config.max_client_watches;
+  counted_ = shared_.watches.enter(call_.client(), most);
+  if (!counted_) return close(over_quota(call_.client(), "watches of jobs", most + 1, most));
   query_.space = call_.space();
   query_.after_revision = request.after_revision();
   query_.limit = kEventsPerPage;
   end_with_server();
-  shared_.threads.post([self = self(), name = request.name()] {
+  shared_.threads.post(call_.client(), [self = self(), name = request.name()] {
     self->guard([&] {
       const absl::Status found = self->find_job(name);
       if (!found.ok()) return self->close(found);
@@ -102,7 +105,7 @@ bool JobWatch::prepare() {
     end(absl::OkStatus());
   } else if (!reading_ && std::exchange(news_, false)) {
     reading_ = true;
-    shared_.threads.post([self = self()] { self->read(); });
+    shared_.threads.post(call_.client(), [self = self()] { self->read(); });
   }
   return false;
 }
@@ -114,6 +117,7 @@ bool JobWatch::after_write() {
 
 void JobWatch::OnDone() {
   const std::shared_ptr<JobWatch> last = std::move(kept_);
+  if (counted_) shared_.watches.leave(call_.client());
   const std::lock_guard lock(mutex_);
   subscription_.reset();
 }

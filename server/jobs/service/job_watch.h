@@ -51,6 +51,7 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>, public Str
   JobContext& shared_;
   std::shared_ptr<JobWatch> kept_;  ///< until gRPC is done
   WatchJobs query_;                 ///< of the task that reads
+  bool counted_ = false;            ///< among the client's watches
 
   // The writer's lock guards all below.
   std::unique_ptr<JobNotifier::Subscription> subscription_;

@@ -50,7 +50,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* ResultStream::start(
 void ResultStream::admitted() { call_.note("job", request_.name()); }
 
 void ResultStream::open() {
-  shared_.threads.post([self = self()] {
+  shared_.threads.post(call_.client(), [self = self()] {
     self->begin_chunks(guarded("ReadJobResult", [&] { return self->find_result(); }),
                        static_cast<std::uint64_t>(self->request_.start_chunk()),
                        static_cast<std::uint64_t>(self->request_.end_chunk()));

@@ -1,14 +1,11 @@
 // Whether jobs can be taken and done now: their database and the disk of their results.
 #pragma once
 
-#include <chrono>
-#include <mutex>
-
 #include <absl/status/status.h>
 
 #include "server/jobs/store/job_store.h"
 #include "server/jobs/work/work_place.h"
-#include "server/rpc/heartbeat.h"
+#include "server/ops/probe.h"
 
 namespace tet {
 
@@ -17,22 +14,18 @@ namespace tet {
 class JobHealth {
  public:
   /// Both references must outlive it.
-  JobHealth(JobStore& jobs, WorkPlace& place);
+  JobHealth(JobStore& jobs, WorkPlace& place)
+      : probe_("jobs", [&jobs, &place] {
+          const absl::Status written = jobs.probe();
+          return written.ok() ? place.check() : written;
+        }) {}
 
-  /// How writing went the last time. Errors: those of JobStore::probe and WorkPlace::check.
-  absl::Status status() const;
+  /// How writing went the last time. Errors: those of JobStore::probe and WorkPlace::check;
+  /// kUnavailable (NO_ANSWER) while it takes too long.
+  absl::Status status() const { return probe_.status(); }
 
  private:
-  void look();
-  bool is_due() const;
-  void learn(const absl::Status& found);
-
-  JobStore& jobs_;
-  WorkPlace& place_;
-  mutable std::mutex mutex_;
-  absl::Status status_;
-  std::chrono::steady_clock::time_point looked_{};
-  Heartbeat heartbeat_;  // last: it uses all of the above
+  Probe probe_;
 };
 
 }  // namespace tet

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "server/rpc/background.h"
+#include "server/rpc/fair_tasks.h"
 
 namespace tet {
 namespace {

@@ -65,6 +65,39 @@ TEST(Config, RefusesAFileThatIsNotThere) {
   EXPECT_FALSE(set_from_file(config, "/nowhere/c.toml").ok());
 }
 
+TEST(Config, RefusesAVariableThatNoSettingHas) {
+  ::setenv("TETSTREAM_STOER_BYTES", "1GiB", 1);
+  Config config;
+  const auto status = set_from_environment(config);
+  ::unsetenv("TETSTREAM_STOER_BYTES");
+  EXPECT_THAT(std::string(status.message()), HasSubstr("TETSTREAM_STOER_BYTES"));
+}
+
+TEST(Config, LeavesVariablesOfOthersAlone) {
+  const char* const others[] = {"TETSTREAM_PROXY_LISTEN", "TETSTREAM_SERVICE_HOST",
+                                "TETSTREAM_WEB_SERVICE_PORT_GRPC", "TETSTREAM_PORT",
+                                "TETSTREAM_PORT_7447_TCP_ADDR"};
+  for (const char* variable : others) ::setenv(variable, "x", 1);
+  Config config;
+  EXPECT_EQ(set_from_environment(config), absl::OkStatus());
+  for (const char* variable : others) ::unsetenv(variable);
+}
+
+TEST(Config, HidesPasswords) {
+  Config config;
+  for (const char* jobs :
+       {"postgresql://ana:s3cret@db/tetstream", "postgresql://db/x?user=ana&password=s3cret",
+        "postgresql://ana:s3cret@db:5432/x?sslpassword=s3cret&host=h"}) {
+    config.jobs = jobs;
+    const std::string printed = to_toml(config, Secrets::kHidden);
+    EXPECT_THAT(printed, testing::Not(HasSubstr("s3cret")));
+    EXPECT_THAT(printed, HasSubstr("***"));
+    EXPECT_THAT(to_toml(config), HasSubstr("s3cret"));
+  }
+  config.jobs = "/var/lib/jobs:old@2025.sqlite";
+  EXPECT_THAT(to_toml(config, Secrets::kHidden), HasSubstr(config.jobs));
+}
+
 TEST(Config, NamesAWrongVariable) {
   ::setenv("TETSTREAM_LOG_LEVEL", "loud", 1);
   Config config;

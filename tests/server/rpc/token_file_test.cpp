@@ -84,8 +84,9 @@ TEST_F(TokenFileTest, RepeatsNothingThatCouldBeASecret) {
 }
 
 TEST_F(TokenFileTest, MustBeItsOwnersAlone) {
-  EXPECT_THAT(refusal(entry(), 0640), HasSubstr("mode 640"));
-  EXPECT_THAT(refusal(entry(), 0644), HasSubstr("chmod 600"));
+  EXPECT_TRUE(read(entry(), 0440).ok()) << "its group may read it";
+  EXPECT_THAT(refusal(entry(), 0660), HasSubstr("mode 660"));
+  EXPECT_THAT(refusal(entry(), 0644), HasSubstr("chmod 640"));
 }
 
 TEST_F(TokenFileTest, TakesTheEntryOfANewToken) {
