@@ -24,6 +24,9 @@ void add_work(const MeshEngine& engine, std::vector<Reading>& readings) {
                            engine.send_budget.used_bytes()));
   readings.push_back(
       gauge("tetstream_plans_running", "Meshes being counted.", engine.planner.running()));
+  readings.push_back(counter("tetstream_plans_cut_short_total",
+                             "Turns that were not enough for their plans.",
+                             engine.turns.cut_short()));
   readings.push_back(gauge("tetstream_chunks_in_flight", "Chunks asked for and not yet made.",
                            engine.activity.chunks_in_flight.load()));
   readings.push_back(counter("tetstream_cached_streams_total",

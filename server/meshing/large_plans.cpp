@@ -13,8 +13,6 @@ namespace tet {
 
 namespace {
 
-constexpr auto kAnyone = [](const std::string&) { return true; };
-
 /// Does the work on threads of a lower priority, while the pool's own thread waits for them and
 /// keeps the priority of all pools.
 std::function<void()> politely(int threads, std::function<void()> work) {
@@ -36,7 +34,8 @@ void give_way() {
   ::setpriority(PRIO_PROCESS, 0, kBackgroundNice);
 }
 
-LargePlans::LargePlans(int threads, std::size_t at_once) {
+LargePlans::LargePlans(int threads, std::size_t at_once, std::size_t of_client)
+    : of_client_(of_client) {
   for (std::size_t i = 0; i < at_once; ++i) {
     pools_.push_back(std::make_unique<TaskPool>(threads));
     idle_.push_back(pools_.back().get());
@@ -51,26 +50,39 @@ LargePlans::~LargePlans() {
 void LargePlans::post(const std::string& client, std::function<void()> work) {
   if (is_background(client)) work = politely(pools_.front()->threads(), std::move(work));
   const std::lock_guard lock(mutex_);
-  waiting_.push(client, std::move(work));
+  waiting_.push(client, {client, std::move(work)});
   start_waiting();
+}
+
+/// With the lock, while a pool is idle.
+bool LargePlans::may_start(const std::string& client) const {
+  const auto own = running_.find(client);
+  if (own != running_.end() && own->second >= of_client_) return false;
+  if (!is_background(client) || pools_.size() == 1) return true;
+  std::size_t of_jobs = 0;
+  for (const auto& [name, count] : running_) of_jobs += is_background(name) ? count : 0;
+  return of_jobs + 1 < pools_.size();
 }
 
 void LargePlans::start_waiting() {
   while (!idle_.empty()) {
-    auto work = waiting_.take(kAnyone);
-    if (!work) return;
+    auto next = waiting_.take([this](const std::string& client) { return may_start(client); });
+    if (!next) return;
     TaskPool* const pool = idle_.back();
     idle_.pop_back();
-    pool->post([this, pool, work = *std::move(work)] {
-      contain("work on a large mesh", work);
-      finished(pool);
+    ++running_[next->client];
+    pool->post([this, pool, started = *std::move(next)] {
+      contain("work on a large mesh", started.work);
+      finished(pool, started.client);
     });
   }
 }
 
-void LargePlans::finished(TaskPool* pool) {
+void LargePlans::finished(TaskPool* pool, const std::string& client) {
   const std::lock_guard lock(mutex_);
   idle_.push_back(pool);
+  const auto own = running_.find(client);
+  if (--own->second == 0) running_.erase(own);
   start_waiting();
   if (idle_.size() == pools_.size()) all_idle_.notify_all();
 }

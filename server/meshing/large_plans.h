@@ -3,7 +3,9 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -16,24 +18,32 @@ namespace tet {
 
 /// Runs a few large plans at once, each on a pool of its own, so that neither small requests
 /// nor each other wait for their loops: the system shares the cores between the pools. More of
-/// them wait, and the clients take turns.
+/// them wait, and the clients take turns; all jobs together leave one pool to others, unless it
+/// is the only one.
 ///
 /// Thread safety: any thread may call `post`. The destructor waits for all that was posted.
 class LargePlans {
  public:
-  /// Pools of `threads` (0: every core) each.
-  LargePlans(int threads, std::size_t at_once);
+  /// Pools of `threads` (0: every core) each; one client has at most so many of them.
+  LargePlans(int threads, std::size_t at_once, std::size_t of_client = SIZE_MAX);
   ~LargePlans();
 
   void post(const std::string& client, std::function<void()> work);
 
  private:
   void start_waiting();
-  void finished(TaskPool* pool);
+  bool may_start(const std::string& client) const;
+  void finished(TaskPool* pool, const std::string& client);
 
+  const std::size_t of_client_;
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable all_idle_;
-  FairQueue<std::function<void()>> waiting_;
+  struct Waiting {
+    std::string client;
+    std::function<void()> work;
+  };
+  FairQueue<Waiting> waiting_;
+  std::map<std::string, std::size_t> running_;  ///< clients that have pools
   std::vector<TaskPool*> idle_;
   std::vector<std::unique_ptr<TaskPool>> pools_;
 };

@@ -1,10 +1,12 @@
 #include "server/meshing/planner.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/on_cancel.h"
 #include "core/plan/budget.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/vdb/decode_file.h"
@@ -19,8 +21,6 @@
 namespace tet {
 
 namespace {
-// A tenth of a second or so of one core.
-constexpr double kLargePlanBricks = 4096;
 
 /// Has a stored grid read by a decoder, and what it hands back checked by the pool.
 VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
@@ -69,6 +69,17 @@ class Running {
  private:
   std::atomic<int>& count_;
 };
+
+/// What takes longer than any turn.
+absl::Status takes_too_long(std::chrono::milliseconds taken, std::chrono::milliseconds limit) {
+  const auto seconds = [](std::chrono::milliseconds time) {
+    return static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::seconds>(time).count());
+  };
+  return over_limit(
+      "seconds of counting one mesh (a larger spacing or a smaller box takes fewer, and a job "
+      "may take as many as it has)",
+      seconds(taken), seconds(limit));
+}
 
 bool has_all_components(const VertexField& field) {
   const auto& components = field.components;
@@ -252,13 +263,18 @@ void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Do
   }
   (plan == nullptr ? misses_ : hits_).fetch_add(1);
   if (plan != nullptr) return done(job.planned(std::move(plan)));
-  auto work = [this, job, name, before, done] {
-    auto made = guarded("planning a mesh", [&] { return make_plan(job, name, before); });
-    done(made.ok() ? job.planned(*std::move(made))
-                   : absl::StatusOr<PlannedMesh>(about_mesh(made.status())));
+  auto work = [this, job, name, before, done](const PlanTurn& turn) {
+    auto made = guarded("planning a mesh", [&]() -> absl::StatusOr<Attempt> {
+      return make_plan(job, name, before, turn);
+    });
+    if (made.ok() && made->is_cut_short) return false;
+    const absl::Status status = made.ok() ? made->plan.status() : made.status();
+    done(status.ok() ? job.planned(*std::move(made->plan))
+                     : absl::StatusOr<PlannedMesh>(about_mesh(status)));
+    return true;
   };
-  const bool large = estimate_bricks_to_plan(job.shape, job.order.request) > kLargePlanBricks;
-  large ? threads_.large.post(job.client, std::move(work)) : work();
+  threads_.turns.post(job.client, estimate_bricks_to_plan(job.shape, job.order.request),
+                      std::move(work));
 }
 
 PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
@@ -267,23 +283,52 @@ PlannedMesh Planner::Job::planned(std::shared_ptr<const MeshPlan> plan) const {
   return {std::move(plan), std::move(canonical), std::move(mesh_id), grids};
 }
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> Planner::make_plan(
-    const Job& job, const std::string& name, const SurveyedBefore& before) {
+Planner::Attempt Planner::make_plan(const Job& job,
+                                    const std::string& name,
+                                    const SurveyedBefore& before,
+                                    const PlanTurn& turn) {
   // Much may have happened while it waited.
-  if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return status;
-  if (auto plan = plans_.recall(name)) return plan;
+  if (auto status = check_cancelled(job.watch->cancellation); !status.ok()) return {status};
+  if (auto plan = plans_.recall(name)) return {plan};
   const Running running(running_);
-  auto plan = plan_mesh({.shape = job.shape,
-                         .request = job.order.request,
-                         .limits = limits_,
-                         .progress = &job.watch->progress,
-                         .surveyed = before.blocks,
-                         .earlier = before.earlier.get()},
-                        job.watch->cancellation);
+  Attempt made = plan_in_turn(job, before, turn);
   give_back_free_memory();
-  if (!plan.ok()) return plan.status();
-  return job.order.is_frame ? plans_.admit(*std::move(plan))
-                            : plans_.remember(name, *std::move(plan));
+  if (!made.plan.ok() || made.is_cut_short) return made;
+  return {job.order.is_frame ? plans_.admit(*std::move(made.plan))
+                             : plans_.remember(name, *std::move(made.plan))};
+}
+
+/// The turn's end stops the plan as its caller would.
+Planner::Attempt Planner::plan_in_turn(const Job& job,
+                                       const SurveyedBefore& before,
+                                       const PlanTurn& turn) const {
+  using Clock = Cancellation::Clock;
+  const Cancellation& callers = job.watch->cancellation;
+  const auto begin = std::chrono::steady_clock::now();
+  Cancellation stopped(std::min(callers.deadline(), Clock::now() + turn.time));
+  const OnCancel link(callers, [&stopped] { stopped.cancel(); });
+  MeshLimits limits = limits_;
+  limits.max_plan_bytes = std::min(limits.max_plan_bytes, turn.bytes);
+  Attempt made{plan_mesh({.shape = job.shape,
+                          .request = job.order.request,
+                          .limits = limits,
+                          .progress = &job.watch->progress,
+                          .surveyed = before.blocks,
+                          .earlier = before.earlier.get()},
+                         stopped)};
+  if (made.plan.ok()) return made;
+  if (callers.requested()) return {check_cancelled(callers)};
+  if (stopped.requested()) {
+    const auto taken = std::chrono::duration_cast<std::chrono::milliseconds>(
+        std::chrono::steady_clock::now() - begin);
+    // A clock that was set may end a turn, too.
+    if (turn.is_last && taken >= turn.time) return {takes_too_long(taken, turn.time)};
+    return {absl::CancelledError(), true};
+  }
+  const bool lacks_memory = absl::IsResourceExhausted(made.plan.status()) &&
+                            limits.max_plan_bytes < limits_.max_plan_bytes;
+  if (lacks_memory && !turn.is_last) made.is_cut_short = true;
+  return made;
 }
 
 PlannerStats Planner::stats() const {

@@ -20,8 +20,8 @@
 #include "proto/convert/request.h"
 #include "server/grids/grid_store.h"
 #include "server/grids/volume_cache.h"
-#include "server/meshing/large_plans.h"
 #include "server/meshing/plan_cache.h"
+#include "server/meshing/plan_turns.h"
 
 namespace tet {
 
@@ -68,12 +68,11 @@ struct PlannerMemory {
 
 /// The threads that plans are made on.
 struct PlannerThreads {
-  TaskPool& pool;     ///< short plans, and whoever waits for one
-  LargePlans& large;  ///< long ones
+  TaskPool& pool;  ///< what comes before planning
+  PlanTurns& turns;
 };
 
-/// Plans meshes and remembers the last few, so that a resumed stream starts at once. Plans that
-/// look long from the shape's numbers are made apart from short ones.
+/// Plans meshes and remembers the last few, so that a resumed stream starts at once.
 ///
 /// Thread safety: any thread may call any member. The pools are not used before the first
 /// `plan`; their tasks must have ended before the planner is destroyed.
@@ -139,10 +138,20 @@ class Planner {
   void make_scene(Job job);
   void load_sizes(Job job);
   void load_fields(Job job);
+  /// What a turn came to.
+  struct Attempt {
+    absl::StatusOr<std::shared_ptr<const MeshPlan>> plan;
+    bool is_cut_short = false;  ///< it takes a longer turn; `plan` says nothing
+  };
+
   void plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done);
-  absl::StatusOr<std::shared_ptr<const MeshPlan>> make_plan(const Job& job,
-                                                            const std::string& name,
-                                                            const SurveyedBefore& before);
+  Attempt make_plan(const Job& job,
+                    const std::string& name,
+                    const SurveyedBefore& before,
+                    const PlanTurn& turn);
+  Attempt plan_in_turn(const Job& job,
+                       const SurveyedBefore& before,
+                       const PlanTurn& turn) const;
 
   const PlannerThreads threads_;
   GridStore& store_;

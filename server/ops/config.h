@@ -26,6 +26,7 @@ struct Config {
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
   std::uint64_t resident_bytes = std::uint64_t{4} << 30;
   std::uint64_t plan_bytes = std::uint64_t{8} << 30;
+  std::uint64_t plan_seconds = 600;
   std::string decoder;
   std::uint64_t decoders = 0;
   std::uint64_t decode_seconds = 120;

@@ -156,7 +156,7 @@ void ChunkStream::post_chunks() {
 void ChunkStream::ask_for_block(std::uint64_t index) {
   engine_.send_budget.ask(this, call_.client(), [self = self(), index](const Block& block) {
     self->engine_.activity.chunks_in_flight.fetch_add(1);
-    self->engine_.chunk_tasks.post(self->call_.client(),
+    self->engine_.short_tasks.post(self->call_.client(),
                                    [self, index, block] { self->fill_slot(index, block); });
   });
 }

@@ -10,8 +10,15 @@ namespace tet {
 
 namespace {
 
-// Enough that one very large plan does not keep all other large ones waiting.
+// Enough that one very large plan does not keep all other large ones waiting; and no client has
+// more than one of them.
 constexpr std::size_t kLargePlansAtOnce = 2;
+
+// What plans have in their turns. Those of one kind are as many at once as there are threads
+// for chunks; one; and kLargePlansAtOnce.
+constexpr std::chrono::milliseconds kShortTurn{50}, kLongerTurn{500};
+constexpr std::uint64_t kShortTurnBytes = std::uint64_t{32} << 20;
+constexpr std::uint64_t kLongerTurnBytes = std::uint64_t{256} << 20;
 
 // 32 MiB: more than one stream, or a few, ever hold.
 constexpr std::size_t kIdleBlocks = 64;
@@ -32,6 +39,13 @@ MeshLimits mesh_limits(const Config& config) {
   return limits;
 }
 
+PlanTurns::Kinds plan_turns(const Config& config) {
+  const std::uint64_t most = mesh_limits(config).max_plan_bytes;
+  return {{{kShortTurn, std::min(kShortTurnBytes, most), false},
+           {kLongerTurn, std::min(kLongerTurnBytes, most), false},
+           {std::chrono::seconds(config.plan_seconds), most, true}}};
+}
+
 DecoderSettings decoder_settings(const Config& config) {
   DecoderSettings settings;
   settings.program = config.decoder;
@@ -49,13 +63,15 @@ MeshEngine::MeshEngine(const Config& server_config,
       calls(call_registry),
       blocks(kBlockBytes, kIdleBlocks),
       send_budget(config.send_bytes, kBlockBytes),
-      planner({pool, large},
+      turns({short_tasks, longer, large}, plan_turns(config)),
+      planner({pool, turns},
               decoders,
               store,
               {config.resident_bytes, config.plan_bytes},
               mesh_limits(config)),
       pool(static_cast<int>(config.threads)),
-      large(static_cast<int>(config.threads), kLargePlansAtOnce),
+      longer(static_cast<int>(config.threads), 1),
+      large(static_cast<int>(config.threads), kLargePlansAtOnce, 1),
       decoders(decoder_settings(config)) {}
 
 Admission::Place MeshEngine::admit(const Call& call,

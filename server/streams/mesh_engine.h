@@ -58,11 +58,14 @@ struct MeshEngine {
   SendBudget send_budget;
   StallWatch stalls;
   const ResultStore* results = nullptr;  ///< set before the first call, where there are jobs
+  PlanTurns turns;
   Planner planner;
   // Last, so that their tasks end before what is above, which they use.
-  FairTasks chunk_tasks{pool};
-  TaskPool pool;         ///< chunks and short plans
-  LargePlans large;      ///< each on as many threads again: the system shares the cores
+  FairTasks short_tasks{pool};
+  TaskPool pool;  ///< chunks and short plans
+  // Each on as many threads again: the system shares the cores.
+  LargePlans longer;  ///< plans in turns of half a second
+  LargePlans large;
   DecoderPool decoders;  ///< what it decodes becomes tasks
 };
 

@@ -69,8 +69,18 @@ class JobServer {
     return job;
   }
 
+  /// From now on calls that create, get, wait for or cancel jobs, and uploads, are made with
+  /// this token.
+  void use_token(const std::string& token) {
+    token_ = token;
+    ChannelOptions options;
+    options.token = token;
+    client = *MeshClient::connect(address_, options);
+  }
+
   v1::Job create(const v1::Job& job, const std::string& request_id = "") {
     grpc::ClientContext context;
+    authorize(context);
     v1::CreateJobRequest request;
     *request.mutable_job() = job;
     request.set_request_id(request_id);
@@ -180,7 +190,12 @@ class JobServer {
     return messages(meshes->StreamMesh(&context, request));
   }
 
+  void authorize(grpc::ClientContext& context) const {
+    if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
+  }
+
   void connect(const std::string& address) {
+    address_ = address;
     const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
     jobs = v1::JobService::NewStub(channel);
     meshes = v1::MeshService::NewStub(channel);
@@ -194,6 +209,7 @@ class JobServer {
                                                             v1::Job*),
                const v1::Job& job) {
     grpc::ClientContext context;
+    authorize(context);
     Request request;
     request.set_name(job.name());
     v1::Job response;
@@ -212,6 +228,7 @@ class JobServer {
   }
 
   const std::string program_;
+  std::string address_, token_;
   Cancellation never_;
 };
 

@@ -125,6 +125,7 @@ struct ShardLease {
   ChunkRange chunks;
   std::int64_t attempt = 0;  ///< 1 for the first
   absl::Time expires;
+  std::string space = {};  ///< the job's namespace
 };
 
 /// The outcome of a plan shard: the next phase.

@@ -62,6 +62,7 @@ struct ClaimShards {
   std::int64_t max_shards = 1;  ///< 1 to 1000
   absl::Duration lease = absl::Seconds(30);
   std::string algorithm = {};  ///< the version of the worker's meshes; empty takes any job's
+  std::set<std::string> not_of = {};  ///< namespaces whose shards are left to others
 };
 
 /// How a shard is given back that the worker did not do.

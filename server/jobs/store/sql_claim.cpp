@@ -99,7 +99,8 @@ class Claiming {
   void claim_rank(std::int64_t rank) {
     std::map<std::string, std::int64_t> held;
     for (const SqlRow& row : t_.run(kSpacesOfRank, {rank}).rows) {
-      held[row.text(0)] = held_[row.text(0)];
+      const std::string space = row.text(0);
+      if (!request_.not_of.contains(space)) held[space] = held_[space];
     }
     while (room() > 0 && !held.empty()) {
       for (const auto& [space, share] : share_out(room(), held)) {
@@ -127,7 +128,8 @@ class Claiming {
       leases_.push_back({{key, token_},
                          range_from(row.integer(3), row.integer(4)),
                          row.integer(5),
-                         from_us(expires_us_)});
+                         from_us(expires_us_),
+                         space});
     }
     return std::ssize(taken.rows);
   }

@@ -69,7 +69,7 @@ JobWorker::JobWorker(JobStore& jobs,
   if (settings_.threads == 0) return;
   threads_.emplace_back([this](const std::stop_token& stopping) { claim_shards(stopping); });
   threads_.emplace_back([this](const std::stop_token& stopping) { beat(stopping); });
-  for (int i = 0; i < settings_.threads; ++i) {
+  for (int i = 0; i < settings_.threads + 1; ++i) {
     threads_.emplace_back([this](const std::stop_token& stopping) { do_shards(stopping); });
   }
 }
@@ -90,7 +90,8 @@ std::vector<JobWorker::HeldShard> JobWorker::held() {
   return {held_.begin(), held_.end()};
 }
 
-// One shard for each thread is claimed ahead, so that none waits for the store.
+// One shard for each thread is claimed ahead, so that none waits for the store; and one more of
+// a namespace of which none was.
 void JobWorker::claim_shards(const std::stop_token& stopping) {
   report();
   while (wait_for_room(stopping)) {
@@ -105,7 +106,7 @@ void JobWorker::claim_shards(const std::stop_token& stopping) {
 
 bool JobWorker::wait_for_room(const std::stop_token& stopping) {
   std::unique_lock lock(mutex_);
-  const auto room = static_cast<std::size_t>(2 * settings_.threads);
+  const auto room = static_cast<std::size_t>(2 * settings_.threads + 1);
   return changed_.wait(lock, stopping, [&] { return held_.size() < room; }) &&
          !stopping.stop_requested();
 }
@@ -153,14 +154,19 @@ void JobWorker::report() {
   });
 }
 
+ClaimShards JobWorker::next_claim() {
+  const std::lock_guard lock(mutex_);
+  const std::int64_t room = 2 * settings_.threads - std::ssize(held_);
+  ClaimShards claim{settings_.name, std::max<std::int64_t>(room, 1), settings_.lease,
+                    kAlgorithmVersion};
+  if (room > 0) return claim;
+  for (const HeldShard& shard : held_) claim.not_of.insert(shard->lease.space);
+  return claim;
+}
+
 /// False when there was nothing to claim.
 bool JobWorker::claim_some() {
-  std::int64_t room = 2 * settings_.threads;
-  {
-    const std::lock_guard lock(mutex_);
-    room -= std::ssize(held_);
-  }
-  auto leases = jobs_.claim({settings_.name, room, settings_.lease, kAlgorithmVersion});
+  auto leases = jobs_.claim(next_claim());
   if (const bool failed = claims_fail_; (claims_fail_ = !leases.ok())) {
     if (!failed) log_trouble("claim_failed", {}, leases.status());
     absl::SleepFor(kStorePause);
@@ -176,20 +182,37 @@ bool JobWorker::claim_some() {
   return !leases->empty();
 }
 
+/// The first shard that may begin; with the lock.
+std::deque<JobWorker::HeldShard>::iterator JobWorker::next_waiting() {
+  int all = 0;
+  for (const auto& [space, count] : running_) all += count;
+  return std::ranges::find_if(waiting_, [&](const HeldShard& shard) {
+    const auto own = running_.find(shard->lease.space);
+    return own == running_.end() || all < settings_.threads;
+  });
+}
+
 void JobWorker::do_shards(const std::stop_token& stopping) {
   give_way();
   while (true) {
     HeldShard shard;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, stopping, [&] { return !waiting_.empty(); });
+      changed_.wait(lock, stopping, [&] { return next_waiting() != waiting_.end(); });
       if (stopping.stop_requested()) return;
-      shard = waiting_.front();
-      waiting_.pop_front();
+      const auto next = next_waiting();
+      shard = *next;
+      waiting_.erase(next);
+      ++running_[shard->lease.space];
     }
     const absl::Status outcome =
         guarded("a shard", [&] { return maker_.run(shard->lease, shard->watch); });
     contain("the end of a shard", [&] { settle(shard, outcome, stopping); });
+    {
+      const std::lock_guard lock(mutex_);
+      const auto own = running_.find(shard->lease.space);
+      if (--own->second == 0) running_.erase(own);
+    }
     let_go(shard);
   }
 }

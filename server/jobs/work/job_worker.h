@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -24,7 +25,7 @@ namespace tet {
 
 struct JobWorkerSettings {
   std::string name;  ///< in the job store, for people; 1 to 128 bytes
-  int threads = 1;   ///< shards done at once
+  int threads = 1;   ///< shards done at once, and one more of a namespace that would have none
   absl::Duration lease = absl::Seconds(30);
 };
 
@@ -32,6 +33,10 @@ struct JobWorkerSettings {
 /// cancelled for instance, it stops within half a second or so of hearing of it.
 /// The threads have a lower priority than any other of
 /// the process, so that whoever waits for a mesh gets the cores first.
+///
+/// One namespace never has all there is, so that shards which take minutes do not keep those of
+/// another waiting: it has no more than `threads` at once, and one that has none under way gets
+/// the thread beyond them, even where all that may be claimed ahead is claimed.
 ///
 /// A worker that cannot work does no harm: what failed for a reason of its own it gives back
 /// without using up an attempt, and it claims nothing until the place it works in is right
@@ -67,6 +72,8 @@ class JobWorker {
   bool is_fit(const std::stop_token& stopping);
   void keep_hands_off(const absl::Status& why);
   bool claim_some();
+  ClaimShards next_claim();
+  std::deque<HeldShard>::iterator next_waiting();
   void do_shards(const std::stop_token& stopping);
   void settle(const HeldShard& shard,
               const absl::Status& outcome,
@@ -98,8 +105,9 @@ class JobWorker {
 
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable_any changed_;
-  std::deque<HeldShard> waiting_;  ///< claimed, and not begun
-  std::set<HeldShard> held_;       ///< claimed, and not settled
+  std::deque<HeldShard> waiting_;       ///< claimed, and not begun
+  std::set<HeldShard> held_;            ///< claimed, and not settled
+  std::map<std::string, int> running_;  ///< shards under way of each namespace that has any
   std::set<std::string> excused_;  ///< jobs that met a failing disk of ours, and lost nothing
 
   std::vector<std::jthread> threads_;  // last: they use all of the above

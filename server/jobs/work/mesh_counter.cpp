@@ -13,7 +13,6 @@ namespace tet {
 
 absl::StatusOr<PlannedMesh> MeshCounter::count(const CountOrder& order,
                                                SurveyedBlocks surveyed) {
-  const std::lock_guard one_at_a_time(counting_);
   std::promise<absl::StatusOr<PlannedMesh>> promise;
   engine_.planner.plan(background_client(order.mesh.space), order.mesh, order.watch,
                        [&promise](absl::StatusOr<PlannedMesh> planned) {
@@ -66,7 +65,6 @@ absl::StatusOr<MeshInput> MeshCounter::load(const CountOrder& order) {
 }
 
 void MeshCounter::run_large(const CountOrder& order, absl::FunctionRef<void()> work) {
-  const std::lock_guard one_at_a_time(counting_);
   std::promise<void> done;
   engine_.large.post(background_client(order.mesh.space), [&work, &done] {
     try {

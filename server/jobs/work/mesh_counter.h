@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include <absl/functional/function_ref.h>
@@ -20,7 +19,7 @@ struct CountOrder {
   std::shared_ptr<PlanningWatch> watch;
 };
 
-/// On the engine's threads, one mesh at a time, behind the meshes that somebody waits for.
+/// On the engine's threads, behind the meshes that somebody waits for; see PlanTurns.
 ///
 /// Thread safety: any thread but the engine's may call any member; each waits until it is done.
 class MeshCounter {
@@ -44,7 +43,6 @@ class MeshCounter {
   void run_large(const CountOrder& order, absl::FunctionRef<void()> work);
 
   MeshEngine& engine_;
-  std::mutex counting_;
 };
 
 }  // namespace tet

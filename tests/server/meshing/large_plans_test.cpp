@@ -1,6 +1,7 @@
 #include "server/meshing/large_plans.h"
 
 #include <algorithm>
+#include <atomic>
 #include <future>
 #include <map>
 #include <mutex>
@@ -76,6 +77,35 @@ TEST(LargePlans, ThoseOfJobsGiveWay) {
   const int background = std::max(ours, kBackgroundNice);
   EXPECT_EQ(priorities[background_client("space")], std::set<int>{background});
   EXPECT_EQ(priorities["somebody"], std::set<int>{ours});
+}
+
+TEST(LargePlans, OfOneClientHaveNoMorePoolsThanTheyMay) {
+  std::promise<void> others, release;
+  const auto released = release.get_future().share();
+  std::atomic<int> greedy{0};
+  LargePlans plans(1, 2, 1);
+  for (int i = 0; i < 3; ++i) {
+    plans.post("greedy", [&] {
+      greedy.fetch_add(1);
+      released.wait();
+    });
+  }
+  plans.post("modest", [&] { others.set_value(); });
+  others.get_future().wait();
+  EXPECT_LE(greedy.load(), 1);
+  release.set_value();
+}
+
+TEST(LargePlans, OfAllJobsLeaveAPoolToOthers) {
+  std::promise<void> others, release;
+  const auto released = release.get_future().share();
+  LargePlans plans(1, 2, 1);
+  for (const char* space : {"one", "another"}) {
+    plans.post(background_client(space), [released] { released.wait(); });
+  }
+  plans.post("somebody", [&] { others.set_value(); });
+  others.get_future().wait();
+  release.set_value();
 }
 
 TEST(FairTasks, ClientsTakeTurnsTaskByTask) {

@@ -127,6 +127,17 @@ TEST_P(JobStoreTest, GivesNamespacesEqualSharesWhoeverCameFirst) {
   EXPECT_EQ(held["eve"], 2);
 }
 
+TEST_P(JobStoreTest, GivesNothingOfNamespacesThatAreLeftToOthers) {
+  for (const char* space : {"ana", "ana", "bob"}) create(wanted(space));
+  ClaimShards beside{"w", 3};
+  beside.not_of = {"ana"};
+  const auto leases = store_->claim(beside).value();
+  ASSERT_EQ(leases.size(), 1U);
+  EXPECT_EQ(leases[0].space, "bob");
+  EXPECT_THAT(store_->claim(beside).value(), testing::IsEmpty());
+  EXPECT_EQ(claim(3).size(), 2U);
+}
+
 TEST_P(JobStoreTest, RefusesClaimsWithoutSense) {
   EXPECT_EQ(reason_of(store_->claim({"", 1}).status()), "INVALID_FIELD");
   EXPECT_EQ(reason_of(store_->claim({"w", 0}).status()), "INVALID_FIELD");
