@@ -63,6 +63,18 @@ std::optional<absl::Duration> retry_delay(const absl::Status& status) {
          absl::Nanoseconds(info->retry_delay().nanos());
 }
 
+std::string field_of_failure(const absl::Status& status) {
+  const auto bad = find_detail<google::rpc::BadRequest>(status);
+  return bad && !bad->field_violations().empty() ? bad->field_violations(0).field() : "";
+}
+
+std::string metadata_of(const absl::Status& status, const std::string& key) {
+  const auto info = find_detail<google::rpc::ErrorInfo>(status);
+  if (!info) return "";
+  const auto found = info->metadata().find(key);
+  return found == info->metadata().end() ? "" : found->second;
+}
+
 std::string request_id_of(const absl::Status& status) {
   const auto info = find_detail<google::rpc::RequestInfo>(status);
   return info ? info->request_id() : "";

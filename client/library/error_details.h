@@ -27,5 +27,9 @@ std::string reason_of_failure(const absl::Status& status);
 std::optional<absl::Duration> retry_delay(const absl::Status& status);
 /// The id of the call in the server's log; empty if it never came there.
 std::string request_id_of(const absl::Status& status);
+/// The field that the BadRequest names first; empty if it names none.
+std::string field_of_failure(const absl::Status& status);
+/// One of the ErrorInfo's metadata, such as "limit"; empty if it has none of that name.
+std::string metadata_of(const absl::Status& status, const std::string& key);
 
 }  // namespace tet

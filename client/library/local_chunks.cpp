@@ -4,6 +4,10 @@
 #include <new>
 #include <utility>
 
+#include <absl/strings/str_cat.h>
+
+#include "core/base/failure_name.h"
+
 namespace tet {
 
 namespace {
@@ -13,16 +17,8 @@ constexpr std::size_t kChunksAThread = 4;
 
 }  // namespace
 
-LocalChunks::LocalChunks(Shape shape,
-                         MeshRequest request,
-                         int threads,
-                         ProgressFunction progress,
-                         const Cancellation& cancellation)
-    : shape_(std::move(shape)),
-      request_(std::move(request)),
-      progress_(std::move(progress)),
-      cancellation_(cancellation),
-      pool_(threads) {}
+LocalChunks::LocalChunks(LocalWork work, const Cancellation& cancellation)
+    : work_(std::move(work)), cancellation_(cancellation), pool_(work_.threads) {}
 
 absl::StatusOr<const MeshHeader*> LocalChunks::header() {
   if (failure_.ok() && plan_ == nullptr) failure_ = plan();
@@ -33,30 +29,38 @@ absl::StatusOr<const MeshHeader*> LocalChunks::header() {
 absl::Status LocalChunks::plan() {
   absl::StatusOr<std::shared_ptr<const MeshPlan>> planned = absl::UnknownError("not started");
   pool_.run([&] {
-    planned = plan_mesh({.shape = std::move(shape_), .request = request_}, cancellation_);
+    planned =
+        plan_mesh({.shape = std::move(work_.shape), .request = work_.request}, cancellation_);
   });
   if (!planned.ok()) return planned.status();
   plan_ = *std::move(planned);
-  return absl::OkStatus();
+  const std::uint64_t count = plan_->header().chunk_count;
+  next_ = batch_end_ = work_.range.first;
+  end_ = work_.range.end.value_or(count);
+  if (next_ <= end_ && end_ <= count) return absl::OkStatus();
+  return named_failure(
+      "CHUNK_RANGE", absl::OutOfRangeError(absl::StrCat("chunks ", next_, " to ", end_,
+                                                        " are not among the mesh's ", count)));
 }
 
 absl::StatusOr<const ChunkView*> LocalChunks::next() {
   if (const auto counted = header(); !counted.ok()) return counted.status();
-  if (next_ == plan_->header().chunk_count) return finish(), nullptr;
+  if (next_ == end_) return finish(), nullptr;
   if (next_ == batch_end_) failure_ = make_batch();
   if (!failure_.ok()) return failure_;
   const Made& made = batch_[next_ - batch_begin_];
   quality_.add(made.quality);
   chunk_ = {next_, plan_->chunk(next_), std::as_const(made.columns).columns()};
   ++next_;
-  if (progress_) {
-    progress_(static_cast<double>(next_) / static_cast<double>(plan_->header().chunk_count));
+  if (work_.progress) {
+    const std::uint64_t begin = work_.range.first;
+    work_.progress(static_cast<double>(next_ - begin) / static_cast<double>(end_ - begin));
   }
   return &chunk_;
 }
 
 absl::Status LocalChunks::make_batch() try {
-  const std::uint64_t left = plan_->header().chunk_count - next_;
+  const std::uint64_t left = end_ - next_;
   const auto size = static_cast<std::size_t>(pool_.threads()) * kChunksAThread;
   batch_.resize(std::min<std::uint64_t>(left, size));
   batch_begin_ = next_;
@@ -79,6 +83,7 @@ void LocalChunks::make(std::uint64_t index, Made& made) const {
 
 void LocalChunks::finish() {
   batch_.clear();
+  if (end_ - work_.range.first < plan_->header().chunk_count) return;  // told of whole meshes
   facts_.boundary = plan_->boundary();
   facts_.improvement = plan_->improvement();
   facts_.thin_walls = plan_->thin_walls();

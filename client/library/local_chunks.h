@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "client/library/chunk_supply.h"
@@ -19,16 +20,27 @@
 
 namespace tet {
 
+/// Some of a mesh's chunks: from `first` on, up to `end` where that is given.
+struct LocalRange {
+  std::uint64_t first = 0;
+  std::optional<std::uint64_t> end = {};
+};
+
+/// What is made, and how.
+struct LocalWork {
+  Shape shape;
+  MeshRequest request;
+  int threads = 0;                      ///< <= 0 takes every core
+  ProgressFunction progress = nullptr;  ///< may be null
+  LocalRange range = {};
+};
+
 /// Makes a few chunks at a time, as many as keep its threads busy, when the first of them is
 /// asked for. The bytes are those of the mesh that mesh_volume makes.
 class LocalChunks : public ChunkSupply {
  public:
-  /// `threads` <= 0 takes every core, `progress` may be null, `cancellation` outlives this.
-  LocalChunks(Shape shape,
-              MeshRequest request,
-              int threads,
-              ProgressFunction progress,
-              const Cancellation& cancellation);
+  /// `cancellation` outlives this.
+  LocalChunks(LocalWork work, const Cancellation& cancellation);
 
   absl::StatusOr<const MeshHeader*> header() override;
   absl::StatusOr<const ChunkView*> next() override;
@@ -47,14 +59,12 @@ class LocalChunks : public ChunkSupply {
   void make(std::uint64_t index, Made& made) const;
   void finish();
 
-  Shape shape_;
-  const MeshRequest request_;
-  const ProgressFunction progress_;
+  LocalWork work_;
   const Cancellation& cancellation_;
   TaskPool pool_;
   std::shared_ptr<const MeshPlan> plan_;
   std::vector<Made> batch_;
-  std::uint64_t next_ = 0, batch_begin_ = 0, batch_end_ = 0;
+  std::uint64_t next_ = 0, end_ = 0, batch_begin_ = 0, batch_end_ = 0;
   QualityStats quality_;
   ChunkView chunk_;
   TrailerFacts facts_;

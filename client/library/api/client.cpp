@@ -6,21 +6,16 @@
 #include <utility>
 #include <vector>
 
-#include "client/library/api/core_request.h"
+#include "client/library/api/client_impl.h"
 #include "client/library/api/mesh_impl.h"
 #include "client/library/api/stream_impl.h"
-#include "client/library/api/temporary_folder.h"
 #include "client/library/api/to_public.h"
 #include "client/library/api/work.h"
-#include "client/library/mesh_client.h"
-#include "client/library/wire_request.h"
+#include "client/library/served_range.h"
+#include "proto/wire/serialized.h"
+#include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tetstream {
-
-struct Client::Impl {
-  explicit Impl(std::unique_ptr<tet::MeshClient> connected) : meshes(std::move(connected)) {}
-  const std::unique_ptr<tet::MeshClient> meshes;
-};
 
 namespace {
 
@@ -45,50 +40,8 @@ std::function<void(std::uint64_t, std::uint64_t)> telling(const Fraction& progre
   };
 }
 
-absl::StatusOr<std::string> upload_volume(tet::MeshClient& meshes,
-                                          const Volume& volume,
-                                          const tet::ClientProgress& progress,
-                                          const tet::Cancellation& cancellation) {
-  const absl::StatusOr<TemporaryFolder> folder = TemporaryFolder::make();
-  if (!folder.ok()) return folder.status();
-  const std::string path = folder->file("volume.vdb");
-  if (const Status written = volume.write_vdb(path); !written.ok()) {
-    return absl::Status(static_cast<absl::StatusCode>(written.code()), written.message());
-  }
-  return meshes.upload_file(path, progress, cancellation);
-}
-
-/// The message, once the server has what it is about.
-absl::StatusOr<tet::v1::MeshRequest> prepare(tet::MeshClient& meshes,
-                                             const StoredVolume& volume,
-                                             const Request& request,
-                                             const tet::Cancellation& cancellation) {
-  absl::StatusOr<tet::MeshRequest> core = core_request(request);
-  if (!core.ok()) return core.status();
-  for (std::size_t i = 0; i < core->fields.size(); ++i) {
-    const auto name = upload_volume(meshes, request.fields[i].values, {}, cancellation);
-    if (!name.ok()) return name.status();
-    core->fields[i].file = *name;
-  }
-  std::vector<std::string> grids;
-  if (!volume.grid.empty()) grids.push_back(volume.grid);
-  return tet::wire_request(*core, volume.name, grids);
-}
-
 tet::StreamOptions stream_options(const StreamOptions& options) {
   return {.encoding = to_wire(options.encoding), .skip_cache = options.skip_cache, .used = {}};
-}
-
-absl::StatusOr<tet::StreamedMesh> receive(tet::MeshClient& meshes,
-                                          const StoredVolume& volume,
-                                          const Request& request,
-                                          const StreamOptions& options,
-                                          const tet::Cancellation& cancellation) {
-  const auto message = prepare(meshes, volume, request, cancellation);
-  if (!message.ok()) return message.status();
-  return meshes.stream_mesh(*message,
-                            {.upload = {}, .planning = {}, .tets = telling(options.progress)},
-                            cancellation, stream_options(options));
 }
 
 tet::TrailerFacts facts_of(const tet::StreamedMesh& mesh) {
@@ -111,14 +64,91 @@ tet::ChannelOptions channel_options(const ClientOptions& options) {
           .token_in_plain = options.token_in_plain};
 }
 
+tet::ClientProgress tets_told(const StreamOptions& options) {
+  return {.upload = {}, .planning = {}, .tets = telling(options.progress)};
+}
+
+template <class Solid>
+Result<Mesh> mesh_there(const Client::Impl& client,
+                        const Solid& solid,
+                        const Request& request,
+                        const StreamOptions& options) {
+  return guarded([&]() -> Result<Mesh> {
+    const Work work(options);
+    const auto message = message_of(*client.meshes, solid, request, work.cancellation());
+    if (!message.ok()) return to_public(message.status());
+    absl::StatusOr<tet::StreamedMesh> mesh = client.meshes->stream_mesh(
+        *message, tets_told(options), work.cancellation(), stream_options(options));
+    if (!mesh.ok()) return to_public(mesh.status());
+    return public_mesh(std::move(mesh->mesh), facts_of(*mesh), mesh->mesh_id);
+  });
+}
+
+tet::RangeCall range_call(const v1::MeshRequest& mesh, bool skip_cache, ChunkRange chunks) {
+  const auto request = [mesh, skip_cache](std::uint64_t first, std::uint64_t end,
+                                          const std::string& mesh_id) {
+    v1::StreamMeshRequest message;
+    *message.mutable_mesh() = mesh;
+    message.set_skip_cache(skip_cache);
+    message.set_start_chunk(static_cast<std::int64_t>(first));
+    message.set_end_chunk(static_cast<std::int64_t>(end));
+    message.set_expected_mesh_id(mesh_id);
+    return tet::serialized(message);
+  };
+  return {v1::MeshService::service_full_name(), "StreamMesh", request, chunks.first,
+          chunks.end};
+}
+
+template <class Solid>
+MeshStream stream_there(const std::shared_ptr<const Client::Impl>& client,
+                        const Solid& solid,
+                        const Request& request,
+                        const StreamOptions& options,
+                        ChunkRange chunks) {
+  auto stream = std::make_unique<MeshStream::Impl>(options);
+  stream->begin =
+      [client, solid, request, options, chunks](
+          const tet::Cancellation& cancellation) -> Result<std::unique_ptr<tet::ChunkSupply>> {
+    const auto message = message_of(*client->meshes, solid, request, cancellation);
+    if (!message.ok()) return to_public(message.status());
+    if (chunks.is_all()) {
+      return client->meshes->stream_chunks(*message, tets_told(options), cancellation,
+                                           stream_options(options));
+    }
+    return std::unique_ptr<tet::ChunkSupply>(std::make_unique<tet::ServedRange>(
+        client->connection, range_call(*message, options.skip_cache, chunks),
+        tets_told(options), cancellation));
+  };
+  return MeshStream(std::move(stream));
+}
+
+template <class Solid>
+Result<Estimate> estimate_there(const Client::Impl& client,
+                                const Solid& solid,
+                                const Request& request,
+                                const WorkOptions& options) {
+  return guarded([&]() -> Result<Estimate> {
+    const Work work(options);
+    const auto message = message_of(*client.meshes, solid, request, work.cancellation());
+    if (!message.ok()) return to_public(message.status());
+    const auto header = client.meshes->estimate(*message, work.cancellation());
+    if (!header.ok()) return to_public(header.status());
+    return Estimate{unsigned_count(header->vertex_count()), unsigned_count(header->tet_count()),
+                    unsigned_count(header->chunk_count()), unsigned_count(header->mesh_bytes()),
+                    header->fill_seconds()};
+  });
+}
+
 }  // namespace
 
 Client::Client(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 Result<Client> Client::connect(const std::string& address, const ClientOptions& options) {
   return guarded([&]() -> Result<Client> {
-    auto connected = tet::MeshClient::connect(address, channel_options(options),
-                                              {.attempts = std::max(1, options.attempts)});
+    const int attempts = std::max(1, options.attempts);
+    auto connected = tet::Connection::open(
+        address, channel_options(options),
+        {.attempts = attempts, .attempts_once_known = attempts + attempts / 2});
     if (!connected.ok()) return to_public(connected.status());
     return Client(std::make_shared<const Impl>(*std::move(connected)));
   });
@@ -151,43 +181,39 @@ Result<StoredVolume> Client::upload(const Volume& volume, const WorkOptions& opt
 Result<Mesh> Client::mesh(const StoredVolume& volume,
                           const Request& request,
                           const StreamOptions& options) const {
-  return guarded([&]() -> Result<Mesh> {
-    const Work work(options);
-    absl::StatusOr<tet::StreamedMesh> mesh =
-        receive(*impl_->meshes, volume, request, options, work.cancellation());
-    if (!mesh.ok()) return to_public(mesh.status());
-    return public_mesh(std::move(mesh->mesh), facts_of(*mesh), mesh->mesh_id);
-  });
+  return mesh_there(*impl_, volume, request, options);
 }
 
 MeshStream Client::stream(const StoredVolume& volume,
                           const Request& request,
-                          const StreamOptions& options) const {
-  auto stream = std::make_unique<MeshStream::Impl>(options);
-  stream->begin =
-      [impl = impl_, volume, request, options](
-          const tet::Cancellation& cancellation) -> Result<std::unique_ptr<tet::ChunkSupply>> {
-    const auto message = prepare(*impl->meshes, volume, request, cancellation);
-    if (!message.ok()) return to_public(message.status());
-    return impl->meshes->stream_chunks(
-        *message, {.upload = {}, .planning = {}, .tets = telling(options.progress)},
-        cancellation, stream_options(options));
-  };
-  return MeshStream(std::move(stream));
+                          const StreamOptions& options,
+                          ChunkRange chunks) const {
+  return stream_there(impl_, volume, request, options, chunks);
 }
 
 Result<Estimate> Client::estimate(const StoredVolume& volume,
                                   const Request& request,
                                   const WorkOptions& options) const {
-  return guarded([&]() -> Result<Estimate> {
-    const Work work(options);
-    const auto message = prepare(*impl_->meshes, volume, request, work.cancellation());
-    if (!message.ok()) return to_public(message.status());
-    const auto header = impl_->meshes->estimate(*message, work.cancellation());
-    if (!header.ok()) return to_public(header.status());
-    return Estimate{unsigned_count(header->vertex_count()), unsigned_count(header->tet_count()),
-                    unsigned_count(header->mesh_bytes()), header->fill_seconds()};
-  });
+  return estimate_there(*impl_, volume, request, options);
+}
+
+Result<Mesh> Client::mesh(const Scene& scene,
+                          const Request& request,
+                          const StreamOptions& options) const {
+  return mesh_there(*impl_, scene, request, options);
+}
+
+MeshStream Client::stream(const Scene& scene,
+                          const Request& request,
+                          const StreamOptions& options,
+                          ChunkRange chunks) const {
+  return stream_there(impl_, scene, request, options, chunks);
+}
+
+Result<Estimate> Client::estimate(const Scene& scene,
+                                  const Request& request,
+                                  const WorkOptions& options) const {
+  return estimate_there(*impl_, scene, request, options);
 }
 
 Result<Capabilities> Client::capabilities(const WorkOptions& options) const {

@@ -5,6 +5,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/library/api/scene_impl.h"
 #include "client/library/api/volume_impl.h"
 #include "proto/sizing/sizing_message.h"
 
@@ -85,6 +86,12 @@ absl::StatusOr<tet::Shape> shape_of(const Volume& volume) {
   if (tet::has_inside(core->kind)) return tet::Shape(core);
   return absl::FailedPreconditionError(
       "the volume has no inside: it is of VolumeKind::kValues, for the fields of a request");
+}
+
+absl::StatusOr<tet::Shape> shape_of(const Scene& scene) {
+  if (scene.impl().core != nullptr) return tet::Shape(scene.impl().core);
+  return absl::FailedPreconditionError(
+      "the scene has grids that a server stores: mesh it there, or give their volumes");
 }
 
 }  // namespace tetstream

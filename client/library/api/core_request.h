@@ -6,6 +6,7 @@
 #include "core/plan/mesh_request.h"
 #include "core/plan/shape.h"
 #include "tetstream/request.h"
+#include "tetstream/scene.h"
 
 namespace tetstream {
 
@@ -15,5 +16,7 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request);
 
 /// Errors: kFailedPrecondition (a volume that has no inside).
 absl::StatusOr<tet::Shape> shape_of(const Volume& volume);
+/// Errors: kFailedPrecondition (a scene of grids that a server stores).
+absl::StatusOr<tet::Shape> shape_of(const Scene& scene);
 
 }  // namespace tetstream

@@ -21,8 +21,9 @@ struct Order {
   tet::MeshRequest request;
 };
 
-absl::StatusOr<Order> understand(const Volume& volume, const Request& request) {
-  absl::StatusOr<tet::Shape> shape = shape_of(volume);
+template <class Solid>
+absl::StatusOr<Order> understand(const Solid& solid, const Request& request) {
+  absl::StatusOr<tet::Shape> shape = shape_of(solid);
   if (!shape.ok()) return shape.status();
   absl::StatusOr<tet::MeshRequest> core = core_request(request);
   if (!core.ok()) return core.status();
@@ -48,7 +49,8 @@ absl::StatusOr<Estimate> count(Order order, const tet::Cancellation& cancellatio
   const tet::FillEstimate fill = tet::estimate_fill(**plan, cancellation);
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
   const tet::MeshHeader& header = (*plan)->header();
-  return Estimate{header.vertex_count, header.tet_count, fill.bytes, fill.seconds};
+  return Estimate{header.vertex_count, header.tet_count, header.chunk_count, fill.bytes,
+                  fill.seconds};
 }
 
 tet::TrailerFacts facts_of(const tet::MeshResult& result) {
@@ -57,12 +59,11 @@ tet::TrailerFacts facts_of(const tet::MeshResult& result) {
   return facts;
 }
 
-}  // namespace
-
-Result<Mesh> mesh(const Volume& volume, const Request& request, const WorkOptions& options) {
+template <class Solid>
+Result<Mesh> mesh_of(const Solid& solid, const Request& request, const WorkOptions& options) {
   return guarded([&]() -> Result<Mesh> {
     const Work work(options);
-    absl::StatusOr<Order> order = understand(volume, request);
+    absl::StatusOr<Order> order = understand(solid, request);
     if (!order.ok()) return to_public(order.status());
     absl::StatusOr<tet::MeshResult> made =
         make(*std::move(order), options, work.cancellation());
@@ -71,12 +72,13 @@ Result<Mesh> mesh(const Volume& volume, const Request& request, const WorkOption
   });
 }
 
-Result<Estimate> estimate(const Volume& volume,
-                          const Request& request,
-                          const WorkOptions& options) {
+template <class Solid>
+Result<Estimate> estimate_of(const Solid& solid,
+                             const Request& request,
+                             const WorkOptions& options) {
   return guarded([&]() -> Result<Estimate> {
     const Work work(options);
-    absl::StatusOr<Order> order = understand(volume, request);
+    absl::StatusOr<Order> order = understand(solid, request);
     if (!order.ok()) return to_public(order.status());
     absl::StatusOr<Estimate> counted = absl::UnknownError("not started");
     tet::TaskPool pool(options.threads);
@@ -86,18 +88,59 @@ Result<Estimate> estimate(const Volume& volume,
   });
 }
 
-MeshStream stream(const Volume& volume, const Request& request, const WorkOptions& options) {
+template <class Solid>
+MeshStream stream_of(const Solid& solid,
+                     const Request& request,
+                     const WorkOptions& options,
+                     ChunkRange chunks) {
   auto impl = std::make_unique<MeshStream::Impl>(options);
   impl->begin =
-      [volume, request, options](
+      [solid, request, options, chunks](
           const tet::Cancellation& cancellation) -> Result<std::unique_ptr<tet::ChunkSupply>> {
-    absl::StatusOr<Order> order = understand(volume, request);
+    absl::StatusOr<Order> order = understand(solid, request);
     if (!order.ok()) return to_public(order.status());
     return std::unique_ptr<tet::ChunkSupply>(
-        std::make_unique<tet::LocalChunks>(std::move(order->shape), std::move(order->request),
-                                           options.threads, options.progress, cancellation));
+        std::make_unique<tet::LocalChunks>(tet::LocalWork{std::move(order->shape),
+                                                          std::move(order->request),
+                                                          options.threads,
+                                                          options.progress,
+                                                          {chunks.first, chunks.end}},
+                                           cancellation));
   };
   return MeshStream(std::move(impl));
+}
+
+}  // namespace
+
+Result<Mesh> mesh(const Volume& volume, const Request& request, const WorkOptions& options) {
+  return mesh_of(volume, request, options);
+}
+Result<Mesh> mesh(const Scene& scene, const Request& request, const WorkOptions& options) {
+  return mesh_of(scene, request, options);
+}
+
+Result<Estimate> estimate(const Volume& volume,
+                          const Request& request,
+                          const WorkOptions& options) {
+  return estimate_of(volume, request, options);
+}
+Result<Estimate> estimate(const Scene& scene,
+                          const Request& request,
+                          const WorkOptions& options) {
+  return estimate_of(scene, request, options);
+}
+
+MeshStream stream(const Volume& volume,
+                  const Request& request,
+                  const WorkOptions& options,
+                  ChunkRange chunks) {
+  return stream_of(volume, request, options, chunks);
+}
+MeshStream stream(const Scene& scene,
+                  const Request& request,
+                  const WorkOptions& options,
+                  ChunkRange chunks) {
+  return stream_of(scene, request, options, chunks);
 }
 
 }  // namespace tetstream

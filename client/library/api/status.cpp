@@ -29,6 +29,11 @@ constexpr std::array kCodeNames{"OK",
 Status::Status(StatusCode code, std::string message, std::string reason)
     : code_(code), message_(std::move(message)), reason_(std::move(reason)) {}
 
+Status Status::with_details(FailureDetails details) && {
+  details_ = std::move(details);
+  return std::move(*this);
+}
+
 std::string Status::to_string() const {
   const auto code = static_cast<std::size_t>(code_);
   const std::string name = code < kCodeNames.size() ? kCodeNames[code] : "UNKNOWN";

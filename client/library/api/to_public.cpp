@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include <absl/strings/numbers.h>
+
 #include "client/library/error_details.h"
 #include "core/base/failure_name.h"
 
@@ -56,14 +58,25 @@ Statistics::Improvement improvement_of(const tet::Improvement& improvement) {
           improvement.moved_vertices};
 }
 
+std::optional<std::uint64_t> number_of(const std::string& text) {
+  std::uint64_t number = 0;
+  if (!absl::SimpleAtoi(text, &number)) return std::nullopt;
+  return number;
+}
+
 }  // namespace
 
 Status to_public(const absl::Status& status) {
   if (status.ok()) return {};
   std::string reason = tet::failure_name(status);
   if (reason.empty()) reason = tet::reason_of_failure(status);
-  return {static_cast<StatusCode>(status.raw_code()), std::string(status.message()),
-          std::move(reason)};
+  return Status(static_cast<StatusCode>(status.raw_code()), std::string(status.message()),
+                std::move(reason))
+      .with_details({.field = tet::field_of_failure(status),
+                     .what = tet::metadata_of(status, "what"),
+                     .value = number_of(tet::metadata_of(status, "value")),
+                     .limit = number_of(tet::metadata_of(status, "limit")),
+                     .request_id = tet::request_id_of(status)});
 }
 
 MeshHeader to_public(const tet::MeshHeader& header, std::string id) {

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 
 #include <pybind11/pybind11.h>
 
 #include "client/python/extension/watch.h"
 #include "tetstream/client.h"
+#include "tetstream/jobs.h"
 
 namespace tetstream::python {
 
@@ -18,8 +20,9 @@ struct CallOptions {
   int threads = 0;
   Encoding encoding = Encoding::kPlain;
   bool skip_cache = false;
+  std::stop_source stop{};  ///< by which another thread may stop it
 
-  Watch watch() const { return {progress, deadline}; }
+  Watch watch() const { return {progress, deadline, stop}; }
   StreamOptions connected(const Watch& watch) const {
     StreamOptions options;
     watch.connect(options);
@@ -43,6 +46,13 @@ auto call(const CallOptions& options, const Function& work) {
 py::dict to_python(const MeshHeader& header);
 py::dict to_python(const Statistics& statistics);
 py::dict to_python(const Estimate& estimate);
+py::dict to_python(const Job& job);
+py::object to_python(const JobEvent& event);
+
+/// Chunks from `first` on; to `end` where that is given.
+inline ChunkRange chunks_of(std::uint64_t first, std::optional<std::uint64_t> end) {
+  return {first, end};
+}
 
 void bind_volume(py::module_& module);
 void bind_request(py::module_& module);
@@ -50,5 +60,7 @@ void bind_mesh(py::module_& module);
 void bind_stream(py::module_& module);
 void bind_mesher(py::module_& module);
 void bind_client(py::module_& module);
+void bind_session(py::module_& module);
+void bind_jobs(py::module_& module);
 
 }  // namespace tetstream::python

@@ -1,6 +1,7 @@
 #include "tetstream/client.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -25,29 +26,42 @@ StoredVolume upload_file(const Client& client,
               [&](const WorkOptions& work) { return client.upload_file(path, grid, work); });
 }
 
+template <class Solid>
 Mesh mesh_there(const Client& client,
-                const StoredVolume& volume,
+                const Solid& solid,
                 const Request& request,
                 const CallOptions& options) {
   return call(options,
-              [&](const StreamOptions& work) { return client.mesh(volume, request, work); });
+              [&](const StreamOptions& work) { return client.mesh(solid, request, work); });
 }
 
+template <class Solid>
 py::dict estimate_there(const Client& client,
-                        const StoredVolume& volume,
+                        const Solid& solid,
                         const Request& request,
                         const CallOptions& options) {
-  return to_python(call(options, [&](const WorkOptions& work) {
-    return client.estimate(volume, request, work);
-  }));
+  return to_python(call(
+      options, [&](const WorkOptions& work) { return client.estimate(solid, request, work); }));
 }
 
+template <class Solid>
 std::unique_ptr<Stream> stream_there(const Client& client,
-                                     const StoredVolume& volume,
+                                     const Solid& solid,
                                      const Request& request,
-                                     const CallOptions& options) {
-  return std::make_unique<Stream>(
-      options, [&](const StreamOptions& work) { return client.stream(volume, request, work); });
+                                     const CallOptions& options,
+                                     std::uint64_t first,
+                                     std::optional<std::uint64_t> end) {
+  return std::make_unique<Stream>(options, [&](const StreamOptions& work) {
+    return client.stream(solid, request, work, chunks_of(first, end));
+  });
+}
+
+template <class Solid>
+void bind_calls(py::class_<Client>& client) {
+  client.def("mesh", &mesh_there<Solid>)
+      .def("estimate", &estimate_there<Solid>)
+      .def("stream", &stream_there<Solid>, py::arg("solid"), py::arg("request"),
+           py::arg("options"), py::arg("first") = 0, py::arg("end") = py::none());
 }
 
 py::dict capabilities(const Client& client, const CallOptions& options) {
@@ -86,13 +100,12 @@ void bind_client(py::module_& module) {
       .def(py::init<std::string, std::string>())
       .def_readonly("name", &StoredVolume::name)
       .def_readonly("grid", &StoredVolume::grid);
-  py::class_<Client>(module, "Client")
-      .def(py::init(&connect))
+  py::class_<Client> client(module, "Client");
+  bind_calls<StoredVolume>(client);
+  bind_calls<Scene>(client);
+  client.def(py::init(&connect))
       .def("upload", &upload)
       .def("upload_file", &upload_file)
-      .def("mesh", &mesh_there)
-      .def("estimate", &estimate_there)
-      .def("stream", &stream_there)
       .def("capabilities", &capabilities)
       .def("check_health", &check_health);
 }

@@ -1,10 +1,13 @@
 // The module tetstream._tetstream: the C++ library, as thinly as it goes. What users see of it
 // is written in Python, in ../tetstream.
 #include "client/python/extension/bindings.h"
+#include "client/python/extension/helper.h"
 #include "tetstream/version.h"
 
 PYBIND11_MODULE(_tetstream, module) {
   using namespace tetstream::python;
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
+                                                         py::cpp_function(&Helper::note_fork));
   module.def("version", [] { return tetstream::version(); });
   bind_volume(module);
   bind_request(module);
@@ -12,4 +15,6 @@ PYBIND11_MODULE(_tetstream, module) {
   bind_stream(module);
   bind_mesher(module);
   bind_client(module);
+  bind_session(module);
+  bind_jobs(module);
 }

@@ -52,13 +52,19 @@ void bind_request(py::module_& module) {
       .def_readwrite("faces", &Request::faces)
       .def_readwrite("coordinates", &Request::coordinates)
       .def("add_field", &add_field);
+  py::class_<std::stop_source>(module, "Stop")
+      .def(py::init<>())
+      .def("request", [](std::stop_source& stop) { stop.request_stop(); })
+      .def_property_readonly(
+          "requested", [](const std::stop_source& stop) { return stop.stop_requested(); });
   py::class_<CallOptions>(module, "Options")
       .def(py::init<>())
       .def_readwrite("progress", &CallOptions::progress)
       .def_readwrite("deadline", &CallOptions::deadline)
       .def_readwrite("threads", &CallOptions::threads)
       .def_readwrite("encoding", &CallOptions::encoding)
-      .def_readwrite("skip_cache", &CallOptions::skip_cache);
+      .def_readwrite("skip_cache", &CallOptions::skip_cache)
+      .def_readwrite("stop", &CallOptions::stop);
 }
 
 }  // namespace tetstream::python

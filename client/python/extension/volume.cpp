@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -50,13 +52,24 @@ Volume from_samples(const Array<float>& values, const Samples& samples) {
 
 Volume from_triangles(const Array<double>& points,
                       const Array<std::uint32_t>& triangles,
-                      double voxel_size) {
+                      double voxel_size,
+                      OpenSurface open) {
   const Triangles surface{span_of(points), span_of(triangles)};
-  return without_gil([&] { return Volume::from_triangles(surface, voxel_size); });
+  return without_gil([&] { return Volume::from_triangles(surface, voxel_size, open); });
 }
 
-Volume from_surface_file(const std::string& path, double voxel_size) {
-  return without_gil([&] { return Volume::from_surface_file(path, voxel_size); });
+Volume from_surface_file(const std::string& path, double voxel_size, OpenSurface open) {
+  return without_gil([&] { return Volume::from_surface_file(path, voxel_size, open); });
+}
+
+Scene scene_from_json(const std::string& json,
+                      const std::vector<std::pair<std::string, Volume>>& volumes) {
+  std::vector<SceneGrid> grids;
+  for (const auto& [name, volume] : volumes) grids.push_back({name, volume});
+  const py::gil_scoped_release released;
+  Result<Scene> scene = Scene::from_json(json, grids);
+  const py::gil_scoped_acquire held;
+  return value_of(std::move(scene));
 }
 
 Volume from_vdb(const std::string& path, const std::string& grid, bool trusted) {
@@ -82,6 +95,10 @@ void bind_volume(py::module_& module) {
       .value("level_set", VolumeKind::kLevelSet)
       .value("density", VolumeKind::kDensity)
       .value("values", VolumeKind::kValues);
+  py::enum_<OpenSurface>(module, "OpenSurface")
+      .value("refuse", OpenSurface::kRefuse)
+      .value("close", OpenSurface::kClose)
+      .value("shell", OpenSurface::kShell);
   py::class_<Samples>(module, "Samples")
       .def(py::init<double, Point, VolumeKind, std::optional<float>>());
   py::class_<Volume>(module, "Volume")
@@ -94,6 +111,7 @@ void bind_volume(py::module_& module) {
       .def_property_readonly("voxel_size",
                              [](const Volume& volume) { return volume.voxel_size(); })
       .def("write_vdb", &write_vdb);
+  py::class_<Scene>(module, "Scene").def_static("from_json", &scene_from_json);
 }
 
 }  // namespace tetstream::python

@@ -1,9 +1,8 @@
 #include "client/python/extension/watch.h"
 
-#include <condition_variable>
 #include <exception>
-#include <mutex>
-#include <thread>
+
+#include "client/python/extension/helper.h"
 
 namespace tetstream::python {
 namespace {
@@ -14,48 +13,35 @@ constexpr std::chrono::milliseconds kLookUp{30};
 /// A later deadline is none: clocks cannot represent all of them.
 constexpr double kLastDeadline = 9e9;
 
-/// Work on a thread of its own, and when it is over.
-class Worker {
- public:
-  explicit Worker(const std::function<void()>& work)
-      : thread_([this, &work] {
-          try {
-            work();
-          } catch (...) {
-            failure_ = std::current_exception();
-          }
-          const std::lock_guard lock(mutex_);
-          done_ = true;
-          changed_.notify_all();
-        }) {}
-
-  bool is_done_within(std::chrono::milliseconds time) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, time, [&] { return done_; });
-  }
-  /// What the work threw, if anything; to be asked once it is done.
-  std::exception_ptr failure() const { return failure_; }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool done_ = false;
-  std::exception_ptr failure_;
-  std::jthread thread_;  // last: it uses the others
-};
+/// Only the thread that Python began with handles signals.
+bool handles_signals() {
+  static const unsigned long main_thread = py::module_::import("threading")
+                                               .attr("main_thread")()
+                                               .attr("ident")
+                                               .cast<unsigned long>();
+  return PyThread_get_thread_ident() == main_thread;
+}
 
 }  // namespace
 
 void raise_error(const Status& status) {
+  const FailureDetails& details = status.details();
   const py::object error =
       py::module_::import("tetstream._errors")
-          .attr("error_of")(static_cast<int>(status.code()), status.message(), status.reason());
+          .attr("error_of")(static_cast<int>(status.code()), status.message(), status.reason(),
+                            py::arg("field") = details.field, py::arg("what") = details.what,
+                            py::arg("value") = details.value, py::arg("limit") = details.limit,
+                            py::arg("request_id") = details.request_id);
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
 }
 
-Watch::Watch(py::object progress, std::optional<double> deadline)
-    : progress_(std::move(progress)), reached_(std::make_shared<std::atomic<double>>(0)) {
+Watch::Watch(py::object progress,
+             std::optional<double> deadline,
+             const std::stop_source& stop_source)
+    : progress_(std::move(progress)),
+      outer_(stop_source.get_token(), [own = stop_source_]() mutable { own.request_stop(); }),
+      reached_(std::make_shared<std::atomic<double>>(0)) {
   if (!deadline || *deadline > kLastDeadline) return;
   using Clock = std::chrono::system_clock;
   deadline_ = Clock::time_point(
@@ -74,18 +60,23 @@ void Watch::connect(WorkOptions& options) const {
 }
 
 void Watch::run(const std::function<void()>& work) {
+  if (progress_.is_none() && !handles_signals()) {
+    const py::gil_scoped_release released;
+    return work();
+  }
   std::optional<py::error_already_set> interruption;
   std::exception_ptr failure;
   {
     const py::gil_scoped_release released;
-    Worker worker(work);
-    while (!worker.is_done_within(kLookUp)) {
+    const HelperLease helper;
+    helper->begin(work);
+    while (!helper->is_done_within(kLookUp)) {
       if (interruption) continue;  // it ends soon
       const py::gil_scoped_acquire held;
       interruption = look_up();
       if (interruption) stop();
     }
-    failure = worker.failure();
+    failure = helper->failure();
   }
   if (interruption) throw py::error_already_set(*std::move(interruption));
   if (failure) std::rethrow_exception(failure);

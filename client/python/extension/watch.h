@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include "tetstream/request.h"
 #include "tetstream/status.h"
@@ -28,13 +29,17 @@ namespace py = pybind11;
 class Watch {
  public:
   /// `progress` is None or called with fractions, which only grow, by the thread that waits.
-  /// `deadline` is in seconds since 1970, as Python's time.time has them.
-  Watch(py::object progress, std::optional<double> deadline);
+  /// `deadline` is in seconds since 1970, as Python's time.time has them. Another thread may
+  /// stop the work by `stop_source`.
+  Watch(py::object progress,
+        std::optional<double> deadline,
+        const std::stop_source& stop_source);
 
   /// Makes the work that gets these options stop and tell as the caller asked.
   void connect(WorkOptions& options) const;
 
-  /// Calls `work` on a thread of its own and waits for its result.
+  /// Waits for the result of `work`, which is called on another thread where this one handles
+  /// signals or tells progress.
   template <class Function>
   std::invoke_result_t<Function> call(const Function& work) {
     std::optional<std::invoke_result_t<Function>> result;
@@ -54,7 +59,8 @@ class Watch {
   const py::object progress_;
   std::optional<std::chrono::system_clock::time_point> deadline_;
   mutable std::stop_source stop_source_;
-  const std::shared_ptr<std::atomic<double>> reached_;  ///< the largest fraction until now
+  const std::stop_callback<std::function<void()>> outer_;  ///< stops it as well
+  const std::shared_ptr<std::atomic<double>> reached_;     ///< the largest fraction until now
   double told_ = -1;
 };
 

@@ -9,35 +9,51 @@
     mesh.write("ball.vtu")
 
 A volume comes from an array of distances (`Volume.from_array`), of booleans (`from_mask`) or of densities
-(`from_density`), from triangles (`from_triangles`, `from_surface_file`), or from an OpenVDB file (`from_vdb`).
+(`from_density`), from triangles (`from_triangles`, `from_surface_file`), or from an OpenVDB file (`from_vdb`,
+`from_openvdb`). A solid is an expression, and is meshed like a volume:
+
+    part = ts.box((4, 4, 1)) - ts.cylinder(0.5, 2)
+    ts.mesh(part, spacing=0.1).picture("part.png")
 
 `mesh` makes a mesh here, `stream` makes it chunk by chunk, `estimate` counts it. The same calls make
-meshes on a server:
+meshes on a server; a client also has sessions, which follow a shape that moves, and jobs:
 
     client = ts.Client("localhost:7447")
     mesh = client.mesh(ball)
+
+`Client(":local:")` has all of that and no server; `AsyncClient` has it for asyncio.
 
 `mesh.points` has the shape (n, 3), in world units; `mesh.tets` (m, 4), ids of points. Failures are raised as
 `tetstream.Error`, of a class for each kind. `help(tetstream.Client.mesh)` has all options.
 """
 
-from ._backends import Capabilities, StoredVolume
+from ._async import AsyncClient, AsyncJobs, AsyncJobWatch, AsyncMeshStream, AsyncSession
+from ._backends import Capabilities
 from ._client import Client, Estimate
 from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceededError, Error,
                       FailedPreconditionError, InternalError, InvalidArgumentError, NotFoundError,
                       ResourceExhaustedError, StatusCode, UnavailableError)
+from ._jobs import Job, JobEvent, JobProgress, Jobs, JobWatch
 from ._mesh import (Boundary, Chunk, FaceLabel, FieldArray, Header, Improvement, Mesh, MeshPart, Quality,
                     Statistics, ThinWalls)
+from ._request import Request, StoredVolume
+from ._session import Session
+from ._share import Share
+from ._solid import (Solid, box, capsule, cone, cylinder, diamond, difference, ellipsoid, grid, gyroid, half_space,
+                     intersection, read_scene, schwarz_p, sphere, torus, union)
 from ._stream import MeshStream
 from ._tetstream import version
 from ._volume import Volume
 
 __all__ = [
-    "AccessError", "Boundary", "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError",
-    "DeadlineExceededError", "Error", "Estimate", "FaceLabel", "FailedPreconditionError", "FieldArray", "Header",
-    "Improvement", "InternalError", "InvalidArgumentError", "Mesh", "MeshPart", "MeshStream", "NotFoundError",
-    "Quality", "ResourceExhaustedError", "Statistics", "StatusCode", "StoredVolume", "ThinWalls",
-    "UnavailableError", "Volume", "estimate", "mesh", "stream", "version",
+    "AccessError", "AsyncClient", "AsyncJobWatch", "AsyncJobs", "AsyncMeshStream", "AsyncSession", "Boundary",
+    "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError", "DeadlineExceededError", "Error",
+    "Estimate", "FaceLabel", "FailedPreconditionError", "FieldArray", "Header", "Improvement", "InternalError",
+    "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Mesh", "MeshPart",
+    "MeshStream", "NotFoundError", "Quality", "Request", "ResourceExhaustedError", "Session", "Share", "Solid",
+    "Statistics", "StatusCode", "StoredVolume", "ThinWalls", "UnavailableError", "Volume", "box", "capsule",
+    "cone", "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
+    "intersection", "mesh", "read_scene", "schwarz_p", "session", "sphere", "stream", "torus", "union", "version",
 ]
 
 __version__ = version()
@@ -46,3 +62,4 @@ _here = Client()
 mesh = _here.mesh
 stream = _here.stream
 estimate = _here.estimate
+session = _here.session

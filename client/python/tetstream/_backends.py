@@ -3,32 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import weakref
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from . import _tetstream
 from ._errors import NotFoundError, invalid
+from ._request import Meshable, Request, StoredVolume
+from ._solid import Solid
 from ._volume import Volume
 
 T = TypeVar("T")
-
-
-@dataclasses.dataclass(frozen=True)
-class StoredVolume:
-    """A volume that a server stores. It may be kept as text, and used again.
-
-    name   "grids/{sha256}": the same file has the same name everywhere
-    grid   within the file; empty takes the only one that can be meshed
-    """
-
-    name: str
-    grid: str = ""
-    _here: Volume | None = dataclasses.field(default=None, repr=False, compare=False)
-
-
-VolumeLike = Volume | StoredVolume | str | os.PathLike[str]
+_STORED = "grids/"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,15 +42,13 @@ class Backend(Protocol):
 
     def upload(self, volume: Volume, options: _tetstream.Options) -> StoredVolume: ...
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume: ...
-    def mesh(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
-    ) -> _tetstream.Mesh: ...
-    def estimate(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
-    ) -> dict[str, float]: ...
+    def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh: ...
+    def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]: ...
     def stream(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
+        self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream: ...
+    def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session: ...
+    def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene: ...
     def capabilities(self, options: _tetstream.Options) -> Capabilities: ...
     def check_health(self, service: str, options: _tetstream.Options) -> None: ...
 
@@ -71,25 +57,27 @@ class Here:
     """This process. What is uploaded stays where it is."""
 
     def upload(self, volume: Volume, options: _tetstream.Options) -> StoredVolume:
+        _tell(options)
         return StoredVolume(f"here/{id(volume):x}", "", volume)
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
-        return StoredVolume(f"here/{path}", grid, Volume.from_vdb(path, grid))
+        stored = StoredVolume(f"here/{path}", grid, Volume.from_vdb(path, grid))
+        _tell(options)
+        return stored
 
-    def mesh(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
-    ) -> _tetstream.Mesh:
-        return _tetstream.mesh(self._volume(volume), request, options)
+    def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
+        return _tetstream.mesh(self.frame(request.volume, options), request._wire(), options)
 
-    def estimate(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
-    ) -> dict[str, float]:
-        return _tetstream.estimate(self._volume(volume), request, options)
+    def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]:
+        return _tetstream.estimate(self.frame(request.volume, options), request._wire(), options)
 
     def stream(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
+        self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
-        return _tetstream.stream(self._volume(volume), request, options)
+        return _tetstream.stream(self.frame(request.volume, options), request._wire(), options, first, end)
+
+    def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
+        return _tetstream.session(self.frame(request.volume, options), request._wire(), options)
 
     def capabilities(self, options: _tetstream.Options) -> Capabilities:
         return Capabilities(_tetstream.version(), "", 0, 0, 0, 0)
@@ -97,8 +85,10 @@ class Here:
     def check_health(self, service: str, options: _tetstream.Options) -> None:
         pass
 
-    @staticmethod
-    def _volume(volume: VolumeLike) -> _tetstream.Volume:
+    def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene:
+        """What is meshed, as the library has it."""
+        if isinstance(volume, Solid):
+            return _scene_here(volume)
         if isinstance(volume, StoredVolume):
             if volume._here is None:
                 raise invalid(f"{volume.name} is stored by a server: mesh it by that server's Client")
@@ -112,56 +102,118 @@ class Served:
     """A server. A volume of this process is uploaded when it is meshed for the first time."""
 
     def __init__(self, address: str, options: _tetstream.ClientOptions) -> None:
-        self._client = _tetstream.Client(address, options)
+        self.client = _tetstream.Client(address, options)
         self._uploaded: weakref.WeakKeyDictionary[Volume, _tetstream.StoredVolume] = (
             weakref.WeakKeyDictionary())
 
     def upload(self, volume: Volume, options: _tetstream.Options) -> StoredVolume:
-        stored = self._uploaded[volume] = self._client.upload(volume._volume, options)
+        stored = self._uploaded[volume] = self.client.upload(volume._volume, options)
         return StoredVolume(stored.name, stored.grid)
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
-        stored = self._client.upload_file(path, grid, options)
+        stored = self.client.upload_file(path, grid, options)
         return StoredVolume(stored.name, stored.grid)
 
-    def mesh(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
-    ) -> _tetstream.Mesh:
-        return self._with(volume, options, lambda stored: self._client.mesh(stored, request, options))
+    def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
+        wire = request._wire()
+        return self.stored(request.volume, options, lambda what: self.client.mesh(what, wire, options))
 
-    def estimate(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
-    ) -> dict[str, float]:
-        return self._with(volume, options, lambda stored: self._client.estimate(stored, request, options))
+    def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]:
+        wire = request._wire()
+        return self.stored(request.volume, options, lambda what: self.client.estimate(what, wire, options))
 
     def stream(
-        self, volume: VolumeLike, request: _tetstream.Request, options: _tetstream.Options
+        self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
-        return self._with(volume, options, lambda stored: self._client.stream(stored, request, options))
+        wire = request._wire()
+        return self.stored(request.volume, options,
+                           lambda what: self.client.stream(what, wire, options, first, end))
+
+    def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
+        return _tetstream.session_there(self.client, self.frame(request.volume, options), request._wire(),
+                                        options)
+
+    def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene:
+        """What a session is given: volumes are needed here, to see what changes."""
+        if isinstance(volume, Solid):
+            found: list[_tetstream.Scene] = []
+            self.stored(volume, options, found.append)
+            return found[-1]
+        if isinstance(volume, StoredVolume):
+            raise invalid(f"{volume.name} is stored by a server: a session begins with a Volume or a solid")
+        return volume._volume if isinstance(volume, Volume) else Volume.from_vdb(volume)._volume
 
     def capabilities(self, options: _tetstream.Options) -> Capabilities:
-        return Capabilities(**self._client.capabilities(options))
+        return Capabilities(**self.client.capabilities(options))
 
     def check_health(self, service: str, options: _tetstream.Options) -> None:
-        self._client.check_health(service, options)
+        self.client.check_health(service, options)
 
-    def _with(
-        self, volume: VolumeLike, options: _tetstream.Options, work: Callable[[_tetstream.StoredVolume], T]
-    ) -> T:
-        """Does `work` with a volume that the server has."""
+    def stored(self, volume: Meshable, options: _tetstream.Options, work: Callable[[Any], T]) -> T:
+        """Does `work` with what is meshed, once the server has it; again where it has evicted a volume."""
         uploading = _tetstream.Options()
         uploading.deadline = options.deadline
+        uploading.stop = options.stop
+        try:
+            return work(self._stored(volume, uploading))
+        except NotFoundError as error:
+            leaves = volume._leaves() if isinstance(volume, Solid) else [volume]
+            ours = [leaf for leaf in leaves if isinstance(leaf, Volume) and leaf in self._uploaded]
+            if error.reason != "GRID_NOT_FOUND" or not ours:
+                raise
+        for leaf in ours:
+            del self._uploaded[leaf]
+        return work(self._stored(volume, uploading))
+
+    def _stored(
+        self, volume: Meshable, options: _tetstream.Options
+    ) -> _tetstream.StoredVolume | _tetstream.Scene:
+        if isinstance(volume, Solid):
+            nodes = volume._nodes(lambda leaf: self._stored_volume(leaf, options).name)
+            return _tetstream.Scene.from_json(json.dumps({"nodes": nodes}), [])
+        return self._stored_volume(volume, options)
+
+    def _stored_volume(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.StoredVolume:
         if isinstance(volume, StoredVolume):
             if volume._here is not None:
                 raise invalid(f"{volume.name} is in this process: upload its volume by this Client")
-            return work(_tetstream.StoredVolume(volume.name, volume.grid))
-        if not isinstance(volume, Volume):
-            return work(self._client.upload_file(os.fspath(volume), "", uploading))
-        if volume in self._uploaded:
-            try:
-                return work(self._uploaded[volume])
-            except NotFoundError as error:
-                if error.reason != "GRID_NOT_FOUND":
-                    raise  # else the server has evicted it
-        self.upload(volume, uploading)
-        return work(self._uploaded[volume])
+            return _tetstream.StoredVolume(volume.name, volume.grid)
+        if isinstance(volume, Volume):
+            if volume not in self._uploaded:
+                self.upload(volume, options)
+            return self._uploaded[volume]
+        path = os.fspath(volume)  # type: ignore[arg-type]
+        if path.startswith(_STORED):
+            return _tetstream.StoredVolume(path, "")
+        return self.client.upload_file(path, "", options)
+
+
+def _scene_here(solid: Solid) -> _tetstream.Scene:
+    """The solid with the volumes of its grids, which are called v0, v1 ..."""
+    volumes: dict[str, _tetstream.Volume] = {}
+    names: dict[Any, str] = {}
+
+    def name_of(leaf: Any) -> str:
+        key = leaf if isinstance(leaf, str) else id(leaf)
+        if key not in names:
+            names[key] = f"v{len(names)}"
+            volumes[names[key]] = _volume_of_leaf(leaf)._volume
+        return names[key]
+
+    nodes = solid._nodes(name_of)
+    return _tetstream.Scene.from_json(json.dumps({"nodes": nodes}), list(volumes.items()))
+
+
+def _volume_of_leaf(leaf: Any) -> Volume:
+    if isinstance(leaf, Volume):
+        return leaf
+    if isinstance(leaf, StoredVolume) and leaf._here is not None:
+        return leaf._here
+    if isinstance(leaf, StoredVolume) or str(leaf).startswith(_STORED):
+        raise invalid(f"{leaf} is stored by a server: mesh the solid by that server's Client")
+    return Volume.from_vdb(leaf)
+
+
+def _tell(options: _tetstream.Options) -> None:
+    if options.progress is not None:
+        options.progress(1.0)

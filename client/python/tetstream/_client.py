@@ -8,10 +8,16 @@ from collections.abc import Mapping
 from types import TracebackType
 
 from . import _tetstream
-from ._backends import Backend, Capabilities, Here, Served, StoredVolume, VolumeLike
+from ._backends import Backend, Capabilities, Here, Served
 from ._errors import CancelledError, StatusCode
+from ._jobs import JobBackend, Jobs
+from ._local_jobs import LocalJobs
 from ._mesh import Mesh
-from ._request import Box, Coordinates, Encoding, Inside, Preset, Progress, Sizing, options_of, request_of
+from ._request import (Box, Coordinates, Encoding, Inside, Preset, Progress, Request, Sizing, StoredVolume, VolumeLike,
+                       options_of)
+from ._served_jobs import ServedJobs
+from ._session import Session
+from ._share import SharedStream
 from ._stream import MeshStream
 from ._volume import Volume
 
@@ -28,6 +34,7 @@ class Estimate:
 
     vertex_count: int
     tet_count: int
+    chunk_count: int
     bytes: int
     seconds: float
 
@@ -65,6 +72,7 @@ class Client:
     ) -> None:
         self.address = address
         self._open: Backend | None = Here()
+        self._jobs: JobBackend | None = None
         if address == LOCAL:
             return
         options = _tetstream.ClientOptions()
@@ -108,9 +116,11 @@ class Client:
     ) -> Mesh:
         """Makes a mesh. Without options it is as fine as the voxels at the surface, and coarser inside.
 
-        volume       a Volume, which a server is sent when it is meshed there for the first time; the path of
-                     a .vdb file; or what `upload` or `upload_file` returned
-        spacing      edge of the finest cells, world units; unless given the voxel size
+        volume       a Volume, which a server is sent when it is meshed there for the first time; a solid
+                     (`ts.sphere(1) - ts.box(1)`); the path of a .vdb file; what `upload` or `upload_file`
+                     returned; or a `Request` of one of them, which then has the options up to `fields`
+        spacing      edge of the finest cells, world units; unless given the voxel size, and of a solid its
+                     longest extent / 128
         iso          the surface's value; unless given 0 for level sets and 0.5 for densities
         inside       which side of the iso value is meshed, "above" or "below"; unless given what the volume's kind
                      says. A file's grid without a class may need it: docs/inside.md
@@ -141,13 +151,13 @@ class Client:
         DeadlineExceededError; of a server also UnavailableError, AccessError, DataLossError. What `progress`
         raises stops the work and is raised here.
         """
-        request = request_of(
-            spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
+        request = Request._of(
+            volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
             improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
             fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
-        return Mesh(self._backend.mesh(volume, request, options))
+        return Mesh(self._backend.mesh(request, options))
 
     def stream(
         self,
@@ -169,6 +179,8 @@ class Client:
         threads: int = 0,
         encoding: Encoding = "plain",
         skip_cache: bool = False,
+        rank: int = 0,
+        size: int = 1,
         progress: Progress | None = None,
         timeout: float | None = None,
     ) -> MeshStream:
@@ -176,14 +188,23 @@ class Client:
 
         Options and errors are those of `mesh`. `progress` is called while chunks are read, and `timeout` is for
         all of the stream. A compact stream hands on its first chunk when all of it has come.
+
+        rank, size   of several processes, as of MPI, that read the mesh side by side: each gets its share of
+                     the vertices and of the tets, contiguous and as large as any other's, whose ids count in
+                     the whole mesh. `stream.share` says which. Chunks then come plain, and without statistics.
         """
-        request = request_of(
-            spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
+        request = Request._of(
+            volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
             improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
             fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
-        return MeshStream(self._backend.stream(volume, request, options))
+        backend = self._backend
+        if size == 1 and rank == 0:
+            return MeshStream(backend.stream(request, options))
+        counted = backend.estimate(request, options_of(timeout=timeout, threads=threads))
+        shared = SharedStream(lambda first: backend.stream(request, options, first), counted, rank, size)
+        return MeshStream(shared, shared.share)
 
     def estimate(
         self,
@@ -206,12 +227,39 @@ class Client:
         timeout: float | None = None,
     ) -> Estimate:
         """Counts a mesh without making it. Options and errors are those of `mesh`."""
-        request = request_of(
-            spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
+        request = Request._of(
+            volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
             improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
             fields=fields)
-        told = self._backend.estimate(volume, request, options_of(timeout=timeout, threads=threads))
-        return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["bytes"]), told["seconds"])
+        told = self._backend.estimate(request, options_of(timeout=timeout, threads=threads))
+        return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["chunk_count"]),
+                        int(told["bytes"]), told["seconds"])
+
+    def session(
+        self,
+        volume: VolumeLike,
+        *,
+        spacing: float | None = None,
+        threads: int = 0,
+        timeout: float | None = None,
+    ) -> Session:
+        """Begins a session: a mesh that follows its shape, frame by frame.
+
+        volume    the first frame, a Volume or a solid; or a `Request` of one, which has all options
+        spacing   as of `mesh`
+        timeout   seconds, for all of the session
+        """
+        request = Request._of(volume, spacing=spacing)
+        backend = self._backend
+        return Session(backend.session(request, options_of(timeout=timeout, threads=threads)), backend)
+
+    @property
+    def jobs(self) -> Jobs:
+        """Meshes that are made while nobody waits."""
+        backend = self._backend
+        if self._jobs is None:
+            self._jobs = ServedJobs(backend) if isinstance(backend, Served) else LocalJobs(backend)
+        return Jobs(self._jobs)
 
     def upload(
         self, volume: Volume, *, progress: Progress | None = None, timeout: float | None = None
@@ -240,7 +288,9 @@ class Client:
         self._backend.check_health(service, options_of(timeout=timeout))
 
     def close(self) -> None:
-        """Forgets the connection. Streams that were begun go on."""
+        """Forgets the connection. Streams that were begun go on; jobs of this process are cancelled."""
+        if isinstance(self._jobs, LocalJobs):
+            self._jobs.close()
         self._open = None
 
     def __enter__(self) -> Client:

@@ -29,22 +29,42 @@ class StatusCode(enum.IntEnum):
 class Error(Exception):
     """A failure of the mesher, of the network or of a server.
 
-    The text says what was wrong, with the value and the limit; `code` says of what kind it is, and
-    `reason` is a word that programs can look at, as docs/errors.md lists them ("GRID_NOT_FOUND").
-    Where no server took part it is often empty.
+    The text says what was wrong, with the value and the limit, and `code` of what kind it is. For programs,
+    as far as they are known, which is more where a server took part:
+
+    reason         a word as docs/errors.md lists them ("GRID_NOT_FOUND"); else empty
+    field          the request's field that is wrong ("mesh.spacing"); else empty
+    what, value, limit   what is over a limit, how much that is, and the limit; else "", None, None
+    request_id     the call's, in the server's log; else empty
     """
 
     code: StatusCode
     reason: str
 
-    def __init__(self, message: str, code: int = StatusCode.UNKNOWN, reason: str = "") -> None:
+    def __init__(
+        self,
+        message: str,
+        code: int = StatusCode.UNKNOWN,
+        reason: str = "",
+        field: str = "",
+        what: str = "",
+        value: int | None = None,
+        limit: int | None = None,
+        request_id: str = "",
+    ) -> None:
         super().__init__(message)
         self.message = message
         self.code = StatusCode(code)
         self.reason = reason
+        self.field = field
+        self.what = what
+        self.value = value
+        self.limit = limit
+        self.request_id = request_id
 
-    def __reduce__(self) -> tuple[type[Error], tuple[str, int, str]]:
-        return type(self), (self.message, int(self.code), self.reason)
+    def __reduce__(self) -> tuple[type[Error], tuple[object, ...]]:
+        return type(self), (self.message, int(self.code), self.reason, self.field, self.what, self.value,
+                            self.limit, self.request_id)
 
     def __str__(self) -> str:
         return self.message
@@ -105,9 +125,18 @@ _CLASSES: dict[StatusCode, type[Error]] = {
 }
 
 
-def error_of(code: int, message: str, reason: str) -> Error:
+def error_of(
+    code: int,
+    message: str,
+    reason: str,
+    field: str = "",
+    what: str = "",
+    value: int | None = None,
+    limit: int | None = None,
+    request_id: str = "",
+) -> Error:
     """The exception that belongs to a status of the library, which calls this."""
-    return _CLASSES.get(StatusCode(code), Error)(message, code, reason)
+    return _CLASSES.get(StatusCode(code), Error)(message, code, reason, field, what, value, limit, request_id)
 
 
 def invalid(message: str) -> InvalidArgumentError:

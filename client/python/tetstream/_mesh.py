@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import functools
-import importlib
+import html
 import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from . import _tetstream
-from ._errors import FailedPreconditionError, StatusCode, invalid
+from . import _convert, _tetstream
+from ._errors import invalid
+from ._names import Point
+from ._picture import boundary_of, picture
+from ._quality import measure
 from ._request import Progress, options_of
 
+_MOST_TETS_SHOWN = 1_000_000
 _Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
@@ -255,12 +260,12 @@ class Mesh(Arrays):
         return Statistics._of(self._mesh.statistics)
 
     def quality(self) -> Quality:
-        """Dihedral angles and volume. Errors: FailedPreconditionError (`statistics=False` left them out)."""
-        quality = self.statistics.quality
-        if quality is None:
-            raise FailedPreconditionError("the mesh was made without statistics: leave statistics=True",
-                                          StatusCode.FAILED_PRECONDITION)
-        return quality
+        """Dihedral angles and volume: as they were told with the mesh, or else measured now."""
+        return self.statistics.quality or self._measured
+
+    @functools.cached_property
+    def _measured(self) -> Quality:
+        return Quality(*measure(self.local_points, self.tets))
 
     def write(
         self,
@@ -280,21 +285,58 @@ class Mesh(Arrays):
         self._mesh.write(os.fspath(path), format or "", options_of(progress=progress, timeout=timeout))
 
     def to_meshio(self) -> Any:
-        """The mesh as a `meshio.Mesh`, with fields as point data and `region` as cell data."""
-        meshio = _imported("meshio")
-        cell_data = {} if self.regions is None else {"region": [self.regions]}
-        return meshio.Mesh(self.points, [("tetra", self.tets)], point_data=dict(self.fields),
-                           cell_data=cell_data)
+        """The mesh as a `meshio.Mesh`, with fields as point data and `region` as cell data; with boundary faces
+        as triangles, where it has them, whose `face_label` is a place in `header.face_labels`, from 1 on."""
+        return _convert.to_meshio(self)
 
     def to_pyvista(self) -> Any:
         """The mesh as a `pyvista.UnstructuredGrid`, with fields as point data and `region` as cell data."""
-        pyvista = _imported("pyvista")
-        grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: self.tets.astype(np.int64)}, self.points)
-        for name, values in self.fields.items():
-            grid.point_data[name] = values
-        if self.regions is not None:
-            grid.cell_data["region"] = self.regions
-        return grid
+        return _convert.to_pyvista(self)
+
+    def to_vtk(self) -> Any:
+        """The mesh as a `vtkUnstructuredGrid`, with fields as point data and `region` as cell data."""
+        return _convert.to_vtk(self)
+
+    def to_dolfinx(self, comm: Any) -> Any:
+        """The mesh as a `dolfinx.mesh.Mesh`, for finite elements of first order.
+
+        comm   of mpi4py, such as MPI.COMM_WORLD. Every rank has made the same mesh, and gives its share of it;
+               `MeshStream.to_dolfinx` spares each rank the rest.
+        """
+        return _convert.share_to_dolfinx(self, comm)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        values: str | ArrayLike | None = None,
+        size: tuple[int, int] = (640, 480),
+        view: Point = (1, -2, 1),
+    ) -> bytes:
+        """Draws the mesh's surface: a PNG, which is returned, and written to `path` where one is given.
+
+        values   what colours it, from low (blue) to high (yellow): a field of one component, or an array with
+                 one value for each point
+        size     pixels, width and height
+        view     from the mesh towards the eye
+        """
+        shown = self.fields.get(values) if isinstance(values, str) else values
+        if isinstance(values, str) and shown is None:
+            raise invalid(f"no field is named {values!r}; there are {', '.join(self.fields) or 'none'}")
+        surface = self.faces if self.faces is not None else boundary_of(self.tets)
+        png = picture(self.points, surface, shown, size, view)
+        if path is not None:
+            with open(path, "wb") as file:
+                file.write(png)
+        return png
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: a picture, unless the mesh is very large."""
+        text = html.escape(repr(self))
+        if len(self.tets) > _MOST_TETS_SHOWN:
+            return f"<pre>{text}</pre>"
+        image = base64.b64encode(self.picture(size=(320, 240))).decode()
+        return f'<img src="data:image/png;base64,{image}" alt="{text}"><pre>{text}</pre>'
 
     def __repr__(self) -> str:
         h = self.header
@@ -326,10 +368,3 @@ class Chunk(Arrays):
     def __repr__(self) -> str:
         return (f"<tetstream.Chunk {self.index} of {self.header.chunk_count}: "
                 f"{len(self.local_points):,} vertices, {len(self.tets):,} tets>")
-
-
-def _imported(name: str) -> Any:
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise ImportError(f"this needs the package {name}, which is not installed: pip install {name}") from error

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextvars
+import dataclasses
 import json
 import math
+import os
 import time
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
@@ -11,6 +14,7 @@ from typing import Any, Literal
 from . import _tetstream
 from ._errors import invalid
 from ._names import Point, member, point
+from ._solid import Solid
 from ._volume import Volume
 
 Progress = Callable[[float], object]
@@ -21,44 +25,90 @@ Encoding = Literal["plain", "packed", "compact"]
 Box = tuple[Point, Point]
 Sizing = Mapping[str, Any] | str
 
+# By which another thread stops the calls that are made in this context.
+stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.ContextVar(
+    "stop_of_context", default=None)
 
-def request_of(
-    *,
-    spacing: float | None,
-    iso: float | None,
-    inside: Inside | None,
-    levels: int | None,
-    preset: Preset,
-    box: Box | None,
-    sizing: Sizing | None,
-    improve: bool,
-    manifold: bool,
-    statistics: bool,
-    faces: bool,
-    coordinates: Coordinates,
-    fields: Mapping[str, Volume] | None,
-) -> _tetstream.Request:
-    """A request of the library. The arguments are those of `Client.mesh`."""
-    request = _tetstream.Request()
-    request.spacing = spacing
-    request.iso = iso
-    if inside is not None:
-        request.inside = member("inside", inside, _tetstream.Inside.__members__)
-    request.levels = levels
-    request.preset = member("preset", preset, _tetstream.Preset.__members__)
-    if box is not None:
-        low, high = box
-        request.set_box((point("box[0]", low), point("box[1]", high)))
-    if sizing is not None:
-        request.sizing = sizing if isinstance(sizing, str) else json.dumps(dict(sizing))
-    request.improve = improve
-    request.manifold = manifold
-    request.statistics = statistics
-    request.faces = faces
-    request.coordinates = member("coordinates", coordinates, _tetstream.Coordinates.__members__)
-    for name, values in (fields or {}).items():
-        request.add_field(name, values._volume)
-    return request
+
+@dataclasses.dataclass(frozen=True)
+class StoredVolume:
+    """A volume that a server stores. It may be kept as text, and used again.
+
+    name   "grids/{sha256}": the same file has the same name everywhere
+    grid   within the file; empty takes the only one that can be meshed
+    """
+
+    name: str
+    grid: str = ""
+    _here: Volume | None = dataclasses.field(default=None, repr=False, compare=False)
+
+
+Meshable = Volume | Solid | StoredVolume | str | os.PathLike[str]
+
+
+@dataclasses.dataclass(frozen=True)
+class Request:
+    """What is meshed, and how: taken in the place of a volume by every call that takes one.
+
+        request = ts.Request(ball, spacing=0.05, faces=True)
+        mesh = client.mesh(request)
+        job = client.jobs.submit(request, labels={"night": "1"})
+
+    The fields are the arguments of `Client.mesh`, which explains them.
+    """
+
+    volume: Meshable
+    spacing: float | None = None
+    iso: float | None = None
+    inside: Inside | None = None
+    levels: int | None = None
+    preset: Preset = "default"
+    box: Box | None = None
+    sizing: Sizing | None = None
+    improve: bool = False
+    manifold: bool = False
+    statistics: bool = True
+    faces: bool = False
+    coordinates: Coordinates = "automatic"
+    fields: Mapping[str, Volume] | None = None
+
+    @classmethod
+    def _of(cls, volume: VolumeLike, **options: Any) -> Request:
+        """The request that a call's arguments make; those that were not given have their defaults."""
+        if not isinstance(volume, Request):
+            return cls(volume, **options)
+        given = [name for name, value in options.items() if value != _DEFAULTS[name]]
+        if given:
+            raise invalid(f"{given[0]} is given beside a Request: give it to the Request")
+        return volume
+
+    def _wire(self) -> _tetstream.Request:
+        """As the library takes it, without the volume."""
+        request = _tetstream.Request()
+        request.spacing = self.spacing
+        request.iso = self.iso
+        if self.inside is not None:
+            request.inside = member("inside", self.inside, _tetstream.Inside.__members__)
+        request.levels = self.levels
+        request.preset = member("preset", self.preset, _tetstream.Preset.__members__)
+        if self.box is not None:
+            low, high = self.box
+            request.set_box((point("box[0]", low), point("box[1]", high)))
+        if self.sizing is not None:
+            request.sizing = self.sizing if isinstance(self.sizing, str) else json.dumps(dict(self.sizing))
+        request.improve = self.improve
+        request.manifold = self.manifold
+        request.statistics = self.statistics
+        request.faces = self.faces
+        request.coordinates = member("coordinates", self.coordinates, _tetstream.Coordinates.__members__)
+        for name, values in (self.fields or {}).items():
+            request.add_field(name, values._volume)
+        return request
+
+
+VolumeLike = Meshable | Request
+
+_DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
 
 
 def options_of(
@@ -78,4 +128,7 @@ def options_of(
     options.threads = threads
     options.encoding = member("encoding", encoding, _tetstream.Encoding.__members__)
     options.skip_cache = skip_cache
+    stop = stop_of_context.get()
+    if stop is not None:
+        options.stop = stop
     return options

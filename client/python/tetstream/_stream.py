@@ -4,9 +4,23 @@ from __future__ import annotations
 
 import functools
 from types import TracebackType
+from typing import Any, Protocol
 
-from . import _tetstream
+import numpy as np
+
+from . import _convert
 from ._mesh import Chunk, Header, Statistics
+from ._share import Share
+
+
+class ChunkSource(Protocol):
+    """What a stream reads: the library's, or a rank's share of one."""
+
+    @property
+    def header(self) -> dict[str, Any]: ...
+    def next(self) -> tuple[Any, ...] | None: ...
+    def statistics(self) -> dict[str, Any]: ...
+    def close(self) -> None: ...
 
 
 class MeshStream:
@@ -25,8 +39,9 @@ class MeshStream:
     all attempts), CancelledError (it was closed).
     """
 
-    def __init__(self, stream: _tetstream.Stream) -> None:
+    def __init__(self, stream: ChunkSource, share: Share | None = None) -> None:
         self._stream = stream
+        self._share = share
 
     @functools.cached_property
     def header(self) -> Header:
@@ -41,6 +56,24 @@ class MeshStream:
         if chunk is None:
             raise StopIteration
         return Chunk(self.header, *chunk)
+
+    @property
+    def share(self) -> Share:
+        """Which of the mesh's vertices and tets come: all of them, unless it is the stream of one rank."""
+        return self._share or Share(0, self.header.vertex_count, 0, self.header.tet_count)
+
+    def to_dolfinx(self, comm: Any) -> Any:
+        """The mesh as a `dolfinx.mesh.Mesh`, from what is left of the stream.
+
+        comm   of mpi4py. Every rank reads a stream of its own: `client.stream(request, rank=comm.rank,
+               size=comm.size)`. All ranks call this together.
+        """
+        tets = np.empty((self.share.tet_count, 4), np.int64)
+        points = np.empty((self.share.vertex_count, 3))
+        for chunk in self:
+            points[chunk.first_vertex - self.share.first_vertex:][:len(chunk.points)] = chunk.points
+            tets[chunk.first_tet - self.share.first_tet:][:len(chunk.tets)] = chunk.tets
+        return _convert.to_dolfinx(points, tets, comm)
 
     @property
     def statistics(self) -> Statistics:

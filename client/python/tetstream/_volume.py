@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import tempfile
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +16,8 @@ from ._errors import invalid
 from ._names import Point, member, point
 
 Kind = Literal["level_set", "density", "values"]
+Open = Literal["refuse", "close", "shell"]
+Axes = str | Sequence[str]
 _MOST_VERTICES = 2**32
 
 
@@ -41,6 +46,7 @@ class Volume:
         origin: Point = (0, 0, 0),
         kind: Kind = "level_set",
         background: float | None = None,
+        axes: Axes = "xyz",
     ) -> Volume:
         """Copies an array of samples: values[x, y, z].
 
@@ -51,8 +57,11 @@ class Volume:
         origin      world coordinates of values[0, 0, 0]
         background  the value outside of the array; unless given 3 * spacing for a level set, so
                     that what touches the array's edge is closed there, and 0 otherwise
+        axes        the world's axis that each of the array's runs along: "zyx" for values[z, y, x], and
+                    ("-x", "y", "z") where the first runs towards lower x. Spacing and origin stay
+                    those of the world and of values[0, 0, 0].
 
-        Errors: InvalidArgumentError (another shape, a spacing that is not positive),
+        Errors: InvalidArgumentError (another shape, a spacing that is not positive, axes that are none),
         FailedPreconditionError (a value that is not finite).
         """
         array = np.asarray(values)
@@ -60,57 +69,91 @@ class Volume:
             raise invalid(f"values have the shape {array.shape}; three axes are needed, as values[x, y, z]")
         if array.dtype == np.bool_:
             raise invalid("values are True and False; Volume.from_mask meshes those")
+        array, origin = _along_axes(array, axes, _one_spacing(spacing), point("origin", origin))
         samples = _tetstream.Samples(_one_spacing(spacing), point("origin", origin),
                                      member("kind", kind, _tetstream.VolumeKind.__members__), background)
         return cls(_tetstream.Volume.from_samples(np.ascontiguousarray(array, dtype=np.float32), samples))
 
     @classmethod
-    def from_mask(cls, mask: ArrayLike, *, spacing: float, origin: Point = (0, 0, 0)) -> Volume:
+    def from_mask(
+        cls, mask: ArrayLike, *, spacing: float, origin: Point = (0, 0, 0), axes: Axes = "xyz"
+    ) -> Volume:
         """Meshes the voxels that are True; the surface lies halfway to those that are False.
 
         mask     shape (nx, ny, nz), of booleans; beyond it all is False
         spacing  edge of a voxel, world units
         origin   world coordinates of the middle of voxel (0, 0, 0)
+        axes     as in `from_array`
         """
         array = np.asarray(mask)
         if array.dtype != np.bool_:
             raise invalid(f"a mask has booleans, and this has {array.dtype}: compare it, as in labels == 3")
-        return cls.from_array(array.astype(np.float32), spacing=spacing, origin=origin, kind="density")
+        return cls.from_array(array.astype(np.float32), spacing=spacing, origin=origin, kind="density", axes=axes)
 
     @classmethod
     def from_density(
-        cls, values: ArrayLike, *, spacing: float, origin: Point = (0, 0, 0), background: float = 0
+        cls,
+        values: ArrayLike,
+        *,
+        spacing: float,
+        origin: Point = (0, 0, 0),
+        background: float = 0,
+        axes: Axes = "xyz",
     ) -> Volume:
         """Copies an array whose inside is where values are above the iso value, 0.5 unless given.
 
         Arguments and errors are those of `from_array`.
         """
-        return cls.from_array(values, spacing=spacing, origin=origin, kind="density", background=background)
+        return cls.from_array(values, spacing=spacing, origin=origin, kind="density", background=background,
+                              axes=axes)
 
     @classmethod
-    def from_triangles(cls, points: ArrayLike, triangles: ArrayLike, *, voxel_size: float) -> Volume:
-        """Makes a level set of a closed surface; one that is open becomes a shell two voxels thick.
+    def from_triangles(
+        cls, points: ArrayLike, triangles: ArrayLike, *, voxel_size: float, open: Open = "refuse"
+    ) -> Volume:
+        """Makes a level set of what a closed surface goes around.
 
         points      shape (n, 3), world units
         triangles   shape (m, 3), ids of points
+        open        what becomes of a surface with large openings: "refuse", "close" (each gets a cap), or
+                    "shell" (a solid two voxels thick around the surface)
 
         Errors: InvalidArgumentError (an id without a point, no triangles, a voxel size that is not
-        positive or larger than the inside), ResourceExhaustedError (too many voxels).
+        positive or larger than the inside), FailedPreconditionError (the surface is open),
+        ResourceExhaustedError (too many voxels).
         """
         corners = np.ascontiguousarray(points, dtype=np.float64)
         ids = np.asarray(triangles)
         for name, array in (("points", corners), ("triangles", ids)):
             if array.ndim != 2 or array.shape[1] != 3:
                 raise invalid(f"{name} have the shape {array.shape}; rows of three are needed")
-        return cls(_tetstream.Volume.from_triangles(corners, _vertex_ids(ids), voxel_size))
+        choice = member("open", open, _tetstream.OpenSurface.__members__)
+        return cls(_tetstream.Volume.from_triangles(corners, _vertex_ids(ids), voxel_size, choice))
 
     @classmethod
-    def from_surface_file(cls, path: str | os.PathLike[str], *, voxel_size: float) -> Volume:
+    def from_surface_file(
+        cls, path: str | os.PathLike[str], *, voxel_size: float, open: Open = "refuse"
+    ) -> Volume:
         """Makes a level set of an .obj, .stl or .ply file.
 
-        Errors: those of `from_triangles`, NotFoundError, InvalidArgumentError (with the line or byte).
+        Arguments and errors: those of `from_triangles`, NotFoundError, InvalidArgumentError (with the line or byte).
         """
-        return cls(_tetstream.Volume.from_surface_file(os.fspath(path), voxel_size))
+        choice = member("open", open, _tetstream.OpenSurface.__members__)
+        return cls(_tetstream.Volume.from_surface_file(os.fspath(path), voxel_size, choice))
+
+    @classmethod
+    def from_openvdb(cls, grid: Any) -> Volume:
+        """Takes a grid of the package pyopenvdb (or openvdb), by way of a temporary file.
+
+        Errors: those of `from_vdb`, TypeError (no such grid).
+        """
+        module = importlib.import_module(type(grid).__module__)
+        if not hasattr(module, "write"):
+            raise TypeError(f"a grid of pyopenvdb is needed, and this is {type(grid).__name__}")
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "grid.vdb")
+            module.write(path, grids=[grid])
+            return cls.from_vdb(path, trusted=True)
 
     @classmethod
     def from_vdb(cls, path: str | os.PathLike[str], grid: str = "", *, trusted: bool = False) -> Volume:
@@ -147,6 +190,22 @@ class Volume:
 
     def __repr__(self) -> str:
         return f"<tetstream.Volume: {self.kind}, voxel size {self.voxel_size:g}>"
+
+
+def _along_axes(
+    array: NDArray[Any], axes: Axes, spacing: float, origin: tuple[float, float, float]
+) -> tuple[NDArray[Any], tuple[float, float, float]]:
+    """The array as values[x, y, z] with growing coordinates, and where its new first sample is."""
+    signs = [str(axis).startswith("-") for axis in axes]
+    names = [str(axis).lstrip("-") for axis in axes]
+    if sorted(names) != ["x", "y", "z"]:
+        raise invalid(f"axes {axes!r} are not x, y and z in some order, such as 'zyx'")
+    low = list(origin)
+    for i, (name, falls) in enumerate(zip(names, signs)):
+        if falls:
+            array = np.flip(array, i)
+            low["xyz".index(name)] -= spacing * (array.shape[i] - 1)
+    return array.transpose([names.index(name) for name in "xyz"]), (low[0], low[1], low[2])
 
 
 def _one_spacing(spacing: object) -> float:

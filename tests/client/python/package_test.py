@@ -58,6 +58,10 @@ volume = ts.Volume.from_array(np.zeros((2, 2, 2)), spacing=1)
 mesh = ts.Client("localhost:1").mesh(volume, sizing={"growth": 0.5}, progress=print)
 reveal_type(mesh.points)
 reveal_type(ts.mesh(volume).quality())
+reveal_type(ts.Client().jobs.wait(ts.Client().jobs.submit(ts.sphere(1) - volume)))
+async def there(client: ts.AsyncClient) -> None:
+    reveal_type(await client.mesh(volume, spacing=0.1))
+    reveal_type([chunk async for chunk in await client.stream(volume)])
 ts.mesh(volume, preset="best")
 """
 
@@ -69,7 +73,8 @@ def test_its_types_are_whole_and_strict(tmp_path):
     done = subprocess.run(["mypy", "--strict", "--cache-dir", tmp_path, tmp_path / "typed.py"], check=False,
                           capture_output=True, text=True, env={**os.environ, "MYPYPATH": str(PACKAGE)})
     assert "numpy.ndarray[Any, numpy.dtype[numpy.floating[numpy._typing._64Bit]]]" in done.stdout
-    assert "tetstream._mesh.Quality" in done.stdout
+    for told in ("_mesh.Quality", "_jobs.Job", "_mesh.Mesh", "list[tetstream._mesh.Chunk]"):
+        assert told in done.stdout, told
     assert 'has incompatible type "Literal[\'best\']"' in done.stdout
     assert "Found 1 error" in done.stdout, done.stdout
 
@@ -87,7 +92,9 @@ def test_everything_public_says_what_it_is():
 def test_the_three_calls_take_the_same_options():
     options = {name: list(inspect.signature(getattr(ts, name)).parameters.values())
                for name in ("mesh", "stream", "estimate")}
-    assert options["mesh"] == options["stream"]
+    ranks = [option for option in options["stream"] if option.name in ("rank", "size")]
+    assert len(ranks) == 2
+    assert options["mesh"] == [option for option in options["stream"] if option not in ranks]
     assert set(map(str, options["estimate"])) < set(map(str, options["mesh"]))
 
 

@@ -17,6 +17,7 @@ def test_every_line_of_a_page_does_what_it_says(page, server, tmp_path, monkeypa
     assert blocks, "the page has no Python"
     monkeypatch.chdir(tmp_path)
     fixture_file("sphere", 0.1, tmp_path / "ball.vdb")
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
     space = {}
     for block in blocks:
         exec(compile(block.replace("localhost:7447", server.address), page, "exec"), space)

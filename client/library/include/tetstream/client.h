@@ -9,6 +9,8 @@
 #include "tetstream/mesh.h"
 #include "tetstream/mesher.h"
 #include "tetstream/request.h"
+#include "tetstream/scene.h"
+#include "tetstream/session.h"
 #include "tetstream/status.h"
 #include "tetstream/stream.h"
 #include "tetstream/volume.h"
@@ -79,14 +81,36 @@ class TETSTREAM_API Client {
   Result<Mesh> mesh(const StoredVolume& volume,
                     const Request& request = {},
                     const StreamOptions& options = {}) const;
-  /// Makes a mesh there, chunk by chunk; nothing is sent before the first call of a member.
-  MeshStream stream(const StoredVolume& volume,
+  /// Makes the mesh of a scene, whose volumes are uploaded first.
+  Result<Mesh> mesh(const Scene& scene,
                     const Request& request = {},
                     const StreamOptions& options = {}) const;
+  /// Makes a mesh there, chunk by chunk; nothing is sent before the first call of a member.
+  /// Some of its chunks always come plain.
+  MeshStream stream(const StoredVolume& volume,
+                    const Request& request = {},
+                    const StreamOptions& options = {},
+                    ChunkRange chunks = {}) const;
+  MeshStream stream(const Scene& scene,
+                    const Request& request = {},
+                    const StreamOptions& options = {},
+                    ChunkRange chunks = {}) const;
   /// Counts a mesh without making it.
   Result<Estimate> estimate(const StoredVolume& volume,
                             const Request& request = {},
                             const WorkOptions& options = {}) const;
+  Result<Estimate> estimate(const Scene& scene,
+                            const Request& request = {},
+                            const WorkOptions& options = {}) const;
+
+  /// Begins a session there: a volume is uploaded once, and later what changes of it. Errors
+  /// of a broken connection end it, too.
+  Result<Session> begin_session(const Volume& volume,
+                                const Request& request = {},
+                                const WorkOptions& options = {}) const;
+  Result<Session> begin_session(const Scene& scene,
+                                const Request& request = {},
+                                const WorkOptions& options = {}) const;
 
   Result<Capabilities> capabilities(const WorkOptions& options = {}) const;
   /// kOk where the server says that it serves: "readiness", "liveness" or "jobs".
@@ -95,6 +119,7 @@ class TETSTREAM_API Client {
 
   struct Impl;
   explicit Client(std::shared_ptr<const Impl> impl);
+  const std::shared_ptr<const Impl>& impl() const noexcept { return impl_; }
 
  private:
   std::shared_ptr<const Impl> impl_;

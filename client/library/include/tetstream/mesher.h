@@ -6,6 +6,7 @@
 #include "tetstream/export.h"
 #include "tetstream/mesh.h"
 #include "tetstream/request.h"
+#include "tetstream/scene.h"
 #include "tetstream/status.h"
 #include "tetstream/stream.h"
 #include "tetstream/volume.h"
@@ -16,8 +17,9 @@ namespace tetstream {
 struct Estimate {
   std::uint64_t vertex_count = 0;
   std::uint64_t tet_count = 0;
-  std::uint64_t bytes = 0;  ///< of its arrays together
-  double seconds = 0;       ///< about how long making it takes, once it is counted
+  std::uint64_t chunk_count = 0;  ///< that a stream of it has
+  std::uint64_t bytes = 0;        ///< of its arrays together
+  double seconds = 0;             ///< about how long making it takes, once it is counted
 };
 
 // Any thread may call any of these at any time; each call has threads of its own, and waits for
@@ -33,8 +35,16 @@ TETSTREAM_API Result<Mesh> mesh(const Volume& volume,
                                 const Request& request = {},
                                 const WorkOptions& options = {});
 
+TETSTREAM_API Result<Mesh> mesh(const Scene& scene,
+                                const Request& request = {},
+                                const WorkOptions& options = {});
+
 /// Counts a mesh without making it. `options.progress` is not called.
 TETSTREAM_API Result<Estimate> estimate(const Volume& volume,
+                                        const Request& request = {},
+                                        const WorkOptions& options = {});
+
+TETSTREAM_API Result<Estimate> estimate(const Scene& scene,
                                         const Request& request = {},
                                         const WorkOptions& options = {});
 
@@ -42,6 +52,11 @@ TETSTREAM_API Result<Estimate> estimate(const Volume& volume,
 /// mesh and one that is cut by a box are made as a whole before their headers.
 TETSTREAM_API MeshStream stream(const Volume& volume,
                                 const Request& request = {},
-                                const WorkOptions& options = {});
+                                const WorkOptions& options = {},
+                                ChunkRange chunks = {});
+TETSTREAM_API MeshStream stream(const Scene& scene,
+                                const Request& request = {},
+                                const WorkOptions& options = {},
+                                ChunkRange chunks = {});
 
 }  // namespace tetstream

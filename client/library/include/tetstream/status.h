@@ -32,6 +32,16 @@ enum class StatusCode : std::uint8_t {
   kUnauthenticated = 16,  ///< the server does not know the token
 };
 
+/// What a failure tells beside its message, as far as it does.
+struct FailureDetails {
+  /// The request's field that is wrong, by its path in the protocol's message.
+  std::string field = {};
+  /// What is over a limit, by how much, and the limit.
+  std::string what = {};
+  std::optional<std::uint64_t> value = {}, limit = {};
+  std::string request_id = {};  ///< of the call in the server's log
+};
+
 /// Whether a call succeeded, and why it did not. A message says what was wrong, with the value
 /// and the limit.
 class [[nodiscard]] TETSTREAM_API Status {
@@ -47,6 +57,9 @@ class [[nodiscard]] TETSTREAM_API Status {
   /// often empty where no server took part.
   const std::string& reason() const noexcept { return reason_; }
 
+  const FailureDetails& details() const noexcept { return details_; }
+  Status with_details(FailureDetails details) &&;
+
   /// The code's name and the message.
   std::string to_string() const;
   /// Throws an Error unless this is a success.
@@ -55,6 +68,7 @@ class [[nodiscard]] TETSTREAM_API Status {
  private:
   StatusCode code_ = StatusCode::kOk;
   std::string message_, reason_;
+  FailureDetails details_;
 };
 
 /// What `value` and `or_throw` throw; nothing else in this library throws by intention.

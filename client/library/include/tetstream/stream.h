@@ -1,14 +1,25 @@
 // A mesh chunk by chunk, as fast as somebody takes them.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "tetstream/export.h"
 #include "tetstream/mesh.h"
 #include "tetstream/status.h"
 
 namespace tetstream {
+
+/// Some of a mesh's chunks, which several readers may share out among them. The header that
+/// comes with them is that of the whole mesh, and no statistics come.
+struct ChunkRange {
+  std::uint64_t first = 0;                ///< at most the header's chunk_count
+  std::optional<std::uint64_t> end = {};  ///< one past the last; all that follow unless given
+
+  bool is_all() const noexcept { return first == 0 && !end; }
+};
 
 /// A mesh that is made while it is read: the header, then chunks, then statistics.
 ///

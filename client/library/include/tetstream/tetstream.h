@@ -2,10 +2,13 @@
 #pragma once
 
 #include "tetstream/client.h"
+#include "tetstream/jobs.h"
 #include "tetstream/mesh.h"
 #include "tetstream/mesh_file.h"
 #include "tetstream/mesher.h"
 #include "tetstream/request.h"
+#include "tetstream/scene.h"
+#include "tetstream/session.h"
 #include "tetstream/status.h"
 #include "tetstream/stream.h"
 #include "tetstream/transfer.h"

@@ -1,0 +1,85 @@
+#include "client/library/api/client_impl.h"
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "client/library/api/core_request.h"
+#include "client/library/api/scene_impl.h"
+#include "client/library/api/temporary_folder.h"
+#include "client/library/wire_request.h"
+
+namespace tetstream {
+namespace {
+
+/// The message without what it is about.
+absl::StatusOr<v1::MeshRequest> bare_message(tet::MeshClient& meshes,
+                                             const std::string& name,
+                                             const std::vector<std::string>& grids,
+                                             const Request& request,
+                                             const tet::Cancellation& cancellation) {
+  absl::StatusOr<tet::MeshRequest> core = core_request(request);
+  if (!core.ok()) return core.status();
+  for (std::size_t i = 0; i < core->fields.size(); ++i) {
+    auto stored = upload_volume(meshes, request.fields[i].values, {}, cancellation);
+    if (!stored.ok()) return stored.status();
+    core->fields[i].file = *std::move(stored);
+  }
+  return tet::wire_request(*core, name, grids);
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> upload_volume(tet::MeshClient& meshes,
+                                          const Volume& volume,
+                                          const tet::ClientProgress& progress,
+                                          const tet::Cancellation& cancellation) {
+  const absl::StatusOr<TemporaryFolder> folder = TemporaryFolder::make();
+  if (!folder.ok()) return folder.status();
+  const std::string path = folder->file("volume.vdb");
+  if (const Status written = volume.write_vdb(path); !written.ok()) {
+    return absl::Status(static_cast<absl::StatusCode>(written.code()), written.message());
+  }
+  return meshes.upload_file(path, progress, cancellation);
+}
+
+absl::StatusOr<v1::Scene> stored_scene(tet::MeshClient& meshes,
+                                       const Scene& scene,
+                                       const tet::Cancellation& cancellation) {
+  std::map<std::string, std::string> stored;  // by the scene's own names
+  for (const SceneGrid& grid : scene.impl().grids) {
+    auto name = upload_volume(meshes, grid.volume, {}, cancellation);
+    if (!name.ok()) return name.status();
+    stored[grid.name] = *std::move(name);
+  }
+  v1::Scene message = scene.impl().message;
+  for (v1::SceneNode& node : *message.mutable_nodes()) {
+    if (!node.has_grid()) continue;
+    const auto found = stored.find(node.grid().name());
+    if (found != stored.end()) node.mutable_grid()->set_name(found->second);
+  }
+  return message;
+}
+
+absl::StatusOr<v1::MeshRequest> message_of(tet::MeshClient& meshes,
+                                           const StoredVolume& volume,
+                                           const Request& request,
+                                           const tet::Cancellation& cancellation) {
+  std::vector<std::string> grids;
+  if (!volume.grid.empty()) grids.push_back(volume.grid);
+  return bare_message(meshes, volume.name, grids, request, cancellation);
+}
+
+absl::StatusOr<v1::MeshRequest> message_of(tet::MeshClient& meshes,
+                                           const Scene& scene,
+                                           const Request& request,
+                                           const tet::Cancellation& cancellation) {
+  auto message = bare_message(meshes, "", {}, request, cancellation);
+  if (!message.ok()) return message.status();
+  auto stored = stored_scene(meshes, scene, cancellation);
+  if (!stored.ok()) return stored.status();
+  *message->mutable_scene() = *std::move(stored);
+  return message;
+}
+
+}  // namespace tetstream

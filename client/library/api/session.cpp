@@ -1,0 +1,59 @@
+#include "tetstream/session.h"
+
+#include <utility>
+
+#include "client/library/api/session_impl.h"
+
+namespace tetstream {
+namespace {
+
+Status over() {
+  return {StatusCode::kFailedPrecondition, "the session is over: begin another"};
+}
+
+/// Takes the next frame; a session that has failed is over.
+Status take(Session::Impl& session, Result<FrameMesh> frame) {
+  session.over = !frame.ok();
+  if (!frame.ok()) return frame.status();
+  session.now = *std::move(frame);
+  return {};
+}
+
+}  // namespace
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+const Mesh& Session::mesh() const noexcept { return impl_->now->mesh; }
+
+std::uint64_t Session::tets_sent() const noexcept { return impl_->now->tets_sent; }
+
+Status Session::update(const Volume& volume) {
+  if (impl_->over) return over();
+  if (!impl_->volume) {
+    return {StatusCode::kInvalidArgument, "the session began with a scene: give it a scene"};
+  }
+  Status status = take(*impl_, guarded([&]() -> Result<FrameMesh> {
+    return impl_->maker->make(*impl_->volume, volume);
+  }));
+  if (status.ok()) impl_->volume = volume;
+  return status;
+}
+
+Status Session::update(const Scene& scene) {
+  if (impl_->over) return over();
+  if (impl_->volume) {
+    return {StatusCode::kInvalidArgument, "the session began with a volume: give it a volume"};
+  }
+  return take(*impl_,
+              guarded([&]() -> Result<FrameMesh> { return impl_->maker->make(scene); }));
+}
+
+Status Session::end() {
+  if (std::exchange(impl_->over, true)) return {};
+  return guarded([&] { return impl_->maker->end(); });
+}
+
+}  // namespace tetstream

@@ -1,0 +1,252 @@
+"""The same calls for asyncio: each works on a thread, and is stopped where its task is cancelled."""
+
+from __future__ import annotations
+
+import asyncio
+import contextvars
+import functools
+import os
+from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from types import TracebackType
+from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
+
+from . import _tetstream
+from ._client import LOCAL, Client
+from ._jobs import JobEvent, Jobs, JobWatch
+from ._mesh import Chunk, Header, Mesh, Statistics
+from ._request import stop_of_context
+from ._session import Session
+from ._share import Share
+from ._stream import MeshStream
+
+P = ParamSpec("P")
+R = TypeVar("R")
+T = TypeVar("T")
+W = TypeVar("W")
+
+_MOST_THREADS = 64
+
+
+@functools.lru_cache(maxsize=None)
+def _threads() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(_MOST_THREADS, thread_name_prefix="tetstream")
+
+
+async def _run(on_cancel: Callable[[], object] | None, call: Callable[..., R], *given: Any, **named: Any) -> R:
+    """Has a thread make the call. Whoever cancels the task has the work stopped, and waits for that."""
+    loop = asyncio.get_running_loop()
+    stop = _tetstream.Stop()
+    context = contextvars.copy_context()
+    context.run(stop_of_context.set, stop)
+    tell = named.get("progress")
+    if tell is not None:
+        named["progress"] = lambda fraction: loop.call_soon_threadsafe(tell, fraction)
+    work: asyncio.Future[R] = loop.run_in_executor(
+        _threads(), lambda: context.run(lambda: call(*given, **named)))
+    try:
+        return await asyncio.shield(work)
+    except asyncio.CancelledError:
+        (on_cancel or stop.request)()
+        await asyncio.wait([work])
+        if not work.cancelled():
+            work.exception()  # of a work that was stopped: nobody else will ask
+        raise
+
+
+def _next(items: Iterator[R]) -> R | None:
+    return next(items, None)
+
+
+class _Wrapped(Generic[T]):
+    """Has the calls of an object of the package that knows nothing of asyncio."""
+
+    def __init__(self, sync: T) -> None:
+        self._sync = sync
+
+    def __repr__(self) -> str:
+        return repr(self._sync).replace("tetstream.", "tetstream.Async", 1)
+
+
+def _call(call: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[_Wrapped[T], P], Coroutine[Any, Any, R]]:
+    @functools.wraps(call)
+    async def method(self: _Wrapped[T], /, *given: P.args, **named: P.kwargs) -> R:
+        return await _run(None, call, self._sync, *given, **named)
+
+    return method
+
+
+def _call_for(
+    wrap: Callable[[R], W], call: Callable[Concatenate[T, P], R]
+) -> Callable[Concatenate[_Wrapped[T], P], Coroutine[Any, Any, W]]:
+    @functools.wraps(call)
+    async def method(self: _Wrapped[T], /, *given: P.args, **named: P.kwargs) -> W:
+        return wrap(await _run(None, call, self._sync, *given, **named))
+
+    return method
+
+
+class AsyncMeshStream(_Wrapped[MeshStream]):
+    """A `MeshStream` for asyncio: `async for chunk in stream`, and `async with` to stop it early."""
+
+    @property
+    def header(self) -> Header:
+        """The mesh's totals: enough to allocate all of it."""
+        return self._sync.header
+
+    @property
+    def share(self) -> Share:
+        """Which of the mesh's vertices and tets come."""
+        return self._sync.share
+
+    @property
+    def statistics(self) -> Statistics:
+        """What is told of the mesh after its last chunk."""
+        return self._sync.statistics
+
+    def __aiter__(self) -> AsyncMeshStream:
+        return self
+
+    async def __anext__(self) -> Chunk:
+        chunk: Chunk | None = await _run(self._sync.close, _next, self._sync)
+        if chunk is None:
+            raise StopAsyncIteration
+        return chunk
+
+    def close(self) -> None:
+        """Stops the work, unless it has ended."""
+        self._sync.close()
+
+    async def __aenter__(self) -> AsyncMeshStream:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class AsyncSession(_Wrapped[Session]):
+    """A `Session` for asyncio. A task that is cancelled in `update` ends it."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """As it is now."""
+        return self._sync.mesh
+
+    @property
+    def tets_sent(self) -> int:
+        """Tets of the last frame that were sent, or made here."""
+        return self._sync.tets_sent
+
+    @functools.wraps(Session.update)
+    async def update(self, frame: Any) -> Mesh:
+        return await _run(self._sync._session.stop, self._sync.update, frame)
+
+    async def close(self) -> None:
+        """Tells the server that this was all."""
+        await _run(self._sync._session.stop, self._sync.close)
+
+    async def __aenter__(self) -> AsyncSession:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            await self.close()
+
+
+class AsyncJobWatch(_Wrapped[JobWatch]):
+    """A `JobWatch` for asyncio: `async for event in watch`, which may be left at any time."""
+
+    def __aiter__(self) -> AsyncJobWatch:
+        return self
+
+    async def __anext__(self) -> JobEvent:
+        event: JobEvent | None = await _run(self._sync.close, _next, self._sync)
+        if event is None:
+            raise StopAsyncIteration
+        return event
+
+    def close(self) -> None:
+        """Ends it."""
+        self._sync.close()
+
+    async def __aenter__(self) -> AsyncJobWatch:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class AsyncJobs(_Wrapped[Jobs]):
+    """The jobs of an `AsyncClient`: the calls of `Jobs`, each to be awaited."""
+
+    submit = _call(Jobs.submit)
+    get = _call(Jobs.get)
+    list = _call(Jobs.list)
+    wait = _call(Jobs.wait)
+    wait_all = _call(Jobs.wait_all)
+    watch = _call_for(AsyncJobWatch, Jobs.watch)
+    cancel = _call(Jobs.cancel)
+    retry = _call(Jobs.retry)
+    delete = _call(Jobs.delete)
+    fetch = _call(Jobs.fetch)
+    stream = _call_for(AsyncMeshStream, Jobs.stream)
+
+
+class AsyncClient(_Wrapped[Client]):
+    """A `Client` for asyncio: the same calls, each to be awaited.
+
+        async with ts.AsyncClient("localhost:7447") as client:
+            meshes = await asyncio.gather(*(client.mesh(ball, spacing=s) for s in (0.2, 0.1, 0.05)))
+            async for chunk in await client.stream(ball):
+                use(chunk)
+
+    A task that is cancelled stops its work, here or on the server. `progress` is called in the event loop. The
+    arguments are those of `Client`.
+    """
+
+    def __init__(
+        self,
+        address: str = LOCAL,
+        *,
+        token: str = "",
+        token_in_plain: bool = False,
+        tls: bool = False,
+        tls_ca: str | os.PathLike[str] = "",
+        tls_cert: str | os.PathLike[str] = "",
+        tls_key: str | os.PathLike[str] = "",
+        attempts: int = 8,
+    ) -> None:
+        super().__init__(Client(address, token=token, token_in_plain=token_in_plain, tls=tls, tls_ca=tls_ca,
+                                tls_cert=tls_cert, tls_key=tls_key, attempts=attempts))
+
+    mesh = _call(Client.mesh)
+    estimate = _call(Client.estimate)
+    stream = _call_for(AsyncMeshStream, Client.stream)
+    session = _call_for(AsyncSession, Client.session)
+    upload = _call(Client.upload)
+    upload_file = _call(Client.upload_file)
+    capabilities = _call(Client.capabilities)
+    check_health = _call(Client.check_health)
+
+    @property
+    def jobs(self) -> AsyncJobs:
+        """Meshes that are made while nobody waits."""
+        return AsyncJobs(self._sync.jobs)
+
+    def close(self) -> None:
+        """Forgets the connection. Streams that were begun go on; jobs of this process are cancelled."""
+        self._sync.close()
+
+    async def __aenter__(self) -> AsyncClient:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

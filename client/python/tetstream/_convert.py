@@ -1,0 +1,88 @@
+"""Meshes as other packages have them."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._share import Share
+
+if TYPE_CHECKING:
+    from ._mesh import Arrays
+
+_VTK_TETRA = 10
+
+
+def imported(name: str) -> Any:
+    """A module that need not be installed."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        package = name.split(".")[0].replace("vtkmodules", "vtk")
+        raise ImportError(f"this needs the package {package}, which is not installed: pip install {package}") from error
+
+
+def to_meshio(mesh: Arrays) -> Any:
+    cells: list[tuple[str, NDArray[Any]]] = [("tetra", mesh.tets)]
+    cell_data: dict[str, list[NDArray[Any]]] = {}
+    if mesh.regions is not None:
+        cell_data["region"] = [mesh.regions]
+    if mesh.faces is not None and mesh.face_labels is not None:
+        cells.append(("triangle", mesh.faces))
+        if mesh.regions is not None:
+            cell_data["region"].append(np.zeros(len(mesh.faces), mesh.regions.dtype))
+        cell_data["face_label"] = [np.zeros(len(mesh.tets), np.int32), mesh.face_labels.astype(np.int32) + 1]
+    return imported("meshio").Mesh(mesh.points, cells, point_data=dict(mesh.fields), cell_data=cell_data)
+
+
+def to_pyvista(mesh: Arrays) -> Any:
+    pyvista = imported("pyvista")
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: mesh.tets.astype(np.int64)}, mesh.points)
+    for name, values in mesh.fields.items():
+        grid.point_data[name] = values
+    if mesh.regions is not None:
+        grid.cell_data["region"] = mesh.regions
+    return grid
+
+
+def to_vtk(mesh: Arrays) -> Any:
+    model, core = imported("vtkmodules.vtkCommonDataModel"), imported("vtkmodules.vtkCommonCore")
+    arrays = imported("vtkmodules.util.numpy_support")
+    points = core.vtkPoints()
+    points.SetData(arrays.numpy_to_vtk(mesh.points))
+    cells = model.vtkCellArray()
+    offsets = np.arange(0, 4 * len(mesh.tets) + 1, 4, dtype=np.int64)
+    cells.SetData(arrays.numpy_to_vtkIdTypeArray(offsets, deep=True),
+                  arrays.numpy_to_vtkIdTypeArray(mesh.tets.astype(np.int64).ravel(), deep=True))
+    grid = model.vtkUnstructuredGrid()
+    grid.SetPoints(points)
+    grid.SetCells(_VTK_TETRA, cells)
+    for name, values in mesh.fields.items():
+        _add(grid.GetPointData(), arrays, name, values)
+    if mesh.regions is not None:
+        _add(grid.GetCellData(), arrays, "region", mesh.regions)
+    return grid
+
+
+def _add(data: Any, arrays: Any, name: str, values: NDArray[Any]) -> None:
+    array = arrays.numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+    array.SetName(name)
+    data.AddArray(array)
+
+
+def to_dolfinx(points: NDArray[np.float64], tets: NDArray[Any], comm: Any) -> Any:
+    """Of what this rank has: its runs of the mesh's points and tets, whose ids count in the whole mesh."""
+    dolfinx, ufl = imported("dolfinx.mesh"), imported("ufl")
+    cell = ufl.Cell("tetrahedron", geometric_dimension=3)
+    domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
+    return dolfinx.create_mesh(comm, np.ascontiguousarray(tets, dtype=np.int64), points, domain)
+
+
+def share_to_dolfinx(mesh: Arrays, comm: Any) -> Any:
+    """Of a mesh that every rank has whole: each gives its share of it."""
+    share = Share.of(len(mesh.local_points), len(mesh.tets), comm.rank, comm.size)
+    return to_dolfinx(mesh.points[share.first_vertex:share.end_vertex],
+                      mesh.tets[share.first_tet:share.end_tet], comm)

@@ -1,0 +1,65 @@
+"""Meshes that follow their shapes."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+from . import _tetstream
+from ._backends import Backend
+from ._mesh import Mesh
+from ._request import Meshable, options_of
+
+
+class Session:
+    """A mesh and the shape that it is of, which may change: frames in, changed meshes out.
+
+        with client.session(ball, spacing=0.1) as session:
+            for frame in frames:
+                mesh = session.update(frame)
+
+    Every frame's mesh lies on the lattice of the first, so that what did not change keeps its vertices. Of a
+    volume only the blocks of 8 x 8 x 8 samples that changed travel to a server, and of the mesh only the
+    tets that did. The same frames make the same bytes here and there.
+
+    After an error a session is over: begin another. One thread at a time may be in it.
+    """
+
+    def __init__(self, session: _tetstream.Session, backend: Backend) -> None:
+        self._session = session
+        self._backend = backend
+        self.mesh = Mesh(session.mesh)
+
+    mesh: Mesh
+    """As it is now."""
+
+    @property
+    def tets_sent(self) -> int:
+        """Tets of the last frame that were sent, or made here; the others were kept."""
+        return self._session.tets_sent
+
+    def update(self, frame: Meshable) -> Mesh:
+        """The mesh of the next frame: a Volume of the same place, spacing, kind and background as the first,
+        or a solid where the session began with one.
+
+        Errors: those of `Client.mesh`; InvalidArgumentError (a frame of another kind),
+        FailedPreconditionError (the session is over), Error (the server ended it).
+        """
+        self._session.update(self._backend.frame(frame, options_of()))
+        self.mesh = Mesh(self._session.mesh)
+        return self.mesh
+
+    def close(self) -> None:
+        """Tells the server that this was all."""
+        self._session.end()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+
+    def __repr__(self) -> str:
+        return f"<tetstream.Session: {self.mesh.header.tet_count:,} tets, {self.tets_sent:,} of them new>"

@@ -1,0 +1,120 @@
+"""The calls of AsyncClient: those of Client, awaited."""
+
+import asyncio
+import inspect
+
+import pytest
+
+import running_server
+import tetstream as ts
+from conftest import assert_same, make_ball
+from stream_test import Gathered
+
+
+@pytest.fixture(params=["here", "served"])
+def address(request, tmp_path):
+    if request.param == "here":
+        yield ":local:"
+    else:
+        with running_server.RunningServer(tmp_path / "store") as server:
+            yield server.address
+
+
+def test_makes_the_meshes_that_are_made_here(address, ball, mesh):
+    async def work():
+        async with ts.AsyncClient(address) as client:
+            await client.check_health()
+            assert (await client.capabilities()).server_version == ts.version()
+            told = []
+            stored = await client.upload(ball, progress=told.append)
+            made = await asyncio.gather(*(client.mesh(stored, levels=levels) for levels in (0, 1)))
+            estimate = await client.estimate(ball)
+            async with await client.stream(ball, levels=0) as stream:
+                chunks = [chunk async for chunk in stream]
+            await asyncio.sleep(0)
+            return made, estimate, stream, chunks, told
+
+    made, estimate, stream, chunks, told = asyncio.run(work())
+    assert_same(made[1], mesh)
+    assert estimate.tet_count == mesh.header.tet_count and told[-1] == 1
+    assert_same(Gathered(Came(stream.header, chunks)), made[0])
+
+
+class Came:
+    def __init__(self, header, chunks):
+        self.header, self._chunks = header, chunks
+
+    def __iter__(self):
+        return iter(self._chunks)
+
+
+def test_a_task_that_is_cancelled_stops_its_work(address):
+    ball = make_ball(40)
+
+    async def work():
+        client = ts.AsyncClient(address)
+        began = asyncio.Event()
+        long = asyncio.create_task(client.mesh(ball, spacing=0.002, progress=lambda fraction: began.set()))
+        stored = asyncio.create_task(client.upload(ball))
+        await stored
+        long.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await long
+        stream = await client.stream(ball, levels=0)
+        await stream.__anext__()
+        stream.close()
+        with pytest.raises(ts.CancelledError):
+            await stream.__anext__()
+
+    asyncio.run(work())
+
+
+def test_jobs_and_sessions_are_awaited(address):
+    async def work():
+        async with ts.AsyncClient(address) as client:
+            job = await client.jobs.submit(ts.sphere(1), spacing=0.2, labels={"a": "b"})
+            async with await client.jobs.watch(job, after=0) as watch:
+                changes = [event.change async for event in watch]
+            assert changes[0] == "created" and changes[-1] == "finished"
+            assert [one.name for one in await client.jobs.list(labels={"a": "b"})] == [job.name]
+            fetched = await client.jobs.fetch(await client.jobs.wait(job))
+            async with await client.session(ts.sphere(1), spacing=0.2) as session:
+                assert_same(session.mesh, fetched)
+                moved = await session.update(ts.sphere(1.05))
+                assert moved is session.mesh and session.tets_sent > 0
+            assert "AsyncSession" in repr(session)
+
+    asyncio.run(work())
+
+
+def test_a_wait_that_is_cancelled_ends(address):
+    async def work():
+        client = ts.AsyncClient(address)
+        job = await client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+        waiting = asyncio.create_task(client.jobs.wait(job))
+        await client.jobs.get(job)
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+        await client.jobs.cancel(job)
+
+    asyncio.run(work())
+
+
+def test_errors_are_raised_where_they_are_awaited(address):
+    async def work():
+        with pytest.raises(ts.InvalidArgumentError, match="sphere.radius"):
+            await ts.AsyncClient(address).mesh(ts.sphere(-1))
+
+    asyncio.run(work())
+
+
+@pytest.mark.parametrize("plain,asynchronous", [(ts.Client, ts.AsyncClient), (ts.Jobs, ts.AsyncJobs)])
+def test_has_every_call_with_the_same_arguments(plain, asynchronous):
+    for name, call in vars(plain).items():
+        if name.startswith("_") or name == "address":
+            continue
+        other = getattr(asynchronous, name)
+        assert inspect.getdoc(other), name
+        if inspect.isfunction(call):
+            assert str(inspect.signature(other)) == str(inspect.signature(call)), name

@@ -1,0 +1,119 @@
+"""Jobs, on a server and in this process: the same calls with the same ends."""
+
+import datetime
+
+import pytest
+
+import running_server
+import tetstream as ts
+from conftest import assert_same
+
+PART = ts.box((2, 2, 1), rounding=0.1) - ts.cylinder(0.4, 2)
+
+
+@pytest.fixture(params=["here", "served"])
+def client(request, tmp_path):
+    if request.param == "here":
+        with ts.Client(":local:") as here:
+            yield here
+    else:
+        with running_server.RunningServer(tmp_path / "store") as server, ts.Client(server.address) as there:
+            yield there
+
+
+def test_a_jobs_mesh_is_the_one_that_is_made_here(client, ball):
+    for request in (ts.Request(ball, levels=0), ts.Request(PART, spacing=0.1, faces=True)):
+        job = client.jobs.submit(request, display_name="a part", labels={"study": "one"}, priority=3)
+        assert job.name.startswith("jobs/") and job.display_name == "a part" and job.priority == 3
+        told = []
+        ended = client.jobs.wait(job, progress=told.append)
+        assert ended.done and ended.state == "succeeded" and ended.error is None
+        assert told == sorted(told) and told[-1] == 1 == ended.progress.fraction
+        here = ts.mesh(request)
+        assert ended.header.tet_count == here.header.tet_count
+        assert_same(client.jobs.fetch(job), here)
+        assert sum(len(chunk.tets) for chunk in client.jobs.stream(job.name)) == here.header.tet_count
+        now = datetime.datetime.now(datetime.timezone.utc)
+        assert ended.created <= ended.started <= ended.finished <= now + datetime.timedelta(seconds=5)
+
+
+def test_many_are_found_by_their_labels(client):
+    jobs = [client.jobs.submit(PART, spacing=0.3 + 0.01 * i, labels={"night": "1", "half": str(i % 2)})
+            for i in range(6)]
+    ended = client.jobs.wait_all(jobs)
+    assert [job.name for job in ended] == [job.name for job in jobs]
+    assert {job.state for job in ended} == {"succeeded"}
+    listed = client.jobs.list(labels={"night": "1", "half": "1"}, states=["succeeded"])
+    assert [job.name for job in listed] == [job.name for job in reversed(jobs[1::2])]
+    assert len(client.jobs.list(most=2)) == 2 and client.jobs.list(labels={"night": "2"}) == []
+    assert client.jobs.list(display_name="nobody") == []
+
+
+def test_changes_are_watched_until_the_end(client):
+    jobs = [client.jobs.submit(PART, spacing=spacing) for spacing in (0.3, 0.2)]
+    with client.jobs.watch(jobs, after=0) as watch:
+        seen = list(watch)
+    for job in jobs:
+        changes = [event.change for event in seen if event.name == job.name]
+        assert changes[0] == "created" and changes[-1] == "finished" and "started" in changes
+    assert [event.revision for event in seen] == sorted({event.revision for event in seen})
+    assert list(client.jobs.watch(jobs)) == []  # nothing comes of what has ended
+
+
+def test_a_cancelled_job_is_tried_again(client):
+    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+    cancelled = client.jobs.cancel(long)
+    assert client.jobs.wait(long).state == "cancelled"
+    assert isinstance(client.jobs.get(cancelled).error, ts.CancelledError)
+    with pytest.raises(ts.FailedPreconditionError) as refused:
+        client.jobs.fetch(long)
+    assert refused.value.reason == "JOB_NOT_SUCCEEDED"
+    assert not client.jobs.retry(long).done
+    client.jobs.cancel(long)
+    client.jobs.wait(long)
+    client.jobs.delete(long)
+    with pytest.raises(ts.NotFoundError) as gone:
+        client.jobs.get(long)
+    assert gone.value.reason == "JOB_NOT_FOUND"
+
+
+def test_a_job_says_why_it_failed(client):
+    nothing = ts.sphere(1) & ts.sphere(1, center=(5, 0, 0))
+    ended = client.jobs.wait(client.jobs.submit(nothing, spacing=0.1))
+    assert ended.state == "failed" and isinstance(ended.error, ts.FailedPreconditionError)
+    with pytest.raises(ts.FailedPreconditionError) as refused:
+        client.jobs.retry(client.jobs.wait(client.jobs.submit(PART, spacing=0.3)))
+    assert refused.value.reason == "JOB_SUCCEEDED"
+
+
+def test_asking_twice_makes_one_job(client):
+    one, other = (client.jobs.submit(PART, spacing=0.3, request_id="the same") for _ in range(2))
+    assert one.name == other.name
+
+
+def test_what_is_wrong_with_an_order_is_said_at_once(client):
+    with pytest.raises(ts.InvalidArgumentError):
+        client.jobs.submit(ts.Request(PART, preset="best"))
+    with pytest.raises(ts.InvalidArgumentError, match="give it to the Request"):
+        client.jobs.submit(ts.Request(PART), spacing=0.1)
+    with pytest.raises(ts.InvalidArgumentError, match="state 'asleep'"):
+        client.jobs.list(states=["asleep"])
+
+
+def test_a_wait_ends_at_its_deadline(client):
+    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+    with pytest.raises(ts.DeadlineExceededError):
+        client.jobs.wait(long, timeout=0.2)
+    client.jobs.cancel(long)
+
+
+def test_jobs_of_this_process_are_made_in_their_order():
+    with ts.Client() as here:
+        first = here.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+        low = here.jobs.submit(PART, spacing=0.3, priority=-1)
+        high = here.jobs.submit(PART, spacing=0.3, priority=1)
+        assert here.jobs.get(high).queue_position in (0, 1)
+        assert here.jobs.get(low).queue_position > here.jobs.get(high).queue_position
+        here.jobs.cancel(first)
+        done = here.jobs.wait_all([low, high])
+        assert done[1].finished <= done[0].started

@@ -1,0 +1,64 @@
+"""Shares of a mesh for the ranks of a parallel program."""
+
+import numpy as np
+import pytest
+
+import tetstream as ts
+from conftest import make_ball
+
+COLUMNS = ("local_points", "tets", "regions", "_field_rows", "faces", "face_tets", "face_labels")
+
+
+def joined(streams):
+    """The columns of all ranks, one behind the other."""
+    chunks = [chunk for stream in streams for chunk in stream]
+    return {name: None if getattr(chunks[0], name) is None else
+            np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in COLUMNS}
+
+
+@pytest.fixture(scope="module")
+def large_ball():
+    return make_ball(40)
+
+
+@pytest.mark.parametrize("served", [False, True])
+@pytest.mark.parametrize("size", [1, 2, 3, 7])
+def test_shares_together_are_the_mesh(client, large_ball, served, size):
+    maker = client if served else ts
+    request = ts.Request(large_ball, levels=0, faces=True, fields={"distance": make_ball(8)})
+    whole = ts.mesh(request)
+    assert whole.header.chunk_count > 10
+    streams = [maker.stream(request, rank=i, size=size) for i in range(size)]
+    got = joined(streams)
+    for name in COLUMNS:
+        expected = getattr(whole, name)
+        assert (got[name] is None) == (expected is None), name
+        assert expected is None or got[name].tobytes() == expected.tobytes(), name
+    counts = [(stream.share.vertex_count, stream.share.tet_count) for stream in streams]
+    assert max(np.ptp(np.array(counts), axis=0)) <= 1
+    assert all(stream.header.tet_count == whole.header.tet_count for stream in streams)
+
+
+def test_a_rank_is_sent_little_more_than_its_share(server, client, large_ball):
+    def sent(**options):
+        before = server.samples()["tetstream_sent_chunks_total"]
+        for _ in client.stream(large_ball, levels=0, **options):
+            pass
+        return server.samples()["tetstream_sent_chunks_total"] - before
+
+    whole = sent()
+    assert sent(rank=1, size=4) < whole / 4 + 6
+
+
+def test_more_ranks_than_tets_leave_some_empty():
+    solid = ts.sphere(1)
+    total = ts.mesh(solid, spacing=1).header.tet_count
+    shares = [list(ts.stream(solid, spacing=1, rank=i, size=total + 5)) for i in (0, total + 4)]
+    assert [sum(len(chunk.tets) for chunk in share) for share in shares] == [0, 1]
+
+
+def test_says_what_a_rank_is(ball):
+    with pytest.raises(ts.InvalidArgumentError, match="rank 2 of size 2"):
+        ts.stream(ball, rank=2, size=2)
+    with pytest.raises(ts.FailedPreconditionError, match="share has no statistics"):
+        ts.stream(ball, rank=0, size=2).statistics

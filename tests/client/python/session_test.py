@@ -1,0 +1,77 @@
+"""Meshes that follow their shapes, here and on a server."""
+
+import numpy as np
+import pytest
+
+import tetstream as ts
+from conftest import assert_same, distances
+
+
+def frames(count=4, radius=20):
+    """A ball that a bump travels over: most of it stays as it is."""
+    values, place = distances(radius)
+    edge = place["origin"][0]
+    axis = np.linspace(edge, -edge, len(values))
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
+    for i in range(count):
+        bump = np.sqrt((x - 1) ** 2 + (y - 0.05 * i) ** 2 + z**2) - 0.15
+        yield ts.Volume.from_array(np.minimum(values, bump), **place)
+
+
+def test_volumes_make_the_same_bytes_here_and_there(client):
+    first, *rest = frames()
+    with ts.session(first) as here, client.session(first) as there:
+        assert_same(there.mesh, here.mesh)
+        for frame in rest:
+            assert_same(there.update(frame), here.update(frame))
+            assert 0 < there.tets_sent < here.tets_sent == here.mesh.header.tet_count
+            assert there.mesh.quality().volume == pytest.approx(here.mesh.quality().volume, rel=1e-6)
+    assert "of them new" in repr(there)
+
+
+def test_solids_make_the_same_bytes_here_and_there(client):
+    solids = [ts.sphere(1) | ts.sphere(0.2, center=(1, 0.02 * i, 0)) for i in range(4)]
+    with ts.session(solids[0], spacing=0.05) as here, client.session(solids[0], spacing=0.05) as there:
+        for frame in solids[1:]:
+            assert_same(there.update(frame), here.update(frame))
+            assert there.tets_sent < there.mesh.header.tet_count
+
+
+def test_meshes_of_earlier_frames_stay_as_they_were(client):
+    first, second, *_ = frames()
+    with client.session(first) as session:
+        mesh = session.mesh
+        tets = mesh.tets.copy()
+        session.update(second)
+        assert np.array_equal(mesh.tets, tets)
+        assert session.mesh is not mesh
+
+
+def test_nothing_that_changed_is_a_frame_too(client):
+    first = next(frames())
+    with client.session(ts.Request(first, spacing=0.1)) as session:
+        before = session.mesh
+        assert_same(session.update(first), before)
+        assert session.tets_sent == 0
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_says_what_is_no_frame(client, served):
+    maker = client if served else ts
+    first = next(frames())
+    with pytest.raises(ts.InvalidArgumentError, match="began with a volume"):
+        maker.session(first).update(ts.sphere(1))
+    with pytest.raises(ts.InvalidArgumentError, match="began with a scene"):
+        maker.session(ts.sphere(1), spacing=0.2).update(first)
+    session = maker.session(first)
+    session.close()
+    with pytest.raises(ts.FailedPreconditionError, match="over"):
+        session.update(first)
+
+
+def test_a_frame_elsewhere_needs_another_session(client):
+    values, place = distances(12)
+    session = client.session(ts.Volume.from_array(values, **place))
+    moved = ts.Volume.from_array(values, spacing=place["spacing"], origin=(0, 0, 0))
+    with pytest.raises(ts.InvalidArgumentError, match="place of the voxels"):
+        session.update(moved)
