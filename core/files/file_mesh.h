@@ -45,7 +45,7 @@ void with_nodes_per_tet(const FileMesh& mesh, const Use& use) {
   }
 }
 
-/// Of a mesh of first order.
+/// The shape of a mesh of first order.
 inline FileShape shape_of(const MeshHeader& mesh) noexcept { return {mesh.vertex_count, 4}; }
 
 inline FileShape FileMesh::shape() const noexcept {
