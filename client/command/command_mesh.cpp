@@ -17,7 +17,6 @@
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 #include "core/files/mesh_file.h"
-#include "core/files/write_second_order.h"
 
 namespace tet {
 namespace {
@@ -113,7 +112,7 @@ absl::Status check_output(const MeshOptions& options) {
   const auto output = mesh_output(options.output, options.format);
   if (!output.ok()) return output.status();
   if (options.order > 1) {
-    if (auto status = check_second_order_format(*output); !status.ok()) return status;
+    if (auto status = check_takes_second_order(*output); !status.ok()) return status;
   }
   return check_can_write(*output);
 }

@@ -6,7 +6,6 @@
 #include "client/command/stopwatch.h"
 #include "core/base/printable.h"
 #include "core/files/mesh_file.h"
-#include "core/files/write_second_order.h"
 
 namespace tet {
 
@@ -29,8 +28,7 @@ absl::Status write_made_mesh(const MeshOutput& output,
   const WriteControl control{.cancellation = &interruption,
                              .progress = [&](double fraction) { bar.update(fraction, 1); }};
   const absl::Status status =
-      made.middles ? write_second_order_file(output, {made.mesh, *made.middles}, control)
-                   : write_mesh_file(output, made.mesh, control);
+      write_mesh_file(output, {made.mesh, made.middles ? &*made.middles : nullptr}, control);
   made.stages.push_back({"writing", watch.seconds()});
   if (!status.ok()) return status;
   for (const std::string& change : changed_names(output.format, made.mesh.header)) {

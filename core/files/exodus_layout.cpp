@@ -10,6 +10,7 @@ namespace {
 /// Dimensions that several variables have.
 struct ExodusDimensions {
   NetcdfHeader::Dimension name, time, space, nodes, elements;
+  std::size_t nodes_per_tet;
 };
 
 std::string numbered(const char* name, std::size_t i) { return absl::StrCat(name, i + 1); }
@@ -40,10 +41,12 @@ void add_blocks(ExodusLayout& layout, const ExodusParts& parts, const ExodusDime
   layout.block_names = list.names;
   for (std::size_t i = 0; i < parts.blocks.size(); ++i) {
     const auto tets = header.add_dimension(numbered("num_el_in_blk", i), parts.blocks[i].tets);
-    const auto corners = header.add_dimension(numbered("num_nod_per_el", i), 4);
+    const auto corners =
+        header.add_dimension(numbered("num_nod_per_el", i), sizes.nodes_per_tet);
+    const char* const type = sizes.nodes_per_tet == 4 ? "TETRA" : "TETRA10";
     layout.connectivity.push_back(header.add_variable(numbered("connect", i), NetcdfType::kInt,
                                                       {tets, corners},
-                                                      {text_attribute("elem_type", "TETRA")}));
+                                                      {text_attribute("elem_type", type)}));
   }
   layout.element_numbers =
       header.add_variable("elem_num_map", NetcdfType::kInt, {sizes.elements});
@@ -92,7 +95,10 @@ void add_values(ExodusLayout& layout,
 
 }  // namespace
 
-ExodusLayout lay_out_exodus(const MeshHeader& mesh, const ExodusParts& parts, NetcdfType real) {
+ExodusLayout lay_out_exodus(std::uint64_t tets,
+                            const FileShape& shape,
+                            const ExodusParts& parts,
+                            NetcdfType real) {
   constexpr float kVersion = 8.03F;  // of the format and of the library that it is like
   constexpr std::int32_t kMostNameBytes = static_cast<std::int32_t>(kExodusNames.most_bytes);
   ExodusLayout layout;
@@ -112,8 +118,9 @@ ExodusLayout lay_out_exodus(const MeshHeader& mesh, const ExodusParts& parts, Ne
   const ExodusDimensions sizes{.name = header.add_dimension("len_name", kMostNameBytes + 1),
                                .time = header.add_steps("time_step", steps),
                                .space = header.add_dimension("num_dim", 3),
-                               .nodes = header.add_dimension("num_nodes", mesh.vertex_count),
-                               .elements = header.add_dimension("num_elem", mesh.tet_count)};
+                               .nodes = header.add_dimension("num_nodes", shape.nodes),
+                               .elements = header.add_dimension("num_elem", tets),
+                               .nodes_per_tet = shape.nodes_per_tet};
   add_blocks(layout, parts, sizes);
   for (const char* const name : {"coordx", "coordy", "coordz"}) {
     layout.coordinates.push_back(header.add_variable(name, real, {sizes.nodes}));

@@ -16,7 +16,7 @@ namespace tet {
 struct ExodusParts {
   std::vector<TetGroup> blocks;  ///< those with tets
   const FaceGroups& faces;
-  std::vector<std::uint64_t> nodes_of_faces;  ///< of each group: how many vertices it has
+  std::vector<std::uint64_t> nodes_of_faces;  ///< of each group: how many nodes it has
   std::vector<std::string> block_names, face_names, variable_names;
 };
 
@@ -41,6 +41,9 @@ struct ExodusLayout {
   NetcdfHeader::Variable times = 0;
 };
 
-ExodusLayout lay_out_exodus(const MeshHeader& mesh, const ExodusParts& parts, NetcdfType real);
+ExodusLayout lay_out_exodus(std::uint64_t tets,
+                            const FileShape& shape,
+                            const ExodusParts& parts,
+                            NetcdfType real);
 
 }  // namespace tet

@@ -67,12 +67,18 @@ FaceGroups::FaceGroups(const TetMesh& mesh) : mesh_(mesh) {
   }
 }
 
-void FaceGroups::collect_vertices(const FaceGroup& group, RankMask& vertices) const {
-  vertices.clear();
-  for (std::uint64_t i = 0; i < group.faces; ++i) {
-    for (const std::uint64_t vertex : triangle(group.first + i)) vertices.set(vertex);
-  }
-  vertices.count_ranks();
+void FaceGroups::collect_nodes(const FileMesh& mesh,
+                               const FaceGroup& group,
+                               RankMask& nodes) const {
+  nodes.clear();
+  with_nodes_per_tet(mesh, [&](auto count) {
+    for (std::uint64_t i = group.first; i < group.first + group.faces; ++i) {
+      const TetFace face = (*this)[i];
+      const auto of_tet = mesh.nodes_of<decltype(count)::value>(face.tet());
+      for (const auto node : nodes_of_face(of_tet, face.opposite())) nodes.set(node);
+    }
+  });
+  nodes.count_ranks();
 }
 
 }  // namespace tet

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/files/file_mesh.h"
 #include "core/files/rank_mask.h"
 #include "core/mesh/find_faces.h"
 #include "core/mesh/tet_mesh.h"
@@ -36,8 +37,9 @@ class FaceGroups {
     return face_of(mesh_.tet(faces_[i] / 4), faces_[i] % 4);
   }
 
-  /// Replaces what is in `vertices`, a mask as long as the mesh, by the group's vertices.
-  void collect_vertices(const FaceGroup& group, RankMask& vertices) const;
+  /// Replaces what is in `nodes`, a mask as long as those of the file, by the group's nodes.
+  /// `mesh` is the one of the groups.
+  void collect_nodes(const FileMesh& mesh, const FaceGroup& group, RankMask& nodes) const;
 
  private:
   const TetMesh& mesh_;

@@ -21,45 +21,57 @@ double largest_coordinate(const WorldBox& box) noexcept {
 }
 
 template <class Number>
-void write_points_as(BlockWriter& writer, const TetMesh& mesh) {
-  writer.rows(mesh.header.vertex_count, [&](std::uint64_t i) {
-    const auto [x, y, z] = mesh.vertex(i);
+void write_points_as(BlockWriter& writer, const FileMesh& mesh) {
+  writer.rows(mesh.shape().nodes, [&](std::uint64_t i) {
+    const auto [x, y, z] = mesh.node(i);
     return std::array{static_cast<Number>(x), static_cast<Number>(y), static_cast<Number>(z)};
   });
 }
 
 template <class Number>
-void write_offsets_as(BlockWriter& writer, std::uint64_t first, std::uint64_t count) {
-  writer.rows(count, [&](std::uint64_t i) { return static_cast<Number>(4 * (first + i)); });
+void write_offsets_as(BlockWriter& writer,
+                      std::size_t nodes_per_tet,
+                      std::uint64_t first,
+                      std::uint64_t count) {
+  writer.rows(
+      count, [&](std::uint64_t i) { return static_cast<Number>(nodes_per_tet * (first + i)); });
+}
+
+template <class Id, std::size_t kNodes>
+void write_connectivity_as(BlockWriter& writer, const FileMesh& mesh) {
+  writer.rows(mesh.mesh.header.tet_count, [&](std::uint64_t i) {
+    std::array<Id, kNodes> ids;
+    std::ranges::transform(mesh.nodes_of<kNodes>(i), ids.begin(),
+                           [](std::uint64_t id) { return static_cast<Id>(id); });
+    return ids;
+  });
 }
 
 /// Reads one field of rows that have the values of all.
 template <std::size_t kComponents>
 class FieldRows {
  public:
-  FieldRows(const TetMesh& mesh, std::size_t field)
-      : row_bytes_(mesh.header.field_values() * sizeof(float)),
-        first_(mesh.fields.bytes().data()) {
+  FieldRows(const FileMesh& mesh, std::size_t field) : mesh_(mesh) {
     for (std::size_t i = 0; i < field; ++i) {
-      first_ += mesh.header.fields[i].components * sizeof(float);
+      before_ += mesh.mesh.header.fields[i].components * sizeof(float);
     }
   }
 
-  std::array<float, kComponents> operator()(std::uint64_t vertex) const {
+  std::array<float, kComponents> operator()(std::uint64_t node) const {
     std::array<float, kComponents> values;
-    std::memcpy(values.data(), first_ + vertex * row_bytes_, sizeof(values));
+    std::memcpy(values.data(), mesh_.field_row(node) + before_, sizeof(values));
     return values;
   }
 
  private:
-  std::size_t row_bytes_;
-  const std::byte* first_;
+  const FileMesh& mesh_;
+  std::size_t before_ = 0;  ///< bytes of a row
 };
 
 template <std::size_t kComponents>
-void write_numbered(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
+void write_numbered(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
   const FieldRows<kComponents> rows(mesh, field);
-  writer.rows(mesh.header.vertex_count, [&](std::uint64_t i) {
+  writer.rows(mesh.shape().nodes, [&](std::uint64_t i) {
     const auto number = static_cast<std::int32_t>(i + 1);
     std::array<double, kComponents> values;
     std::ranges::copy(rows(i), values.begin());
@@ -78,32 +90,35 @@ CoordinateType file_coordinate_type(const MeshHeader& header) noexcept {
   return fits ? header.coordinate_type : CoordinateType::kFloat64;
 }
 
-ColumnTypes choose_column_types(const MeshHeader& header) noexcept {
+ColumnTypes choose_column_types(const MeshHeader& header, const FileShape& shape) noexcept {
   constexpr auto kLargest =
       static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-  const bool fits = header.vertex_count <= kLargest && header.tet_count <= kLargest / 4;
+  const bool fits =
+      shape.nodes <= kLargest && header.tet_count <= kLargest / shape.nodes_per_tet;
   return {file_coordinate_type(header), fits ? IndexType::kUint32 : IndexType::kUint64};
 }
 
 ColumnSizes column_sizes(const MeshHeader& header,
+                         const FileShape& shape,
                          const ColumnTypes& types,
                          std::uint64_t offset_rows) noexcept {
-  return {.points = header.vertex_count * 3 * size_of(types.coordinates),
-          .connectivity = header.tet_count * 4 * size_of(types.ids),
+  return {.points = shape.nodes * 3 * size_of(types.coordinates),
+          .connectivity = header.tet_count * shape.nodes_per_tet * size_of(types.ids),
           .offsets = offset_rows * size_of(types.ids),
           .types = header.tet_count,
           .regions = header.tet_count * (header.has_regions      ? 1
                                          : header.labels.empty() ? 0
                                                                  : label_value_bytes(header)),
           .parts = header.parts.empty() ? 0 : header.tet_count,
-          .fields = ChunkSizes(header, header.vertex_count, 0).fields};
+          .fields = ChunkSizes(header, shape.nodes, 0).fields};
 }
 
-void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type) {
-  const bool as_stored =
-      mesh.header.origin == WorldPoint{} && mesh.header.coordinate_type == type;
+void write_points(BlockWriter& writer, const FileMesh& mesh, CoordinateType type) {
+  const MeshHeader& header = mesh.mesh.header;
+  const bool as_stored = header.origin == WorldPoint{} && header.coordinate_type == type;
   if (as_stored) {
-    writer.bytes(mesh.positions.bytes());
+    writer.bytes(mesh.mesh.positions.bytes());
+    if (mesh.middles != nullptr) writer.bytes(mesh.middles->positions.bytes());
   } else if (type == CoordinateType::kFloat32) {
     write_points_as<float>(writer, mesh);
   } else {
@@ -111,48 +126,50 @@ void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type)
   }
 }
 
-void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
-  const std::uint64_t vertices = mesh.header.vertex_count;
-  if (mesh.header.fields.size() == 1) {
-    writer.bytes(mesh.fields.bytes());
-  } else if (mesh.header.fields[field].components == 1) {
-    writer.rows(vertices, FieldRows<1>(mesh, field));
+void write_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
+  const std::uint64_t nodes = mesh.shape().nodes;
+  if (mesh.mesh.header.fields.size() == 1) {
+    writer.bytes(mesh.mesh.fields.bytes());
+    if (mesh.middles != nullptr) writer.bytes(mesh.middles->fields.bytes());
+  } else if (mesh.mesh.header.fields[field].components == 1) {
+    writer.rows(nodes, FieldRows<1>(mesh, field));
   } else {
-    writer.rows(vertices, FieldRows<3>(mesh, field));
+    writer.rows(nodes, FieldRows<3>(mesh, field));
   }
 }
 
-void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field) {
-  if (mesh.header.fields[field].components == 1) {
+void write_numbered_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
+  if (mesh.mesh.header.fields[field].components == 1) {
     write_numbered<1>(writer, mesh, field);
   } else {
     write_numbered<3>(writer, mesh, field);
   }
 }
 
-void write_connectivity(BlockWriter& writer, const TetMesh& mesh, IndexType type) {
-  if (mesh.header.index_type == type) {
-    writer.bytes(mesh.tets.bytes());
-  } else if (type == IndexType::kUint64) {
-    writer.rows(mesh.header.tet_count, [&](std::uint64_t i) { return mesh.tet(i); });
-  } else {
-    writer.rows(mesh.header.tet_count, [&](std::uint64_t i) {
-      std::array<std::uint32_t, 4> ids;
-      std::ranges::transform(mesh.tet(i), ids.begin(),
-                             [](auto id) { return static_cast<std::uint32_t>(id); });
-      return ids;
-    });
+void write_connectivity(BlockWriter& writer, const FileMesh& mesh, IndexType type) {
+  if (mesh.middles == nullptr && mesh.mesh.header.index_type == type) {
+    writer.bytes(mesh.mesh.tets.bytes());
+    return;
   }
+  with_nodes_per_tet(mesh, [&](auto nodes) {
+    constexpr std::size_t kNodes = decltype(nodes)::value;
+    if (type == IndexType::kUint64) {
+      write_connectivity_as<std::uint64_t, kNodes>(writer, mesh);
+    } else {
+      write_connectivity_as<std::uint32_t, kNodes>(writer, mesh);
+    }
+  });
 }
 
 void write_offsets(BlockWriter& writer,
+                   std::size_t nodes_per_tet,
                    std::uint64_t first,
                    std::uint64_t count,
                    IndexType type) {
   if (type == IndexType::kUint64) {
-    write_offsets_as<std::uint64_t>(writer, first, count);
+    write_offsets_as<std::uint64_t>(writer, nodes_per_tet, first, count);
   } else {
-    write_offsets_as<std::uint32_t>(writer, first, count);
+    write_offsets_as<std::uint32_t>(writer, nodes_per_tet, first, count);
   }
 }
 
@@ -184,8 +201,9 @@ void write_label_values(BlockWriter& writer, const TetMesh& mesh, std::size_t va
   }
 }
 
-void write_types(BlockWriter& writer, std::uint64_t count) {
-  writer.rows(count, [](std::uint64_t) { return kVtkTetra; });
+void write_types(BlockWriter& writer, std::size_t nodes_per_tet, std::uint64_t count) {
+  const std::uint8_t type = nodes_per_tet == 4 ? kVtkTetra : kVtkQuadraticTetra;
+  writer.rows(count, [&](std::uint64_t) { return type; });
 }
 
 }  // namespace tet

@@ -1,10 +1,10 @@
-// The columns of an unstructured-grid file, made from a mesh while they are written; shared by
-// the two VTK formats.
+// The columns of a file, made from a mesh while they are written.
 #pragma once
 
 #include <cstdint>
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -22,10 +22,10 @@ struct ColumnTypes {
   /// convert.
   IndexType ids = IndexType::kUint32;
 };
-ColumnTypes choose_column_types(const MeshHeader& header) noexcept;
+ColumnTypes choose_column_types(const MeshHeader& header, const FileShape& shape) noexcept;
 
-/// VTK's number for a linear tetrahedron.
-inline constexpr std::uint8_t kVtkTetra = 10;
+/// VTK's numbers for a tetrahedron of four nodes, and for one of ten.
+inline constexpr std::uint8_t kVtkTetra = 10, kVtkQuadraticTetra = 24;
 
 /// Bytes of each column.
 struct ColumnSizes {
@@ -39,20 +39,22 @@ struct ColumnSizes {
 };
 /// `offset_rows` is the number of tets, or one more where a format wants the leading zero.
 ColumnSizes column_sizes(const MeshHeader& header,
+                         const FileShape& shape,
                          const ColumnTypes& types,
                          std::uint64_t offset_rows) noexcept;
 
-/// x, y, z of each vertex in world coordinates.
-void write_points(BlockWriter& writer, const TetMesh& mesh, CoordinateType type);
-/// The values of field number `field`, float32, 1 or 3 a vertex.
-void write_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
-/// Writes a field as doubles, with each vertex's number in front of its values: an int32 that
+/// x, y, z of each node in world coordinates.
+void write_points(BlockWriter& writer, const FileMesh& mesh, CoordinateType type);
+/// The values of field number `field`, float32, 1 or 3 a node.
+void write_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field);
+/// Writes a field as doubles, with each node's number in front of its values: an int32 that
 /// counts from 1.
-void write_numbered_field(BlockWriter& writer, const TetMesh& mesh, std::size_t field);
-/// Four vertex ids a tet.
-void write_connectivity(BlockWriter& writer, const TetMesh& mesh, IndexType type);
-/// 4 * `first`, 4 * (`first` + 1), ... `count` of them.
+void write_numbered_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field);
+/// Four or ten node ids a tet.
+void write_connectivity(BlockWriter& writer, const FileMesh& mesh, IndexType type);
+/// `first`, `first` + 1, ... `count` of them, each times the nodes of a tet.
 void write_offsets(BlockWriter& writer,
+                   std::size_t nodes_per_tet,
                    std::uint64_t first,
                    std::uint64_t count,
                    IndexType type);
@@ -63,7 +65,7 @@ void write_part_numbers(BlockWriter& writer, const MeshHeader& header);
 void write_label_values(BlockWriter& writer, const TetMesh& mesh, std::size_t value_bytes);
 /// Bytes of a label's value in a file: 4 or 8.
 std::size_t label_value_bytes(const MeshHeader& header) noexcept;
-/// `count` times kVtkTetra.
-void write_types(BlockWriter& writer, std::uint64_t count);
+/// `count` times VTK's number for tets of so many nodes.
+void write_types(BlockWriter& writer, std::size_t nodes_per_tet, std::uint64_t count);
 
 }  // namespace tet

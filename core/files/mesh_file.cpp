@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 
 #include "core/files/file_names.h"
 #include "core/files/write_boundary.h"
@@ -24,7 +25,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using FileWriter = absl::Status (*)(AtomicFile&, const TetMesh&, const WriteControl&);
+using FileWriter = absl::Status (*)(AtomicFile&, const FileMesh&, const WriteControl&);
+
+/// The writer of a format that has meshes of first order alone.
+template <auto kWrite>
+absl::Status first_order(AtomicFile& file, const FileMesh& mesh, const WriteControl& control) {
+  return kWrite(file, mesh.mesh, control);
+}
 
 /// Null where a format has more than one file.
 FileWriter writer_of(MeshFormat format) {
@@ -38,17 +45,17 @@ FileWriter writer_of(MeshFormat format) {
     case MeshFormat::kInp:
       return write_inp;
     case MeshFormat::kStl:
-      return write_stl;
+      return first_order<write_stl>;
     case MeshFormat::kPly:
-      return write_ply;
+      return first_order<write_ply>;
     case MeshFormat::kObj:
-      return write_obj;
+      return first_order<write_obj>;
     case MeshFormat::kExodus:
       return write_exodus;
     case MeshFormat::kMfem:
-      return write_mfem;
+      return first_order<write_mfem>;
     case MeshFormat::kUsd:
-      return write_usd;
+      return first_order<write_usd>;
     case MeshFormat::kXdmf:
     case MeshFormat::kPolyMesh:
       return nullptr;
@@ -72,7 +79,7 @@ absl::StatusOr<std::string> columns_path(const std::string& path) {
 }
 
 absl::Status write_two_files(const std::string& path,
-                             const TetMesh& mesh,
+                             const FileMesh& mesh,
                              const WriteControl& control) {
   const absl::StatusOr<std::string> columns_name = columns_path(path);
   if (!columns_name.ok()) return columns_name.status();
@@ -98,7 +105,7 @@ absl::Status write_folder(const std::string& path,
 
 absl::Status write_one_file(FileWriter write,
                             const std::string& path,
-                            const TetMesh& mesh,
+                            const FileMesh& mesh,
                             const WriteControl& control) {
   absl::StatusOr<AtomicFile> file = AtomicFile::create(path);
   if (!file.ok()) return file.status();
@@ -170,16 +177,34 @@ bool takes_labels(MeshFormat format) noexcept {
   return format == MeshFormat::kVtu || format == MeshFormat::kVtkHdf;
 }
 
+absl::Status check_takes_second_order(const MeshOutput& output) {
+  if (!row_of(output.format).second_order.empty()) return absl::OkStatus();
+  std::vector<std::string> endings;
+  for (const MeshFormatRow& row : mesh_formats()) {
+    if (!row.second_order.empty()) endings.emplace_back(row.ending);
+  }
+  return absl::InvalidArgumentError(absl::StrCat("a mesh of second order is written to ",
+                                                 absl::StrJoin(endings, ", "), " files, and ",
+                                                 output.path,
+                                                 " is to be none: choose another ending or "
+                                                 "--format, or --order 1"));
+}
+
 absl::Status write_mesh_file(const MeshOutput& output,
-                             const TetMesh& mesh,
+                             const FileMesh& mesh,
                              const WriteControl& control) {
-  if (!mesh.header.labels.empty() && !takes_labels(output.format)) {
+  if (mesh.middles != nullptr) {
+    if (auto status = check_takes_second_order(output); !status.ok()) return status;
+  }
+  const MeshHeader& header = mesh.mesh.header;
+  if (!header.labels.empty() && !takes_labels(output.format)) {
     return absl::FailedPreconditionError(
         absl::StrCat("a ", std::string(row_of(output.format).ending), " cannot hold a mesh of ",
-                     mesh.header.labels.size(), " labels yet: write a .vtu or .vtkhdf"));
+                     header.labels.size(), " labels yet: write a .vtu or .vtkhdf"));
   }
   if (output.format == MeshFormat::kXdmf) return write_two_files(output.path, mesh, control);
-  if (output.format == MeshFormat::kPolyMesh) return write_folder(output.path, mesh, control);
+  if (output.format == MeshFormat::kPolyMesh)
+    return write_folder(output.path, mesh.mesh, control);
   return write_one_file(writer_of(output.format), output.path, mesh, control);
 }
 
@@ -187,7 +212,7 @@ absl::Status write_mesh_file(const std::string& path,
                              const TetMesh& mesh,
                              const WriteControl& control) {
   const absl::StatusOr<MeshOutput> output = mesh_output(path);
-  return output.ok() ? write_mesh_file(*output, mesh, control) : output.status();
+  return output.ok() ? write_mesh_file(*output, {mesh}, control) : output.status();
 }
 
 std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh) {

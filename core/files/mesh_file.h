@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/files/mesh_formats.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -29,17 +30,22 @@ bool takes_labels(MeshFormat format) noexcept;
 /// Whether it could be written now: says so before hours of work, not after.
 absl::Status check_can_write(const MeshOutput& output);
 
+/// OK, or kInvalidArgument where the format has no place for meshes of second order; the
+/// message lists those that have.
+absl::Status check_takes_second_order(const MeshOutput& output);
+
 /// Writes world coordinates, whole or not at all: also where a format has two files, of which
 /// the one that readers begin with comes last.
 ///
 /// Errors: those of AtomicFile, kFailedPrecondition (a format that cannot count so far),
 /// kResourceExhausted (the disk is full), kCancelled. After an error what was there before is
-/// as it was.
+/// as it was. Also those of check_takes_second_order.
 absl::Status write_mesh_file(const MeshOutput& output,
-                             const TetMesh& mesh,
+                             const FileMesh& mesh,
                              const WriteControl& control = {});
 
-/// The path's ending chooses the format. Errors: also those of mesh_format_of.
+/// A mesh of first order. The path's ending chooses the format. Errors: also those of
+/// mesh_format_of.
 absl::Status write_mesh_file(const std::string& path,
                              const TetMesh& mesh,
                              const WriteControl& control = {});

@@ -21,6 +21,7 @@ constexpr std::array kRows{
                   .ending = ".vtu",
                   .about = "VTK, ParaView",
                   .tets = "all",
+                  .second_order = "`VTK_QUADRATIC_TETRA`",
                   .regions = "cell data `region` or `part`",
                   .faces = "",
                   .fields = "point data, float32",
@@ -31,6 +32,7 @@ constexpr std::array kRows{
                   .ending = ".vtkhdf",
                   .about = "VTK, ParaView",
                   .tets = "all",
+                  .second_order = "`VTK_QUADRATIC_TETRA`",
                   .regions = "cell data `region` or `part`",
                   .faces = "",
                   .fields = "point data, float32",
@@ -41,6 +43,7 @@ constexpr std::array kRows{
                   .ending = ".msh",
                   .about = "Gmsh 4.1",
                   .tets = "all",
+                  .second_order = "types 11 and 9",
                   .regions = "physical volumes",
                   .faces = "physical surfaces",
                   .fields = "`$NodeData`, float64",
@@ -51,6 +54,7 @@ constexpr std::array kRows{
                   .ending = ".inp",
                   .about = "Abaqus, CalculiX",
                   .tets = "all",
+                  .second_order = "`C3D10`",
                   .regions = "an `ELSET` each, and `Eall`",
                   .faces = "a `SURFACE` and an `NSET` each",
                   .fields = "",
@@ -62,6 +66,7 @@ constexpr std::array kRows{
                   .ending = ".xdmf",
                   .about = "dolfinx (FEniCS), ParaView; with an `.h5` beside it",
                   .tets = "all",
+                  .second_order = "`Tetrahedron_10`, `Triangle_6`",
                   .regions = "tags, grid `cell_tags`",
                   .faces = "tags, grid `facet_tags`",
                   .fields = "node attributes, float32",
@@ -73,6 +78,7 @@ constexpr std::array kRows{
                   .more = ".e .ex2",
                   .about = "MOOSE, Sierra, ParaView",
                   .tets = "all",
+                  .second_order = "`TETRA10`",
                   .regions = "element blocks",
                   .faces = "a side set and a node set each",
                   .fields = "nodal variables, a vector three of them",
@@ -216,14 +222,15 @@ std::string list_endings(const std::string& last) {
 
 std::string describe_mesh_formats() {
   std::string text =
-      "| format | ending | for | tets | regions and parts | faces | fields | coordinates | "
-      "names "
-      "|\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "| format | ending | for | tets | order 2 | regions and parts | faces | fields | "
+      "coordinates | names |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const MeshFormatRow& row : kRows) {
     const std::vector<std::string> cells{"`" + text_of(row.name) + "`",
                                          "`" + absl::StrJoin(endings_of(row), "`, `") + "`",
                                          cell(row.about),
                                          cell(row.tets),
+                                         cell(row.second_order),
                                          cell(row.regions),
                                          cell(row.faces),
                                          cell(row.fields),

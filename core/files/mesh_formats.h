@@ -35,9 +35,11 @@ struct MeshFormatRow {
   std::string_view more = {};  ///< other endings that are taken, a space between them
   std::string_view about;      ///< whose it is, or who reads it
   std::string_view tets;       ///< empty: the boundary alone
-  std::string_view regions;    ///< how it says which region or part a tet is of
-  std::string_view faces;      ///< how it names boundary faces
-  std::string_view fields;     ///< how it has values at vertices
+  /// How it calls tets of ten nodes; empty: it gets none.
+  std::string_view second_order = {};
+  std::string_view regions;  ///< how it says which region or part a tet is of
+  std::string_view faces;    ///< how it names boundary faces
+  std::string_view fields;   ///< how it has values at vertices
   std::string_view coordinates;
   std::string_view names;  ///< what names may be like; empty: as they are
 };

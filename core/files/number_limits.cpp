@@ -14,13 +14,12 @@ absl::Status check_count(std::uint64_t count,
       count, ": write a .vtkhdf or .vtu, or make the spacing larger"));
 }
 
-absl::Status check_numbers(const MeshHeader& header,
-                           std::uint64_t most,
-                           std::string_view what) {
-  if (auto status = check_count(header.vertex_count, most, "vertices", what); !status.ok()) {
+absl::Status check_numbers(const FileMesh& mesh, std::uint64_t most, std::string_view what) {
+  const char* const nodes = mesh.middles == nullptr ? "vertices" : "nodes";
+  if (auto status = check_count(mesh.shape().nodes, most, nodes, what); !status.ok()) {
     return status;
   }
-  return check_count(header.tet_count, most, "tets", what);
+  return check_count(mesh.mesh.header.tet_count, most, "tets", what);
 }
 
 }  // namespace tet

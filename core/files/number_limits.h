@@ -7,15 +7,15 @@
 
 #include <absl/status/status.h>
 
-#include "core/mesh/tet_mesh.h"
+#include "core/files/file_mesh.h"
 
 namespace tet {
 
 inline constexpr std::uint64_t kMostInt32 = std::numeric_limits<std::int32_t>::max();
 
-/// Errors: kFailedPrecondition where a format that numbers vertices, and tets, up to `most` has
-/// no numbers for those of the mesh; says what to write instead.
-absl::Status check_numbers(const MeshHeader& header, std::uint64_t most, std::string_view what);
+/// Errors: kFailedPrecondition where a format that numbers nodes, and tets, up to `most` has no
+/// numbers for those of the mesh; says what to write instead.
+absl::Status check_numbers(const FileMesh& mesh, std::uint64_t most, std::string_view what);
 
 /// Errors: kFailedPrecondition where a format takes fewer than the `count` things of the mesh;
 /// `things` says of what, and `what` which format.

@@ -40,17 +40,19 @@ std::vector<TetGroup> exodus_blocks(const TetMesh& mesh) {
 
 class ExodusWriter {
  public:
-  ExodusWriter(AtomicFile& file, const TetMesh& mesh, const WriteControl& control)
-      : mesh_(mesh),
-        is_wide_(file_coordinate_type(mesh.header) == CoordinateType::kFloat64),
-        faces_(mesh),
-        vertices_(mesh.header.vertex_count),
-        parts_{.blocks = exodus_blocks(mesh),
+  ExodusWriter(AtomicFile& file, const FileMesh& mesh, const WriteControl& control)
+      : nodes_(mesh),
+        mesh_(mesh.mesh),
+        shape_(mesh.shape()),
+        is_wide_(file_coordinate_type(mesh_.header) == CoordinateType::kFloat64),
+        faces_(mesh_),
+        in_set_(shape_.nodes),
+        parts_{.blocks = exodus_blocks(mesh_),
                .faces = faces_,
                .nodes_of_faces = count_nodes(),
                .block_names = {},
                .face_names = names_in_file(names_of(faces_.groups()), kExodusNames),
-               .variable_names = exodus_variables(mesh.header)},
+               .variable_names = exodus_variables(mesh_.header)},
         layout_(lay_out()),
         writer_(file, layout_.header.file_bytes(), control) {}
 
@@ -67,15 +69,15 @@ class ExodusWriter {
   std::vector<std::uint64_t> count_nodes() {
     std::vector<std::uint64_t> counts;
     for (const FaceGroup& group : faces_.groups()) {
-      faces_.collect_vertices(group, vertices_);
-      counts.push_back(vertices_.count());
+      faces_.collect_nodes(nodes_, group, in_set_);
+      counts.push_back(in_set_.count());
     }
     return counts;
   }
 
   ExodusLayout lay_out() {
     parts_.block_names = names_in_file(names_of(parts_.blocks), kExodusNames);
-    return lay_out_exodus(mesh_.header, parts_,
+    return lay_out_exodus(mesh_.header.tet_count, shape_, parts_,
                           is_wide_ ? NetcdfType::kDouble : NetcdfType::kFloat);
   }
 
@@ -126,12 +128,15 @@ class ExodusWriter {
     for (std::size_t i = 0; i < parts_.blocks.size(); ++i) {
       at(layout_.connectivity[i]);
       TetsOfGroup tets(mesh_, parts_.blocks[i]);
-      writer_.rows(parts_.blocks[i].tets, [&](std::uint64_t) {
-        std::array<std::int32_t, 4> nodes;
-        std::ranges::transform(mesh_.tet(tets.next()), nodes.begin(), [](std::uint64_t vertex) {
-          return static_cast<std::int32_t>(vertex + 1);
+      with_nodes_per_tet(nodes_, [&](auto count) {
+        constexpr std::size_t kNodes = decltype(count)::value;
+        writer_.rows(parts_.blocks[i].tets, [&](std::uint64_t) {
+          std::array<std::int32_t, kNodes> row;
+          std::ranges::transform(
+              nodes_.template nodes_of<kNodes>(tets.next()), row.begin(),
+              [](std::uint64_t node) { return static_cast<std::int32_t>(node + 1); });
+          return big_endian(row);
         });
-        return big_endian(nodes);
       });
     }
     at(layout_.element_numbers);
@@ -144,10 +149,10 @@ class ExodusWriter {
   }
 
   void write_coordinates() {
-    const std::uint64_t count = mesh_.header.vertex_count;
-    reals(layout_.coordinates[0], count, [&](std::uint64_t i) { return mesh_.vertex(i).x; });
-    reals(layout_.coordinates[1], count, [&](std::uint64_t i) { return mesh_.vertex(i).y; });
-    reals(layout_.coordinates[2], count, [&](std::uint64_t i) { return mesh_.vertex(i).z; });
+    const std::uint64_t count = shape_.nodes;
+    reals(layout_.coordinates[0], count, [&](std::uint64_t i) { return nodes_.node(i).x; });
+    reals(layout_.coordinates[1], count, [&](std::uint64_t i) { return nodes_.node(i).y; });
+    reals(layout_.coordinates[2], count, [&](std::uint64_t i) { return nodes_.node(i).z; });
     names(layout_.coordinate_names, {"x", "y", "z"});
   }
 
@@ -164,10 +169,10 @@ class ExodusWriter {
            [&](std::uint64_t face) { return order.place_of(faces_[first + face].tet()) + 1; });
       ints(layout_.sides[i], count,
            [&](std::uint64_t face) { return kExodusSides[faces_[first + face].opposite()]; });
-      faces_.collect_vertices(groups[i], vertices_);
+      faces_.collect_nodes(nodes_, groups[i], in_set_);
       std::uint64_t next = 0;
-      ints(layout_.nodes[i], vertices_.count(), [&](std::uint64_t) {
-        next = vertices_.next(next) + 1;
+      ints(layout_.nodes[i], in_set_.count(), [&](std::uint64_t) {
+        next = in_set_.next(next) + 1;
         return next;
       });
     }
@@ -176,21 +181,21 @@ class ExodusWriter {
   void write_values() {
     names(layout_.variable_names, parts_.variable_names);
     reals(layout_.times, 1, [](std::uint64_t) { return 0; });
-    const std::size_t row_bytes = mesh_.header.field_values() * sizeof(float);
     for (std::size_t i = 0; i < layout_.values.size(); ++i) {
-      const std::byte* const first = mesh_.fields.bytes().data() + i * sizeof(float);
-      reals(layout_.values[i], mesh_.header.vertex_count, [&](std::uint64_t vertex) {
+      reals(layout_.values[i], shape_.nodes, [&](std::uint64_t node) {
         float value = 0;
-        std::memcpy(&value, first + vertex * row_bytes, sizeof(value));
+        std::memcpy(&value, nodes_.field_row(node) + i * sizeof(float), sizeof(value));
         return value;
       });
     }
   }
 
+  const FileMesh& nodes_;
   const TetMesh& mesh_;
+  FileShape shape_;
   bool is_wide_;
   FaceGroups faces_;
-  RankMask vertices_;
+  RankMask in_set_;  ///< nodes
   ExodusParts parts_;
   ExodusLayout layout_;
   BlockWriter writer_;
@@ -198,8 +203,8 @@ class ExodusWriter {
 
 }  // namespace
 
-absl::Status write_exodus(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  if (auto status = check_numbers(mesh.header, kMostInt32, ".exo"); !status.ok()) return status;
+absl::Status write_exodus(AtomicFile& file, const FileMesh& mesh, const WriteControl& control) {
+  if (auto status = check_numbers(mesh, kMostInt32, ".exo"); !status.ok()) return status;
   return ExodusWriter(file, mesh, control).write();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/files/file_names.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -18,6 +19,6 @@ inline constexpr NameRule kExodusNames{.most_bytes = 32};
 /// caller to commit.
 ///
 /// Errors: kFailedPrecondition (more vertices or tets than int32 counts).
-absl::Status write_exodus(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
+absl::Status write_exodus(AtomicFile& file, const FileMesh& mesh, const WriteControl& control);
 
 }  // namespace tet

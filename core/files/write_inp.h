@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/files/file_names.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -15,6 +16,6 @@ inline constexpr NameRule kInpNames{.most_bytes = 80, .ignores_case = true};
 /// coordinates. Numbers are ids plus one. `file` is left for the caller to commit.
 ///
 /// Errors: kFailedPrecondition (Abaqus has 999,999,999 numbers for nodes and for elements).
-absl::Status write_inp(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
+absl::Status write_inp(AtomicFile& file, const FileMesh& mesh, const WriteControl& control);
 
 }  // namespace tet

@@ -82,7 +82,7 @@ void write_mfem_vertices(BlockWriter& writer, const TetMesh& mesh) {
 }  // namespace
 
 absl::Status write_mfem(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  if (auto s = check_numbers(mesh.header, kMostInt32, "MFEM .mesh"); !s.ok()) return s;
+  if (auto s = check_numbers({mesh}, kMostInt32, "MFEM .mesh"); !s.ok()) return s;
   const FaceGroups faces(mesh);
   const MeshHeader& header = mesh.header;
   BlockWriter writer(file,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -13,6 +14,6 @@ namespace tet {
 ///
 /// Tags are ids plus one, since Gmsh counts from one; coordinates are float64, the only kind it
 /// knows. Each volume's tets come together, in the mesh's order; all nodes are in the first.
-absl::Status write_msh(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
+absl::Status write_msh(AtomicFile& file, const FileMesh& mesh, const WriteControl& control);
 
 }  // namespace tet

@@ -213,7 +213,7 @@ class PolyMeshWriter {
 absl::Status write_polymesh(const AtomicFolder& folder,
                             const TetMesh& mesh,
                             const WriteControl& control) {
-  if (auto status = check_numbers(mesh.header, kMostInt32, "polyMesh"); !status.ok()) {
+  if (auto status = check_numbers({mesh}, kMostInt32, "polyMesh"); !status.ok()) {
     return status;
   }
   return PolyMeshWriter(folder, mesh, control).write();

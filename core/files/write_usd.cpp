@@ -176,7 +176,7 @@ class UsdWriter {
 }  // namespace
 
 absl::Status write_usd(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  if (auto s = check_numbers(mesh.header, kMostInt32, ".usda"); !s.ok()) return s;
+  if (auto s = check_numbers({mesh}, kMostInt32, ".usda"); !s.ok()) return s;
   return UsdWriter(file, mesh, control).write();
 }
 

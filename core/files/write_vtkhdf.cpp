@@ -44,6 +44,7 @@ void add_part_names(Hdf5Outline& outline, const MeshHeader& mesh) {
 
 std::optional<Layout> lay_out(const std::string& path,
                               const MeshHeader& mesh,
+                              const FileShape& shape,
                               const ColumnTypes& types) {
   const hid_t real =
       types.coordinates == CoordinateType::kFloat64 ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
@@ -53,11 +54,12 @@ std::optional<Layout> lay_out(const std::string& path,
   Hdf5Outline outline(path, "VTKHDF");
   outline.attribute("Version", H5T_STD_I64LE, {2}, version.data());
   write_type_attribute(outline);
-  outline.number("NumberOfPoints", mesh.vertex_count);
+  outline.number("NumberOfPoints", shape.nodes);
   outline.number("NumberOfCells", mesh.tet_count);
-  outline.number("NumberOfConnectivityIds", 4 * mesh.tet_count);
-  Layout layout{.points = outline.column("Points", real, {mesh.vertex_count, 3}),
-                .connectivity = outline.column("Connectivity", id, {4 * mesh.tet_count}),
+  outline.number("NumberOfConnectivityIds", shape.nodes_per_tet * mesh.tet_count);
+  Layout layout{.points = outline.column("Points", real, {shape.nodes, 3}),
+                .connectivity =
+                    outline.column("Connectivity", id, {shape.nodes_per_tet * mesh.tet_count}),
                 .offsets = outline.column("Offsets", id, {mesh.tet_count + 1}),
                 .types = outline.column("Types", H5T_STD_U8LE, {mesh.tet_count})};
   if (mesh.has_regions) {
@@ -80,9 +82,8 @@ std::optional<Layout> lay_out(const std::string& path,
     const std::string name = absl::StrCat("PointData/", field.name);
     layout.fields.push_back(
         field.components == 1
-            ? outline.column(name.c_str(), H5T_IEEE_F32LE, {mesh.vertex_count})
-            : outline.column(name.c_str(), H5T_IEEE_F32LE,
-                             {mesh.vertex_count, field.components}));
+            ? outline.column(name.c_str(), H5T_IEEE_F32LE, {shape.nodes})
+            : outline.column(name.c_str(), H5T_IEEE_F32LE, {shape.nodes, field.components}));
   }
   if (!outline.close()) return std::nullopt;
   return layout;
@@ -102,10 +103,11 @@ VtkHdfWriter::~VtkHdfWriter() = default;
 
 absl::StatusOr<VtkHdfWriter> VtkHdfWriter::begin(AtomicFile& file,
                                                  const MeshHeader& mesh,
+                                                 const FileShape& shape,
                                                  const WriteControl& control) {
-  const ColumnTypes types = choose_column_types(mesh);
+  const ColumnTypes types = choose_column_types(mesh, shape);
   const std::uint64_t tets = mesh.tet_count;
-  const std::uint64_t column_bytes = column_sizes(mesh, types, tets + 1).total();
+  const std::uint64_t column_bytes = column_sizes(mesh, shape, types, tets + 1).total();
   auto impl =
       std::unique_ptr<Impl>(new Impl{types, {}, BlockWriter(file, column_bytes, control)});
   BlockWriter& writer = impl->writer;
@@ -113,27 +115,31 @@ absl::StatusOr<VtkHdfWriter> VtkHdfWriter::begin(AtomicFile& file,
   const absl::Status status =
       put_outline(file, writer, column_bytes, mesh.fields.size() + mesh.parts.size(),
                   [&](const std::string& path) {
-                    layout = lay_out(path, mesh, types);
+                    layout = lay_out(path, mesh, shape, types);
                     return layout.has_value();
                   });
   if (!status.ok()) return status;
   impl->layout = *layout;
   write_at(writer, place_of(layout->offsets, 0, 0),
-           [&] { write_offsets(writer, 0, tets + 1, types.ids); });
-  write_at(writer, place_of(layout->types, 0, 0), [&] { write_types(writer, tets); });
+           [&] { write_offsets(writer, shape.nodes_per_tet, 0, tets + 1, types.ids); });
+  write_at(writer, place_of(layout->types, 0, 0),
+           [&] { write_types(writer, shape.nodes_per_tet, tets); });
   write_at(writer, place_of(layout->parts, 0, 0), [&] { write_part_numbers(writer, mesh); });
   if (!writer.status().ok()) return writer.status();
   return VtkHdfWriter(std::move(impl));
 }
 
-absl::Status VtkHdfWriter::put(const TetMesh& part, const ChunkExtent& place) {
+absl::Status VtkHdfWriter::put(const FileMesh& nodes, const ChunkExtent& place) {
+  const TetMesh& part = nodes.mesh;
   const ColumnTypes& as = impl_->types;
   const Layout& layout = impl_->layout;
   BlockWriter& to = impl_->writer;
   write_at(to, place_of(layout.points, place.first_vertex, 3 * size_of(as.coordinates)),
-           [&] { write_points(to, part, as.coordinates); });
-  write_at(to, place_of(layout.connectivity, place.first_tet, 4 * size_of(as.ids)),
-           [&] { write_connectivity(to, part, as.ids); });
+           [&] { write_points(to, nodes, as.coordinates); });
+  write_at(to,
+           place_of(layout.connectivity, place.first_tet,
+                    nodes.shape().nodes_per_tet * size_of(as.ids)),
+           [&] { write_connectivity(to, nodes, as.ids); });
   write_at(to, place_of(layout.regions, place.first_tet, 1),
            [&] { to.bytes(part.regions.bytes()); });
   if (!part.header.labels.empty()) {
@@ -144,15 +150,16 @@ absl::Status VtkHdfWriter::put(const TetMesh& part, const ChunkExtent& place) {
   for (std::size_t i = 0; i < layout.fields.size(); ++i) {
     const std::size_t row_bytes = part.header.fields[i].components * sizeof(float);
     write_at(to, place_of(layout.fields[i], place.first_vertex, row_bytes),
-             [&] { write_field(to, part, i); });
+             [&] { write_field(to, nodes, i); });
   }
   return to.status();
 }
 
-absl::Status write_vtkhdf(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  auto writer = VtkHdfWriter::begin(file, mesh.header, control);
+absl::Status write_vtkhdf(AtomicFile& file, const FileMesh& mesh, const WriteControl& control) {
+  const MeshHeader& header = mesh.mesh.header;
+  auto writer = VtkHdfWriter::begin(file, header, mesh.shape(), control);
   if (!writer.ok()) return writer.status();
-  return writer->put(mesh, whole_of(mesh.header));
+  return writer->put(mesh, whole_of(header));
 }
 
 }  // namespace tet

@@ -18,8 +18,8 @@ std::string data_array(const std::string& attributes, std::uint64_t offset) {
                       offset, "\"/>\n");
 }
 
-std::uint64_t field_bytes(const MeshHeader& mesh, const FieldArray& field) {
-  return mesh.vertex_count * field.components * sizeof(float);
+std::uint64_t field_bytes(const FileShape& shape, const FieldArray& field) {
+  return shape.nodes * field.components * sizeof(float);
 }
 
 /// Meshes of one side of one grid have no data of cells, and no mesh has labels of both kinds.
@@ -72,7 +72,7 @@ std::string shown_first(const MeshHeader& mesh,
   return "";
 }
 
-std::string point_data(const MeshHeader& mesh, std::uint64_t offset) {
+std::string point_data(const MeshHeader& mesh, const FileShape& shape, std::uint64_t offset) {
   if (mesh.fields.empty()) return "";
   std::string text = absl::StrCat("      <PointData", shown_first(mesh, "Scalars", 1),
                                   shown_first(mesh, "Vectors", 3), ">\n");
@@ -82,12 +82,13 @@ std::string point_data(const MeshHeader& mesh, std::uint64_t offset) {
     const std::string attributes =
         absl::StrCat("type=\"Float32\" Name=\"", xml_text(field.name), "\"", components);
     absl::StrAppend(&text, data_array(attributes, offset));
-    offset += kSizeBytes + field_bytes(mesh, field);
+    offset += kSizeBytes + field_bytes(shape, field);
   }
   return absl::StrCat(text, "      </PointData>\n");
 }
 
 std::string header_text(const MeshHeader& mesh,
+                        const FileShape& shape,
                         const ColumnTypes& types,
                         const ColumnSizes& sizes) {
   const bool wide = types.coordinates == CoordinateType::kFloat64;
@@ -103,8 +104,8 @@ std::string header_text(const MeshHeader& mesh,
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n"
       "  <UnstructuredGrid>\n",
-      field_data(mesh), "    <Piece NumberOfPoints=\"", mesh.vertex_count,
-      "\" NumberOfCells=\"", mesh.tet_count,
+      field_data(mesh), "    <Piece NumberOfPoints=\"", shape.nodes, "\" NumberOfCells=\"",
+      mesh.tet_count,
       "\">\n"
       "      <Points>\n",
       data_array(absl::StrCat("type=\"", wide ? "Float64" : "Float32",
@@ -115,7 +116,7 @@ std::string header_text(const MeshHeader& mesh,
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"connectivity\""), connectivity),
       data_array(absl::StrCat("type=\"", ids, "\" Name=\"offsets\""), offsets),
       data_array("type=\"UInt8\" Name=\"types\"", cell_types), "      </Cells>\n",
-      point_data(mesh, fields), cell_data(mesh, labels),
+      point_data(mesh, shape, fields), cell_data(mesh, labels),
       "    </Piece>\n"
       "  </UnstructuredGrid>\n"
       "  <AppendedData encoding=\"raw\">\n_");
@@ -123,21 +124,23 @@ std::string header_text(const MeshHeader& mesh,
 
 }  // namespace
 
-absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  const ColumnTypes types = choose_column_types(mesh.header);
+absl::Status write_vtu(AtomicFile& file, const FileMesh& all, const WriteControl& control) {
+  const TetMesh& mesh = all.mesh;
+  const FileShape shape = all.shape();
+  const ColumnTypes types = choose_column_types(mesh.header, shape);
   const std::uint64_t tets = mesh.header.tet_count;
-  const ColumnSizes sizes = column_sizes(mesh.header, types, tets);
+  const ColumnSizes sizes = column_sizes(mesh.header, shape, types, tets);
 
   BlockWriter writer(file, sizes.total(), control);
-  writer.text(header_text(mesh.header, types, sizes));
+  writer.text(header_text(mesh.header, shape, types, sizes));
   writer.number(sizes.points);
-  write_points(writer, mesh, types.coordinates);
+  write_points(writer, all, types.coordinates);
   writer.number(sizes.connectivity);
-  write_connectivity(writer, mesh, types.ids);
+  write_connectivity(writer, all, types.ids);
   writer.number(sizes.offsets);
-  write_offsets(writer, 1, tets, types.ids);  // where each tet ends
+  write_offsets(writer, shape.nodes_per_tet, 1, tets, types.ids);  // where each tet ends
   writer.number(sizes.types);
-  write_types(writer, tets);
+  write_types(writer, shape.nodes_per_tet, tets);
   if (mesh.header.has_regions) {
     writer.number(sizes.regions);
     writer.bytes(mesh.regions.bytes());
@@ -149,8 +152,8 @@ absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl
     write_part_numbers(writer, mesh.header);
   }
   for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) {
-    writer.number(field_bytes(mesh.header, mesh.header.fields[i]));
-    write_field(writer, mesh, i);
+    writer.number(field_bytes(shape, mesh.header.fields[i]));
+    write_field(writer, all, i);
   }
   writer.text("\n  </AppendedData>\n</VTKFile>\n");
   return writer.status();

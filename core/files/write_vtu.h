@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -9,6 +10,6 @@ namespace tet {
 /// Writes the whole mesh, regions as the cells' scalars `region`, labels as `label`, the parts
 /// of several grids as `part`, and beside the mesh the number of each grid's part, and of each
 /// label that has a name, under that name; `file` is left for the caller to commit.
-absl::Status write_vtu(AtomicFile& file, const TetMesh& mesh, const WriteControl& control);
+absl::Status write_vtu(AtomicFile& file, const FileMesh& all, const WriteControl& control);
 
 }  // namespace tet

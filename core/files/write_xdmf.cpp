@@ -30,13 +30,15 @@ std::string xdmf_text(const std::string& name) {
 
 class XdmfWriter {
  public:
-  XdmfWriter(AtomicFile& columns, const TetMesh& mesh, const WriteControl& control)
+  XdmfWriter(AtomicFile& columns, const FileMesh& mesh, const WriteControl& control)
       : columns_(columns),
-        mesh_(mesh),
-        header_(mesh.header),
-        types_(choose_column_types(mesh.header)),
-        tets_(tet_groups(mesh)),
-        faces_(mesh),
+        nodes_(mesh),
+        mesh_(mesh.mesh),
+        header_(mesh_.header),
+        shape_(mesh.shape()),
+        types_(choose_column_types(header_, shape_)),
+        tets_(tet_groups(mesh_)),
+        faces_(mesh_),
         writer_(columns, column_bytes(), control) {}
 
   absl::Status write_columns() {
@@ -47,20 +49,22 @@ class XdmfWriter {
           return layout.has_value();
         });
     if (!status.ok()) return status;
-    fill(layout->geometry, [&] { write_points(writer_, mesh_, types_.coordinates); });
-    fill(layout->topology, [&] { write_connectivity(writer_, mesh_, types_.ids); });
+    fill(layout->geometry, [&] { write_points(writer_, nodes_, types_.coordinates); });
+    fill(layout->topology, [&] { write_connectivity(writer_, nodes_, types_.ids); });
     fill(layout->cell_tags, [&] { write_cell_tags(); });
     fill(layout->facets, [&] { write_facets(); });
     fill(layout->facet_tags, [&] { write_facet_tags(); });
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
-      fill(layout->fields[i], [&] { write_field(writer_, mesh_, i); });
+      fill(layout->fields[i], [&] { write_field(writer_, nodes_, i); });
     }
     return writer_.status();
   }
 
   std::string index_text(const std::string& columns_name) const {
     const std::string file = xdmf_text(columns_name);
-    const std::string tets = topology(file, "Tetrahedron", 4, header_.tet_count, "topology");
+    const bool second = shape_.nodes_per_tet == 10;
+    const std::string tets = topology(file, second ? "Tetrahedron_10" : "Tetrahedron",
+                                      shape_.nodes_per_tet, header_.tet_count, "topology");
     const std::string points = geometry(file);
     std::string text = absl::StrCat(
         "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n",
@@ -69,19 +73,22 @@ class XdmfWriter {
         tags(file, "cell_tags", header_.tet_count), names_of_tags(tets_), "    </Grid>\n");
     if (faces_.count() > 0) {
       absl::StrAppend(&text, "    <Grid Name=\"facet_tags\" GridType=\"Uniform\">\n",
-                      topology(file, "Triangle", 3, faces_.count(), "facets"), points,
-                      tags(file, "facet_tags", faces_.count()), names_of_tags(faces_.groups()),
-                      "    </Grid>\n");
+                      topology(file, second ? "Triangle_6" : "Triangle", nodes_per_face(),
+                               faces_.count(), "facets"),
+                      points, tags(file, "facet_tags", faces_.count()),
+                      names_of_tags(faces_.groups()), "    </Grid>\n");
     }
     return absl::StrCat(text, "  </Domain>\n</Xdmf>\n");
   }
 
  private:
+  std::size_t nodes_per_face() const { return shape_.nodes_per_tet == 10 ? 6 : 3; }
+
   std::uint64_t column_bytes() const {
-    const ColumnSizes sizes = column_sizes(header_, types_, 0);
+    const ColumnSizes sizes = column_sizes(header_, shape_, types_, 0);
     return sizes.points + sizes.connectivity + sizes.fields +
            sizeof(std::int32_t) * (header_.tet_count + faces_.count()) +
-           3 * size_of(types_.ids) * faces_.count();
+           nodes_per_face() * size_of(types_.ids) * faces_.count();
   }
 
   std::optional<XdmfLayout> lay_out_columns(const std::string& path) const {
@@ -90,17 +97,17 @@ class XdmfWriter {
     const hid_t id = types_.ids == IndexType::kUint64 ? H5T_STD_I64LE : H5T_STD_I32LE;
     const std::uint64_t tets = header_.tet_count, faces = faces_.count();
     Hdf5Outline outline(path, "Mesh");
-    XdmfLayout layout{.topology = outline.column("topology", id, {tets, 4}),
-                      .geometry = outline.column("geometry", real, {header_.vertex_count, 3}),
+    XdmfLayout layout{.topology = outline.column("topology", id, {tets, shape_.nodes_per_tet}),
+                      .geometry = outline.column("geometry", real, {shape_.nodes, 3}),
                       .cell_tags = outline.column("cell_tags", H5T_STD_I32LE, {tets})};
     if (faces > 0) {
-      layout.facets = outline.column("facets", id, {faces, 3});
+      layout.facets = outline.column("facets", id, {faces, nodes_per_face()});
       layout.facet_tags = outline.column("facet_tags", H5T_STD_I32LE, {faces});
     }
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
       const std::uint64_t components = header_.fields[i].components;
       layout.fields.push_back(outline.column(absl::StrCat("field_", i).c_str(), H5T_IEEE_F32LE,
-                                             {header_.vertex_count, components}));
+                                             {shape_.nodes, components}));
     }
     if (!outline.close()) return std::nullopt;
     return layout;
@@ -122,14 +129,21 @@ class XdmfWriter {
   }
 
   void write_facets() {
-    if (types_.ids == IndexType::kUint64) {
-      writer_.rows(faces_.count(), [&](std::uint64_t i) { return faces_.triangle(i); });
-      return;
-    }
+    with_nodes_per_tet(nodes_, [&](auto nodes) {
+      constexpr std::size_t kNodes = decltype(nodes)::value;
+      types_.ids == IndexType::kUint64 ? write_facets_as<std::uint64_t, kNodes>()
+                                       : write_facets_as<std::uint32_t, kNodes>();
+    });
+  }
+
+  template <class Id, std::size_t kNodes>
+  void write_facets_as() {
     writer_.rows(faces_.count(), [&](std::uint64_t i) {
-      std::array<std::uint32_t, 3> ids;
-      std::ranges::transform(faces_.triangle(i), ids.begin(),
-                             [](auto each) { return static_cast<std::uint32_t>(each); });
+      const auto of_tet = nodes_.template nodes_of<kNodes>(faces_[i].tet());
+      const auto nodes = nodes_of_face(of_tet, faces_[i].opposite());
+      std::array<Id, nodes.size()> ids;
+      std::ranges::transform(nodes, ids.begin(),
+                             [](std::uint64_t each) { return static_cast<Id>(each); });
       return ids;
     });
   }
@@ -150,24 +164,23 @@ class XdmfWriter {
 
   std::string topology(const std::string& file,
                        const char* cells,
-                       int corners,
+                       std::size_t nodes,
                        std::uint64_t count,
                        const char* dataset) const {
     const std::string type =
         absl::StrCat("NumberType=\"Int\" Precision=\"", size_of(types_.ids), "\"");
     return absl::StrCat("      <Topology TopologyType=\"", cells, "\" NumberOfElements=\"",
-                        count, "\" NodesPerElement=\"", corners, "\">\n",
-                        data_item(file, absl::StrCat(count, " ", corners), type, dataset),
+                        count, "\" NodesPerElement=\"", nodes, "\">\n",
+                        data_item(file, absl::StrCat(count, " ", nodes), type, dataset),
                         "      </Topology>\n");
   }
 
   std::string geometry(const std::string& file) const {
     const std::string type =
         absl::StrCat("NumberType=\"Float\" Precision=\"", size_of(types_.coordinates), "\"");
-    return absl::StrCat(
-        "      <Geometry GeometryType=\"XYZ\">\n",
-        data_item(file, absl::StrCat(header_.vertex_count, " 3"), type, "geometry"),
-        "      </Geometry>\n");
+    return absl::StrCat("      <Geometry GeometryType=\"XYZ\">\n",
+                        data_item(file, absl::StrCat(shape_.nodes, " 3"), type, "geometry"),
+                        "      </Geometry>\n");
   }
 
   std::string fields(const std::string& file) const {
@@ -177,7 +190,7 @@ class XdmfWriter {
       absl::StrAppend(
           &text, "      <Attribute Name=\"", xdmf_text(field.name), "\" AttributeType=\"",
           field.components == 1 ? "Scalar" : "Vector", "\" Center=\"Node\">\n",
-          data_item(file, absl::StrCat(header_.vertex_count, " ", field.components),
+          data_item(file, absl::StrCat(shape_.nodes, " ", field.components),
                     "NumberType=\"Float\" Precision=\"4\"", absl::StrCat("field_", i)),
           "      </Attribute>\n");
     }
@@ -202,8 +215,10 @@ class XdmfWriter {
   }
 
   AtomicFile& columns_;
+  const FileMesh& nodes_;
   const TetMesh& mesh_;
   const MeshHeader& header_;
+  FileShape shape_;
   ColumnTypes types_;
   std::vector<TetGroup> tets_;
   FaceGroups faces_;
@@ -215,7 +230,7 @@ class XdmfWriter {
 absl::Status write_xdmf(AtomicFile& index,
                         AtomicFile& columns,
                         const std::string& columns_name,
-                        const TetMesh& mesh,
+                        const FileMesh& mesh,
                         const WriteControl& control) {
   XdmfWriter writer(columns, mesh, control);
   if (absl::Status status = writer.write_columns(); !status.ok()) return status;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/files/block_writer.h"
+#include "core/files/file_mesh.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -18,7 +19,7 @@ namespace tet {
 absl::Status write_xdmf(AtomicFile& index,
                         AtomicFile& columns,
                         const std::string& columns_name,
-                        const TetMesh& mesh,
+                        const FileMesh& mesh,
                         const WriteControl& control);
 
 }  // namespace tet

@@ -150,12 +150,14 @@ class Fetcher {
     auto file = AtomicFile::create(path);
     if (!file.ok()) return file.status();
     const WriteControl control{.cancellation = &cancellation_, .progress = {}};
-    auto writer = VtkHdfWriter::begin(*file, *header, control);
+    auto writer = VtkHdfWriter::begin(*file, *header, shape_of(*header), control);
     if (!writer.ok()) return writer.status();
     session_.bar.begin("receiving", "tets");
     absl::Status status = session_.jobs.read_parts(
         job, arguments_.streams,
-        [&](const TetMesh& part, const ChunkExtent& place) { return writer->put(part, place); },
+        [&](const TetMesh& part, const ChunkExtent& place) {
+          return writer->put({part}, place);
+        },
         receiving(), cancellation_);
     if (status.ok()) status = file->commit();
     if (!status.ok()) return status;

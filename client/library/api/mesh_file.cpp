@@ -19,7 +19,7 @@ Status write_mesh_file(const std::string& path,
     const auto output = tet::mesh_output(path, format);
     if (!output.ok()) return to_public(output.status());
     return to_public(tet::write_mesh_file(
-        *output, mesh.impl().mesh,
+        *output, {mesh.impl().mesh},
         {.cancellation = &work.cancellation(), .progress = options.progress}));
   });
 }

@@ -30,7 +30,8 @@ def read_xdmf(path):
     mesh, cells = grids["mesh"], grids["cell_tags"]
     points = xdmf_item(path, mesh.find("Geometry"))
     tets = xdmf_item(path, mesh.find("Topology"))
-    assert mesh.find("Topology").get("TopologyType") == "Tetrahedron"
+    assert mesh.find("Topology").get("TopologyType") == {4: "Tetrahedron", 10: "Tetrahedron_10"}[tets.shape[1]]
+    assert int(mesh.find("Topology").get("NodesPerElement")) == tets.shape[1]
     assert cells.find("Topology/DataItem").text == mesh.find("Topology/DataItem").text
     fields = {}
     for attribute in mesh.findall("Attribute"):
@@ -43,6 +44,7 @@ def read_xdmf(path):
     assert set(labels) <= set(names["cell_tags"])
     facets = grids["facet_tags"]
     triangles, tags = (xdmf_item(path, facets.find(what)) for what in ("Topology", "Attribute"))
+    assert facets.find("Topology").get("TopologyType") == {3: "Triangle", 6: "Triangle_6"}[triangles.shape[1]]
     assert set(tags) == set(names["facet_tags"])
     faces = {name: triangles[tags == tag] for tag, name in names["facet_tags"].items()}
     return Read(points, tets, labels if len(names["cell_tags"]) > 1 else None, faces, fields)
@@ -89,9 +91,11 @@ def read_exodus(path):
     count = max(vtk_to_numpy(block.GetPointData().GetArray("GlobalNodeId")).max() for block in blocks.values())
     points, fields, tets, labels = numpy.empty((count, 3)), {}, {}, {}
 
-    def cells_of(grid, corners):
+    def cells_of(grid):
         nodes = vtk_to_numpy(grid.GetPointData().GetArray("GlobalNodeId")) - 1
-        return nodes[vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, corners)]
+        offsets = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
+        assert len(set(numpy.diff(offsets))) == 1  # all have as many nodes
+        return nodes[vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(len(offsets) - 1, -1)]
 
     for block_name, block in blocks.items():
         data = block.GetPointData()
@@ -105,10 +109,10 @@ def read_exodus(path):
                 name = name[:-1] if values.ndim == 2 else name
                 fields.setdefault(name, numpy.empty((count, *values.shape[1:])))[nodes] = values
         numbers = vtk_to_numpy(block.GetCellData().GetArray("GlobalElementId")) - 1
-        tets.update(zip(numbers, cells_of(block, 4)))
+        tets.update(zip(numbers, cells_of(block)))
         labels.update(dict.fromkeys(numbers, LABELS[block_name]))
-    faces = {name: cells_of(grid, 3) for name, grid in exodus_objects(output, "Side Sets").items()}
-    assert {name: sorted(cells_of(grid, 1)[:, 0]) for name, grid in
+    faces = {name: cells_of(grid) for name, grid in exodus_objects(output, "Side Sets").items()}
+    assert {name: sorted(cells_of(grid)[:, 0]) for name, grid in
             exodus_objects(output, "Node Sets").items()} == {
                 name: sorted(set(triangles.ravel())) for name, triangles in faces.items()}
     order = sorted(tets)

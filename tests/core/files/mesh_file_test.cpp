@@ -75,12 +75,12 @@ TEST(ColumnTypes, HaveLongIdsOnlyWhereAnIdOrAnOffsetNeedsThem) {
   MeshHeader header = header_at(1, 1);
   header.vertex_count = 2'147'483'647;
   header.tet_count = 536'870'911;
-  EXPECT_EQ(choose_column_types(header).ids, IndexType::kUint32);
+  EXPECT_EQ(choose_column_types(header, shape_of(header)).ids, IndexType::kUint32);
   ++header.tet_count;
-  EXPECT_EQ(choose_column_types(header).ids, IndexType::kUint64);
+  EXPECT_EQ(choose_column_types(header, shape_of(header)).ids, IndexType::kUint64);
   header.tet_count = 1;
   ++header.vertex_count;
-  EXPECT_EQ(choose_column_types(header).ids, IndexType::kUint64);
+  EXPECT_EQ(choose_column_types(header, shape_of(header)).ids, IndexType::kUint64);
 }
 
 TEST(MeshFormat, IsChosenByTheEndingInAnyCase) {
@@ -191,12 +191,12 @@ TEST_F(MeshFileTest, OfAFolderIsCalledLikeOneOfOpenFoams) {
 
 TEST_F(MeshFileTest, OfAFolderReplacesAnotherOfItsKindAlone) {
   const MeshOutput output{path("case"), MeshFormat::kPolyMesh};
-  ASSERT_TRUE(write_mesh_file(output, kuhn_mesh(2)).ok());
-  ASSERT_TRUE(write_mesh_file(output, kuhn_mesh(3)).ok());
+  ASSERT_TRUE(write_mesh_file(output, {kuhn_mesh(2)}).ok());
+  ASSERT_TRUE(write_mesh_file(output, {kuhn_mesh(3)}).ok());
   EXPECT_EQ(files(), 1U);
   ASSERT_TRUE(write_text_file(path("case/thesis"), "words").ok());
   EXPECT_EQ(check_can_write(output).code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_FALSE(write_mesh_file(output, kuhn_mesh(2)).ok());
+  EXPECT_FALSE(write_mesh_file(output, {kuhn_mesh(2)}).ok());
   EXPECT_TRUE(fs::exists(path("case/thesis")));
 }
 
@@ -239,7 +239,7 @@ TEST_F(MeshFileTest, OfTwoFilesComesWithBothOrNone) {
 TEST_F(MeshFileTest, OfTwoFilesIsNotCalledLikeItsSecond) {
   const MeshOutput output{path("m.h5"), MeshFormat::kXdmf};
   EXPECT_EQ(check_can_write(output).code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(write_mesh_file(output, kuhn_mesh(2)).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(write_mesh_file(output, {kuhn_mesh(2)}).code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(write_mesh_file(path("a:b.xdmf"), kuhn_mesh(2)).code(),
             absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(files(), 0U);

@@ -14,11 +14,11 @@ import h5py
 import meshio
 import numpy
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import VTK_TETRA
+from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA
 from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-from samples import PART_NAMES, SAMPLES, SampleTest, volumes
+from samples import PART_NAMES, SAMPLES, SECOND_SAMPLES, SampleTest, volumes
 
 # Of the samples of labels, which VTK's formats take: numbers of those that have names.
 LABEL_SAMPLES = {"labels": numpy.float32, "large_labels": numpy.float32}
@@ -27,7 +27,7 @@ LABEL_NAMES = ['bone "left"', "<grey> & white"]
 
 def read_vtu_with_meshio(path):
     mesh = meshio.read(path)
-    assert [block.type for block in mesh.cells] == ["tetra"], mesh.cells
+    assert [block.type for block in mesh.cells] in (["tetra"], ["tetra10"]), mesh.cells
     assert set(mesh.cell_data) < {"region", "part", "label"}, mesh.cell_data
     labels = next(iter(mesh.cell_data.values()), [None])[0]
     if "part" in mesh.cell_data:
@@ -44,15 +44,16 @@ def read_with_vtk(reader, path):
     reader.Update()
     grid = reader.GetOutput()
     assert reader.GetErrorCode() == 0
-    assert (vtk_to_numpy(grid.GetCellTypesArray()) == VTK_TETRA).all()
+    kind, = set(vtk_to_numpy(grid.GetCellTypesArray()))
+    nodes = {VTK_TETRA: 4, VTK_QUADRATIC_TETRA: 10}[kind]
     points = vtk_to_numpy(grid.GetPoints().GetData())
     cells = grid.GetCells()
     offsets = vtk_to_numpy(cells.GetOffsetsArray())
-    assert (offsets == 4 * numpy.arange(grid.GetNumberOfCells() + 1)).all()
+    assert (offsets == nodes * numpy.arange(grid.GetNumberOfCells() + 1)).all()
     data = grid.GetCellData()
     labels = data.GetArray("region") or data.GetArray("part") or data.GetArray("label")
     assert data.GetNumberOfArrays() == (labels is not None)
-    return (points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 4),
+    return (points, vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, nodes),
             None if labels is None else vtk_to_numpy(labels), point_data_of(grid))
 
 
@@ -64,7 +65,7 @@ def point_data_of(grid):
 
 class ReadBack(SampleTest):
     def check_every_sample(self, ending, read):
-        for name, coordinates in {**SAMPLES, **LABEL_SAMPLES}.items():
+        for name, coordinates in {**SAMPLES, **SECOND_SAMPLES, **LABEL_SAMPLES}.items():
             with self.subTest(name=name, ending=ending):
                 expected = self.expected(name)
                 points, tets, regions, fields = read(self.directory / f"{name}{ending}")

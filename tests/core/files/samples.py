@@ -23,6 +23,14 @@ SAMPLES = {
     "fields": numpy.float32,
     "parts": numpy.float32,
 }
+# Of second order: tets have ten nodes, and faces six.
+SECOND_SAMPLES = {
+    "second_one": numpy.float32,
+    "second_far": numpy.float64,
+    "second_sides": numpy.float32,
+    "second_field": numpy.float64,
+    "second_parts": numpy.float32,
+}
 # Of the sample "parts", as the mesh has them.
 PART_NAMES = ['femur "left"', "a/b <c> & d"]
 
@@ -51,10 +59,12 @@ def volumes(points, tets):
 
 
 def sorted_triangles(triangles):
-    """Each from its least vertex on, turned as it was, in an order of their own."""
-    triangles = numpy.asarray(triangles).reshape(-1, 3)
-    first = triangles.argmin(axis=1)
-    turned = numpy.stack([triangles[numpy.arange(len(triangles)), (first + k) % 3] for k in range(3)], 1)
+    """Each from its least vertex on, turned as it was, in an order of their own. Of six nodes the middles, from each
+    corner to the next, are turned, too."""
+    triangles = numpy.asarray(triangles)
+    rows, first = numpy.arange(len(triangles)), triangles[:, :3].argmin(axis=1)
+    turned = numpy.stack([triangles[rows, begin + (first + k) % 3]
+                          for begin in range(0, triangles.shape[1], 3) for k in range(3)], 1)
     return turned[numpy.lexsort(turned.T)]
 
 

@@ -27,6 +27,15 @@ def inp_sections(path):
 
 # As seen from outside; the manuals list them as seen from within.
 INP_FACES = {"S1": (0, 2, 1), "S2": (0, 1, 3), "S3": (1, 2, 3), "S4": (2, 0, 3)}
+# Where a C3D10 has the middle of each edge.
+INP_MIDDLES = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (1, 3): 8, (2, 3): 9}
+
+
+def inp_face(nodes, side):
+    """Its corners, and of ten nodes the middles from each to the next."""
+    corners = INP_FACES[side]
+    middles = [INP_MIDDLES[min(a, b), max(a, b)] for a, b in zip(corners, (*corners[1:], corners[0]))]
+    return [nodes[k] for k in (corners if len(nodes) == 4 else (*corners, *middles))]
 
 
 def read_inp(path):
@@ -39,8 +48,8 @@ def read_inp(path):
             assert [int(row[0]) for row in rows] == list(range(1, len(rows) + 1))
             points = numpy.array([[float(word) for word in row[1:]] for row in rows])
         elif keyword == "ELEMENT":
-            assert parameters["TYPE"] == "C3D4"
             for number, *nodes in rows:
+                assert parameters["TYPE"] == f"C3D{len(nodes)}"
                 assert number not in elements
                 elements[int(number)] = [int(node) - 1 for node in nodes]
             sets[parameters["ELSET"]] = [int(row[0]) - 1 for row in rows]
@@ -49,7 +58,7 @@ def read_inp(path):
         elif keyword == "SURFACE":
             assert parameters["TYPE"] == "ELEMENT"
             faces[parameters["NAME"]] = [
-                [elements[int(number)][corner] for corner in INP_FACES[side]] for number, side in rows]
+                inp_face(elements[int(number)], side) for number, side in rows]
         elif keyword == "NSET":
             node_sets[parameters["NSET"]] = [int(row[0]) - 1 for row in rows]
         else:
@@ -135,7 +144,7 @@ def read_msh(path):
     tets, labels, faces = [], [], {}
     for block, tag in zip(mesh.cells, tags):
         assert len(set(tag)) == 1
-        if block.type == "tetra":
+        if block.type in ("tetra", "tetra10"):
             tets.append(block.data)
             labels.append(tag)
         else:

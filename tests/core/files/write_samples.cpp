@@ -9,6 +9,7 @@
 
 #include "core/files/mesh_file.h"
 #include "core/mesh/find_faces.h"
+#include "core/second_order/edge_numbers.h"
 #include "tests/core/mesh/small_meshes.h"
 
 namespace tet {
@@ -26,11 +27,12 @@ TetMesh with_bounds(TetMesh mesh) {
 }
 
 /// Rows of numbers by the array's name.
-nlohmann::json fields_of(const TetMesh& mesh) {
+nlohmann::json fields_of(const FileMesh& mesh) {
   nlohmann::json fields = nlohmann::json::object();
-  const auto* value = reinterpret_cast<const float*>(mesh.fields.bytes().data());
-  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
-    for (const FieldArray& field : mesh.header.fields) {
+  if (mesh.mesh.header.fields.empty()) return fields;
+  for (std::uint64_t i = 0; i < mesh.shape().nodes; ++i) {
+    const auto* value = reinterpret_cast<const float*>(mesh.field_row(i));
+    for (const FieldArray& field : mesh.mesh.header.fields) {
       const std::vector<float> row(value, value + field.components);
       fields[field.name].push_back(row);
       value += field.components;
@@ -47,16 +49,48 @@ TetMesh in_two_parts(TetMesh mesh, std::uint64_t tets) {
   return mesh;
 }
 
-/// By label: a triangle's vertices, and its tet.
-nlohmann::json faces_of(const TetMesh& mesh) {
+/// By label: a triangle's nodes.
+template <std::size_t kNodes>
+nlohmann::json faces_of(const FileMesh& mesh) {
   nlohmann::json faces = nlohmann::json::object();
-  const FoundFaces found = find_faces(mesh);
+  const FoundFaces found = find_faces(mesh.mesh);
   for (const TetFace& face : found.faces) {
-    const Triangle triangle = face_of(mesh.tet(face.tet()), face.opposite());
-    const auto [a, b, c] = triangle;
-    faces[found.labels[found.label(face, triangle)].name].push_back({a, b, c, face.tet()});
+    const Triangle triangle = face_of(mesh.mesh.tet(face.tet()), face.opposite());
+    faces[found.labels[found.label(face, triangle)].name].push_back(
+        nodes_of_face(mesh.nodes_of<kNodes>(face.tet()), face.opposite()));
   }
   return faces;
+}
+
+/// A node in the middle of each edge, off the straight line, and values that all differ.
+MiddleNodes middles_of(const TetMesh& mesh) {
+  EdgeNumbers edges = *number_edges(mesh.view(), mesh.header.vertex_count);
+  MiddleNodes middles;
+  middles.count = edges.count();
+  const CoordinateType type = mesh.header.coordinate_type;
+  middles.positions = ByteBuffer(middles.count * 3 * size_of(type));
+  for (std::uint64_t vertex = 0; vertex < mesh.header.vertex_count; ++vertex) {
+    edges.visit_from(vertex, [&](std::uint64_t edge, std::uint64_t low, std::uint64_t high) {
+      const MeshView view = mesh.view();
+      const auto a = view.stored_position(low), b = view.stored_position(high);
+      const std::array middle{0.5 * (a.x + b.x) + 0.01, 0.5 * (a.y + b.y), 0.5 * (a.z + b.z)};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t place = 3 * edge + axis;
+        if (type == CoordinateType::kFloat64) {
+          internal::store(middles.positions.bytes(), place, middle[axis]);
+        } else {
+          internal::store(middles.positions.bytes(), place, static_cast<float>(middle[axis]));
+        }
+      }
+    });
+  }
+  const std::uint64_t values = middles.count * mesh.header.field_values();
+  middles.fields = ByteBuffer(values * sizeof(float));
+  for (std::uint64_t i = 0; i < values; ++i) {
+    internal::store(middles.fields.bytes(), i, -0.25F * static_cast<float>(i));
+  }
+  middles.of_tets = std::move(edges.of_tets);
+  return middles;
 }
 
 /// Labels with and without names, in turn.
@@ -70,26 +104,29 @@ TetMesh with_labels(TetMesh mesh, std::int64_t first_value) {
   return mesh;
 }
 
-nlohmann::json contents_of(const TetMesh& mesh) {
+template <std::size_t kNodes>
+nlohmann::json contents_of(const FileMesh& nodes) {
+  const TetMesh& mesh = nodes.mesh;
   nlohmann::json points = nlohmann::json::array(), tets = points, regions = points;
   nlohmann::json parts = points;
-  for (std::uint64_t i = 0; i < mesh.header.vertex_count; ++i) {
-    const auto [x, y, z] = mesh.vertex(i);
+  for (std::uint64_t i = 0; i < nodes.shape().nodes; ++i) {
+    const auto [x, y, z] = nodes.node(i);
     points.push_back({x, y, z});
   }
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
-    tets.push_back(mesh.tet(i));
+    tets.push_back(nodes.nodes_of<kNodes>(i));
     if (mesh.header.has_regions) regions.push_back(mesh.region(i));
     if (!mesh.header.labels.empty()) regions.push_back(mesh.header.labels[mesh.label(i)].value);
     if (!mesh.header.parts.empty()) parts.push_back(i < mesh.header.parts[1].first_tet ? 1 : 2);
   }
-  return {{"points", points},   {"tets", tets},   {"faces", faces_of(mesh)},
-          {"regions", regions}, {"parts", parts}, {"fields", fields_of(mesh)}};
+  return {{"points", points},   {"tets", tets},   {"faces", faces_of<kNodes>(nodes)},
+          {"regions", regions}, {"parts", parts}, {"fields", fields_of(nodes)}};
 }
 
 absl::Status write_sample(const std::string& path, TetMesh unbounded) {
   const TetMesh mesh = with_bounds(std::move(unbounded));
-  if (auto status = write_text_file(path + ".json", contents_of(mesh).dump()); !status.ok()) {
+  if (auto status = write_text_file(path + ".json", contents_of<4>({mesh}).dump());
+      !status.ok()) {
     return status;
   }
   for (const MeshFormatRow& row : mesh_formats()) {
@@ -98,6 +135,24 @@ absl::Status write_sample(const std::string& path, TetMesh unbounded) {
     if (auto status = write_mesh_file(to, mesh); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+/// In the formats that have meshes of second order, with middle nodes of their own.
+absl::Status write_second_sample(const std::string& path, TetMesh unbounded) {
+  const TetMesh mesh = with_bounds(std::move(unbounded));
+  const MiddleNodes middles = middles_of(mesh);
+  const FileMesh nodes{mesh, &middles};
+  absl::Status status = write_text_file(path + ".json", contents_of<10>(nodes).dump());
+  for (const MeshFormatRow& row : mesh_formats()) {
+    const MeshOutput output{path + std::string(row.ending), row.format};
+    const absl::Status written = write_mesh_file(output, nodes);
+    if (!row.second_order.empty()) {
+      status.Update(written);
+    } else if (!absl::IsInvalidArgument(written)) {
+      status.Update(absl::InternalError(output.path + " was not refused"));
+    }
+  }
+  return status;
 }
 
 /// What the table says that each format carries.
@@ -109,6 +164,7 @@ nlohmann::json formats() {
                     {"tets", !row.tets.empty()},
                     {"regions", !row.regions.empty()},
                     {"faces", !row.faces.empty()},
+                    {"second_order", !row.second_order.empty()},
                     {"fields", !row.fields.empty()},
                     {"coordinates", row.coordinates}});
   }
@@ -140,6 +196,14 @@ absl::Status write_samples(const std::string& directory) {
                              with_fields(with_regions(kuhn_mesh(33), every_third), fields)));
   status.Update(write_sample(directory + "/parts",
                              with_fields(in_two_parts(kuhn_mesh(33), 100'001), fields)));
+  status.Update(write_second_sample(directory + "/second_one", one_tet()));
+  status.Update(write_second_sample(directory + "/second_far", kuhn_mesh(5, all, far)));
+  status.Update(write_second_sample(directory + "/second_sides",
+                                    with_regions(kuhn_mesh(4), every_third)));
+  status.Update(write_second_sample(directory + "/second_field",
+                                    with_fields(kuhn_mesh(4, all, wide), {{"flow", 3}})));
+  status.Update(write_second_sample(directory + "/second_parts",
+                                    with_fields(in_two_parts(kuhn_mesh(17), 10'001), fields)));
   status.Update(write_sample(directory + "/labels", with_labels(kuhn_mesh(33), -3)));
   status.Update(
       write_sample(directory + "/large_labels", with_labels(kuhn_mesh(2), 3'000'000'000)));
