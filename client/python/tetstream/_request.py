@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 from . import _tetstream
@@ -20,6 +20,7 @@ Coordinates = Literal["automatic", "float32", "float64"]
 Encoding = Literal["plain", "packed", "compact"]
 Box = tuple[Point, Point]
 Sizing = Mapping[str, Any] | str
+FaceRegions = Mapping[str, Any] | Sequence[Mapping[str, Any]] | str
 
 
 def request_of(
@@ -35,6 +36,7 @@ def request_of(
     manifold: bool,
     statistics: bool,
     faces: bool,
+    face_regions: FaceRegions | None,
     coordinates: Coordinates,
     fields: Mapping[str, Volume] | None,
 ) -> _tetstream.Request:
@@ -55,10 +57,25 @@ def request_of(
     request.manifold = manifold
     request.statistics = statistics
     request.faces = faces
+    if face_regions is not None:
+        request.face_regions = _json_of_regions(face_regions)
     request.coordinates = member("coordinates", coordinates, _tetstream.Coordinates.__members__)
     for name, values in (fields or {}).items():
         request.add_field(name, values._volume)
     return request
+
+
+def _json_of_regions(regions: FaceRegions) -> str:
+    """`{"bore": {...}}`, a list of regions with names, or JSON as docs/faces.md has it."""
+    if isinstance(regions, str):
+        return regions
+    if not isinstance(regions, Mapping):
+        return json.dumps({"regions": [dict(region) for region in regions]})
+    named: list[Any] = []
+    for name, places in regions.items():
+        for place in [places] if isinstance(places, Mapping) else places:
+            named.append({"name": name, **place})
+    return json.dumps({"regions": named})
 
 
 def options_of(
