@@ -40,6 +40,8 @@ Examples:
   tetstream mesh bunny.vdb -o part.msh --box -2 0 -2 2 3 2
       the part of the inside that lies in a box, with flat, labelled faces where it cuts;
       docs/cuts.md
+  tetstream mesh docs/scenes/bracket.json -o bracket.inp --face bore=node:bore
+      the faces that a node of the scene made, by a name of their own; docs/faces.md
   tetstream mesh bunny.vdb -o bunny.inp
       element sets, node sets and surfaces for CalculiX and Abaqus; docs/formats.md has all formats
   tetstream mesh thin.vdb -o thin.msh --manifold
@@ -183,6 +185,9 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   }
   if (made->thin_walls.any()) {
     std::fprintf(stderr, "%s\n", thin_walls_warning(made->thin_walls).c_str());
+  }
+  for (const std::string& warning : face_warnings(made->mesh)) {
+    std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());
   }
   if (const std::string warning = volume_warning(*made); !warning.empty()) {
     std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());

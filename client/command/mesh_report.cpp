@@ -13,6 +13,7 @@
 
 #include "client/command/shape_json.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/face_counts.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/regions.h"
 #include "core/mesh/tet_shapes.h"
@@ -42,8 +43,7 @@ Json boundary_json(const MadeMesh& made, const MeshRequest& request) {
 /// How many faces have each label.
 Json faces_json(const TetMesh& mesh) {
   const MeshHeader& header = mesh.header;
-  std::vector<std::uint64_t> counts(header.face_labels.size());
-  for (std::uint64_t i = 0; i < header.face_count; ++i) ++counts[mesh.face_label(i)];
+  const std::vector<std::uint64_t> counts = count_faces(mesh);
   Json faces = Json::object();
   for (std::size_t i = 0; i < counts.size(); ++i) faces[header.face_labels[i].name] = counts[i];
   return faces;
@@ -150,6 +150,25 @@ std::string tets_of_each_part(const TetMesh& mesh) {
   return absl::StrCat(" (", absl::StrJoin(parts, ", "), ")");
 }
 
+/// The first few of the regions that the request names.
+std::string faces_of_each_region(const TetMesh& mesh) {
+  constexpr std::size_t kMost = 8;
+  const std::vector<std::uint64_t> counts = count_faces(mesh);
+  std::vector<std::string> regions;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const FaceLabel& label = mesh.header.face_labels[i];
+    if (label.kind != FaceKind::kRegion) continue;
+    regions.push_back(absl::StrFormat("%d %s", counts[i], label.name));
+  }
+  if (regions.empty()) return "";
+  if (regions.size() > kMost) {
+    const std::size_t more = regions.size() - kMost;
+    regions.resize(kMost);
+    regions.push_back(absl::StrFormat("and of %d more regions", more));
+  }
+  return absl::StrCat(", faces: ", absl::StrJoin(regions, ", "));
+}
+
 /// Tells the angles; empty where they were not measured.
 std::string angles_of(const QualityStats& quality) {
   if (quality.empty()) return "";
@@ -173,10 +192,23 @@ void add_fidelity(const MadeMesh& made, Json& report) {
 }  // namespace
 
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
-  return absl::StrFormat("%s: %d vertices, %d tets%s%s%s%s, %.2f s", output,
+  return absl::StrFormat("%s: %d vertices, %d tets%s%s%s%s%s, %.2f s", output,
                          made.mesh.header.vertex_count, made.mesh.header.tet_count,
                          tets_of_each_side(made.mesh), tets_of_each_part(made.mesh),
-                         angles_of(made.quality), restored_nodes(made.boundary), seconds);
+                         angles_of(made.quality), restored_nodes(made.boundary),
+                         faces_of_each_region(made.mesh), seconds);
+}
+
+std::vector<std::string> face_warnings(const TetMesh& mesh) {
+  const auto& [min, max] = mesh.header.bounds;
+  std::vector<std::string> warnings;
+  for (const std::string& name : empty_face_regions(mesh.header, count_faces(mesh))) {
+    warnings.push_back(absl::StrFormat(
+        "no face is in region '%s': none meets all its conditions, or earlier regions took "
+        "them; the mesh lies between (%g, %g, %g) and (%g, %g, %g)",
+        name, min.x, min.y, min.z, max.x, max.y, max.z));
+  }
+  return warnings;
 }
 
 std::string inside_note(const std::string& guess) {
@@ -244,6 +276,8 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
     report["box"] = {{"min", json_of(box->min)}, {"max", json_of(box->max)}};
   }
   if (made.mesh.header.has_faces()) report["faces"] = faces_json(made.mesh);
+  const std::vector<std::string> warnings = face_warnings(made.mesh);
+  if (!warnings.empty()) report["face_warnings"] = warnings;
   if (made.mesh.header.has_regions) {
     report["regions"] = {{"inside", region_json(made.mesh, MeshRegion::kInside)},
                          {"outside", region_json(made.mesh, MeshRegion::kOutside)}};

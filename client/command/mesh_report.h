@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "client/command/mesh_maker.h"
 #include "core/plan/mesh_request.h"
@@ -9,8 +10,9 @@
 namespace tet {
 
 /// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s"; with the
-/// tets of each side where both are meshed, or of each grid of several, and the nodes restored
-/// for a manifold if there are any. No angles where none were measured.
+/// tets of each side where both are meshed, or of each grid of several, the nodes restored for
+/// a manifold if there are any, and the faces of each region that the request names. No angles
+/// where none were measured.
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// What to tell of walls that the lattice cannot resolve, in one line; empty without any.
@@ -21,6 +23,9 @@ std::string inside_note(const std::string& guess);
 std::string box_note(const WorldBox& box);
 
 std::string thin_walls_warning(const ThinWalls& walls);
+
+/// Says of each region of the request that no face is in it.
+std::vector<std::string> face_warnings(const TetMesh& mesh);
 
 /// What to tell of a mesh whose volume is not that of the surface which was converted for it,
 /// beyond what the spacing explains; empty where it is, or where they cannot be compared.
@@ -37,7 +42,8 @@ std::string volume_warning(const MadeMesh& made);
 /// suggested_spacing), bounds (min, max), shapes, fidelity and second_order (see shape_json.h;
 /// of several grids each part's, and fidelity_missing where it could not be measured), and of
 /// converted surfaces surface (converted_to, voxel, area, volume of the surface where it has
-/// one, converted_volume, text, warnings, and counts of all that was found).
+/// one, converted_volume, text, warnings, and counts of all that was found); and of meshes with
+/// faces faces (how many have each name), and face_warnings where a region has none.
 ///
 /// Measures what was not counted with the mesh.
 std::string report_json(const MadeMesh& made, const MeshRequest& request, double seconds);

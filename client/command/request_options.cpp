@@ -6,6 +6,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "client/command/face_options.h"
 #include "client/command/field_options.h"
 #include "core/plan/joined/joined_plan.h"
 #include "core/volume/inside.h"
@@ -59,6 +60,9 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
   app.add_flag("--manifold", request.manifold, "Keep the boundary from touching itself");
   app.add_flag("--faces", request.faces,
                "Boundary triangles beside the tets, with names: docs/faces.md");
+  app.add_option("--face", arguments.faces, kFaceHelp)
+      ->type_name(kFaceType)
+      ->allow_extra_args(false);
   app.add_flag("--improve", request.improve,
                "Move vertices, on the surface along it, to better the worst angles");
   app.add_option(
@@ -99,6 +103,10 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);
+  absl::StatusOr<std::vector<FaceRegion>> regions = understand_faces(arguments.faces);
+  if (!regions.ok()) return regions.status();
+  request.face_regions = *std::move(regions);
+  request.faces = request.faces || !request.face_regions.empty();
   if (arguments.grids.size() > 1) {
     if (auto status = check_grids(arguments.grids); !status.ok()) return status;
   }

@@ -28,12 +28,11 @@ struct RequestArguments {
   std::string coordinates;
   SizingArguments sizing;
   std::vector<std::string> fields;
+  std::vector<std::string> faces;  ///< regions
 };
 
 /// Adds --grid (any number of times), --iso, --inside, --spacing, --levels, --sizing, --preset,
-/// --box,
-/// --manifold, --improve,
-/// --coordinates, --field.
+/// --box, --manifold, --faces, --face, --improve, --coordinates, --field.
 void describe_request(CLI::App& app, RequestArguments& arguments);
 
 /// Whether the grids that a file has for --all-grids can be meshed. Errors: kFailedPrecondition

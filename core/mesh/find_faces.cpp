@@ -275,6 +275,13 @@ std::vector<FaceLabel> face_labels_of(bool both_sides, bool in_box) {
   return labels;
 }
 
+void add_region_labels(std::span<const FaceRegion> regions, MeshHeader& header) {
+  header.face_regions.assign(regions.begin(), regions.end());
+  for (std::string& name : region_names(regions)) {
+    header.face_labels.push_back({.name = std::move(name), .kind = FaceKind::kRegion});
+  }
+}
+
 std::vector<FaceLabel> labels_of_parts(std::span<const FaceLabel> of_one,
                                        std::span<const MeshPart> parts) {
   std::vector<FaceLabel> labels;

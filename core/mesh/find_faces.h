@@ -33,6 +33,9 @@ std::vector<TetFace> find_boundary_faces(const TetMesh& mesh);
 /// then the six faces of the box that the mesh ends at.
 std::vector<FaceLabel> face_labels_of(bool both_sides, bool in_box);
 
+/// Adds the regions that a request names, and their labels behind all others.
+void add_region_labels(std::span<const FaceRegion> regions, MeshHeader& header);
+
 /// Those of one grid's mesh for each of several parts: `<part>_<name>`, part by part.
 std::vector<FaceLabel> labels_of_parts(std::span<const FaceLabel> of_one,
                                        std::span<const MeshPart> parts);

@@ -12,6 +12,7 @@
 
 #include "core/base/byte_buffer.h"
 #include "core/base/types.h"
+#include "core/mesh/face_regions.h"
 #include "core/mesh/faces.h"
 
 namespace tet {
@@ -104,6 +105,8 @@ struct MeshHeader {
   /// The names of boundary faces, whether or not a face has them. Empty: the mesh has no faces.
   std::vector<FaceLabel> face_labels = {};
   std::uint64_t face_count = 0;
+  /// What the last labels are of: see add_region_labels.
+  std::vector<FaceRegion> face_regions = {};
 
   bool has_faces() const noexcept { return !face_labels.empty(); }
 

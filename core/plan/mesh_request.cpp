@@ -10,7 +10,9 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/mesh/find_faces.h"
 #include "core/octree/sized_cells.h"
+#include "core/plan/check_face_regions.h"
 #include "core/plan/request_rules.h"
 #include "core/scene/scene.h"
 #include "core/volume/inside.h"
@@ -50,6 +52,18 @@ absl::Status check_inside_of(const Volume& volume, const MeshRequest& request, d
   return has_box ? check_background(volume, request.inside, iso) : absl::OkStatus();
 }
 
+/// Regions are pieces of faces, and only scenes have nodes.
+absl::Status check_regions_of(const MeshRequest& request, const Shape& shape) {
+  if (auto status = check_face_regions(request.face_regions); !status.ok()) return status;
+  if (!request.face_regions.empty() && !request.faces) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        kFaceRegionsField, " is set without faces, which they are pieces of: set faces"));
+  }
+  const Scene* const scene = scene_of(shape);
+  return check_face_nodes(request.face_regions,
+                          scene != nullptr ? scene->node_names : std::vector<std::string>());
+}
+
 /// A spacing does not follow from every scene.
 absl::Status check_scene_spacing(const MeshRequest& request, const Scene& scene) {
   if (request.spacing || longest_extent(scene) > 0) return absl::OkStatus();
@@ -76,6 +90,12 @@ std::vector<FieldArray> arrays_of(const MeshRequest& request) {
   std::vector<FieldArray> arrays = arrays_of(request.fields);
   if (has_cut(request)) arrays.push_back({kCutFaceArray, 1});
   return arrays;
+}
+
+void set_face_labels(const MeshRequest& request, bool in_box, MeshHeader& header) {
+  if (!request.faces) return;
+  header.face_labels = face_labels_of(header.has_regions, in_box);
+  add_region_labels(request.face_regions, header);
 }
 
 IndexType index_type_of(const MeshHeader& header, const MeshRequest& request) noexcept {
@@ -167,6 +187,7 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
   }
   if (auto status = check_sizing_of(request, out.spacing); !status.ok()) return status;
   if (auto status = check_loaded_fields(request.fields); !status.ok()) return status;
+  if (auto status = check_regions_of(request, shape); !status.ok()) return status;
   out.levels = levels_of(request.sizing, out.spacing, out.levels);
   out.preset = request.preset;
   return out;

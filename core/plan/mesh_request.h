@@ -60,6 +60,8 @@ struct MeshRequest {
   bool skip_statistics = false;
   /// The mesh has its boundary faces, too: see TetMesh.
   bool faces = false;
+  /// Pieces of the surface with names of their own; only of a mesh that has faces.
+  std::vector<FaceRegion> face_regions = {};
   Sizing sizing;                         ///< of leaves away from the surface
   std::vector<VertexField> fields = {};  ///< whose values the vertices get, in this order
   /// float32 unless given, and float64 where float32 would bend the angle bounds.
@@ -75,6 +77,10 @@ bool has_cut(const MeshRequest& request);
 
 /// Whether the mesh is made as a whole while it is planned, by core/graded.
 bool is_made_whole(const MeshRequest& request);
+
+/// The labels of the faces that a request asks for, and its regions, behind the header's
+/// has_regions; `in_box` where faces may lie in those of a box.
+void set_face_labels(const MeshRequest& request, bool in_box, MeshHeader& header);
 
 /// What ids of a mesh that is counted are stored as; numbers of tets, where it has faces, are
 /// stored as they are.

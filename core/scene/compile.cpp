@@ -105,10 +105,12 @@ class Compiler {
 
   /// `frame` leads from the world to the node's own coordinates.
   void add(std::uint32_t node, const Frame& frame) {
+    const std::uint32_t begin = next();
     std::visit([&](const auto& kind) { write(node, kind, frame); },
                description_.nodes[node].kind);
+    runs_.push_back({node, begin, next()});
   }
-  Program take() { return {std::move(program_), std::move(grids_)}; }
+  Program take() { return {std::move(program_), std::move(runs_), std::move(grids_)}; }
 
  private:
   void leaf(std::uint32_t node, Op op, const Frame& frame, const Triple& size = {}) {
@@ -215,6 +217,7 @@ class Compiler {
   const Description& description_;
   const Parts& parts_;
   std::vector<Instruction> program_;
+  std::vector<NodeRun> runs_;
   std::vector<std::shared_ptr<const Volume>> grids_;
 };
 

@@ -14,6 +14,7 @@ namespace tet::scene {
 
 struct Program {
   std::vector<Instruction> instructions;
+  std::vector<NodeRun> runs;  ///< every node's, each as often as it was written out
   std::vector<std::shared_ptr<const Volume>> grids;  ///< each once, by their numbers
 };
 

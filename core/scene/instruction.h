@@ -57,6 +57,12 @@ struct Instruction {
   std::uint32_t grid = 0;  ///< of the scene's, which a kGrid samples
 };
 
+/// The instructions that a node was written out as, the last one excluded.
+struct NodeRun {
+  std::uint32_t node = 0;  ///< of the description
+  std::uint32_t begin = 0, end = 0;
+};
+
 /// Whether two make the same value of the same operands; if they sample grids, of the same one.
 inline bool same_values(const Instruction& a, const Instruction& b) noexcept {
   return a.op == b.op && a.frame == b.frame && a.size == b.size;

@@ -68,6 +68,8 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
   scene::Program program = scene::compile(description, *parts);
   Scene made;
   made.program = std::move(program.instructions);
+  made.runs = std::move(program.runs);
+  for (const scene::Node& node : description.nodes) made.node_names.push_back(node.name);
   for (auto& grid : program.grids) made.grids.emplace_back(std::move(grid));
   if (auto status = scene::check_grid_levels(description, made.program, made.grids);
       !status.ok()) {

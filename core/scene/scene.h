@@ -25,6 +25,8 @@ struct Scene {
   /// Instructions in postfix order: the last one's value is phi.
   std::vector<scene::Instruction> program;
   std::vector<scene::GridSource> grids;  ///< by the numbers in instructions
+  std::vector<std::string> node_names;   ///< of the description, by their numbers
+  std::vector<scene::NodeRun> runs;      ///< of instructions that each node was written out as
   std::size_t stack_depth = 0;           ///< columns that evaluation needs at most
   /// Holds all that is inside, to within rounding errors; infinite where the scene has no end,
   /// empty (min > max) where nothing can be inside.

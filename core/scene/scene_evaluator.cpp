@@ -28,6 +28,7 @@ SceneEvaluator::SceneEvaluator(const Scene& scene)
     : scene_(&scene),
       all_(scene.program.size()),
       stack_(scene.stack_depth + 1),
+      leaves_(scene.stack_depth + 1),
       bounds_stack_(scene.stack_depth + 1),
       intervals_(scene.program.size()),
       wanted_(scene.program.size()) {
@@ -171,12 +172,39 @@ const scene::PhiBounds& SceneEvaluator::bounds(const scene::Points& points,
   return *top;
 }
 
-double SceneEvaluator::at(const WorldPoint& p) noexcept {
+const std::vector<std::uint32_t>& SceneEvaluator::program_at(
+    const WorldPoint& p) const noexcept {
   const auto near = [&](double at, double middle) {
     return std::abs(at - middle) <= half_edge_;
   };
   const bool in_focus = near(p.x, centre_.x) && near(p.y, centre_.y) && near(p.z, centre_.z);
-  return *run(in_focus ? active_ : all_, one_point(p), 1);
+  return in_focus ? active_ : all_;
+}
+
+double SceneEvaluator::at(const WorldPoint& p) noexcept {
+  return *run(program_at(p), one_point(p), 1);
+}
+
+std::uint32_t SceneEvaluator::leaf_at(const WorldPoint& p) noexcept {
+  const scene::Points points = one_point(p);
+  scene::Values* top = stack_.data();  // as in `run`
+  std::uint32_t* leaf = leaves_.data();
+  for (const std::uint32_t i : program_at(p)) {
+    const Instruction& op = scene_->program[i];
+    if (is_leaf(op.op)) {
+      evaluate_leaf(op, points, 1, *++top);
+      *++leaf = i;
+    } else if (is_binary(op.op)) {
+      --top;
+      --leaf;
+      const double left = top->at[0], right = top[1].at[0];
+      if (op.op == Op::kMin ? right < left : right > left) *leaf = leaf[1];
+      apply_binary(op, 1, *top, top[1]);
+    } else {
+      apply_unary(op, 1, *top);
+    }
+  }
+  return *leaf;
 }
 
 }  // namespace tet

@@ -42,6 +42,10 @@ class SceneEvaluator {
   /// phi at any point, in focus or not.
   double at(const WorldPoint& p) noexcept;
 
+  /// The instruction of the primitive or grid that decides phi at any point: of two parts that
+  /// are combined, blended or not, the one whose value is chosen, and the first of equals.
+  std::uint32_t leaf_at(const WorldPoint& p) noexcept;
+
  private:
   const Scene* scene_;
   WorldPoint centre_;  ///< of the focus
@@ -50,6 +54,7 @@ class SceneEvaluator {
   std::vector<std::uint32_t> all_;
   std::vector<scene::GridSampler> grids_;  ///< of the scene's, by their numbers
   std::vector<scene::Values> stack_;
+  std::vector<std::uint32_t> leaves_;  ///< the leaf that decides each column of the stack
   std::vector<scene::PhiBounds> bounds_stack_;
   /// Bounds of one instruction's values within the focus.
   struct Interval {
@@ -58,6 +63,8 @@ class SceneEvaluator {
   std::vector<Interval> intervals_;
   std::vector<bool> wanted_;
 
+  /// The instructions that matter at a point.
+  const std::vector<std::uint32_t>& program_at(const WorldPoint& p) const noexcept;
   const double* run(const std::vector<std::uint32_t>& program,
                     const scene::Points& points,
                     std::size_t count) noexcept;

@@ -79,7 +79,9 @@ void add_faces_of_whole(const FinestBrick& brick,
   if (brick.nodes.region == MeshRegion::kInside) {
     const BrickMask open = tets_on_surface(brick.nodes, around, shape);
     for_each_of_whole(whole, open, first, [&](std::size_t tet, int x, int y, int z) {
-      faces.add(tet, written_corner(of, plus_node(brick.nodes, shape, x, y, z)));
+      const LocalTet corners = moved_on(kShapeKeys[shape].whole, cell_slot(x, 8 * y + z));
+      faces.add_on_surface(tet, written_corner(of, plus_node(brick.nodes, shape, x, y, z)),
+                           corners);
     });
   }
   if (around.domain == nullptr) return;
@@ -173,8 +175,9 @@ class CutShape {
     for (auto tet : tets) {
       auto& [a, b, c, d] = tet;
       if (shape_.negative) std::swap(c, d);
-      out.add({slot(a), slot(b), slot(c), slot(d)});
-      if (brick_.faces != nullptr) add_face(tet);
+      const LocalTet corners{slot(a), slot(b), slot(c), slot(d)};
+      out.add(corners);
+      if (brick_.faces != nullptr) add_face(tet, corners);
       ++tets_;
     }
   }
@@ -185,11 +188,12 @@ class CutShape {
     behind_dents_ = domain == nullptr ? 0 : domain->behind_dents(number_, x, bit >> 3, bit & 7);
   }
 
-  void add_face(const std::array<StencilVertex, 4>& tet) const noexcept {
+  void add_face(const std::array<StencilVertex, 4>& tet,
+                const LocalTet& corners) const noexcept {
     LocalFaces& faces = brick_.faces->faces;
     if (brick_.nodes.region == MeshRegion::kInside) {
       const std::size_t opposite = opposite_surface(tet, zeros_);
-      if (opposite < 4) faces.add(tets_, opposite);
+      if (opposite < 4) faces.add_on_surface(tets_, opposite, corners);
     }
     for (std::size_t k = 0; k < 4 && behind_dents_ != 0; ++k) {
       if ((behind_dents_ >> k & 1) != 0) add_faces_on(k, tet, faces);

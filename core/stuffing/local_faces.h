@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "core/base/brick_mask.h"
+#include "core/base/local_point.h"
 #include "core/lattice/bcc.h"
 
 namespace tet {
@@ -17,20 +19,28 @@ struct LocalFace {
   std::uint32_t tet = 0;      ///< its number within the brick
   std::uint8_t opposite = 0;  ///< the corner that it is opposite of, as the tet is written
   std::uint8_t label = 0;     ///< see face_labels_of
+  LocalTet corners{};         ///< of the tet, as it is written; only of faces of the surface
   friend auto operator<=>(const LocalFace&, const LocalFace&) = default;
 };
 
 class LocalFaces {
  public:
   void clear() noexcept { count_ = 0; }
-  void add(std::size_t tet, std::size_t opposite, std::uint8_t label = 0) noexcept {
+  /// Adds one in a face of the domain.
+  void add(std::size_t tet, std::size_t opposite, std::uint8_t label) noexcept {
     face_[count_++] = {static_cast<std::uint32_t>(tet), static_cast<std::uint8_t>(opposite),
                        label};
+  }
+  /// Adds one of the surface.
+  void add_on_surface(std::size_t tet, std::size_t opposite, const LocalTet& corners) noexcept {
+    face_[count_++] = {static_cast<std::uint32_t>(tet), static_cast<std::uint8_t>(opposite), 0,
+                       corners};
   }
   /// The last two corners of every tet have changed places.
   void mirror() noexcept {
     for (LocalFace& face : noted()) {
       if (face.opposite >= 2) face.opposite = static_cast<std::uint8_t>(5 - face.opposite);
+      std::swap(face.corners[2], face.corners[3]);
     }
   }
   /// Puts them in the order of tets, and of the corners opposite.

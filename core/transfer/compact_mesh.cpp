@@ -15,6 +15,7 @@
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/lattice/reach.h"
+#include "core/mesh/find_faces.h"
 #include "core/plan/brick/fill_brick.h"
 #include "core/plan/mesh_workspace.h"
 #include "core/stuffing/brick_geometry.h"
@@ -74,6 +75,15 @@ absl::Status check_totals(const CountedMesh& mesh, const MeshHeader& header) {
         "the compact chunks make %d vertices, %d tets and %d faces; the header says %d, %d and "
         "%d",
         vertices, tets, faces, header.vertex_count, header.tet_count, header.face_count));
+  }
+  // The filler gives faces these labels, whatever else the header has.
+  MeshHeader labelled;
+  labelled.face_labels = face_labels_of(mesh.rules().both_sides, mesh.rules().both_sides);
+  add_region_labels(header.face_regions, labelled);
+  if (header.has_faces() && labelled.face_labels.size() != header.face_labels.size()) {
+    return absl::DataLossError(
+        absl::StrFormat("faces of compact chunks have %d labels; the header says %d",
+                        labelled.face_labels.size(), header.face_labels.size()));
   }
   if (!fans_are_right(mesh)) {
     return absl::DataLossError("a compact chunk is broken: a fan where there is none");

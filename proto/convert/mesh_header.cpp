@@ -16,6 +16,7 @@
 #include "core/volume/grid_info.h"
 #include "proto/convert/counts.h"
 #include "proto/convert/face_labels.h"
+#include "proto/convert/face_regions.h"
 #include "proto/convert/points.h"
 
 namespace tet {
@@ -207,6 +208,8 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   if (!parts.ok()) return parts.status();
   auto labels = face_labels_of(message);
   if (!labels.ok()) return labels.status();
+  auto regions = face_regions_of(message.canonical_request().face_regions());
+  if (!regions.ok()) return regions.status();
   MeshHeader header;
   header.vertex_count = unsigned_count(message.vertex_count());
   header.tet_count = unsigned_count(message.tet_count());
@@ -224,6 +227,7 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   header.inside_guess = message.inside_guess();
   header.face_labels = *std::move(labels);
   header.face_count = unsigned_count(message.face_count());
+  header.face_regions = *std::move(regions);
   return header;
 }
 

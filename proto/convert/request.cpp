@@ -10,6 +10,7 @@
 
 #include "core/volume/inside.h"
 #include "proto/convert/box_request.h"
+#include "proto/convert/face_regions.h"
 #include "proto/convert/field_request.h"
 #include "proto/convert/grid_names_request.h"
 #include "proto/convert/mesh_header.h"
@@ -105,6 +106,28 @@ absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
   return absl::OkStatus();
 }
 
+/// Regions ask for the faces that they are pieces of.
+absl::Status parse_faces(const v1::MeshRequest& request, MeshRequest& out) {
+  auto regions = face_regions_of(request.face_regions());
+  if (!regions.ok()) return invalid_field(std::string(regions.status().message()));
+  out.faces = request.faces() || !regions->empty();
+  out.face_regions = *std::move(regions);
+  return absl::OkStatus();
+}
+
+/// A client that makes the tets itself has no scene to ask which node made a face.
+absl::Status check_compact_faces(const v1::StreamMeshRequest& request) {
+  if (request.encoding() != v1::ENCODING_COMPACT) return absl::OkStatus();
+  for (int i = 0; i < request.mesh().face_regions_size(); ++i) {
+    if (request.mesh().face_regions(i).node().empty()) continue;
+    return invalid_field(absl::StrFormat(
+        "encoding ENCODING_COMPACT cannot carry face_regions[%d].node, as only the server "
+        "knows which node made a face: ask for ENCODING_PACKED",
+        i));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> parse_grid_name(const std::string& name) {
@@ -139,7 +162,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.manifold = request.manifold();
   order.request.coordinates = *coordinates;
   order.request.improve = request.improve();
-  order.request.faces = request.faces();
+  if (const auto status = parse_faces(request, order.request); !status.ok()) return status;
   order.request.skip_statistics = request.skip_statistics();
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   order.request.levels =
@@ -164,6 +187,7 @@ void to_proto(const MeshRequest& request, v1::MeshRequest& message) {
   message.set_manifold(request.manifold);
   message.set_improve(request.improve);
   message.set_faces(request.faces);
+  to_proto(request.face_regions, message);
   message.set_skip_statistics(request.skip_statistics);
   if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
   to_proto(request.fields, message);
@@ -184,6 +208,7 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
                                       " is unknown: see Capabilities.encodings"));
   }
   if (auto status = check_rules(request); !status.ok()) return status;
+  if (auto status = check_compact_faces(request); !status.ok()) return status;
   StreamOrder order{*std::move(mesh),
                     static_cast<std::uint64_t>(request.start_chunk()),
                     static_cast<std::uint64_t>(request.end_chunk()),
@@ -250,6 +275,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
   canonical.set_faces(order.request.faces);
+  to_proto(order.request.face_regions, canonical);
   canonical.set_skip_statistics(order.request.skip_statistics);
   const auto coordinates =
       header != nullptr ? std::optional(header->coordinate_type) : order.request.coordinates;
@@ -276,7 +302,7 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
                    exact_fields(canonical), exact_grids(canonical), exact_inside(canonical),
-                   canonical.faces() ? " faces" : ""),
+                   canonical.faces() ? " faces" : "", exact_face_regions(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();

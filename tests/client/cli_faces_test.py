@@ -5,12 +5,13 @@
 
 import filecmp
 import json
+import pathlib
 import unittest
 
 import meshio
 import numpy
 
-from command_case import CommandTest, ServerTest
+from command_case import REFUSED, CommandTest, ServerTest
 from job_case import JobTest
 
 HALF = ("--box", "0", "-2", "-2", "2", "2", "2")
@@ -72,8 +73,84 @@ class Faces(CommandTest):
         self.assertEqual(len(faces), 7)
 
 
+BRACKET = pathlib.Path(__file__).resolve().parents[2] / "docs" / "scenes" / "bracket.json"
+BORE = ("--face", "bore=cylinder:0,0,-0.15,0,0,1.05,0.45")
+
+
+class Regions(CommandTest):
+    def bracket(self, *options, ending=".msh"):
+        return self.tetstream("mesh", BRACKET, "-o", self.out / f"mesh{ending}", "--spacing", "0.1", *options)
+
+    def test_of_a_node_and_of_places_are_physical_surfaces(self):
+        result = self.bracket("--face", "bore=node:bore", "--face", "bottom=facing:0,0,-1,30/halfspace:0,0,1,-0.15",
+                              "--report", self.out / "r.json")
+        self.assert_done(result)
+        triangles = triangles_by_name(self.out / "mesh.msh")
+        self.assertEqual(set(triangles), {"surface", "bore", "bottom"})
+        radius = numpy.linalg.norm(triangles["bore"][:, :, :2], axis=2)
+        self.assertLess(abs(radius - 0.4).max(), 0.06)
+        self.assertTrue((triangles["bottom"][:, :, 2] < -0.1).all())
+        self.assertGreater(len(triangles["bore"]), 100)
+        counts = json.loads((self.out / "r.json").read_text())["faces"]
+        self.assertEqual(counts, {name: len(found) for name, found in triangles.items()})
+        self.assertIn(f"faces: {counts['bore']} bore, {counts['bottom']} bottom", result.stdout)
+        self.assertEqual(result.stderr, "")
+
+    def test_come_from_a_json_file_as_from_options(self):
+        regions = self.out / "regions.json"
+        regions.write_text(json.dumps({"regions": [
+            {"name": "bore", "cylinder": {"start": [0, 0, -0.15], "end": [0, 0, 1.05], "radius": 0.45}},
+            {"name": "left", "nearest": {"points": [-2, 0, 0]}}, {"name": "right", "nearest": {"points": [2, 0, 0]}}]}))
+        written = []
+        for options in (("--face", regions), ("--face", regions.read_text()),
+                        (*BORE, "--face", "left=nearest:-2,0,0", "--face", "right=nearest:2,0,0")):
+            self.assert_done(self.bracket(*options))
+            written.append((self.out / "mesh.msh").read_bytes())
+        self.assertEqual(set(triangles_by_name(self.out / "mesh.msh")), {"bore", "left", "right"})
+        self.assertEqual(len(set(written)), 1)
+
+    def test_that_took_no_face_are_warned_of(self):
+        result = self.bracket("--face", "nowhere=ball:9,9,9,1", "--report", self.out / "r.json")
+        self.assert_done(result)
+        self.assertIn("warning: no face is in region 'nowhere'", result.stderr)
+        self.assertIn("the mesh lies between (-2", result.stderr)
+        report = json.loads((self.out / "r.json").read_text())
+        self.assertEqual(report["faces"]["nowhere"], 0)
+        self.assertEqual(len(report["face_warnings"]), 1)
+
+    def test_that_cannot_be_are_refused_before_any_work(self):
+        for option, words in {
+                "bore": ("--face bore: it takes a name",),
+                "bore=tube:1,2": ('"tube" is no place', "cylinder"),
+                "bore=ball:1,2,3": ("ball takes X,Y,Z,RADIUS, and here are 3 numbers",),
+                "bore=ball:1,2,x,3": ('"x" is no number',),
+                "bore=nearest:1,2,3,4": ("nearest takes", "4 numbers"),
+                "bore=ball:0,0,0,1/ball:1,1,1,1": ("two places of the kind ball",),
+                "bore=ball:0,0,0,-1": ("ball.radius -1 is not from",),
+                "surface=ball:0,0,0,1": ("a name that faces have anyway",),
+                "bore=node:": ("node takes the name",),
+                '{"regions": [{"name": "a"}]}': ("has no condition",),
+                "missing.json": ("missing.json",)}.items():
+            self.assert_fails(self.bracket("--face", option), REFUSED, *words)
+        self.assert_fails(self.bracket("--face", "bore=node:boer"), REFUSED, 'node "boer" is no node', "bore")
+
+
 class FacesOnAServer(ServerTest):
     volumes = {"sphere": 0.05}
+
+    def test_of_regions_are_the_same_bytes(self):
+        for name, options, encodings in (
+                (BRACKET, ("--spacing", "0.1", "--face", "bore=node:bore", *BORE), ((), ("--packed",))),
+                (self.inputs / "sphere.vdb", ("--face", "top=facing:0,0,1,40"), ((), ("--packed",), ("--compact",)))):
+            here, there = self.out / "here.msh", self.out / "there.msh"
+            self.assert_done(self.tetstream("mesh", name, "-o", here, *options))
+            for encoding in encodings:
+                self.assert_done(self.tetstream("mesh", name, "-o", there, *options, *encoding,
+                                                "--server", self.address))
+                self.assertTrue(filecmp.cmp(here, there, shallow=False), (options, encoding))
+        refused = self.tetstream("mesh", BRACKET, "-o", self.out / "no.msh", "--face", "bore=node:bore", "--compact",
+                                 "--server", self.address)
+        self.assertIn("ask for ENCODING_PACKED", refused.stderr)
 
     def test_are_the_same_bytes(self):
         for options in ((), ("--improve",), HALF, ("--preset", "both-sides")):
@@ -88,13 +165,16 @@ class FacesOnAServer(ServerTest):
                 self.assertTrue(filecmp.cmp(here, there, shallow=False), (options, encoding))
 
 
+TOP = ("--faces", "--face", "top=facing:0,0,1,40")
+
+
 class FacesOfJobs(JobTest):
     volumes = {"sphere": 0.05}
 
     def test_are_the_same_bytes_as_in_this_process(self):
-        job, = self.submit(self.inputs / "sphere.vdb", "--faces")
+        job, = self.submit(self.inputs / "sphere.vdb", *TOP)
         here, there = self.out / "here.msh", self.out / "there.msh"
-        self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", here))
+        self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", here, *TOP))
         self.assert_done(self.job("fetch", job, "--wait", "-o", there))
         self.assertTrue(filecmp.cmp(here, there, shallow=False))
 

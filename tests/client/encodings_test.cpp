@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/mesh_client.h"
+#include "core/mesh/face_counts.h"
 #include "core/mesh/find_faces.h"
 #include "tests/client/cutting_proxy.h"
 #include "tests/core/plan/meshing.h"
@@ -62,6 +63,28 @@ TEST_F(EncodingsTest, CarryTheSameFaces) {
       ASSERT_TRUE(encoded.ok()) << encoded.status();
       expect_same_stream(*encoded, *plain);
       EXPECT_EQ(encoded->mesh.header.face_labels, plain->mesh.header.face_labels);
+    }
+  }
+}
+
+TEST_F(EncodingsTest, CarryTheSameRegionsOfFaces) {
+  for (v1::MeshRequest request : {uniform_ball(16), both_sides_of_ball(16, 2)}) {
+    v1::FaceRegion& half = *request.add_face_regions();
+    half.set_name("half");
+    half.mutable_half_space()->mutable_normal()->Add(1);
+    half.mutable_half_space()->mutable_normal()->Resize(3, 0);
+    half.mutable_half_space()->set_offset(0.01);
+    const auto plain = client_->stream_mesh(request, {}, never_);
+    ASSERT_TRUE(plain.ok()) << plain.status();
+    const auto counts = count_faces(plain->mesh);
+    EXPECT_EQ(plain->mesh.header.face_labels.back().name, "half");
+    EXPECT_GT(counts.front(), 10U);
+    EXPECT_GT(counts.back(), 10U);
+    for (const v1::Encoding encoding : {v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
+      const auto encoded =
+          client_->stream_mesh(request, {}, never_, {.encoding = encoding, .used = {}});
+      ASSERT_TRUE(encoded.ok()) << encoded.status();
+      expect_same_stream(*encoded, *plain);
     }
   }
 }

@@ -15,6 +15,10 @@ import numpy
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BRACKET = ROOT / "docs" / "scenes" / "bracket.json"
 
+# Screwed down by its four holes, and pressed upon in one half of its bore.
+CLAMPED = ("--face", "feet=node:holes", "--face", "load=node:bore/halfspace:1,0,0,0", "--face", "bore=node:bore")
+BORE_RADIUS, BORE_HEIGHT, HOLE_RADIUS, PLATE = 0.4, 1.3, 0.2, 0.4  # of the bracket
+
 BALL = {"nodes": [{"sphere": {"radius": 1}}]}
 # All space that is cut out of it is inside.
 BLOCK = {"nodes": [{"half_space": {"normal": [0, 0, 1], "offset": 100}}]}
@@ -122,6 +126,22 @@ class CalculiX(Judged):
         self.assertLess(numpy.abs(moved - shrink * points).max(), 1e-6 * abs(shrink))
 
 
+    def test_holds_a_bracket_by_its_holes_against_a_pressure_in_its_bore(self):
+        mesh = self.mesh("bracket.inp", BRACKET, *CLAMPED)
+        pressure = 2.0
+        self.PRINT = "*NODE PRINT, NSET=feet, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=Nall\nU\n*END STEP\n"
+        points, moved = self.solve(mesh, "*BOUNDARY\nfeet, 1, 3\n", f"*DSLOAD\nload, P, {pressure}\n")
+        text = (self.folder / "deck.dat").read_text()
+        held = numpy.array(text.partition("total force")[2].split("\n")[2].split(), dtype=float)
+        # The pressure pushes the half at negative x away from the middle; the feet hold against it.
+        force = pressure * 2 * BORE_RADIUS * BORE_HEIGHT
+        self.assertAlmostEqual(held[0] / force, 1, delta=0.03)
+        self.assertLess(abs(held[1]), 0.02 * force)
+        self.assertLess(numpy.abs(moved[:, 0]).argmax() and points[numpy.abs(moved[:, 0]).argmax()][0], 0)
+        feet = numpy.abs(numpy.linalg.norm(numpy.abs(points[:, :2]) - (1.6, 0.6), axis=1) - HOLE_RADIUS) < 1e-3
+        self.assertTrue((moved[feet & (numpy.abs(points[:, 2]) < 0.15)] == 0).all())
+
+
 class Gmsh(Judged):
     def check(self, path):
         code, text = self.run_in(self.folder, "gmsh", "-check", path)
@@ -131,6 +151,7 @@ class Gmsh(Judged):
 
     def test_finds_no_fault(self):
         self.check(self.mesh("bracket.msh"))
+        self.check(self.mesh("named.msh", BRACKET, *CLAMPED))
         self.check(self.mesh("sides.msh", BALL, *BOTH_SIDES, spacing="0.3"))
         self.check(self.mesh("cut.msh", BALL, "--box", "-0.5", "-2", "-2", "2", "2", "2", spacing="0.2"))
 
@@ -153,6 +174,28 @@ class Dolfinx(Judged):
         self.assertLess(found["clamped_outside_of_plane"], 1e-6)
         self.assertLess(found["least_displacement"], -1e-6)  # it sags
         self.assertAlmostEqual(found["reaction"] / found["weight"], 1, places=6)
+
+    def test_solves_elasticity_on_a_bracket_that_is_held_by_its_holes(self):
+        found = self.elasticity(self.mesh("bracket.xdmf", BRACKET, *CLAMPED), "feet")
+        areas = found["areas"]
+        self.assertEqual(set(areas), {"surface", "feet", "load", "bore"})
+        self.assertAlmostEqual(sum(areas.values()) / found["boundary_area"], 1, places=10)
+        bore = 2 * numpy.pi * BORE_RADIUS * BORE_HEIGHT
+        self.assertAlmostEqual((areas["load"] + areas["bore"]) / bore, 1, delta=0.03)
+        self.assertAlmostEqual(areas["load"] / areas["bore"], 1, delta=0.03)
+        self.assertAlmostEqual(areas["feet"] / (4 * 2 * numpy.pi * HOLE_RADIUS * PLATE), 1, delta=0.05)
+        self.assertLess(found["least_displacement"], -1e-6)
+        self.assertAlmostEqual(found["reaction"] / found["weight"], 1, places=6)
+
+    def test_reads_the_same_areas_from_a_msh(self):
+        self.mesh("bracket.msh", BRACKET, *CLAMPED)
+        code, text = self.run_in(self.folder, "/usr/bin/python3", pathlib.Path(__file__).parent / "msh_areas.py",
+                                 self.folder / "bracket.msh")
+        self.assertEqual(code, 0, text)
+        areas = json.loads(next(line for line in text.splitlines() if line.startswith("{")))
+        self.assertEqual(set(areas), {"surface", "feet", "load", "bore"})
+        self.assertAlmostEqual(areas["feet"] / (4 * 2 * numpy.pi * HOLE_RADIUS * PLATE), 1, delta=0.05)
+        self.assertAlmostEqual(areas["load"] / areas["bore"], 1, delta=0.03)
 
     def test_reads_both_sides_and_what_lies_between(self):
         mesh = self.mesh("sides.xdmf", BALL, *BOTH_SIDES, spacing="0.3")

@@ -136,6 +136,9 @@ class Fetcher {
     if (!status.ok()) return status;
     tell(job, output.path, summary_line(output.path, made, watch.seconds()), false);
     note_guess(made.mesh.header);
+    for (const std::string& warning : face_warnings(made.mesh)) {
+      session_.bar.say_lines("warning: " + for_terminal(warning), stderr);
+    }
     return absl::OkStatus();
   }
 

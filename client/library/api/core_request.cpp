@@ -1,12 +1,15 @@
 #include "client/library/api/core_request.h"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 
 #include "client/library/api/scene_impl.h"
 #include "client/library/api/volume_impl.h"
+#include "proto/convert/face_regions.h"
 #include "proto/sizing/sizing_message.h"
 
 namespace tetstream {
@@ -54,11 +57,21 @@ absl::StatusOr<tet::Sizing> sizing_of(const std::string& json) {
   return sizing;
 }
 
+absl::StatusOr<std::vector<tet::FaceRegion>> face_regions_of(const std::string& json) {
+  if (json.empty()) return std::vector<tet::FaceRegion>();
+  auto regions = tet::face_regions_from_json(json);
+  if (regions.ok()) return regions;
+  return absl::Status(regions.status().code(),
+                      absl::StrCat("face_regions: ", regions.status().message()));
+}
+
 }  // namespace
 
 absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   absl::StatusOr<tet::Sizing> sizing = sizing_of(request.sizing);
   if (!sizing.ok()) return sizing.status();
+  auto regions = face_regions_of(request.face_regions);
+  if (!regions.ok()) return regions.status();
   tet::MeshRequest core;
   core.spacing = request.spacing;
   core.iso = request.iso;
@@ -72,7 +85,8 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   core.levels = request.levels.value_or(tet::default_levels(core.sizing));
   core.improve = request.improve;
   core.manifold = request.manifold;
-  core.faces = request.faces;
+  core.face_regions = *std::move(regions);
+  core.faces = request.faces || !core.face_regions.empty();
   core.skip_statistics = !request.statistics;
   core.coordinates = to_core(request.coordinates);
   for (const Field& field : request.fields) {

@@ -7,6 +7,7 @@
 
 #include "client/library/api/to_public.h"
 #include "client/library/chunk_supply.h"
+#include "core/mesh/face_counts.h"
 #include "core/mesh/tet_mesh.h"
 #include "tetstream/mesh.h"
 
@@ -17,7 +18,13 @@ struct Mesh::Impl {
       : mesh(std::move(made)),
         header(to_public(mesh.header, std::move(id))),
         columns(columns_of(mesh)),
-        statistics(to_public(facts)) {}
+        statistics(statistics_of(mesh, facts)) {}
+
+  static Statistics statistics_of(const tet::TetMesh& mesh, const tet::TrailerFacts& facts) {
+    Statistics told = to_public(facts);
+    told.empty_face_regions = tet::empty_face_regions(mesh.header, tet::count_faces(mesh));
+    return told;
+  }
 
   const tet::TetMesh mesh;
   const MeshHeader header;

@@ -104,11 +104,12 @@ py::dict to_python(const MeshHeader& header) {
 
 py::dict to_python(const Statistics& statistics) {
   const Statistics::ThinWalls& thin = statistics.thin_walls;
-  return py::dict(py::arg("quality") = quality_of(statistics.quality),
-                  py::arg("boundary") = boundary_of(statistics.boundary),
-                  py::arg("improvement") = improvement_of(statistics.improvement),
-                  py::arg("thin_walls") =
-                      py::make_tuple(thin.inside, thin.outside, thin.suggested_spacing));
+  return py::dict(
+      py::arg("quality") = quality_of(statistics.quality),
+      py::arg("boundary") = boundary_of(statistics.boundary),
+      py::arg("improvement") = improvement_of(statistics.improvement),
+      py::arg("thin_walls") = py::make_tuple(thin.inside, thin.outside, thin.suggested_spacing),
+      py::arg("empty_face_regions") = py::tuple(py::cast(statistics.empty_face_regions)));
 }
 
 void bind_mesh(py::module_& module) {

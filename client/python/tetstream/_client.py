@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import warnings
 from collections.abc import Mapping
 from types import TracebackType
 
@@ -13,8 +14,8 @@ from ._errors import CancelledError, StatusCode
 from ._jobs import JobBackend, Jobs
 from ._local_jobs import LocalJobs
 from ._mesh import Mesh
-from ._request import (Box, Coordinates, Encoding, Inside, Preset, Progress, Request, Sizing, StoredVolume, VolumeLike,
-                       options_of)
+from ._request import (Box, Coordinates, Encoding, FaceRegions, Inside, Preset, Progress, Request, Sizing,
+                       StoredVolume, VolumeLike, options_of)
 from ._served_jobs import ServedJobs
 from ._session import Session
 from ._share import SharedStream
@@ -106,6 +107,7 @@ class Client:
         manifold: bool = False,
         statistics: bool = True,
         faces: bool = False,
+        face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
         threads: int = 0,
@@ -136,6 +138,10 @@ class Client:
         manifold     the boundary touches itself nowhere, whatever the field
         statistics   measure angles and boundary: a little slower
         faces        boundary triangles beside the tets, with names: docs/faces.md
+        face_regions   names of pieces of the surface, and where each lies; they ask for `faces`, too:
+                     {"bore": {"cylinder": {"start": [0, 0, 0], "end": [0, 0, 1], "radius": 0.3}}}. Several
+                     places are a list; a list of {"name": ..., ...} or JSON will do, too: docs/faces.md. A
+                     region that took no face is a UserWarning
         coordinates  how they are stored: "float32", "float64", or "automatic", which takes float64 where
                      float32 would bend the angle bounds
         fields       {name: Volume}: arrays of values that the vertices get, at most 16
@@ -153,11 +159,16 @@ class Client:
         """
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
-            fields=fields)
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces,
+            face_regions=face_regions, coordinates=coordinates, fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
-        return Mesh(self._backend.mesh(request, options))
+        made = Mesh(self._backend.mesh(request, options))
+        for name in made.statistics.empty_face_regions:
+            low, high = made.header.bounds
+            warnings.warn(f"no face is in region {name!r}: none meets all its conditions, or earlier regions took "
+                          f"them; the mesh lies between {low} and {high}", stacklevel=2)
+        return made
 
     def stream(
         self,
@@ -174,6 +185,7 @@ class Client:
         manifold: bool = False,
         statistics: bool = True,
         faces: bool = False,
+        face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
         threads: int = 0,
@@ -195,8 +207,8 @@ class Client:
         """
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
-            fields=fields)
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces,
+            face_regions=face_regions, coordinates=coordinates, fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         backend = self._backend
@@ -221,6 +233,7 @@ class Client:
         manifold: bool = False,
         statistics: bool = True,
         faces: bool = False,
+        face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
         threads: int = 0,
@@ -229,8 +242,8 @@ class Client:
         """Counts a mesh without making it. Options and errors are those of `mesh`."""
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, faces=faces, coordinates=coordinates,
-            fields=fields)
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces,
+            face_regions=face_regions, coordinates=coordinates, fields=fields)
         told = self._backend.estimate(request, options_of(timeout=timeout, threads=threads))
         return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["chunk_count"]),
                         int(told["bytes"]), told["seconds"])

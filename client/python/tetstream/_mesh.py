@@ -147,19 +147,24 @@ class ThinWalls:
 @dataclasses.dataclass(frozen=True)
 class Statistics:
     """What is told of a whole mesh beside itself. None: left out (`statistics=False`), or not told, as
-    the quality of a stream that was taken up again after its connection broke."""
+    the quality of a stream that was taken up again after its connection broke.
+
+    empty_face_regions   names among `face_regions` that no face has; not told of a stream
+    """
 
     quality: Quality | None
     boundary: Boundary | None
     improvement: Improvement | None
     thin_walls: ThinWalls
+    empty_face_regions: tuple[str, ...] = ()
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Statistics:
         kinds: dict[str, Callable[..., Any]] = {
             "quality": Quality, "boundary": Boundary, "improvement": Improvement}
         parts = {name: kind(**told[name]) if told[name] else None for name, kind in kinds.items()}
-        return cls(**parts, thin_walls=ThinWalls(*told["thin_walls"]))
+        return cls(**parts, thin_walls=ThinWalls(*told["thin_walls"]),
+                   empty_face_regions=told["empty_face_regions"])
 
 
 class Arrays:

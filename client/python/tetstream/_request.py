@@ -8,7 +8,7 @@ import json
 import math
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 from . import _tetstream
@@ -24,6 +24,7 @@ Coordinates = Literal["automatic", "float32", "float64"]
 Encoding = Literal["plain", "packed", "compact"]
 Box = tuple[Point, Point]
 Sizing = Mapping[str, Any] | str
+FaceRegions = Mapping[str, Any] | Sequence[Mapping[str, Any]] | str
 
 # By which another thread stops the calls that are made in this context.
 stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.ContextVar(
@@ -69,6 +70,7 @@ class Request:
     manifold: bool = False
     statistics: bool = True
     faces: bool = False
+    face_regions: FaceRegions | None = None
     coordinates: Coordinates = "automatic"
     fields: Mapping[str, Volume] | None = None
 
@@ -100,6 +102,8 @@ class Request:
         request.manifold = self.manifold
         request.statistics = self.statistics
         request.faces = self.faces
+        if self.face_regions is not None:
+            request.face_regions = _json_of_regions(self.face_regions)
         request.coordinates = member("coordinates", self.coordinates, _tetstream.Coordinates.__members__)
         for name, values in (self.fields or {}).items():
             request.add_field(name, values._volume)
@@ -109,6 +113,19 @@ class Request:
 VolumeLike = Meshable | Request
 
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
+
+
+def _json_of_regions(regions: FaceRegions) -> str:
+    """`{"bore": {...}}`, a list of regions with names, or JSON as docs/faces.md has it."""
+    if isinstance(regions, str):
+        return regions
+    if not isinstance(regions, Mapping):
+        return json.dumps({"regions": [dict(region) for region in regions]})
+    named: list[Any] = []
+    for name, places in regions.items():
+        for place in [places] if isinstance(places, Mapping) else places:
+            named.append({"name": name, **place})
+    return json.dumps({"regions": named})
 
 
 def options_of(

@@ -72,6 +72,7 @@ class Request:
     manifold: bool
     statistics: bool
     faces: bool
+    face_regions: str
     coordinates: Coordinates
     def set_box(self, box: tuple[_Point, _Point] | None) -> None: ...
     def add_field(self, name: str, values: Volume) -> None: ...

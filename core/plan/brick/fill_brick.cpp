@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/vec3.h"
 #include "core/plan/brick/background_quality.h"
-#include "core/plan/brick/write_positions.h"
 
 namespace tet {
 
@@ -42,14 +42,16 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
     const LevelNodes& nodes = mesh_.nodes(place.level);
     around_[0] = {.node = {&nodes.corner[place.brick], &nodes.centre[place.brick]}};
   }
-  write_positions(BrickFrame(to_world_, level.bricks[place.brick], place.level), around_[0],
-                  workspace_.vertices.own_places(), header_.coordinate_type, columns.positions);
+  const BrickFrame frame(to_world_, level.bricks[place.brick], place.level);
+  write_positions(frame, around_[0], workspace_.vertices.own_places(), header_.coordinate_type,
+                  columns.positions);
   if (columns.tets.empty()) return;
   has_faces_ = !columns.faces.empty();
   workspace_.faces.clear();
   if (has_faces_) {
     outer_ = mesh_.outer(place);
     if (place.level == 0) surroundings_ = mesh_.surroundings(places);
+    if (!labeller_.empty()) focus_labeller(frame);
   }
   const std::uint64_t first_tet = mesh_.first_tet(brick);
   if (header_.index_type == IndexType::kUint32) {
@@ -142,7 +144,35 @@ void BrickFiller::write_faces(std::uint64_t first_tet, const ChunkColumns& colum
     *of_tet++ = static_cast<Index>(first_tet + face.tet);
   }
   auto* label = reinterpret_cast<std::uint16_t*>(columns.face_labels.data());
-  for (const LocalFace& face : faces) *label++ = face.label;
+  for (const LocalFace& face : faces) {
+    const bool has_region = face.label == 0 && !labeller_.empty();
+    *label++ = has_region ? labeller_.label_of(place_of(face)) : face.label;
+  }
+}
+
+/// Looks at a finest brick, and at the cells around it that its tets reach.
+void BrickFiller::focus_labeller(const BrickFrame& frame) noexcept {
+  constexpr double kMiddle = kBrickEdge / 2.0, kReach = kMiddle + 2;
+  corner_ = frame.corner();
+  labeller_.focus(world_of({kMiddle, kMiddle, kMiddle}), kReach * header_.spacing);
+}
+
+FacePlace BrickFiller::place_of(const LocalFace& face) const noexcept {
+  FacePlace place;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const auto [x, y, z] =
+        workspace_.vertices.points()[face.corners[kFaceCorners[face.opposite][i]]];
+    place[i] = world_of({x, y, z});
+  }
+  return place;
+}
+
+/// Takes spacings from the brick's lowest corner.
+WorldPoint BrickFiller::world_of(const WorldPoint& lattice) const noexcept {
+  const Triple at{corner_[0] + lattice.x, corner_[1] + lattice.y, corner_[2] + lattice.z};
+  const auto& linear = to_world_.linear;
+  return {header_.origin.x + dot(linear[0], at), header_.origin.y + dot(linear[1], at),
+          header_.origin.z + dot(linear[2], at)};
 }
 
 CellNodes BrickFiller::nodes_of(const PlacesAround& places) const noexcept {

@@ -10,10 +10,12 @@
 
 #include "core/base/brick_neighbours.h"
 #include "core/base/quality.h"
+#include "core/mesh/face_labeller.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/survey.h"
+#include "core/plan/brick/write_positions.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cell_nodes.h"
 #include "core/stuffing/fill.h"
@@ -50,6 +52,7 @@ class BrickFiller {
         to_world_(to_world),
         statistics_(statistics),
         workspace_(workspace),
+        labeller_(header, field.scene),
         sampler_(field),
         numbers_(mesh.numbers()),
         neighbours_(mesh.tree().levels[0].bricks) {}
@@ -67,6 +70,9 @@ class BrickFiller {
                  const ChunkColumns& columns) noexcept;
   template <class Index>
   void write_faces(std::uint64_t first_tet, const ChunkColumns& columns) noexcept;
+  void focus_labeller(const BrickFrame& frame) noexcept;
+  FacePlace place_of(const LocalFace& face) const noexcept;
+  WorldPoint world_of(const WorldPoint& lattice) const noexcept;
   template <class Index>
   Index* fill_finest_tets(MeshRegion region,
                           Index* out,
@@ -91,6 +97,7 @@ class BrickFiller {
   const LatticeToWorld& to_world_;
   const Statistics statistics_;
   BrickScratch& workspace_;
+  FaceLabeller labeller_;
   PhiSampler sampler_;
   NodeNumbers numbers_;
   BrickNeighbours neighbours_;  // on their way along a level
@@ -101,8 +108,9 @@ class BrickFiller {
   // What is around the brick that is being filled; set only where the mesh has faces.
   OuterCells outer_;
   BrickSurroundings surroundings_;
-  std::size_t filled_ = 0;  // bricks
-  QualityStats runs_;       // filled before; then of the one being filled
+  std::array<double, 3> corner_{};  ///< as that of its BrickFrame
+  std::size_t filled_ = 0;          // bricks
+  QualityStats runs_;               // filled before; then of the one being filled
   QualityMeter meter_;
   QualityStats background_;
 };

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "core/mesh/find_faces.h"
 #include "core/plan/brick/boundary_count.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/divided_survey.h"
@@ -85,10 +84,8 @@ MeshHeader header_of(const CountedMesh& mesh, const MeshRequest& request) {
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.has_regions = mesh.rules().both_sides;
   header.fields = arrays_of(request);
-  if (request.faces) {
-    header.face_labels = face_labels_of(header.has_regions, header.has_regions);
-    header.face_count = mesh.first_face(mesh.brick_count());
-  }
+  set_face_labels(request, header.has_regions, header);
+  header.face_count = mesh.first_face(mesh.brick_count());
   header.index_type = index_type_of(header, request);
   return header;
 }

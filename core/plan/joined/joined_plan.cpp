@@ -12,6 +12,7 @@
 #include "core/mesh/find_faces.h"
 #include "core/octree/leaf_rules.h"
 #include "core/plan/budget.h"
+#include "core/plan/check_face_regions.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/mesh_progress.h"
 #include "core/plan/mesh_workspace.h"
@@ -399,6 +400,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const PlanJob& job,
     add_to_header(names[i], of, header);
   }
   header.face_labels = labels_of_parts(header.face_labels, header.parts);
+  if (status = check_part_labels(header); !status.ok()) return status;
   facts.thin_walls = thin_walls_of(parts);
   facts.boundary = boundary_of(parts);
   facts.improvement = improvement_of(parts);

@@ -10,6 +10,7 @@
 #include "core/base/heap_bytes.h"
 #include "core/graded/stuffed_background.h"
 #include "core/mesh/boundary.h"
+#include "core/mesh/face_labeller.h"
 #include "core/mesh/find_faces.h"
 #include "core/mesh/quality.h"
 #include "core/plan/check_tets.h"
@@ -54,7 +55,7 @@ MeshHeader header_of_whole(const StuffedBackground& stuffed, const MeshRequest& 
   header.tet_count = stuffed.tet_count();
   header.levels = stuffed.levels();
   header.fields = arrays_of(request);
-  if (request.faces) header.face_labels = face_labels_of(false, has_cut(request));
+  set_face_labels(request, has_cut(request), header);
   header.index_type = index_type_of(header, request);
   return header;
 }
@@ -66,7 +67,7 @@ void count_chunks(std::size_t chunk_bytes, MeshHeader& header) {
 }
 
 /// Finds the faces of a whole mesh, which has the labels.
-void find_faces_of(WholeMesh& whole) {
+void find_faces_of(const Scene* scene, WholeMesh& whole) {
   const std::vector<CutFaces>& faces = whole.vertex_faces;
   FoundFaces found{
       find_boundary_faces(whole.mesh), whole.mesh.header.face_labels,
@@ -76,6 +77,7 @@ void find_faces_of(WholeMesh& whole) {
         return label_of_cut(shared);
       }};
   set_faces(found, whole.mesh, whole.mesh);
+  label_regions(whole.mesh, scene);
 }
 
 /// Where part `index` of `parts` begins.
@@ -195,7 +197,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
   whole.vertex_levels = stuffed.vertex_levels();
   if (background.box) whole.vertex_faces = stuffed.vertex_faces();
   if (header.has_faces()) {
-    find_faces_of(whole);
+    find_faces_of(field.scene, whole);
     header.face_count = whole.mesh.header.face_count;
     if (auto status = check_bytes(header, used, job.limits); !status.ok()) return status;
   }

@@ -334,3 +334,29 @@ def test_has_faces_as_views_where_they_are_asked_for(mesh):
         made.faces_of("rim")
     with pytest.raises(ts.InvalidArgumentError, match="mesh with faces=True"):
         mesh.faces_of("surface")
+
+
+def test_names_regions_of_the_surface(mesh):
+    values, place = distances()
+    volume = ts.Volume.from_array(values, **place)
+    top = {"facing": {"direction": [0, 0, 1], "angle_deg": 40}}
+    made = ts.mesh(volume, face_regions={"top": top, "ends": [
+        {"half_space": {"normal": [1, 0, 0], "offset": -0.4}}, {"half_space": {"normal": [-1, 0, 0], "offset": -0.4}}]})
+    assert [(label.name, label.kind) for label in made.header.face_labels] == [
+        ("surface", "surface"), ("top", "region"), ("ends", "region")]
+    middles = made.points[made.faces].mean(axis=1)
+    named = made.face_labels == 2
+    assert named.any() and (abs(middles[named, 0]) > 0.4 - 1e-5).all()
+    a, b, c = (made.points[made.faces_of("top")[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    assert (normals[:, 2] >= np.linalg.norm(normals, axis=1) * np.cos(np.radians(40)) - 1e-6).all()
+    assert made.statistics.empty_face_regions == ()
+    as_list = ts.mesh(volume, face_regions=[{"name": "top", **top}])
+    assert (as_list.face_labels == 1).sum() == (made.face_labels == 1).sum()
+    with pytest.warns(UserWarning, match="no face is in region 'far'"):
+        far = ts.mesh(volume, face_regions={"far": {"ball": {"centre": [9, 9, 9], "radius": 1}}})
+    assert far.statistics.empty_face_regions == ("far",)
+    with pytest.raises(ts.InvalidArgumentError, match=r"face_regions\[0\].ball.radius 0"):
+        ts.mesh(volume, face_regions={"far": {"ball": {"centre": [9, 9, 9]}}})
+    with pytest.raises(ts.InvalidArgumentError, match="not a list of face regions"):
+        ts.mesh(volume, face_regions="[")

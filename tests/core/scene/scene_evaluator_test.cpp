@@ -116,6 +116,65 @@ TEST(SceneEvaluator, FindsNothingInsideBeyondTheExtent) {
   }
 }
 
+/// The leaf that decides a point's value, from the last instruction down.
+std::uint32_t leaf_from_above(const Scene& scene, const WorldPoint& p) {
+  std::vector<double> value(scene.program.size());
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    Scene part = scene;
+    part.program.resize(i + 1);
+    const std::uint32_t first = part.program.back().first;
+    part.program.erase(part.program.begin(), part.program.begin() + first);
+    for (scene::Instruction& op : part.program) op.first -= first;
+    value[i] = SceneEvaluator(part).at(p);
+  }
+  auto at = static_cast<std::uint32_t>(value.size()) - 1;
+  while (!is_leaf(scene.program[at].op)) {
+    const scene::Instruction& op = scene.program[at];
+    --at;
+    if (!is_binary(op.op)) continue;
+    const std::uint32_t left = scene.program[at].first - 1;
+    const bool takes_left =
+        op.op == scene::Op::kMin ? value[left] <= value[at] : value[left] >= value[at];
+    if (takes_left) at = left;
+  }
+  return at;
+}
+
+TEST(SceneEvaluator, TellsWhichLeafDecidesInAndOutOfFocus) {
+  std::mt19937 random(5);
+  for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
+    const Scene scene = scene_of_seed(seed);
+    SceneEvaluator evaluator(scene);
+    const scene::Points points = points_around({}, 3, random);
+    for (std::size_t k = 0; k < 12; ++k) {
+      const WorldPoint p = point(points, k);
+      const std::uint32_t expected = leaf_from_above(scene, p);
+      ASSERT_EQ(evaluator.leaf_at(p), expected) << "seed " << seed;
+      evaluator.focus({p.x + 0.05, p.y, p.z}, 0.1);
+      ASSERT_EQ(evaluator.leaf_at(p), expected) << "in focus, seed " << seed;
+    }
+  }
+}
+
+TEST(MakeScene, SaysWhichInstructionsEachNodeBecame) {
+  test::SceneWriter writer;
+  const std::string ball = writer.add(scene::Sphere{1});
+  scene::Repeat three;
+  three.of = writer.add_moved({5, 0, 0}, ball);
+  three.count = {3, 1, 1};
+  three.step = {3, 0, 0};
+  writer.add(three);
+  const Scene scene = writer.scene();
+  EXPECT_EQ(scene.node_names, (std::vector<std::string>{"0", "1", "2"}));
+  std::vector<int> copies(3);
+  for (const scene::NodeRun& run : scene.runs) {
+    ++copies[run.node];
+    EXPECT_TRUE(run.node != 0 || run.end == run.begin + 1);
+  }
+  EXPECT_EQ(copies, (std::vector<int>{3, 3, 1}));
+  EXPECT_EQ(scene.runs.back().end, scene.program.size());
+}
+
 TEST(SceneEvaluator, MeasuresDistancesToPrimitivesExactly) {
   const auto phi = [](auto kind, const WorldPoint& p) {
     test::SceneWriter writer;

@@ -194,6 +194,91 @@ TEST(MeshId, IsAnotherWithFaces) {
   EXPECT_NE(name_of_request(faces), name_of_request(valid_request()));
 }
 
+/// A request with a region of every kind of place.
+v1::MeshRequest request_with_regions() {
+  v1::MeshRequest request = valid_request();
+  v1::FaceRegion& region = *request.add_face_regions();
+  region.set_name("bore");
+  const auto set = [](auto& list, std::initializer_list<double> numbers) {
+    list.Add(numbers.begin(), numbers.end());
+  };
+  set(*region.mutable_box()->mutable_min(), {0, 0, 0});
+  set(*region.mutable_box()->mutable_max(), {1, 2, 3});
+  set(*region.mutable_ball()->mutable_centre(), {1, 1, 1});
+  region.mutable_ball()->set_radius(2);
+  set(*region.mutable_cylinder()->mutable_end(), {0, 0, 4});
+  region.mutable_cylinder()->set_radius(0.5);
+  set(*region.mutable_half_space()->mutable_normal(), {0, 3, 0});
+  region.mutable_half_space()->set_offset(-1);
+  set(*region.mutable_nearest()->mutable_points(), {1, 2, 3, 4, 5, 6});
+  set(*region.mutable_facing()->mutable_direction(), {0, 0, 1});
+  region.mutable_facing()->set_angle_deg(20);
+  region.set_node("bore");
+  return request;
+}
+
+TEST(Request, BringsFaceRegionsBackAndAsksForFaces) {
+  const v1::MeshRequest request = request_with_regions();
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  EXPECT_TRUE(order->request.faces);
+  const auto canonical = canonical_request(*order, std::make_shared<Volume>(), nullptr);
+  EXPECT_TRUE(canonical.faces());
+  v1::MeshRequest expected = request;
+  for (int i = 0; i < 3; ++i) {  // its defaults
+    expected.mutable_face_regions(0)->mutable_cylinder()->add_start(0);
+  }
+  EXPECT_EQ(canonical.face_regions(0).SerializeAsString(),
+            expected.face_regions(0).SerializeAsString());
+  EXPECT_EQ(order->request.face_regions.front().nearest.back().z, 6);
+}
+
+TEST(Request, RefusesFaceRegionsByTheirField) {
+  const auto refused = [](auto&& spoil) {
+    v1::MeshRequest request = request_with_regions();
+    spoil(*request.mutable_face_regions(0));
+    return refusal(request);
+  };
+  EXPECT_THAT(refused([](v1::FaceRegion& r) { r.mutable_nearest()->add_points(1); }),
+              StartsWith("face_regions[0].nearest.points has 7 numbers"));
+  EXPECT_THAT(refused([](v1::FaceRegion& r) { r.mutable_nearest()->clear_points(); }),
+              StartsWith("face_regions[0].nearest.points has 0 numbers"));
+  EXPECT_THAT(refused([](v1::FaceRegion& r) { r.mutable_box()->add_min(1); }),
+              StartsWith("face_regions[0].box.min has 4 numbers"));
+  EXPECT_THAT(refused([](v1::FaceRegion& r) { r.set_name("surface"); }),
+              StartsWith("face_regions[0].name"));
+  EXPECT_THAT(refused([](v1::FaceRegion& r) { r.mutable_ball()->set_radius(-1); }),
+              StartsWith("face_regions[0].ball.radius"));
+  v1::MeshRequest many = request_with_regions();
+  for (int i = 0; i < 256; ++i) *many.add_face_regions() = many.face_regions(0);
+  EXPECT_THAT(refusal(many), StartsWith("face_regions has 257 entries"));
+}
+
+TEST(Request, RefusesFacesOfNodesInCompactChunks) {
+  v1::StreamMeshRequest stream;
+  *stream.mutable_mesh() = request_with_regions();
+  stream.set_encoding(v1::ENCODING_PACKED);
+  EXPECT_TRUE(parse_stream_request(stream).ok());
+  stream.set_encoding(v1::ENCODING_COMPACT);
+  EXPECT_THAT(std::string(parse_stream_request(stream).status().message()),
+              HasSubstr("cannot carry face_regions[0].node"));
+}
+
+TEST(MeshId, TellsEveryFaceRegionApart) {
+  const auto volume = std::make_shared<Volume>();
+  const auto id = [&](const v1::MeshRequest& request) {
+    return mesh_id_of(canonical_request(*parse_mesh_request(request), volume, nullptr));
+  };
+  v1::MeshRequest request = request_with_regions();
+  const std::string first = id(request);
+  EXPECT_EQ(first, id(request_with_regions()));
+  request.mutable_face_regions(0)->mutable_ball()->set_radius(std::nextafter(2, 3));
+  EXPECT_NE(first, id(request));
+  request.clear_face_regions();
+  request.set_faces(true);
+  EXPECT_NE(first, id(request));
+}
+
 TEST(MeshId, IsTheSameWithoutStatistics) {
   const auto volume = std::make_shared<Volume>();
   v1::MeshRequest only = valid_request();

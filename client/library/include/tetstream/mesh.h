@@ -103,6 +103,9 @@ struct Statistics {
   std::optional<Boundary> boundary;
   std::optional<Improvement> improvement;
   ThinWalls thin_walls;
+  /// Names of the request's face regions that took no face: nothing is there, or those before
+  /// them took it. Not of a stream of chunks.
+  std::vector<std::string> empty_face_regions = {};
 };
 
 /// Vertices, tets and faces as arrays that somebody else holds. Of `points32` and `points64`
