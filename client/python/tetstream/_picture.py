@@ -87,7 +87,8 @@ def _draw(
     triangles, corners, normals = triangles[towards_us], corners[towards_us], normals[towards_us]
     lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
     light = np.abs(normals @ np.array([-0.35, -0.5, 0.79])) / lengths
-    shade = (0.25 + 0.75 * light)[:, None]
+    darkest = 0.25 if colours is None else 0.6  # where they say something, colours stay what they are
+    shade = (darkest + (1 - darkest) * light)[:, None]
     longest = np.sqrt(((corners - np.roll(corners, 1, axis=1))[:, :, :2] ** 2).sum(axis=2).max(axis=1))
     steps = np.clip(np.ceil(1.5 * longest).astype(np.int64), 1, 4 * max(width, height))
     nearest = np.full(height * width, -np.inf)
