@@ -99,15 +99,61 @@ void allow_a_worker_for_every_thread() {
                                          kMaxThreads + 1);
 }
 
+/// Arenas whose pools are gone, for pools of as many threads. A thread that leaves an arena
+/// that ended looks around for a while before it sleeps, and meanwhile the next arena gets
+/// others: a loop of short calls, each with a pool of its own, ended with all 256 threads
+/// looking around at once. One that stays in its arena takes the next call's work.
+class IdleArenas {
+ public:
+  static IdleArenas& instance() {
+    static auto* const arenas = new IdleArenas;  // outlives every static pool
+    return *arenas;
+  }
+
+  std::unique_ptr<tbb::task_arena> take(int threads) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(idle_, threads, &Idle::threads);
+    if (found == idle_.end()) {
+      return std::make_unique<tbb::task_arena>(threads, /*reserved_for_masters=*/0);
+    }
+    std::unique_ptr<tbb::task_arena> arena = std::move(found->arena);
+    idle_.erase(found);
+    return arena;
+  }
+
+  /// Nothing waits in it any more.
+  void give_back(int threads, std::unique_ptr<tbb::task_arena> arena) {
+    const std::lock_guard lock(mutex_);
+    if (idle_.size() < kMostIdle) idle_.push_back({threads, std::move(arena)});
+  }
+
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    idle_.clear();
+  }
+
+ private:
+  static constexpr std::size_t kMostIdle = 16;
+  struct Idle {
+    int threads;
+    std::unique_ptr<tbb::task_arena> arena;
+  };
+
+  std::mutex mutex_;
+  std::vector<Idle> idle_;
+};
+
 }  // namespace
 
 struct TaskPool::Impl {
-  explicit Impl(int threads)
-      : arena(std::min(threads, kMaxThreads), /*reserved_for_masters=*/0) {
+  explicit Impl(int wanted) : threads(std::min(wanted, kMaxThreads)) {
     allow_a_worker_for_every_thread();
+    arena = IdleArenas::instance().take(threads);
   }
+  ~Impl() { IdleArenas::instance().give_back(threads, std::move(arena)); }
 
-  tbb::task_arena arena;
+  const int threads;
+  std::unique_ptr<tbb::task_arena> arena;
   std::mutex mutex;
   std::condition_variable idle;
   std::size_t posted = 0;
@@ -120,16 +166,16 @@ TaskPool::~TaskPool() {
   impl_->idle.wait(lock, [&] { return impl_->posted == 0; });
 }
 
-int TaskPool::threads() const noexcept { return impl_->arena.max_concurrency(); }
+int TaskPool::threads() const noexcept { return impl_->threads; }
 
-void TaskPool::run(const std::function<void()>& work) { impl_->arena.execute(work); }
+void TaskPool::run(const std::function<void()>& work) { impl_->arena->execute(work); }
 
 void TaskPool::post(std::function<void()> work) {
   {
     const std::lock_guard lock(impl_->mutex);
     ++impl_->posted;
   }
-  impl_->arena.enqueue(
+  impl_->arena->enqueue(
       [impl = impl_.get(), owned = std::make_shared<std::function<void()>>(std::move(work))] {
         contain("a posted task", *owned);  // oneTBB would drop it, and what is below with it
         *owned = nullptr;  // what it holds is released before the destructor may go on
@@ -143,7 +189,10 @@ struct WorkerThreads::Impl {
 };
 
 WorkerThreads::WorkerThreads() : impl_(std::make_unique<Impl>()) {}
-WorkerThreads::~WorkerThreads() { tbb::finalize(impl_->scheduler, std::nothrow); }
+WorkerThreads::~WorkerThreads() {
+  IdleArenas::instance().clear();
+  tbb::finalize(impl_->scheduler, std::nothrow);
+}
 
 void stay_in_one_thread() {
   static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);

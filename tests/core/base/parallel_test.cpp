@@ -29,6 +29,19 @@ TEST(Parallel, VisitsEveryIndexOnce) {
   EXPECT_EQ(*std::min_element(visits.begin(), visits.end()), 1);
 }
 
+TEST(Parallel, PoolsOneAfterTheOtherMakeNoMoreThreadsThanOne) {
+  const auto work = [](std::size_t i) {
+    volatile double value = 0;
+    for (int step = 0; step < 500; ++step) value = value + static_cast<double>(i);
+  };
+  for (int i = 0; i < 1000; ++i) {
+    TaskPool pool(2);
+    pool.run([&] { for_each_index(64, work); });
+  }
+  const std::filesystem::directory_iterator threads("/proc/self/task");
+  EXPECT_LT(std::distance(begin(threads), end(threads)), 40);
+}
+
 TEST(Parallel, LosesATaskThatThrowsAndNothingElse) {
   std::atomic<int> done{0};
   {
