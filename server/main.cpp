@@ -62,13 +62,21 @@ struct CommandLine {
 
 /// A worker answers no calls.
 bool concerns_worker(std::string_view key) {
-  constexpr std::array<std::string_view, 14> kKeys{"store",          "resident_bytes",
-                                                   "plan_bytes",     "decoder",
-                                                   "decoders",       "decode_seconds",
-                                                   "threads",        "jobs",
-                                                   "result_bytes",   "disk_reserve_bytes",
-                                                   "log_level",      "log_buffer_bytes",
-                                                   "metrics_listen", "max_tets"};
+  constexpr std::array<std::string_view, 15> kKeys{"memory",
+                                                   "store",
+                                                   "resident_bytes",
+                                                   "plan_bytes",
+                                                   "decoder",
+                                                   "decoders",
+                                                   "decode_seconds",
+                                                   "threads",
+                                                   "jobs",
+                                                   "result_bytes",
+                                                   "disk_reserve_bytes",
+                                                   "log_level",
+                                                   "log_buffer_bytes",
+                                                   "metrics_listen",
+                                                   "max_tets"};
   return key.starts_with("job_") || std::ranges::find(kKeys, key) != kKeys.end();
 }
 

@@ -22,6 +22,7 @@
 #include "server/ops/guard.h"
 #include "server/ops/latest_readings.h"
 #include "server/ops/logging.h"
+#include "server/ops/memory.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
 #include "server/rpc/access.h"
@@ -267,7 +268,7 @@ std::string Server::Parts::metrics_text() {
   });
 }
 
-absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
+absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   static const bool registered = [] {
     log_contained_exceptions();
     grpc::EnableDefaultHealthCheckService(true);
@@ -275,6 +276,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& config) {
     return true;
   }();
   static_cast<void>(registered);
+  Config config = settings;
+  if (auto divided = divide_memory(config); !divided.ok()) return divided;
   auto tls = open_tls(config);
   if (!tls.ok()) return tls.status();
   auto access = Access::open(config.tokens);

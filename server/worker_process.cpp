@@ -6,6 +6,7 @@
 #include "server/jobs_in_server.h"
 #include "server/ops/guard.h"
 #include "server/ops/latest_readings.h"
+#include "server/ops/memory.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
 #include "server/server_readings.h"
@@ -60,7 +61,9 @@ bool WorkerProcess::Parts::finds_work() {
   return !counts.ok() || counts->ready_shards + counts->leased_shards + counts->backing_off > 0;
 }
 
-absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config& config) {
+absl::StatusOr<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const Config& settings) {
+  Config config = settings;
+  if (auto divided = divide_memory(config); !divided.ok()) return divided;
   if (config.job_workers == 0) {
     return absl::InvalidArgumentError("a worker needs job_workers of 1 or more");
   }

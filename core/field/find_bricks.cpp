@@ -223,13 +223,23 @@ double lattice_bricks_per_brick(const PhiField& field) {
   return std::pow(std::max(1.0, along), 3);
 }
 
-/// Voxel bricks become the lattice bricks that see them.
-FoundBricks at_lattice(const PhiField& field, const FoundBricks& voxel_bricks) {
+/// Voxel bricks become the lattice bricks that see them; each is seen by several. Gives up when
+/// there are more than can be kept.
+FoundBricks at_lattice(const PhiField& field,
+                       const FoundBricks& voxel_bricks,
+                       std::size_t most_bricks,
+                       const Cancellation& cancellation) {
   constexpr int kHaloReach = 3;
   FoundBricks found;
+  std::size_t unsorted_until = 2 * most_bricks;
   for (const BrickCoord brick : voxel_bricks.near_surface) {
     for_each_brick(lattice_box(field, {brick, brick}, kHaloReach),
                    [&](BrickCoord seen) { found.near_surface.push_back(seen); });
+    if (cancellation.requested()) return found;
+    if (found.near_surface.size() < unsorted_until) continue;
+    sort_unique(found.near_surface);
+    if (found.near_surface.size() > most_bricks) return found;
+    unsorted_until = found.near_surface.size() + most_bricks;
   }
   for (const BrickBox& box : voxel_bricks.inside) {
     found.inside.push_back(lattice_box(field, box, 1));
@@ -364,7 +374,8 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
   found.inside = std::move(scanned.inside);
   for (const BrickBox& box : deep_inside(field)) found.inside.push_back(box);
   const double inside_cells = cells_in(field, found.inside);
-  if (!field.at_voxels()) found = at_lattice(field, found);
+  if (!field.at_voxels()) found = at_lattice(field, found, most_bricks, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   found.inside_cells = inside_cells;
   sort_unique(found.near_surface);
   const auto bricks = static_cast<double>(found.near_surface.size());

@@ -1,7 +1,10 @@
 #include "core/volume/replace_leaves.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -59,7 +62,9 @@ class Remainder {
 
   /// The leaves and the bricks that stay, in their order.
   void merge_bricks(Volume& merged) const {
-    const std::size_t most = volume_.bricks.size() + leaves_.size();
+    const auto is_whole = [](const LeafValues& leaf) { return leaf.values.size() > 1; };
+    const std::size_t most = volume_.bricks.size() +
+                             static_cast<std::size_t>(std::ranges::count_if(leaves_, is_whole));
     merged.bricks.reserve(most);
     merged.values.reserve(most * kBrickCells);
     auto leaf = leaves_.begin();
@@ -148,6 +153,32 @@ class Remainder {
 };
 
 }  // namespace
+
+// Whoever scatters leaves pays for a region with each.
+std::uint64_t most_bytes_with(const Volume& volume, std::span<const LeafValues> leaves) {
+  const std::vector<LeafValues> all(leaves.begin(), leaves.end());
+  const std::uint64_t regions = cubes_around(all, kRegionVoxels).size();
+  const auto large = static_cast<std::uint64_t>(
+      std::ranges::count(volume.cubes, kLargestCube, &ConstantCube::edge));
+  const std::uint64_t broken =
+      std::min<std::uint64_t>(large, cubes_around(all, kLargestCube).size());
+  constexpr std::uint64_t kPartsOfCube =
+      std::uint64_t{1} << 3 * (std::bit_width(unsigned{kLargestCube / kRegionVoxels}) - 1);
+  constexpr std::uint64_t kBricksOfRegion = std::tuple_size_v<decltype(Region::constant)>;
+  std::uint64_t bytes =
+      volume.size_bytes() + regions * sizeof(Region) +
+      2 * (volume.cubes.size() + broken * kPartsOfCube) * sizeof(ConstantCube);
+  for (const LeafValues& leaf : leaves) {
+    bytes += sizeof(LeafValues) + sizeof(ConstantBrick) + sizeof(BrickCoord) +
+             sizeof(ValueRange) + leaf.values.size_bytes();
+  }
+  // The constants of regions are listed on the way, in a list that grows: those of the volume,
+  // and those that cubes with a leaf in them become.
+  const std::uint64_t listed =
+      volume.regions.size() +
+      std::min(regions, volume.cubes.size() - large + broken * kPartsOfCube);
+  return bytes + 2 * listed * kBricksOfRegion * sizeof(ConstantBrick);
+}
 
 absl::StatusOr<Volume> replace_leaves(const Volume& volume, std::vector<LeafValues> leaves) {
   std::ranges::sort(leaves, {}, &LeafValues::brick);

@@ -1,6 +1,7 @@
 // A volume with some of its leaves replaced.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct LeafValues {
   BrickCoord brick;
   std::span<const float> values;
 };
+
+/// Returns how many bytes replace_leaves takes at most, its result included.
+std::uint64_t most_bytes_with(const Volume& volume, std::span<const LeafValues> leaves);
 
 /// The volume with these leaves in the place of what it had there, stored or not. Takes time in
 /// proportion to the whole volume: all that stays is copied. Errors: kInvalidArgument (a leaf

@@ -24,8 +24,9 @@ struct Config {
   std::string reflection = "auto";
   std::string store = "tetstream-store";
   std::uint64_t store_bytes = std::uint64_t{64} << 30;
-  std::uint64_t resident_bytes = std::uint64_t{4} << 30;
-  std::uint64_t plan_bytes = std::uint64_t{8} << 30;
+  std::uint64_t memory = 0;          ///< 0: see divide_memory
+  std::uint64_t resident_bytes = 0;  ///< likewise
+  std::uint64_t plan_bytes = 0;      ///< likewise
   std::uint64_t plan_seconds = 600;
   std::string decoder;
   std::uint64_t decoders = 0;

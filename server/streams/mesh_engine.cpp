@@ -5,24 +5,19 @@
 #include <utility>
 
 #include "proto/wire/chunk_frame.h"
+#include "server/ops/memory.h"
 
 namespace tet {
 
 namespace {
 
-// Enough that one very large plan does not keep all other large ones waiting; and no client has
-// more than one of them.
-constexpr std::size_t kLargePlansAtOnce = 2;
-
 // What plans have in their turns. Those of one kind are as many at once as there are threads
-// for chunks; one; and kLargePlansAtOnce.
+// for chunks; one; and two, so that one very large plan does not keep all others waiting.
 constexpr std::chrono::milliseconds kShortTurn{50}, kLongerTurn{500};
-constexpr std::uint64_t kShortTurnBytes = std::uint64_t{32} << 20;
-constexpr std::uint64_t kLongerTurnBytes = std::uint64_t{256} << 20;
 
-// 32 MiB: more than one stream, or a few, ever hold.
-constexpr std::size_t kIdleBlocks = 64;
 constexpr std::size_t kBlockBytes = kChunkBytes + ChunkFrame::kMaxOverhead;
+// More than one stream, or a few, ever hold.
+constexpr std::size_t kIdleBlocks = kIdleBlockBytes / kBlockBytes;
 
 /// Where others have waited this long for a block, whoever takes nothing of its own for so long
 /// loses it.
@@ -34,15 +29,15 @@ constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{12} << 20;
 MeshLimits mesh_limits(const Config& config) {
   MeshLimits limits;
   limits.max_tets = config.max_tets;
-  limits.max_plan_bytes = std::min(limits.max_plan_bytes, config.plan_bytes);
+  limits.max_plan_bytes = std::min(kLongestPlanBytes, config.plan_bytes);
   limits.kept_geometry_bytes = kKeptGeometryBytes;
   return limits;
 }
 
 PlanTurns::Kinds plan_turns(const Config& config) {
   const std::uint64_t most = mesh_limits(config).max_plan_bytes;
-  return {{{kShortTurn, std::min(kShortTurnBytes, most), false},
-           {kLongerTurn, std::min(kLongerTurnBytes, most), false},
+  return {{{kShortTurn, std::min(kShortPlanBytes, most), false},
+           {kLongerTurn, std::min(kLongerPlanBytes, most), false},
            {std::chrono::seconds(config.plan_seconds), most, true}}};
 }
 
@@ -71,7 +66,7 @@ MeshEngine::MeshEngine(const Config& server_config,
               mesh_limits(config)),
       pool(static_cast<int>(config.threads)),
       longer(static_cast<int>(config.threads), 1),
-      large(static_cast<int>(config.threads), kLargePlansAtOnce, 1),
+      large(static_cast<int>(config.threads), kLongPlansAtOnce, 1),
       decoders(decoder_settings(config)) {}
 
 Admission::Place MeshEngine::admit(const Call& call,

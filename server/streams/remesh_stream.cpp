@@ -1,5 +1,6 @@
 #include "server/streams/remesh_stream.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/meshing/mesh_events.h"
+#include "server/ops/memory.h"
 #include "server/rpc/explain.h"
 
 namespace tet {
@@ -183,13 +185,14 @@ absl::Status RemeshStream::take_leaves(const v1::RemeshFrame& frame) {
   }
   const auto leaves = FrameLeaves::of(frame);
   if (!leaves.ok()) return leaves.status();
-  auto changed = replace_leaves(*volume_of(source_.plan->shape()), leaves->leaves());
+  const Volume& before = *volume_of(source_.plan->shape());
+  auto charged = charge(most_bytes_with(before, leaves->leaves()));
+  if (!charged.ok()) return charged.status();
+  auto changed = replace_leaves(before, leaves->leaves());
   if (!changed.ok()) {
     return invalid_field(absl::StrCat("leaves: ", changed.status().message()));
   }
-  auto held = hold(*std::move(changed));
-  if (!held.ok()) return held.status();
-  order_.volume = *std::move(held);
+  order_.volume = hold(*std::move(changed), *std::move(charged));
   // Grids of sizes and fields stay those of the file.
   auto& sizes = order_.request.sizing.grid;
   if (sizes && sizes->file.empty()) sizes->file = name_of_grid(order_.digest);
@@ -200,19 +203,43 @@ absl::Status RemeshStream::take_leaves(const v1::RemeshFrame& frame) {
   return absl::OkStatus();
 }
 
-/// The grid, whose bytes count for as long as anyone has it.
-absl::StatusOr<std::shared_ptr<const Volume>> RemeshStream::hold(Volume volume) {
-  const std::uint64_t bytes = volume.size_bytes(), limit = engine_.config.resident_bytes;
+/// Memory of a changed grid, which counts for as long as this is there.
+class RemeshStream::GridCharge {
+ public:
+  GridCharge(std::atomic<std::uint64_t>& all, std::uint64_t bytes) : all_(all), bytes_(bytes) {}
+  ~GridCharge() { all_.fetch_sub(bytes_); }
+  GridCharge(const GridCharge&) = delete;
+  GridCharge& operator=(const GridCharge&) = delete;
+
+  void shrink_to(std::uint64_t bytes) {
+    if (bytes < bytes_) all_.fetch_sub(bytes_ - bytes);
+    bytes_ = std::min(bytes, bytes_);
+  }
+
+ private:
+  std::atomic<std::uint64_t>& all_;
+  std::uint64_t bytes_;
+};
+
+/// Before anything is taken.
+absl::StatusOr<std::shared_ptr<RemeshStream::GridCharge>> RemeshStream::charge(
+    std::uint64_t bytes) {
+  constexpr char kWhat[] = "bytes of sessions' changed grids";
+  const std::uint64_t limit = session_bytes(engine_.config);
+  if (bytes > limit) return over_limit(kWhat, bytes, limit);
   auto& held = engine_.activity.changed_grid_bytes;
   const std::uint64_t all = held.fetch_add(bytes) + bytes;
-  const auto let_go = [&held, bytes](const Volume* gone) {
-    delete gone;
-    held.fetch_sub(bytes);
-  };
-  std::shared_ptr<const Volume> counted(new Volume(std::move(volume)), let_go);
-  if (all <= limit) return counted;
-  return with_retry(over_limit("bytes of sessions' changed grids", all, limit, "SERVER_BUSY"),
-                    absl::Seconds(1));
+  auto charged = std::make_shared<GridCharge>(held, bytes);
+  if (all <= limit) return charged;
+  return with_retry(over_limit(kWhat, all, limit, "SERVER_BUSY"), absl::Seconds(1));
+}
+
+/// The grid, whose bytes count for as long as anyone has it.
+std::shared_ptr<const Volume> RemeshStream::hold(Volume volume,
+                                                 std::shared_ptr<GridCharge> charge) {
+  charge->shrink_to(volume.size_bytes());
+  return {new Volume(std::move(volume)),
+          [charge = std::move(charge)](const Volume* gone) { delete gone; }};
 }
 
 /// All frames lie on the lattice of the first, about its origin: or nothing could be kept.

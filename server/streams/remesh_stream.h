@@ -49,7 +49,9 @@ class RemeshStream final : public ChunkStream {
   absl::Status take_frame(const v1::RemeshFrame& frame);
   absl::Status take_scene(const v1::Scene& scene);
   absl::Status take_leaves(const v1::RemeshFrame& frame);
-  absl::StatusOr<std::shared_ptr<const Volume>> hold(Volume volume);
+  class GridCharge;
+  absl::StatusOr<std::shared_ptr<GridCharge>> charge(std::uint64_t bytes);
+  std::shared_ptr<const Volume> hold(Volume volume, std::shared_ptr<GridCharge> charge);
   void keep_lattice();
   void planned(absl::StatusOr<PlannedMesh> planned);
 

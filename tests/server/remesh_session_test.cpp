@@ -248,6 +248,22 @@ TEST_F(RemeshSessionTest, EndsWithTheServerAndWithItsClient) {
   EXPECT_EQ(gone->update(two_balls(0.1)).code(), absl::StatusCode::kUnavailable);
 }
 
+TEST_F(RemeshSessionTest, RefusesAFrameWhoseGridHasNoRoomBeforeItIsMade) {
+  config_.resident_bytes = 64 << 20;
+  start();
+  v1::RemeshRequest begin, frame;
+  *begin.mutable_start() = mesh_of(ball_file(12));
+  for (std::int32_t i = 1; i <= 2000; ++i) {  // each of which makes a region
+    v1::LeafUpdate& leaf = *frame.mutable_frame()->add_leaves();
+    leaf.set_x(128 * i);
+    leaf.set_values(std::string(4, '\0'));
+  }
+  const grpc::Status status = answer_to({begin, frame});
+  EXPECT_EQ(reason_of(status), "tetstream/LIMIT_EXCEEDED") << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr("sessions' changed grids"));
+  EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
+}
+
 TEST_F(RemeshSessionTest, RefusesWhatIsNoSessionAndSaysWhy) {
   start();
   v1::RemeshRequest scene, grid, frame, leaves, moved, odd, torn, nothing;

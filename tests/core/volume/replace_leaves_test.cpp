@@ -37,6 +37,7 @@ std::vector<float> samples(const Volume& volume) {
 void expect_replaced(const Volume& before, const std::vector<LeafValues>& leaves) {
   const absl::StatusOr<Volume> after = replace_leaves(before, leaves);
   ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_LE(after->size_bytes(), most_bytes_with(before, leaves));
   VolumeReader reader(*after);
   for (const LeafValues& leaf : leaves) {
     const VoxelCoord voxel{8 * leaf.brick.x + 7, 8 * leaf.brick.y, 8 * leaf.brick.z + 2};
@@ -74,6 +75,18 @@ TEST(ReplaceLeaves, IsTheSameTwiceAndChangesNothingWithNothing) {
   EXPECT_EQ(same.bricks, ball.bricks);
   EXPECT_EQ(same.values, ball.values);
   EXPECT_EQ(samples(same), samples(ball));
+}
+
+TEST(ReplaceLeaves, TakesMemoryThatIsKnownBefore) {
+  const Volume ball = test::ball(20);
+  std::vector<LeafValues> scattered;
+  for (std::int32_t i = 1; i <= 100; ++i) scattered.push_back({{16 * i, 0, 16 * i}, kInside});
+  const std::uint64_t most = most_bytes_with(ball, scattered);
+  const auto after = replace_leaves(ball, scattered);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_GT(after->size_bytes(), 100 * sizeof(Region));
+  EXPECT_LE(after->size_bytes(), most);
+  EXPECT_LT(most, 2 * after->size_bytes());
 }
 
 TEST(ReplaceLeaves, RefusesLeavesThatAreNone) {
