@@ -100,6 +100,7 @@ std::string labels_text(const std::vector<LabelCount>& labels) {
                           labels[i].voxels);
   }
   if (labels.size() > kShown) text += ", ...; --json has all";
+  text += "; `mesh --labels all` meshes each";
   return text;
 }
 

@@ -5,18 +5,23 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <absl/strings/cord.h>
+#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include "client/command/command.h"
 #include "client/command/finish_mesh.h"
+#include "client/command/label_report.h"
 #include "client/command/mesh_arguments.h"
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
 #include "client/command/stopwatch.h"
 #include "client/command/use_shape.h"
+#include "client/command/volume_file.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 #include "core/files/mesh_file.h"
+#include "core/volume/inside.h"
 
 namespace tet {
 namespace {
@@ -42,6 +47,8 @@ Examples:
       docs/cuts.md
   tetstream mesh docs/scenes/bracket.json -o bracket.inp --face bore=node:bore
       the faces that a node of the scene made, by a name of their own; docs/faces.md
+  tetstream mesh head.nii.gz --labels all --label-names labels.txt -o head.vtu
+      every label of a segmentation in one mesh with shared interfaces; docs/labels.md
   tetstream mesh bunny.vdb -o bunny.inp
       element sets, node sets and surfaces for CalculiX and Abaqus; docs/formats.md has all formats
   tetstream mesh thin.vdb -o thin.msh --manifold
@@ -105,6 +112,13 @@ absl::Status check_encoding(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
+/// Order 2 bends edges onto one surface.
+absl::Status check_order(const MeshOptions& options) {
+  if (options.order == 1 || !options.request.labels) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--order 2 does not go with --labels: leave one of them out");
+}
+
 absl::Status check_cache(const MeshOptions& options) {
   if (!options.skip_cache || !options.server.empty()) return absl::OkStatus();
   return absl::InvalidArgumentError("--skip-cache is about a server's results: add --server");
@@ -124,6 +138,7 @@ absl::Status check_options(const MeshOptions& options) {
   absl::Status status = check_input(options);
   if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = check_cache(options);
+  if (status.ok()) status = check_order(options);
   if (status.ok()) status = check_output(options);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
   return status;
@@ -136,6 +151,20 @@ absl::StatusOr<MadeMesh> make_mesh(const MeshOptions& options,
                                 : make_mesh_on_server(options, bar, interruption);
 }
 
+/// An image that does not say what is inside may be a segmentation.
+absl::Status with_hint_of_labels(const MeshOptions& options, const absl::Status& status) {
+  const bool may_have_labels = is_volume_file(options.input) &&
+                               !absl::EndsWithIgnoreCase(options.input, ".vdb") &&
+                               absl::StartsWith(status.message(), kInsideField);
+  if (!may_have_labels || !absl::IsInvalidArgument(status)) return status;
+  absl::Status hinted(
+      status.code(), absl::StrCat(status.message(),
+                                  "; if it is a segmentation, mesh its labels (--labels all)"));
+  status.ForEachPayload(
+      [&](auto url, const absl::Cord& payload) { hinted.SetPayload(url, payload); });
+  return hinted;
+}
+
 /// Does what needs the shape beside the mesh.
 absl::Status use_shape(const MeshOptions& options,
                        MadeMesh& made,
@@ -144,7 +173,8 @@ absl::Status use_shape(const MeshOptions& options,
   absl::Status status;
   if (options.order > 1) status = add_middle_nodes(options, made, bar, interruption);
   if (status.ok() && !options.report.empty()) {
-    status = check_fidelity(options, made, bar, interruption);
+    status = options.request.labels ? add_voxel_volumes(options, made, bar, interruption)
+                                    : check_fidelity(options, made, bar, interruption);
   }
   made.shape.reset();
   made.fields.clear();
@@ -161,7 +191,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   {
     ProgressBar bar;
     made = make_mesh(*options, bar, interruption);
-    if (!made.ok()) return made.status();
+    if (!made.ok()) return with_hint_of_labels(*options, made.status());
     made->cuts_inside = options->request.box || options->request.iso;
     const absl::Status finished = use_shape(*options, *made, bar, interruption);
     if (!finished.ok()) return finished;
@@ -188,6 +218,9 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   }
   for (const std::string& warning : face_warnings(made->mesh)) {
     std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());
+  }
+  if (const std::string lost = lost_labels_warning(*made); !lost.empty()) {
+    std::fprintf(stderr, "%s\n", lines_for_terminal(lost).c_str());
   }
   if (const std::string warning = volume_warning(*made); !warning.empty()) {
     std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());

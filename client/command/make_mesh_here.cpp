@@ -2,6 +2,7 @@
 #include <mutex>
 #include <utility>
 
+#include "client/command/label_report.h"
 #include "client/command/mesh_maker.h"
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
@@ -40,6 +41,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
                 .stages = {{"reading", reading_seconds},
                            {"planning", result->plan_seconds},
                            {"meshing", result->fill_seconds}}};
+  if (request->labels) made.voxel_volumes = voxel_volumes_of(input->shape, *request);
   if (!options.report.empty() || options.order > 1) {
     made.shape = std::move(input->shape);
     made.fields = request->fields;

@@ -11,6 +11,7 @@
 #include "client/command/option_rules.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
+#include "client/command/volume_file.h"
 #include "client/library/read_grids.h"
 
 namespace tet {
@@ -50,6 +51,13 @@ absl::Status check_option_rules(const MeshOptions& options) {
   FeatureNames names = option_names(options.request);
   if (options.all_grids) names.set(Feature::kSeveralGrids, "--all-grids");
   return check_features(features, names);
+}
+
+absl::Status check_labels(const MeshOptions& options) {
+  if (!options.request.labels || is_volume_file(options.input)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--labels are those of a segmentation in an image (.nii, .nrrd, .mha, .vti, .npy), and ",
+      options.input, " is none"));
 }
 
 absl::Status check_trust(const MeshOptions& options) {
@@ -95,6 +103,7 @@ absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments) {
 
 absl::Status check_input(const MeshOptions& options) {
   absl::Status status = check_option_rules(options);
+  if (status.ok()) status = check_labels(options);
   if (status.ok()) status = check_mesh_input(input_of(options));
   if (status.ok()) status = check_all_grids_option(options);
   if (status.ok()) status = check_sizing_grid(options);

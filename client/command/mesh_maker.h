@@ -42,6 +42,9 @@ struct MadeMesh {
   /// One, or one a grid of several; empty where nobody measured it, or could, and why.
   std::vector<Fidelity> fidelity = {};
   std::string fidelity_missing = {};
+  /// What the voxels of each label have, by their numbers, world units; empty where nobody read
+  /// them here.
+  std::vector<double> voxel_volumes = {};
   bool cuts_inside = false;   ///< the mesh is not of all that is inside
   std::vector<Stage> stages;  ///< in the order they ran
 };

@@ -11,6 +11,7 @@
 #include <absl/strings/str_replace.h>
 #include <nlohmann/json.hpp>
 
+#include "client/command/label_report.h"
 #include "client/command/shape_json.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/face_counts.h"
@@ -113,6 +114,10 @@ Json json_of(const Improvement& improvement, const QualityStats& after) {
 }
 
 std::string tets_of_each_side(const TetMesh& mesh) {
+  if (!mesh.header.labels.empty()) {
+    const std::size_t labels = mesh.header.labels.size();
+    return absl::StrFormat(" of %d label%s", labels, labels == 1 ? "" : "s");
+  }
   if (!mesh.header.has_regions) return "";
   return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
                          count_tets(mesh, MeshRegion::kOutside));
@@ -275,6 +280,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
   if (const auto& box = made.mesh.header.box) {
     report["box"] = {{"min", json_of(box->min)}, {"max", json_of(box->max)}};
   }
+  if (!made.mesh.header.labels.empty()) report["labels"] = labels_json(made);
   if (made.mesh.header.has_faces()) report["faces"] = faces_json(made.mesh);
   const std::vector<std::string> warnings = face_warnings(made.mesh);
   if (!warnings.empty()) report["face_warnings"] = warnings;

@@ -13,6 +13,7 @@ FeatureNames option_names(const MeshRequest& request) {
                       "a scene",
                       "--iso",
                       "--inside",
+                      "--labels",
                       "--preset both-sides",
                       "--box",
                       "--manifold",

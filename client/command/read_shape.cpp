@@ -53,6 +53,13 @@ absl::StatusOr<Volume> read_grid(const MeshOptions& options, const Cancellation&
                      trust(options), interruption);
 }
 
+/// A segmentation in a grid's place.
+absl::StatusOr<LabelVolume> read_segmentation(const MeshOptions& options,
+                                              const Cancellation& interruption) {
+  return read_labels(options.input, options.grids.empty() ? "" : options.grids.front(),
+                     trust(options), interruption);
+}
+
 absl::StatusOr<std::vector<std::string>> names_of_grids(const MeshOptions& options,
                                                         const Cancellation& interruption) {
   if (!options.all_grids) return options.grids;
@@ -129,6 +136,7 @@ absl::StatusOr<ReadShape> read_shape(const MeshOptions& options,
     return read_volume(path, grid_name, trust(options), interruption);
   };
   if (options.has_several_grids()) return alone(read_several(options, bar, interruption));
+  if (options.request.labels) return alone(shared(read_segmentation(options, interruption)));
   if (is_surface_file(options.input)) return convert_surface(options, bar, interruption);
   return alone(is_scene_file(options.input) ? shared(read_scene(options.input, read))
                                             : shared(read_grid(options, interruption)));

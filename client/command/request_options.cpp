@@ -69,6 +69,7 @@ void describe_request(CLI::App& app, RequestArguments& arguments) {
          "--coordinates", arguments.coordinates,
          "How vertices are stored: float32 or float64 [float32 where it keeps the angles]")
       ->check(CLI::IsMember({"float32", "float64"}));
+  describe_labels(app, arguments.labels);
   app.add_option("--field", arguments.fields, kFieldHelp)
       ->type_name(kFieldType)
       ->allow_extra_args(false);
@@ -100,6 +101,9 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);
   request.levels = arguments.levels.value_or(default_levels(request.sizing));
+  absl::StatusOr<std::optional<LabelChoice>> labels = understand_labels(arguments.labels);
+  if (!labels.ok()) return labels.status();
+  request.labels = *std::move(labels);
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);

@@ -8,6 +8,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "client/command/label_options.h"
 #include "client/command/sizing_input.h"
 #include "core/plan/mesh_request.h"
 
@@ -27,12 +28,14 @@ struct RequestArguments {
   std::optional<std::array<double, 6>> box;
   std::string coordinates;
   SizingArguments sizing;
+  LabelArguments labels;
   std::vector<std::string> fields;
   std::vector<std::string> faces;  ///< regions
 };
 
 /// Adds --grid (any number of times), --iso, --inside, --spacing, --levels, --sizing, --preset,
-/// --box, --manifold, --faces, --face, --improve, --coordinates, --field.
+/// --box, --manifold, --faces, --face, --improve, --coordinates, --field, and those of
+/// describe_labels.
 void describe_request(CLI::App& app, RequestArguments& arguments);
 
 /// Whether the grids that a file has for --all-grids can be meshed. Errors: kFailedPrecondition

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "client/command/label_report.h"
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
 #include "core/base/parallel.h"
@@ -44,6 +45,19 @@ absl::Status add_middle_nodes(const MeshOptions& options,
   if (!middles.ok()) return middles.status();
   made.middles = *std::move(middles);
   made.stages.push_back({"curving", watch.seconds()});
+  return absl::OkStatus();
+}
+
+absl::Status add_voxel_volumes(const MeshOptions& options,
+                               MadeMesh& made,
+                               ProgressBar& bar,
+                               const Cancellation& interruption) {
+  if (!made.voxel_volumes.empty()) return absl::OkStatus();
+  TaskPool pool(options.threads);
+  if (auto status = need_shape(options, pool, bar, interruption, made); !status.ok()) {
+    return status;
+  }
+  made.voxel_volumes = voxel_volumes_of(*made.shape, options.request);
   return absl::OkStatus();
 }
 

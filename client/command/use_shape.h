@@ -15,6 +15,13 @@ absl::Status add_middle_nodes(const MeshOptions& options,
                               ProgressBar& bar,
                               const Cancellation& interruption);
 
+/// Adds the volumes of a segmentation's voxels to a mesh that a server made: the input is read
+/// here. Errors: those of reading it.
+absl::Status add_voxel_volumes(const MeshOptions& options,
+                               MadeMesh& made,
+                               ProgressBar& bar,
+                               const Cancellation& interruption);
+
 /// Adds `fidelity` to a made mesh; the input is read once more where a server made it. A report
 /// comes without where it cannot be measured, and says why. Errors: kCancelled.
 absl::Status check_fidelity(const MeshOptions& options,

@@ -6,6 +6,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "client/library/check_labels.h"
 #include "client/library/chunk_message.h"
 #include "client/library/stream_checks.h"
 #include "core/mesh/check_faces.h"
@@ -87,6 +88,9 @@ absl::Status PartReceiver::hand_on(const ChunkNumbers& chunk, std::uint32_t chec
   if (!ids_are_within(part_.tets.bytes(), header_)) {
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
+  }
+  if (!labels_are_within(part_.regions.bytes(), header_)) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " has labels that do not exist"));
   }
   const ChunkExtent place = extent_of(chunk);
   if (!faces_are_of_tets(header_, place, part_.columns())) {

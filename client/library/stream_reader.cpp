@@ -8,6 +8,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "client/library/check_labels.h"
 #include "client/library/chunk_message.h"
 #include "client/library/stream_checks.h"
 #include "core/mesh/check_faces.h"
@@ -194,6 +195,9 @@ absl::Status StreamReader::advance(const ChunkNumbers& chunk,
   if (!ids_are_within(columns.tets, header())) {
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
+  }
+  if (!labels_are_within(columns.regions, header())) {
+    return bad_stream(absl::StrCat("chunk ", chunk.index, " has labels that do not exist"));
   }
   if (!faces_are_of_tets(header(), extent_of(chunk), columns)) {
     return bad_stream(

@@ -19,6 +19,7 @@
 #include "core/files/write_vtkhdf.h"
 #include "core/files/write_vtu.h"
 #include "core/files/write_xdmf.h"
+#include "core/mesh/label_faces.h"
 
 namespace tet {
 namespace {
@@ -173,10 +174,6 @@ absl::Status check_can_write(const MeshOutput& output) {
   return check_can_create(output.path);
 }
 
-bool takes_labels(MeshFormat format) noexcept {
-  return format == MeshFormat::kVtu || format == MeshFormat::kVtkHdf;
-}
-
 absl::Status check_takes_second_order(const MeshOutput& output) {
   if (!row_of(output.format).second_order.empty()) return absl::OkStatus();
   std::vector<std::string> endings;
@@ -196,12 +193,6 @@ absl::Status write_mesh_file(const MeshOutput& output,
   if (mesh.middles != nullptr) {
     if (auto status = check_takes_second_order(output); !status.ok()) return status;
   }
-  const MeshHeader& header = mesh.mesh.header;
-  if (!header.labels.empty() && !takes_labels(output.format)) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("a ", std::string(row_of(output.format).ending), " cannot hold a mesh of ",
-                     header.labels.size(), " labels yet: write a .vtu or .vtkhdf"));
-  }
   if (output.format == MeshFormat::kXdmf) return write_two_files(output.path, mesh, control);
   if (output.format == MeshFormat::kPolyMesh)
     return write_folder(output.path, mesh.mesh, control);
@@ -219,6 +210,7 @@ std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh
   const FormatNames rules = names_in(format);
   std::vector<std::string> told;
   tell_changes(rules.groups, names_of(mesh.parts), "part", told);
+  tell_changes(rules.groups, distinct_names(mesh.labels), "label", told);
   tell_changes(rules.groups, names_of(mesh.face_labels), "faces", told);
   tell_changes(rules.fields, names_of(mesh.fields), "field", told);
   return told;

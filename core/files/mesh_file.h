@@ -24,9 +24,6 @@ struct MeshOutput {
 /// chooses. Errors: those of mesh_format_named and mesh_format_of.
 absl::StatusOr<MeshOutput> mesh_output(const std::string& path, std::string_view format = "");
 
-/// Whether files of the format can hold the labels of a segmentation's mesh.
-bool takes_labels(MeshFormat format) noexcept;
-
 /// Whether it could be written now: says so before hours of work, not after.
 absl::Status check_can_write(const MeshOutput& output);
 

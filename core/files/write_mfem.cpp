@@ -52,6 +52,13 @@ void write_mfem_elements(BlockWriter& writer, const TetMesh& mesh) {
     });
     return;
   }
+  if (!mesh.header.labels.empty()) {
+    const std::vector<std::int32_t> tags = tags_of_labels(mesh.header);
+    writer.lines(mesh.header.tet_count, kMfemElementBytes, [&](std::uint64_t i, char* place) {
+      return put_mfem_element(place, tags[mesh.label(i)], kMfemTet, mesh.tet(i));
+    });
+    return;
+  }
   for (const TetGroup& group : groups) {
     writer.lines(group.tets, kMfemElementBytes, [&](std::uint64_t i, char* place) {
       return put_mfem_element(place, group.tag, kMfemTet, mesh.tet(group.first_tet + i));

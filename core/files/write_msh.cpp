@@ -103,13 +103,13 @@ void write_entities(BlockWriter& writer, const WorldBox& bounds, const FileEntit
   writer.text("\n$EndEntities\n");
 }
 
-void write_nodes(BlockWriter& writer, const FileMesh& mesh) {
+void write_nodes(BlockWriter& writer, const FileMesh& mesh, std::int32_t volume) {
   const std::uint64_t count = mesh.shape().nodes;
   writer.text("$Nodes\n");
   writer.number(
       std::array<std::uint64_t, 4>{1, count, 1, count});  // blocks, nodes, tags from, to
   // All are the first volume's; 0: not parametric.
-  writer.number(std::array<std::int32_t, 3>{kVolume, 1, 0});
+  writer.number(std::array<std::int32_t, 3>{kVolume, volume, 0});
   writer.number(count);
   writer.rows(count, [](std::uint64_t i) { return i + 1; });
   writer.rows(count, [&](std::uint64_t i) {
@@ -192,7 +192,7 @@ absl::Status write_msh(AtomicFile& file, const FileMesh& mesh, const WriteContro
   writer.text("\n$EndMeshFormat\n");
   write_physical_names(writer, entities);
   write_entities(writer, header.bounds, entities);
-  write_nodes(writer, mesh);
+  write_nodes(writer, mesh, entities.volumes.front().tag);
   write_elements(writer, mesh, entities);
   for (std::size_t i = 0; i < header.fields.size(); ++i) write_node_data(writer, mesh, i);
   return writer.status();

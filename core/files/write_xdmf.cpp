@@ -123,6 +123,12 @@ class XdmfWriter {
                    [&](std::uint64_t i) { return static_cast<std::int32_t>(mesh_.region(i)); });
       return;
     }
+    if (!header_.labels.empty()) {
+      writer_.rows(header_.tet_count, [tags = tags_of_labels(header_), this](std::uint64_t i) {
+        return tags[mesh_.label(i)];
+      });
+      return;
+    }
     for (const TetGroup& group : tets_) {
       writer_.rows(group.tets, [&](std::uint64_t) { return group.tag; });
     }

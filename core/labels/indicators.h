@@ -8,6 +8,7 @@
 
 #include "core/base/types.h"
 #include "core/labels/label.h"
+#include "core/labels/label_kernel.h"
 #include "core/labels/label_samples.h"
 
 namespace tet {
@@ -21,19 +22,6 @@ class LabelVoxels {
   /// Writes the labels of a box's voxels, z fastest, then y, then x.
   virtual void copy(const VoxelBox& box, Label* out) const = 0;
 };
-
-/// How far a voxel's label reaches.
-enum class LabelKernel : std::uint8_t {
-  kTrilinear,  ///< to the next voxels: keeps every voxel, and every stair
-  kQuadratic,  ///< a quadratic B-spline: keeps sheets one voxel thin, and most of their volume
-  kGauss,      ///< a Gaussian, cut off at 2 voxels for each 0.7 of its width
-};
-
-/// The Gaussian's width, voxels: of those that were tried the one whose interfaces are flattest
-/// among those that keep sheets one voxel thin whole (docs/labels.md).
-inline constexpr double kDefaultSmooth = 0.7;
-/// Wider kernels take more voxels a node than is worth it.
-inline constexpr double kMostSmooth = 4;
 
 /// The lattice among the voxels, and the kernel.
 struct IndicatorRules {

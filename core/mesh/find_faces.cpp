@@ -9,6 +9,7 @@
 
 #include "core/base/mix_bits.h"
 #include "core/base/parallel.h"
+#include "core/mesh/label_faces.h"
 #include "core/mesh/tets_per_range.h"
 
 namespace tet {
@@ -25,19 +26,25 @@ struct Candidate {
   std::uint64_t index = 0;                      ///< see TetFace
 };
 
-/// Faces look otherwise from outside, so that those between the regions do not cancel.
-std::uint64_t salt_of(MeshRegion region) noexcept {
-  return region == MeshRegion::kOutside ? 0x5851f42d4c957f2dU : 0;
+/// What tets that belong together have in common: a label, or a region.
+std::uint32_t group_of(const TetMesh& mesh, std::uint64_t tet) noexcept {
+  return mesh.header.labels.empty() ? static_cast<std::uint32_t>(mesh.region(tet))
+                                    : mesh.label(tet);
+}
+
+/// Faces look otherwise from each group, so that those between two do not cancel.
+std::uint64_t salt_of(std::uint32_t group) noexcept {
+  return mix_bits(group + std::uint64_t{1});
 }
 
 /// For every vertex, the XOR of the hashes of the faces around it, as each tet sees them: what
-/// two tets of one region share cancels. A vertex of the boundary, or between regions, is left
+/// two tets of one group share cancels. A vertex of the boundary, or between groups, is left
 /// with zero by accident only, once in 2^64.
 std::vector<std::uint64_t> xor_seen_faces(const TetMesh& mesh) {
   std::vector<std::uint64_t> seen(mesh.header.vertex_count);
   for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
     const auto tet = mesh.tet(i);
-    const std::uint64_t salt = salt_of(mesh.region(i));
+    const std::uint64_t salt = salt_of(group_of(mesh, i));
     std::array<std::uint64_t, 4> corner;
     for (std::size_t k = 0; k < 4; ++k) corner[k] = mix_bits(tet[k]);
     const std::uint64_t sum = corner[0] + corner[1] + corner[2] + corner[3] + salt;
@@ -106,7 +113,8 @@ enum class FaceSide : std::uint8_t { kNone, kOuter, kInterface };
 void match(const TetMesh& mesh,
            std::span<const Candidate> candidates,
            std::span<std::uint64_t> places,
-           std::span<FaceSide> sides) {
+           std::span<FaceSide> sides,
+           std::span<LabelNumber> behind) {
   const auto vertices = [&](std::uint64_t place) {
     return std::pair(candidates[place].middle, candidates[place].high);
   };
@@ -117,13 +125,49 @@ void match(const TetMesh& mesh,
     while (end < places.size() && vertices(places[end]) == vertices(places[begin])) ++end;
     if (end - begin == 1) sides[places[begin]] = FaceSide::kOuter;
     if (end - begin != 2) continue;
-    const auto region = [&](std::size_t i) {
-      return mesh.region(candidates[places[i]].index / 4);
+    const auto group = [&](std::size_t i) {
+      return group_of(mesh, candidates[places[i]].index / 4);
     };
-    if (region(begin) == region(begin + 1)) continue;
-    const bool second = region(begin) == MeshRegion::kOutside;
-    sides[places[second ? begin + 1 : begin]] = FaceSide::kInterface;
+    if (group(begin) == group(begin + 1)) continue;
+    const bool second = group(begin + 1) < group(begin);
+    const std::uint64_t place = places[second ? begin + 1 : begin];
+    sides[place] = FaceSide::kInterface;
+    behind[place] = static_cast<LabelNumber>(group(second ? begin : begin + 1));
   }
+}
+
+/// Faces, and the group that each has behind it; nothing behind one of the boundary.
+struct GroupedFaces {
+  std::vector<TetFace> faces;
+  std::vector<LabelNumber> behind;
+};
+
+GroupedFaces find_grouped_faces(const TetMesh& mesh) {
+  const std::vector<Candidate> candidates = find_candidates(mesh);
+  ByLowest by_lowest(candidates, mesh.header.vertex_count);
+  std::vector<FaceSide> sides(candidates.size(), FaceSide::kNone);
+  std::vector<LabelNumber> behind(candidates.size(), kNoLabelBehind);
+  constexpr std::size_t kVerticesPerRange = 65536;
+  for_each_index(
+      mesh.header.vertex_count,
+      [&](std::size_t vertex) {
+        const std::uint64_t first = by_lowest.first[vertex];
+        match(mesh, candidates,
+              std::span(by_lowest.place).subspan(first, by_lowest.first[vertex + 1] - first),
+              sides, behind);
+      },
+      kVerticesPerRange);
+  const std::size_t count =
+      candidates.size() - static_cast<std::size_t>(std::ranges::count(sides, FaceSide::kNone));
+  GroupedFaces found;
+  found.faces.reserve(count);
+  found.behind.reserve(count);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (sides[i] == FaceSide::kNone) continue;
+    found.faces.push_back({candidates[i].index, sides[i] == FaceSide::kInterface});
+    found.behind.push_back(behind[i]);
+  }
+  return found;
 }
 
 // ---- Which labels they have ----
@@ -240,27 +284,7 @@ bool has_cut_faces(const MeshHeader& header) noexcept {
 }
 
 std::vector<TetFace> find_boundary_faces(const TetMesh& mesh) {
-  const std::vector<Candidate> candidates = find_candidates(mesh);
-  ByLowest by_lowest(candidates, mesh.header.vertex_count);
-  std::vector<FaceSide> sides(candidates.size(), FaceSide::kNone);
-  constexpr std::size_t kVerticesPerRange = 65536;
-  for_each_index(
-      mesh.header.vertex_count,
-      [&](std::size_t vertex) {
-        const std::uint64_t first = by_lowest.first[vertex];
-        match(mesh, candidates,
-              std::span(by_lowest.place).subspan(first, by_lowest.first[vertex + 1] - first),
-              sides);
-      },
-      kVerticesPerRange);
-  std::vector<TetFace> faces;
-  faces.reserve(candidates.size() -
-                static_cast<std::size_t>(std::ranges::count(sides, FaceSide::kNone)));
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (sides[i] == FaceSide::kNone) continue;
-    faces.push_back({candidates[i].index, sides[i] == FaceSide::kInterface});
-  }
-  return faces;
+  return find_grouped_faces(mesh).faces;
 }
 
 std::vector<FaceLabel> face_labels_of(bool both_sides, bool in_box) {
@@ -297,6 +321,10 @@ std::vector<FaceLabel> labels_of_parts(std::span<const FaceLabel> of_one,
 
 FoundFaces find_faces(const TetMesh& mesh) {
   const MeshHeader& header = mesh.header;
+  if (!header.labels.empty()) {
+    GroupedFaces grouped = find_grouped_faces(mesh);
+    return faces_between_labels(mesh, std::move(grouped.faces), grouped.behind);
+  }
   const bool in_box = header.has_regions || has_cut_faces(header);
   FoundFaces found{find_boundary_faces(mesh), face_labels_of(header.has_regions, in_box),
                    labels_of(mesh)};

@@ -193,6 +193,17 @@ void pack_regions(std::span<const std::byte> regions, ByteWriter& out) {
   }
 }
 
+/// Runs of tets with one label: tets are sorted by label, brick by brick.
+void pack_labels(std::span<const std::byte> labels, ByteWriter& out) {
+  const std::size_t tets = labels.size() / sizeof(LabelNumber);
+  const auto label = [&](std::size_t i) { return read_id<LabelNumber>(labels, i); };
+  for (std::size_t i = 0, end = 0; i < tets; i = end) {
+    while (end < tets && label(end) == label(i)) ++end;
+    out.varint(label(i));
+    out.varint(end - i);
+  }
+}
+
 /// Says of each face how far it is behind the one before it, of the chunk's tets' four each;
 /// then the labels, by runs.
 template <class Id>
@@ -244,7 +255,8 @@ std::span<const std::byte> ChunkPacker::pack(const MeshHeader& header,
     pack_positions<std::uint32_t>(columns.positions);
   }
   pack_tets();
-  pack_regions(columns.regions, out);
+  header.labels.empty() ? pack_regions(columns.regions, out)
+                        : pack_labels(columns.regions, out);
   out.append(columns.fields);
   if (header.index_type == IndexType::kUint64) {
     pack_faces<std::uint64_t>(extent, columns, out);

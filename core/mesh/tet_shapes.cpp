@@ -56,7 +56,7 @@ ShapeStats measure_range(const TetMesh& mesh, std::uint64_t begin, std::uint64_t
   ShapeStats stats;
   for (std::uint64_t tet = begin; tet < end; ++tet) {
     const std::array<WorldPoint, 4> place = view.stored_places(tet);
-    const TetShape shape = shape_of(place);
+    const ShapeRatios shape = shape_of(place);
     stats.scaled_jacobian.add(shape.scaled_jacobian);
     stats.radius_ratio.add(shape.radius_ratio);
     stats.edge_ratio.add(shape.edge_ratio);
@@ -73,8 +73,8 @@ ShapeStats measure_range(const TetMesh& mesh, std::uint64_t begin, std::uint64_t
 
 }  // namespace
 
-TetShape shape_of(const std::array<WorldPoint, 4>& place) noexcept {
-  TetShape shape;
+ShapeRatios shape_of(const std::array<WorldPoint, 4>& place) noexcept {
+  ShapeRatios shape;
   double shortest = HUGE_VAL, longest = 0;
   for (std::size_t e = 0; e < kEdges.size(); ++e) {
     const double edge = norm(from_to(place[kEdges[e][0]], place[kEdges[e][1]]));

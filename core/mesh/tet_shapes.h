@@ -13,7 +13,7 @@
 namespace tet {
 
 /// What one tet is like. docs/report.md has the formulas.
-struct TetShape {
+struct ShapeRatios {
   double scaled_jacobian = 0;  ///< in [-1, 1]; not above 0 where the tet is not positive
   double radius_ratio = 0;     ///< three times the inner radius to the outer one, in [0, 1]
   double edge_ratio = 0;       ///< the shortest edge to the longest, in [0, 1]
@@ -21,7 +21,7 @@ struct TetShape {
 };
 
 /// `place` has the corners. A tet without an edge has 0 everywhere.
-TetShape shape_of(const std::array<WorldPoint, 4>& place) noexcept;
+ShapeRatios shape_of(const std::array<WorldPoint, 4>& place) noexcept;
 
 /// Values of a ratio by fiftieths of [0, 1]; what is below counts in the first bin.
 struct RatioStats {
@@ -53,7 +53,7 @@ struct LengthStats {
 /// One of the worst tets of a mesh, and where it is.
 struct WorstTet {
   std::uint64_t tet = 0;
-  TetShape shape;
+  ShapeRatios shape;
   WorldPoint at;  ///< the mean of its corners
 };
 

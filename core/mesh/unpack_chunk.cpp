@@ -219,6 +219,24 @@ void unpack_regions(std::span<const std::byte> bits, std::span<std::byte> region
   }
 }
 
+/// Writes the labels of tets from their runs; false where they are none of the header's, or
+/// not as many.
+bool unpack_labels(ByteReader& reader,
+                   const MeshHeader& header,
+                   std::span<std::byte> regions) noexcept {
+  std::byte* out = regions.data();
+  for (std::size_t left = regions.size() / sizeof(LabelNumber); left > 0;) {
+    const std::uint64_t label = reader.varint(), run = reader.varint();
+    if (label >= header.labels.size() || run == 0 || run > left) return false;
+    const auto number = static_cast<LabelNumber>(label);
+    for (std::uint64_t i = 0; i < run; ++i, out += sizeof(number)) {
+      std::memcpy(out, &number, sizeof(number));
+    }
+    left -= run;
+  }
+  return true;
+}
+
 /// Faces as they came: 4 * tet + the corner opposite, within the chunk, and labels.
 struct PackedFaces {
   std::vector<std::uint64_t> faces;
@@ -295,7 +313,11 @@ absl::Status ChunkUnpacker::unpack(std::span<const std::byte> bytes,
                                 : read_vertex_rows<std::uint32_t>(reader, extent.vertex_count);
   if (!vertices) return broken("vertices of no known pattern");
   const auto tets = read_rows(reader, extent.tet_count, kTetPatterns, tet_bytes);
-  const auto regions = reader.take((columns.regions.size() + 7) / 8);
+  const bool has_labels = !header.labels.empty();
+  if (has_labels && !unpack_labels(reader, header, columns.regions)) {
+    return broken("labels that do not exist, or are not as many as its tets");
+  }
+  const auto regions = reader.take(has_labels ? 0 : (columns.regions.size() + 7) / 8);
   const auto fields = reader.take(columns.fields.size());
   const auto faces = read_faces(reader, header, extent);
   if (!faces) return broken("faces that are not of its tets, or without a label");
@@ -310,7 +332,7 @@ absl::Status ChunkUnpacker::unpack(std::span<const std::byte> bytes,
   } else {
     unpack_positions<std::uint32_t>(*vertices, rows_, columns.positions);
   }
-  unpack_regions(regions, columns.regions);
+  if (!has_labels) unpack_regions(regions, columns.regions);
   std::ranges::copy(fields, columns.fields.begin());
   if (wide_ids) {
     unpack_faces<std::uint64_t>(*faces, extent, columns);

@@ -14,6 +14,7 @@
 #include "core/scene/scene.h"
 #include "core/stuffing/stuffed_brick.h"
 #include "core/stuffing/surface_topology.h"
+#include "core/volume/label_volume.h"
 
 namespace tet {
 namespace {
@@ -50,6 +51,16 @@ BrickEstimate estimate_bricks(const Volume& volume, double spacing) {
   }
   const double finer = std::max(1.0, volume.transform.voxel_size / spacing);
   return {surface * finer * finer, inside * finer * finer * finer};
+}
+
+/// Labels meet in the bricks that have more than one; a lattice finer than the voxels has more
+/// bricks, and a coarser one fewer.
+double estimate_bricks(const LabelVolume& labels, double spacing) {
+  constexpr double kOneLabelCost = 1.0 / 64;
+  const double mixed = static_cast<double>(labels.values.size()) / kBrickCells;
+  const double finer = labels.transform.voxel_size / spacing;
+  return finer * finer * mixed +
+         kOneLabelCost * std::pow(finer, 3) * static_cast<double>(labels.bricks.size());
 }
 
 double contents_of(const std::monostate&) { return 0; }
@@ -91,6 +102,7 @@ double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
     return sum;
   }
   const double spacing = request.spacing.value_or(default_spacing(shape));
+  if (const auto labels = labels_of(shape)) return estimate_bricks(*labels, spacing);
   const Scene* scene = scene_of(shape);
   const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)
                                                   : estimate_bricks(*volume_of(shape), spacing);

@@ -16,6 +16,7 @@
 #include "core/plan/request_rules.h"
 #include "core/scene/scene.h"
 #include "core/volume/inside.h"
+#include "core/volume/label_volume.h"
 
 namespace tet {
 namespace {
@@ -64,6 +65,19 @@ absl::Status check_regions_of(const MeshRequest& request, const Shape& shape) {
                           scene != nullptr ? scene->node_names : std::vector<std::string>());
 }
 
+/// A segmentation is read as one where its labels are asked for, and nowhere else.
+absl::Status check_labels_of(const MeshRequest& request, const Shape& shape) {
+  const bool has_labels = labels_of(shape) != nullptr;
+  if (request.labels && !has_labels) {
+    return absl::InvalidArgumentError(
+        "labels are asked for of what was not read as a segmentation");
+  }
+  if (!request.labels && has_labels) {
+    return absl::InvalidArgumentError("labels must be set: what is meshed is a segmentation");
+  }
+  return request.labels ? check_label_choice(*request.labels) : absl::OkStatus();
+}
+
 /// A spacing does not follow from every scene.
 absl::Status check_scene_spacing(const MeshRequest& request, const Scene& scene) {
   if (request.spacing || longest_extent(scene) > 0) return absl::OkStatus();
@@ -79,7 +93,7 @@ Statistics statistics_of(const MeshRequest& request) {
 }
 
 bool has_cut(const MeshRequest& request) {
-  return request.box && !stuffing_rules(request.preset).both_sides;
+  return request.box && !request.labels && !stuffing_rules(request.preset).both_sides;
 }
 
 bool is_made_whole(const MeshRequest& request) {
@@ -108,6 +122,7 @@ IndexType index_type_of(const MeshHeader& header, const MeshRequest& request) no
 double default_spacing(const Shape& shape) {
   constexpr double kParts = 128;
   if (const Scene* scene = scene_of(shape)) return longest_extent(*scene) / kParts;
+  if (const auto labels = labels_of(shape)) return labels->transform.voxel_size;
   return volume_of(shape)->transform.voxel_size;
 }
 
@@ -163,6 +178,7 @@ int default_levels(const Sizing& sizing) noexcept {
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {
   const Features features = features_of(request) | features_of(shape);
   if (auto status = check_features(features, field_names(request)); !status.ok()) return status;
+  if (auto status = check_labels_of(request, shape); !status.ok()) return status;
   if (const Scene* scene = scene_of(shape)) {
     if (auto status = check_scene_spacing(request, *scene); !status.ok()) return status;
   }

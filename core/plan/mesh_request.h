@@ -13,6 +13,7 @@
 #include "core/base/quality_stats.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/octree/sizing.h"
+#include "core/plan/label_choice.h"
 #include "core/plan/shape.h"
 #include "core/plan/vertex_field.h"
 #include "core/stuffing/stuffing_rules.h"
@@ -62,6 +63,8 @@ struct MeshRequest {
   bool faces = false;
   /// Pieces of the surface with names of their own; only of a mesh that has faces.
   std::vector<FaceRegion> face_regions = {};
+  /// A segmentation is meshed, all of its labels in one conforming mesh.
+  std::optional<LabelChoice> labels = {};
   Sizing sizing;                         ///< of leaves away from the surface
   std::vector<VertexField> fields = {};  ///< whose values the vertices get, in this order
   /// float32 unless given, and float64 where float32 would bend the angle bounds.

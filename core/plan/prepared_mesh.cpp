@@ -101,11 +101,18 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
   return found;
 }
 
+/// What follows one surface has none to follow where any number of labels meet.
+absl::Status check_is_no_segmentation(const Shape& shape) {
+  if (labels_of(shape) == nullptr) return absl::OkStatus();
+  return absl::InvalidArgumentError("labels have no surface of one value");
+}
+
 }  // namespace
 
 absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& request) {
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();
+  if (auto status = check_is_no_segmentation(shape); !status.ok()) return status;
   std::shared_ptr<const Scene> stand_in = stand_in_for(shape, *asked);
   const PhiField phi = field_of(shape, *asked, stand_in.get());
   return MeshedField{std::move(stand_in), phi};
@@ -117,6 +124,7 @@ absl::StatusOr<PreparedMesh> prepare_mesh(const Shape& shape,
                                           const Cancellation& cancellation) {
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();
+  if (auto status = check_is_no_segmentation(shape); !status.ok()) return status;
   std::shared_ptr<const Scene> stand_in = stand_in_for(shape, *asked);
   const PhiField field = field_of(shape, *asked, stand_in.get());
   if (auto status = check_spacing(field); !status.ok()) return status;

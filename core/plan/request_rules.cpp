@@ -23,6 +23,14 @@ constexpr std::string_view
     kNoBricksToStuff =
         "The mesh is made as a whole, without bricks that a client could stuff again.";
 
+constexpr std::string_view
+    kLabelsHaveNoValues =
+        "A label is a name and no number: there is nothing between two of them.",
+    kLabelsOnOneLattice =
+        "Where labels meet, the rules and their angle bounds are for leaves of one size; "
+        "others "
+        "are as large as the distance from there lets them be, up to `levels`.";
+
 constexpr RequestRule kRules[] = {
     {F::kStoredGrid, F::kScene, kRefused, "$0 is set beside $1", "mesh one or the other",
      "A scene is meshed instead of a stored grid, and names the grids that it is made of."},
@@ -40,6 +48,31 @@ constexpr RequestRule kRules[] = {
      "A scene is inside where its distance is negative."},
     {F::kGridName, F::kSeveralGrids, kRefused, "$0 is set beside $1", "set one of them",
      "Both say which grids of the file are meshed."},
+    {F::kLabels, F::kScene, kRefused, "$0 are for images, and $1 has none",
+     "mesh one or the other", "The solids of a scene have no numbers that tell them apart."},
+    {F::kLabels, F::kSeveralGrids, kRefused, "$0 are of one image", "name one grid",
+     "Labels of one image share their interfaces, and two images have none in common."},
+    {F::kIso, F::kLabels, kRefused, "$0 does not go with $1", "leave one of them out",
+     kLabelsHaveNoValues},
+    {F::kInside, F::kLabels, kRefused, "$0 does not go with $1", "leave one of them out",
+     kLabelsHaveNoValues},
+    {F::kLabels, F::kBothSides, kRefused, "$0 do not go with $1",
+     "have the background of the labels meshed instead",
+     "The space around labels is one more of them, the background."},
+    {F::kLabels, F::kManifold, kRefused, "$0 do not go with $1", "set one of them",
+     "Where three labels meet no surface is a manifold."},
+    {F::kLabels, F::kSizingGrid, kRefused, "$0 do not go with $1",
+     "leave the sizing out; `levels` says how coarse tets get", kLabelsOnOneLattice},
+    {F::kLabels, F::kGradedSurface, kRefused, "$0 do not go with $1",
+     "leave the sizing out; `levels` says how coarse tets get", kLabelsOnOneLattice},
+    {F::kLabels, F::kSizing, kRefused, "$0 do not go with $1",
+     "leave the sizing out; `levels` says how coarse tets get", kLabelsOnOneLattice},
+    {F::kLabels, F::kImprove, kRefused, "$0 do not go with $1", "leave one of them out",
+     "Vertices are improved along one surface, and not yet along curves where three labels "
+     "meet."},
+    {F::kLabels, F::kFields, kRefused, "$0 do not go with $1",
+     "sample the fields on the mesh afterwards (`tetstream sample`)",
+     "Labels are made without the pass that samples."},
     {F::kSeveralGrids, F::kBothSides, kRefused,
      "$0 are for the inside alone, as with $1 the outsides of several grids would overlap",
      "mesh one grid, or the inside alone",
@@ -70,6 +103,8 @@ constexpr RequestRule kRules[] = {
     {F::kCompact, F::kSeveralGrids, kRefused, "$0 is for one grid",
      "ask for $2, or name one grid",
      "A header has one lattice, and each grid may lie on another."},
+    {F::kCompact, F::kLabels, kRefused, "$0 cannot carry $1", "ask for $2",
+     "A compact chunk has two sides and no numbers of labels."},
     {F::kEarlierMesh, F::kScene, kRefused, "$0 is for grids",
      "a scene's mesh is sent whole; a session keeps parts of it",
      "An earlier mesh is named by its stored grid, and scenes are not stored."},
@@ -79,6 +114,11 @@ constexpr RequestRule kRules[] = {
      "lattices."},
     {F::kSeveralGrids, F::kSession, kRefused, "$0 is set, but $1 follows one grid",
      "set grid_name", "The leaves of a frame do not say which grid they are of."},
+    {F::kLabels, F::kSession, kRefused, "$0 do not go with $1",
+     "stream the mesh of each segmentation",
+     "A frame has values of leaves, and a segmentation has none."},
+    {F::kEarlierMesh, F::kLabels, kSentWhole, "", "",
+     "Labels are not compared with those of an earlier segmentation."},
     {F::kEarlierMesh, F::kCut, kSentWhole, "", "", kWithoutBricks},
     {F::kEarlierMesh, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
     {F::kEarlierMesh, F::kImprove, kSentWhole, "", "", kMovesOthers},
@@ -103,7 +143,8 @@ bool is_of_another_call(Feature feature) {
 
 bool are_one_choice(Feature a, Feature b) {
   if (is_of_another_call(a)) return is_of_a_stream(b) || is_of_another_call(b);
-  return (a == F::kPacked && b == F::kCompact) || (a == F::kBothSides && b == F::kCut);
+  return (a == F::kPacked && b == F::kCompact) || (a == F::kBothSides && b == F::kCut) ||
+         (a == F::kLabels && b == F::kCut);
 }
 
 }  // namespace
@@ -129,6 +170,7 @@ FeatureNames field_names() {
                        "scene",
                        "iso",
                        "inside",
+                       "labels",
                        "preset both-sides",
                        "box",
                        "manifold",
@@ -159,6 +201,7 @@ Features features_of(const MeshRequest& request) {
   return Features()
       .add(F::kIso, request.iso.has_value())
       .add(F::kInside, request.inside.has_value())
+      .add(F::kLabels, request.labels.has_value())
       .add(F::kBothSides, stuffing_rules(request.preset).both_sides)
       .add(F::kCut, has_cut(request))
       .add(F::kManifold, request.manifold)

@@ -27,6 +27,7 @@ enum class Feature : std::uint8_t {
   kScene,
   kIso,
   kInside,
+  kLabels,
   // How it is meshed.
   kBothSides,
   kCut,
@@ -110,7 +111,8 @@ std::span<const RequestRule> request_rules();
 const RequestRule* find_rule(Feature a, Feature b);
 
 /// Whether one request can have both features. A call has one encoding; a session and a job
-/// take a mesh's request alone; and with both sides a box is not a cut, but where they end.
+/// take a mesh's request alone; and with both sides or labels a box is not a cut, but where
+/// they end.
 bool can_be_asked_together(Feature a, Feature b);
 
 /// What a caller calls each feature.

@@ -17,6 +17,7 @@
 #include "proto/convert/counts.h"
 #include "proto/convert/face_labels.h"
 #include "proto/convert/face_regions.h"
+#include "proto/convert/labels_request.h"
 #include "proto/convert/points.h"
 
 namespace tet {
@@ -191,6 +192,7 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   if (header.box) to_proto(*header.box, *message.mutable_box());
   message.set_inside_guess(header.inside_guess);
   for (const FaceLabel& label : header.face_labels) to_proto(label, *message.add_face_labels());
+  for (const MeshLabel& label : header.labels) to_proto(label, *message.add_labels());
   message.set_face_count(signed_count(header.face_count));
   message.set_mesh_bytes(signed_count(ChunkSizes(header, whole_of(header)).total()));
 }
@@ -210,6 +212,8 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   if (!labels.ok()) return labels.status();
   auto regions = face_regions_of(message.canonical_request().face_regions());
   if (!regions.ok()) return regions.status();
+  auto mesh_labels = labels_of(message);
+  if (!mesh_labels.ok()) return mesh_labels.status();
   MeshHeader header;
   header.vertex_count = unsigned_count(message.vertex_count());
   header.tet_count = unsigned_count(message.tet_count());
@@ -226,6 +230,7 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   if (message.has_box()) header.box = from_proto(message.box());
   header.inside_guess = message.inside_guess();
   header.face_labels = *std::move(labels);
+  header.labels = *std::move(mesh_labels);
   header.face_count = unsigned_count(message.face_count());
   header.face_regions = *std::move(regions);
   return header;

@@ -9,10 +9,12 @@
 #include <absl/strings/str_format.h>
 
 #include "core/volume/inside.h"
+#include "core/volume/label_volume.h"
 #include "proto/convert/box_request.h"
 #include "proto/convert/face_regions.h"
 #include "proto/convert/field_request.h"
 #include "proto/convert/grid_names_request.h"
+#include "proto/convert/labels_request.h"
 #include "proto/convert/mesh_header.h"
 #include "proto/convert/points.h"
 #include "proto/convert/request_rules.h"
@@ -164,6 +166,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   order.request.improve = request.improve();
   if (const auto status = parse_faces(request, order.request); !status.ok()) return status;
   order.request.skip_statistics = request.skip_statistics();
+  if (const auto status = parse_labels(request, order.request); !status.ok()) return status;
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   order.request.levels =
       request.has_levels() ? request.levels() : default_levels(order.request.sizing);
@@ -189,6 +192,7 @@ void to_proto(const MeshRequest& request, v1::MeshRequest& message) {
   message.set_faces(request.faces);
   to_proto(request.face_regions, message);
   message.set_skip_statistics(request.skip_statistics);
+  if (request.labels) *message.mutable_labels() = message_of_labels(*request.labels);
   if (request.sizing.any()) *message.mutable_sizing() = message_of_sizing(request.sizing);
   to_proto(request.fields, message);
 }
@@ -260,6 +264,10 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
     canonical.set_grid_name(volume->name);
     canonical.set_iso(order.request.iso.value_or(default_iso(shape, order.request)));
     canonical.set_inside(to_proto(inside_side(*volume, order.request.inside)));
+  } else if (const auto labels = labels_of(shape)) {
+    canonical.set_name(name_of_grid(order.digest));
+    canonical.set_grid_name(labels->name);
+    *canonical.mutable_labels() = message_of_labels(*order.request.labels);
   } else {
     set_canonical_scene(order, canonical);
   }
@@ -302,7 +310,8 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
                    exact_fields(canonical), exact_grids(canonical), exact_inside(canonical),
-                   canonical.faces() ? " faces" : "", exact_face_regions(canonical)),
+                    exact_labels(canonical), canonical.faces() ? " faces" : "",
+                    exact_face_regions(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();

@@ -17,6 +17,7 @@ absl::Status as_invalid_field(const absl::Status& status) {
 
 Features features_of(const v1::MeshRequest& request) {
   const bool both_sides = request.preset() == v1::PRESET_BOTH_SIDES;
+  const bool has_cut = request.has_box() && !request.has_labels() && !both_sides;
   return Features()
       .add(Feature::kStoredGrid, !request.name().empty())
       .add(Feature::kGridName, !request.grid_name().empty())
@@ -24,8 +25,9 @@ Features features_of(const v1::MeshRequest& request) {
       .add(Feature::kScene, request.has_scene())
       .add(Feature::kIso, request.has_iso())
       .add(Feature::kInside, request.inside() != v1::INSIDE_UNSPECIFIED)
+      .add(Feature::kLabels, request.has_labels())
       .add(Feature::kBothSides, both_sides)
-      .add(Feature::kCut, request.has_box() && !both_sides)
+      .add(Feature::kCut, has_cut)
       .add(Feature::kManifold, request.manifold())
       .add(Feature::kSizing, request.has_sizing())
       .add(Feature::kSizingGrid, request.sizing().has_grid())

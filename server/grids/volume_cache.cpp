@@ -8,6 +8,17 @@
 #include "proto/convert/status.h"
 
 namespace tet {
+namespace {
+
+std::uint64_t bytes_of(const GridInMemory& grid) {
+  return std::visit([](const auto& held) { return std::uint64_t{held->size_bytes()}; }, grid);
+}
+
+bool is_in_use(const GridInMemory& grid) {
+  return std::visit([](const auto& held) { return held.use_count() != 1; }, grid);
+}
+
+}  // namespace
 
 VolumeCache::VolumeCache(TaskPool& pool,
                          std::uint64_t budget_bytes,
@@ -26,8 +37,8 @@ void VolumeCache::get(const VolumeKey& key,
   const auto [it, is_new] = entries_.try_emplace(key);
   Entry& entry = it->second;
   entry.last_use = ++clock_;
-  if (entry.volume) {
-    pool_.post([answer = std::move(answer), volume = entry.volume] { answer(volume); });
+  if (entry.grid) {
+    pool_.post([answer = std::move(answer), grid = *entry.grid] { answer(grid); });
     return;
   }
   entry.waiting.push_back({std::move(cancelled), std::move(answer)});
@@ -37,9 +48,7 @@ void VolumeCache::get(const VolumeKey& key,
 void VolumeCache::load(const VolumeKey& key, const std::string& path) {
   loader_(
       key, path, [this, key] { return is_abandoned(key); },
-      [this, key, path](absl::StatusOr<Volume> volume) {
-        finish_load(key, path, std::move(volume));
-      });
+      [this, key, path](Loaded read) { finish_load(key, path, std::move(read)); });
 }
 
 bool VolumeCache::is_abandoned(const VolumeKey& key) {
@@ -49,13 +58,11 @@ bool VolumeCache::is_abandoned(const VolumeKey& key) {
                      [](const Request& request) { return request.cancelled(); });
 }
 
-void VolumeCache::finish_load(const VolumeKey& key,
-                              const std::string& path,
-                              absl::StatusOr<Volume> read) {
+void VolumeCache::finish_load(const VolumeKey& key, const std::string& path, Loaded read) {
   // Somebody may have come just when the others had gone.
   if (absl::IsCancelled(read.status()) && !is_abandoned(key)) return load(key, path);
-  const Loaded loaded = read.ok() ? admit(key, std::make_shared<const Volume>(*std::move(read)))
-                                  : Loaded(read.status());
+  const Loaded loaded = read.ok() ? admit(key, *read) : read.status();
+  read = absl::UnknownError("handed on");  // what nobody holds can be evicted
 
   const std::lock_guard lock(mutex_);
   const auto entry = entries_.find(key);
@@ -67,9 +74,8 @@ void VolumeCache::finish_load(const VolumeKey& key,
 }
 
 /// Makes room for a volume that has just been read, and puts it there.
-VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key,
-                                       std::shared_ptr<const Volume> volume) {
-  const std::uint64_t size = volume->size_bytes();
+VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key, const GridInMemory& grid) {
+  const std::uint64_t size = bytes_of(grid);
   const std::string what = absl::StrCat("grid \"", key.grid_name, "\" in memory, bytes");
   if (size > budget_bytes_) return over_limit(what, size, budget_bytes_);
   const auto fits = [&] {
@@ -77,12 +83,12 @@ VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key,
     while (used_bytes() + size > budget_bytes_) {
       if (!evict_oldest()) return false;
     }
-    entries_[key].volume = volume;
+    entries_[key].grid = grid;
     return true;
   };
-  if (fits()) return volume;
+  if (fits()) return grid;
   release_();
-  if (fits()) return volume;
+  if (fits()) return grid;
   return with_retry(over_limit(absl::StrCat(what, " beside those in use"), size, budget_bytes_),
                     absl::Seconds(5));
 }
@@ -95,7 +101,7 @@ CacheStats VolumeCache::stats() const {
 std::uint64_t VolumeCache::used_bytes() const {
   std::uint64_t used = 0;
   for (const auto& [key, entry] : entries_) {
-    if (entry.volume) used += entry.volume->size_bytes();
+    if (entry.grid) used += bytes_of(*entry.grid);
   }
   return used;
 }
@@ -103,7 +109,7 @@ std::uint64_t VolumeCache::used_bytes() const {
 bool VolumeCache::evict_oldest() {
   auto oldest = entries_.end();
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
-    if (it->second.volume.use_count() != 1) continue;
+    if (!it->second.grid || is_in_use(*it->second.grid)) continue;
     if (oldest == entries_.end() || it->second.last_use < oldest->second.last_use) oldest = it;
   }
   if (oldest == entries_.end()) return false;

@@ -9,14 +9,20 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "core/base/parallel.h"
+#include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
 
 namespace tet {
+
+/// A grid, or a segmentation; never null.
+using GridInMemory =
+    std::variant<std::shared_ptr<const Volume>, std::shared_ptr<const LabelVolume>>;
 
 /// Which grid of which file, and what for; an empty grid name means the file's only one that
 /// will do. What one namespace has in memory is not found faster by another.
@@ -25,6 +31,7 @@ struct VolumeKey {
   std::string digest;
   std::string grid_name;
   std::optional<std::uint32_t> component = {};  ///< of a field; unset: to be meshed
+  bool labels = false;                          ///< of a segmentation
   friend auto operator<=>(const VolumeKey&, const VolumeKey&) = default;
 };
 
@@ -40,10 +47,10 @@ struct CacheStats {
 /// `get`.
 class VolumeCache {
  public:
-  using Answer = std::function<void(const absl::StatusOr<std::shared_ptr<const Volume>>&)>;
+  using Answer = std::function<void(const absl::StatusOr<GridInMemory>&)>;
   using Cancelled = std::function<bool()>;
   /// Has the volume read elsewhere, until nobody wants it any more; calls `done` on the pool.
-  using LoadDone = std::function<void(absl::StatusOr<Volume>)>;
+  using LoadDone = std::function<void(absl::StatusOr<GridInMemory>)>;
   using Loader = std::function<void(
       const VolumeKey& key, const std::string& path, Cancelled abandoned, LoadDone done)>;
 
@@ -62,23 +69,21 @@ class VolumeCache {
   CacheStats stats() const;
 
  private:
-  using Loaded = absl::StatusOr<std::shared_ptr<const Volume>>;
+  using Loaded = absl::StatusOr<GridInMemory>;
   struct Request {
     Cancelled cancelled;
     Answer answer;
   };
   struct Entry {
-    std::shared_ptr<const Volume> volume;  ///< null while it is loading
+    std::optional<GridInMemory> grid;  ///< nothing while it is loading
     std::uint64_t last_use = 0;
     std::vector<Request> waiting;
   };
 
   void load(const VolumeKey& key, const std::string& path);
-  void finish_load(const VolumeKey& key,
-                   const std::string& path,
-                   absl::StatusOr<Volume> volume);
+  void finish_load(const VolumeKey& key, const std::string& path, Loaded read);
   bool is_abandoned(const VolumeKey& key);
-  Loaded admit(const VolumeKey& key, std::shared_ptr<const Volume> volume);
+  Loaded admit(const VolumeKey& key, const GridInMemory& grid);
   std::uint64_t used_bytes() const;
   bool evict_oldest();
 

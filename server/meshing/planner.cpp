@@ -22,17 +22,31 @@ namespace tet {
 
 namespace {
 
+DecodeTask task_of(const VolumeKey& key) {
+  if (key.labels) return DecodeTask::kLabels;
+  return key.component ? DecodeTask::kField : DecodeTask::kVolume;
+}
+
+/// What a decoder made, checked.
+absl::StatusOr<GridInMemory> grid_made_of(const absl::StatusOr<SealedBlock>& block,
+                                          const FileRequest& request) {
+  if (request.task == DecodeTask::kLabels) {
+    absl::StatusOr<LabelVolume> labels = labels_of(block, request);
+    if (!labels.ok()) return labels.status();
+    return std::make_shared<const LabelVolume>(*std::move(labels));
+  }
+  absl::StatusOr<Volume> volume = volume_of(block, request);
+  if (!volume.ok()) return volume.status();
+  return std::make_shared<const Volume>(*std::move(volume));
+}
+
 /// Has a stored grid read by a decoder, and what it hands back checked by the pool.
 VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
   return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
                                        VolumeCache::Cancelled abandoned,
                                        VolumeCache::LoadDone done) {
-    const FileRequest request{key.component ? DecodeTask::kField : DecodeTask::kVolume,
-                              path,
-                              name_of_grid(key.digest),
-                              key.grid_name,
-                              max_bytes,
-                              key.component.value_or(0)};
+    const FileRequest request{task_of(key),  path,      name_of_grid(key.digest),
+                              key.grid_name, max_bytes, key.component.value_or(0)};
     pool.post([&pool, &decoders, request, abandoned = std::move(abandoned),
                done = std::move(done)]() mutable {
       const absl::Status intact =
@@ -43,7 +57,7 @@ VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t 
           [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
             auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
             pool.post([request, done, block] {
-              done(guarded("reading a grid", [&] { return volume_of(*block, request); }));
+              done(guarded("reading a grid", [&] { return grid_made_of(*block, request); }));
             });
           });
     });
@@ -136,6 +150,7 @@ void Planner::load_shape(Job job) {
     return;
   }
   if (!job.order.grid_names.empty()) return load_several(std::move(job));
+  if (job.order.request.labels) return load_labels(std::move(job));
   const VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
   load_grid(std::move(job), key, [this](Job loaded, GridLease grid, auto volume) {
     loaded.grids.push_back(std::move(grid));
@@ -160,7 +175,25 @@ void Planner::load_several(Job job) {
   });
 }
 
+void Planner::load_labels(Job job) {
+  VolumeKey key{job.order.space, job.order.digest, job.order.grid_name};
+  key.labels = true;
+  load_any(std::move(job), key, [this](Job loaded, GridLease grid, const GridInMemory& labels) {
+    loaded.grids.push_back(std::move(grid));
+    loaded.shape = std::get<std::shared_ptr<const LabelVolume>>(labels);
+    load_sizes(std::move(loaded));
+  });
+}
+
 void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
+  load_any(std::move(job), key,
+           [then = std::move(then)](Job loaded, GridLease grid, const GridInMemory& volume) {
+             then(std::move(loaded), std::move(grid),
+                  std::get<std::shared_ptr<const Volume>>(volume));
+           });
+}
+
+void Planner::load_any(Job job, const VolumeKey& key, AnyLoaded then) {
   auto lease = store_.acquire({key.space, key.digest});
   if (!lease.ok()) {
     threads_.pool.post(

@@ -130,10 +130,13 @@ class Planner {
 
   /// On the pool: the job, with what was loaded.
   using GridLoaded = std::function<void(Job, GridLease, std::shared_ptr<const Volume>)>;
+  using AnyLoaded = std::function<void(Job, GridLease, const GridInMemory&)>;
 
   void load_shape(Job job);
   void load_several(Job job);
+  void load_labels(Job job);
   void load_grid(Job job, const VolumeKey& key, GridLoaded then);
+  void load_any(Job job, const VolumeKey& key, AnyLoaded then);
   void load_scene(Job job);
   void make_scene(Job job);
   void load_sizes(Job job);

@@ -128,6 +128,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   add_preset(capabilities, v1::PRESET_BOTH_SIDES, Preset::kBothSides);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT32);
   capabilities.add_coordinate_types(v1::COORDINATE_TYPE_FLOAT64);
+  capabilities.set_max_labels(static_cast<std::int32_t>(kMaxMeshLabels) - 1);
   capabilities.add_encodings(v1::ENCODING_PLAIN);
   capabilities.add_encodings(v1::ENCODING_COMPACT);
   capabilities.add_encodings(v1::ENCODING_PACKED);

@@ -70,6 +70,9 @@ def images(folder):
     (folder / "ct.nii.gz").write_bytes(gzip.compress(nifti(values.astype("f4"), affine)))
     (folder / "head.nhdr").write_bytes(nrrd(values.astype("f4"), affine, data_file="head.raw"))
     (folder / "head.raw").write_bytes(values.astype("<f4").tobytes(order="F"))
+    labels = numpy.select([values > 550, values > 520, values > 500], [9, 7, 4], 0)
+    (folder / "seg.nii.gz").write_bytes(gzip.compress(nifti(labels.astype("i2"), affine)))
+    (folder / "labels.txt").write_text('4 255 0 0 1 1 1 "skin"\n7 0 255 0 1 1 1 "bone"\n')
     numpy.save(folder / "stack.npy", values.transpose(2, 1, 0))
 
 

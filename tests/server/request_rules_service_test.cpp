@@ -1,5 +1,6 @@
 // Every pair of features that a request can have, asked of a server: it is refused as the table
 // of rules says, or it makes a mesh.
+#include <fstream>
 #include <optional>
 
 #include <gmock/gmock.h>
@@ -27,6 +28,7 @@ class RequestRulesTest : public ServiceTest {
   RequestRulesTest() {
     start();
     file_ = mesh_of(solid_file("parts", 0.1)).name();
+    labels_ = mesh_of(labels_file()).name();
   }
 
   Streamed stream(const v1::StreamMeshRequest& request) {
@@ -94,11 +96,24 @@ class RequestRulesTest : public ServiceTest {
     EXPECT_EQ((*session)->tets_sent(), rule == nullptr ? 0 : all);
   }
 
-  std::string file_;
+  /// A cube of label 1, in an image of 12 voxels along each axis.
+  std::string labels_file() {
+    const std::string path = folder_.file("labels.nrrd");
+    std::ofstream file(path, std::ios::binary);
+    file << "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 12 12 12\nencoding: raw\n\n";
+    const auto within = [](int v) { return v >= 3 && v < 9; };
+    for (int i = 0; i < 12 * 12 * 12; ++i) {
+      const bool is_one = within(i % 12) && within(i / 12 % 12) && within(i / 144);
+      file.put(is_one ? '\1' : '\0');
+    }
+    return path;
+  }
+
+  std::string file_, labels_;
 };
 
 TEST_F(RequestRulesTest, EveryPairIsRefusedAsTheTableSaysOrMakesAMesh) {
-  const FeatureRequest requests(file_);
+  const FeatureRequest requests(file_, labels_);
   for (const Feature a : all_features()) {
     for (const Feature b : all_features()) {
       if (a >= b || !can_be_asked_together(a, b) || b == Feature::kJob) continue;

@@ -12,10 +12,13 @@ namespace tet::test {
 
 namespace v1 = ::tetstream::v1;
 
-/// For a stored file with the grids of the fixture `parts`.
+/// For a stored file with the grids of the fixture `parts`, and a stored segmentation.
 class FeatureRequest {
  public:
-  explicit FeatureRequest(std::string stored_file) : file_(std::move(stored_file)) {}
+  FeatureRequest(std::string stored_file, std::string stored_labels)
+      : file_(std::move(stored_file)), labels_(std::move(stored_labels)) {}
+  explicit FeatureRequest(const std::string& stored_file)
+      : FeatureRequest(stored_file, stored_file) {}
 
   v1::StreamMeshRequest with(Feature a, Feature b) const {
     v1::StreamMeshRequest stream;
@@ -23,7 +26,12 @@ class FeatureRequest {
     add(b, stream);
     const bool is_scene = stream.mesh().has_scene();
     v1::MeshRequest& mesh = *stream.mutable_mesh();
-    if (!is_scene) mesh.set_name(file_);
+    if (!is_scene) mesh.set_name(mesh.has_labels() ? labels_ : file_);
+    if (mesh.has_labels() && !is_scene && mesh.grid_names().empty()) {
+      if (!stream.base_name().empty()) stream.set_base_name(labels_);
+      mesh.clear_grid_name();  // an image's only array
+      return stream;
+    }
     if (!is_scene && mesh.grid_names().empty()) mesh.set_grid_name("ball");
     return stream;
   }
@@ -45,6 +53,8 @@ class FeatureRequest {
         return mesh.set_iso(0.125);
       case Feature::kInside:
         return mesh.set_inside(v1::INSIDE_BELOW);
+      case Feature::kLabels:
+        return mesh.mutable_labels()->add_only()->set_last(1);
       case Feature::kBothSides:
         return mesh.set_preset(v1::PRESET_BOTH_SIDES);
       case Feature::kCut:
@@ -102,7 +112,7 @@ class FeatureRequest {
 
   static inline const std::vector<std::string> kSeveral{"ball", "ring"};
 
-  std::string file_;
+  std::string file_, labels_;
 };
 
 }  // namespace tet::test

@@ -69,7 +69,7 @@ absl::StatusOr<std::size_t> count_survey_blocks(const Shape& shape,
                                                 const MeshLimits& limits,
                                                 std::size_t block_bricks,
                                                 const Cancellation& cancellation) {
-  if (grids_of(shape) != nullptr) return 1;
+  if (grids_of(shape) != nullptr || request.labels) return 1;
   const auto prepared = prepare_mesh(shape, request, limits, cancellation);
   if (!prepared.ok()) return prepared.status();
   if (request.manifold || is_made_whole(request)) return 1;

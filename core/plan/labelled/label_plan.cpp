@@ -35,10 +35,27 @@ MeshHeader header_of_labels(const CountedLabels& mesh, const LabelJob& job) {
   header.tet_count = mesh.first_tet(mesh.brick_count());
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.labels = job.labels;
+  if (job.request.box) header.box = world_box_of(job.domain, job.lattice);
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
   header.index_type =
       wide ? IndexType::kUint64 : job.request.indices.value_or(IndexType::kUint32);
   return header;
+}
+
+/// Every brick of the domain has an entry, whatever is in it.
+absl::Status check_label_bricks(const BrickBox& domain, const MeshLimits& limits) {
+  constexpr double kBytesPerEntry = sizeof(BrickState) + sizeof(void*);
+  double bytes = kBytesPerEntry;
+  for (const auto& [min, max] :
+       {std::pair(domain.min.x, domain.max.x), std::pair(domain.min.y, domain.max.y),
+        std::pair(domain.min.z, domain.max.z)}) {
+    bytes *= max - min + 2.0;
+  }
+  if (bytes <= static_cast<double>(limits.max_plan_bytes)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "the bricks of 8^3 cells of the box would take %.3g bytes while the mesh is counted; the "
+      "limit is %d. Use a larger spacing or a smaller box",
+      bytes, limits.max_plan_bytes));
 }
 
 absl::Status check_label_tets(const MeshHeader& header, const MeshLimits& limits) {
@@ -117,6 +134,7 @@ absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_labels(const LabelJob& job
       !status.ok()) {
     return status;
   }
+  if (auto s = check_label_bricks(job.domain, job.limits); !s.ok()) return s;
   absl::StatusOr<LabelSurvey> survey = survey_labels(
       *job.source, label_rules_of(job), job.limits.max_plan_bytes, cancellation, job.progress);
   if (!survey.ok()) return survey.status();
@@ -132,9 +150,10 @@ absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_labels(const LabelJob& job
   if (!to_world.ok()) return to_world.status();
   std::vector<std::size_t> first_brick =
       cut_labels_into_chunks(mesh, job.limits.chunk_bytes, header);
-  return std::make_shared<const LabelPlan>(
-      MeshFacts{.header = std::move(header), .statistics = statistics_of(job.request)},
-      *to_world, std::move(mesh), std::move(first_brick));
+  return std::make_shared<const LabelPlan>(MeshFacts{.shape = job.shape,
+                                                     .header = std::move(header),
+                                                     .statistics = statistics_of(job.request)},
+                                           *to_world, std::move(mesh), std::move(first_brick));
 }
 
 }  // namespace tet

@@ -21,6 +21,7 @@ namespace tet {
 
 /// What a mesh of labels is made from.
 struct LabelJob {
+  Shape shape = {};  ///< what the source is of, which the plan keeps; may be null
   std::shared_ptr<const LabelSource> source;
   VoxelTransform lattice;         ///< world = linear * lattice + translation, in spacings
   BrickBox domain;                ///< finest bricks

@@ -2,10 +2,16 @@
 
 #include <utility>
 
+#include <absl/status/status.h>
+#include <absl/strings/str_format.h>
+
+#include "core/mesh/find_faces.h"
 #include "core/plan/brick/plan_bricks.h"
 #include "core/plan/budget.h"
+#include "core/plan/faced_plan.h"
 #include "core/plan/improved_plan.h"
 #include "core/plan/joined/joined_plan.h"
+#include "core/plan/labelled/label_request.h"
 #include "core/plan/leaf_budget.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/prepared_mesh.h"
@@ -32,6 +38,33 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(
                                               statistics_of(job.request));
 }
 
+absl::Status check_faces_budget(const MeshHeader& header, const MeshLimits& limits) {
+  const std::uint64_t bytes = ChunkSizes(header, whole_of(header)).total();
+  if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "finding the faces between labels of %d vertices and %d tets would take %d bytes; the "
+      "limit is %d. Use a larger spacing, or mesh without faces",
+      header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
+}
+
+/// Plans a segmentation's mesh. Which labels meet is known once all of it is made, so with
+/// faces it is whole for as long as that takes.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_with_labels(
+    PlanJob job, const Cancellation& cancellation) {
+  // A tet has four faces at most, and chunks without them leave room for as many as there are.
+  if (job.request.faces) job.limits.chunk_bytes /= 3;
+  auto plan = plan_label_image(job, cancellation);
+  if (!plan.ok() || !job.request.faces) return plan;
+  if (auto status = check_faces_budget((*plan)->header(), job.limits); !status.ok()) {
+    return status;
+  }
+  absl::StatusOr<FilledMesh> filled = fill_mesh(**plan, cancellation, nullptr);
+  if (!filled.ok()) return filled.status();
+  add_faces(filled->mesh);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  return std::make_shared<const FacedPlan>(*std::move(plan), std::move(filled->mesh));
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_on_lattice(
@@ -49,6 +82,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(const PlanJob& job,
   if (grids_of(job.shape) != nullptr) {
     const auto plan_one = [&](const PlanJob& one) { return plan_mesh(one, cancellation); };
     return plan_joined(job, plan_one, cancellation);
+  }
+  if (job.request.labels || labels_of(job.shape) != nullptr) {
+    return plan_with_labels(job, cancellation);
   }
   auto plan = plan_on_lattice(job, cancellation);
   if (!plan.ok() || !job.request.improve) return plan;

@@ -20,9 +20,11 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from samples import PART_NAMES, SAMPLES, SECOND_SAMPLES, SampleTest, volumes
 
-# Of the samples of labels, which VTK's formats take: numbers of those that have names.
+# Samples of labels that have no tags of their own, in VTK's formats; and the names that labels have.
 LABEL_SAMPLES = {"labels": numpy.float32, "large_labels": numpy.float32}
-LABEL_NAMES = ['bone "left"', "<grey> & white"]
+LABEL_NAMES = {"labels": {'bone "left"': -3, "<grey> & white": 11175},
+               "large_labels": {'bone "left"': 3_000_000_000, "<grey> & white": 11175},
+               "tissues": {"bone": 4, "fat/skin": 9}}
 
 
 def read_vtu_with_meshio(path):
@@ -34,8 +36,8 @@ def read_vtu_with_meshio(path):
         assert {name: list(number) for name, number in mesh.field_data.items()} == {
             name: [i + 1] for i, name in enumerate(PART_NAMES)}, mesh.field_data
     if "label" in mesh.cell_data:
-        assert set(mesh.field_data) == set(LABEL_NAMES), mesh.field_data
-        assert list(mesh.field_data[LABEL_NAMES[1]]) == [11175], mesh.field_data
+        assert {name: int(number[0]) for name, number in mesh.field_data.items()} \
+            == LABEL_NAMES[path.stem], mesh.field_data
     return mesh.points, mesh.cells[0].data, labels, mesh.point_data
 
 

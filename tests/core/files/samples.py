@@ -22,6 +22,7 @@ SAMPLES = {
     "field": numpy.float32,
     "fields": numpy.float32,
     "parts": numpy.float32,
+    "tissues": numpy.float32,
 }
 # Of second order: tets have ten nodes, and faces six.
 SECOND_SAMPLES = {
@@ -36,7 +37,8 @@ PART_NAMES = ['femur "left"', "a/b <c> & d"]
 
 
 # The labels of regions and parts, by their names as plain() has them.
-LABELS = {"inside": 1, "outside": 2, "femur__left_": 1, "a_b__c____d": 2}
+LABELS = {"inside": 1, "outside": 2, "femur__left_": 1, "a_b__c____d": 2, "bone": 4, "label_7": 7,
+          "fat_skin": 9}
 
 
 def plain(name):

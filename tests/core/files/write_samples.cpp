@@ -130,7 +130,6 @@ absl::Status write_sample(const std::string& path, TetMesh unbounded) {
     return status;
   }
   for (const MeshFormatRow& row : mesh_formats()) {
-    if (!mesh.header.labels.empty() && !takes_labels(row.format)) continue;
     const std::string to = path + std::string(row.ending);
     if (auto status = write_mesh_file(to, mesh); !status.ok()) return status;
   }
@@ -204,7 +203,11 @@ absl::Status write_samples(const std::string& directory) {
                                     with_fields(kuhn_mesh(4, all, wide), {{"flow", 3}})));
   status.Update(write_second_sample(directory + "/second_parts",
                                     with_fields(in_two_parts(kuhn_mesh(17), 10'001), fields)));
-  status.Update(write_sample(directory + "/labels", with_labels(kuhn_mesh(33), -3)));
+  TetMesh tissues = with_labels(kuhn_mesh(9), 4);
+  tissues.header.labels[0].name = "bone";
+  tissues.header.labels[2] = {9, "fat/skin"};
+  status.Update(write_sample(directory + "/tissues", std::move(tissues)));
+  status.Update(write_sample(directory + "/labels", with_labels(kuhn_mesh(9), -3)));
   status.Update(
       write_sample(directory + "/large_labels", with_labels(kuhn_mesh(2), 3'000'000'000)));
   return status;

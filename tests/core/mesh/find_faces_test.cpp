@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -103,6 +105,40 @@ TEST(FindFaces, HasWhatLiesBetweenInsideAndOutsideOnceAsTheInsides) {
     if (mesh.face_label(i) != 0) continue;
     EXPECT_EQ(mesh.region(mesh.face_tet(i)), MeshRegion::kInside);
   }
+}
+
+/// The lowest nine cubes of 27 have the first label, the cube in the middle the second, and
+/// the others the third.
+TetMesh with_three_labels(std::vector<MeshLabel> labels) {
+  TetMesh mesh = kuhn_mesh(3);
+  mesh.header.labels = std::move(labels);
+  mesh.regions = ByteBuffer(mesh.header.tet_count * sizeof(LabelNumber));
+  for (std::uint64_t tet = 0; tet < mesh.header.tet_count; ++tet) {
+    const LabelNumber number = tet / 6 < 9 ? 0 : tet / 6 == 13 ? 1 : 2;
+    std::memcpy(mesh.regions.bytes().data() + tet * sizeof(number), &number, sizeof(number));
+  }
+  return mesh;
+}
+
+TEST(FindFaces, NamesWhatLiesBetweenLabelsOnceAsTheLowerOnes) {
+  const TetMesh mesh = with_faces(with_three_labels({{1, "bone"}, {5, ""}, {9, "skin"}}));
+  EXPECT_EQ(labels_of(mesh), (std::map<std::string, int>{{"bone_surface", 42},
+                                                         {"skin_surface", 66},
+                                                         {"bone_label_5", 2},
+                                                         {"bone_skin", 16},
+                                                         {"label_5_skin", 10}}));
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    const std::string& name = mesh.header.face_labels[mesh.face_label(i)].name;
+    const LabelNumber owner = mesh.label(mesh.face_tet(i));
+    EXPECT_EQ(owner, name.starts_with("bone") ? 0 : name.starts_with("label_5") ? 1 : 2);
+  }
+}
+
+TEST(FindFaces, NamesNoTwoPairsAlike) {
+  const TetMesh mesh = with_faces(with_three_labels({{1, "a"}, {5, "a"}, {9, "a_1_a"}}));
+  std::set<std::string> names;
+  for (const FaceLabel& label : mesh.header.face_labels) names.insert(label.name);
+  EXPECT_EQ(names.size(), 5U);
 }
 
 TEST(FindFaces, LabelsFacesOfACutByTheFacesOfTheBoxThatTheirVerticesLieIn) {

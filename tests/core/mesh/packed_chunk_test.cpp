@@ -99,6 +99,10 @@ std::vector<MeshHeader> headers() {
       headers.push_back(header);
     }
   }
+  // Bytes of 1 and 2 are numbers up to 514.
+  MeshHeader labelled = headers.front();
+  labelled.labels.resize(600);
+  headers.push_back(labelled);
   return headers;
 }
 
@@ -203,6 +207,16 @@ TEST(PackedChunk, NamesOnlyVerticesOfTheMeshWhateverItsBytes) {
     }
   }
   EXPECT_GT(accepted, 1000);  // most bits are of coordinates and fields
+}
+
+TEST(PackedChunk, RefusesLabelsThatThereAreNot) {
+  const MeshHeader header = headers().back();
+  Chunk chunk = random_chunk(header, {0, 100, 0, 50}, 1);
+  const Bytes bytes = pack(chunk);
+  MeshHeader fewer = header;
+  fewer.labels.resize(257);
+  Chunk into(fewer, chunk.extent);
+  EXPECT_FALSE(unpack(bytes, into).ok());
 }
 
 TEST(PackedChunk, RefusesVerticesOfOtherChunksThatThereAreNot) {

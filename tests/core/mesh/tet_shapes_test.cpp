@@ -17,14 +17,14 @@ const Places kRegular{{{1, -1, -1}, {1, 1, 1}, {-1, 1, -1}, {-1, -1, 1}}};
 const Places kCorner{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 TEST(TetShape, OfTheRegularTetIsOne) {
-  const TetShape shape = shape_of(kRegular);
+  const ShapeRatios shape = shape_of(kRegular);
   EXPECT_NEAR(shape.scaled_jacobian, 1, 1e-12);
   EXPECT_NEAR(shape.radius_ratio, 1, 1e-12);
   EXPECT_NEAR(shape.edge_ratio, 1, 1e-12);
 }
 
 TEST(TetShape, OfACubesCornerIsWhatGeometrySays) {
-  const TetShape shape = shape_of(kCorner);
+  const ShapeRatios shape = shape_of(kCorner);
   // The largest product of edges at a corner is 1 * sqrt(2) * sqrt(2).
   EXPECT_NEAR(shape.scaled_jacobian, std::sqrt(2.0) / 2, 1e-12);
   const double inner = 1 / (3 + std::sqrt(3.0)), outer = std::sqrt(3.0) / 2;

@@ -52,6 +52,64 @@ TEST(Request, TakesTheMeshersDefaults) {
   EXPECT_EQ(order->request.levels, 1);
 }
 
+TEST(Request, TakesLabelsAndGivesThemBackAlike) {
+  v1::MeshRequest request = valid_request();
+  v1::Labels& labels = *request.mutable_labels();
+  labels.add_only()->set_first(4);
+  labels.mutable_only(0)->set_last(9);
+  labels.add_merges()->add_ranges()->set_last(3);
+  labels.set_background(-2);
+  labels.set_mesh_background(true);
+  labels.add_names()->set_value(5);
+  labels.mutable_names(0)->set_name("bone");
+  labels.set_kernel(v1::LABEL_KERNEL_GAUSS);
+  labels.set_smooth(1.5);
+  const auto order = parse_mesh_request(request);
+  ASSERT_TRUE(order.ok()) << order.status();
+  ASSERT_TRUE(order->request.labels);
+  EXPECT_EQ(order->request.labels->smooth, 1.5);
+  v1::MeshRequest again;
+  to_proto(order->request, again);
+  EXPECT_EQ(again.labels().SerializeAsString(), labels.SerializeAsString());
+}
+
+TEST(Request, RefusesImpossibleLabels) {
+  const auto refused = [](const auto& change) {
+    v1::MeshRequest request = valid_request();
+    change(*request.mutable_labels());
+    return refusal(request);
+  };
+  EXPECT_THAT(refused([](v1::Labels& l) { l.add_only()->set_first(1); }),
+              HasSubstr("labels.only[0] is from 1 to 0"));
+  EXPECT_THAT(refused([](v1::Labels& l) { l.add_merges(); }), HasSubstr("is empty"));
+  EXPECT_THAT(refused([](v1::Labels& l) {
+                for (int i = 0; i < 2; ++i) l.add_merges()->add_ranges()->set_last(3);
+              }),
+              HasSubstr("label 0 twice"));
+  EXPECT_THAT(refused([](v1::Labels& l) { l.add_names()->set_name(std::string(129, 'a')); }),
+              HasSubstr("128 bytes"));
+  EXPECT_THAT(refused([](v1::Labels& l) { l.add_names()->set_name("a\nb"); }),
+              HasSubstr("control"));
+  EXPECT_THAT(refused([](v1::Labels& l) {
+                for (int i = 0; i < 2; ++i) l.add_names()->set_name("a");
+              }),
+              HasSubstr("label 0 twice"));
+  for (const double smooth : {0.0, -1.0, 4.5, std::nan("")}) {
+    EXPECT_THAT(refused([&](v1::Labels& l) { l.set_smooth(smooth); }), HasSubstr("smooth"));
+  }
+  EXPECT_THAT(refused([](v1::Labels& l) { l.set_kernel(static_cast<v1::LabelKernel>(9)); }),
+              HasSubstr("kernel 9"));
+  EXPECT_THAT(refused([](v1::Labels& l) {
+                l.set_kernel(v1::LABEL_KERNEL_TRILINEAR);
+                l.set_smooth(1);
+              }),
+              HasSubstr("leave it unset"));
+  EXPECT_THAT(refused([](v1::Labels& l) {
+                for (int i = 0; i < 65536; ++i) l.add_only();
+              }),
+              HasSubstr("65536 ranges"));
+}
+
 TEST(Request, TellsZeroFromUnset) {
   v1::MeshRequest request = valid_request();
   request.set_iso(0);

@@ -11,7 +11,7 @@
 namespace tet {
 namespace {
 
-using Loaded = absl::StatusOr<std::shared_ptr<const Volume>>;
+using Loaded = absl::StatusOr<GridInMemory>;
 
 Volume volume_of(std::size_t values) {
   Volume volume;
@@ -35,14 +35,13 @@ class CacheTest : public testing::Test {
   }
 
   /// "slow" is read until nobody wants it.
-  static absl::StatusOr<Volume> read(const std::string& name,
-                                     const VolumeCache::Cancelled& abandoned) {
+  static Loaded read(const std::string& name, const VolumeCache::Cancelled& abandoned) {
     if (name == "bad") return absl::NotFoundError("no such grid");
     do {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     } while (name == "slow" && !abandoned());
     if (name == "slow") return absl::CancelledError();
-    return volume_of(1000);
+    return std::make_shared<const Volume>(volume_of(1000));
   }
 
   static std::future<Loaded> ask(
@@ -58,7 +57,7 @@ class CacheTest : public testing::Test {
   /// Waits until nobody but the cache and the caller holds the volume.
   static Loaded load(VolumeCache& cache, const std::string& name) {
     Loaded loaded = ask(cache, name).get();
-    while (loaded.ok() && loaded->use_count() > 2) std::this_thread::yield();
+    while (loaded.ok() && std::get<0>(*loaded).use_count() > 2) std::this_thread::yield();
     return loaded;
   }
 
