@@ -25,6 +25,12 @@ Encoding = Literal["plain", "packed", "compact"]
 Box = tuple[Point, Point]
 Sizing = Mapping[str, Any] | str
 
+# The library makes these anew whenever it is asked.
+_INSIDES = dict(_tetstream.Inside.__members__)
+_PRESETS = dict(_tetstream.Preset.__members__)
+_COORDINATES = dict(_tetstream.Coordinates.__members__)
+_ENCODINGS = dict(_tetstream.Encoding.__members__)
+
 # By which another thread stops the calls that are made in this context.
 stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.ContextVar(
     "stop_of_context", default=None)
@@ -88,9 +94,9 @@ class Request:
         request.spacing = self.spacing
         request.iso = self.iso
         if self.inside is not None:
-            request.inside = member("inside", self.inside, _tetstream.Inside.__members__)
+            request.inside = member("inside", self.inside, _INSIDES)
         request.levels = self.levels
-        request.preset = member("preset", self.preset, _tetstream.Preset.__members__)
+        request.preset = member("preset", self.preset, _PRESETS)
         if self.box is not None:
             low, high = self.box
             request.set_box((point("box[0]", low), point("box[1]", high)))
@@ -100,7 +106,7 @@ class Request:
         request.manifold = self.manifold
         request.statistics = self.statistics
         request.faces = self.faces
-        request.coordinates = member("coordinates", self.coordinates, _tetstream.Coordinates.__members__)
+        request.coordinates = member("coordinates", self.coordinates, _COORDINATES)
         for name, values in (self.fields or {}).items():
             request.add_field(name, values._volume)
         return request
@@ -126,7 +132,7 @@ def options_of(
     options.progress = progress
     options.deadline = None if timeout is None else time.time() + timeout
     options.threads = threads
-    options.encoding = member("encoding", encoding, _tetstream.Encoding.__members__)
+    options.encoding = member("encoding", encoding, _ENCODINGS)
     options.skip_cache = skip_cache
     stop = stop_of_context.get()
     if stop is not None:
