@@ -235,6 +235,18 @@ class Arrays:
         return self._field_rows[:, field.offset:field.offset + field.components]
 
 
+_VIEWS: dict[str, Callable[[_tetstream.Mesh], Any]] = {
+    "header": lambda mesh: Header._of(mesh.header),
+    "local_points": lambda mesh: mesh.points,
+    "tets": lambda mesh: mesh.tets,
+    "regions": lambda mesh: mesh.regions,
+    "_field_rows": lambda mesh: mesh.field_rows,
+    "faces": lambda mesh: mesh.faces,
+    "face_tets": lambda mesh: mesh.face_tets,
+    "face_labels": lambda mesh: mesh.face_labels,
+}
+
+
 class Mesh(Arrays):
     """A whole tetrahedral mesh.
 
@@ -255,9 +267,15 @@ class Mesh(Arrays):
     def __init__(self, mesh: _tetstream.Mesh) -> None:
         if not isinstance(mesh, _tetstream.Mesh):
             raise TypeError("a Mesh is made by tetstream.mesh, or by Client.mesh")
-        super().__init__(Header._of(mesh.header), mesh.points, mesh.tets, mesh.regions, mesh.field_rows,
-                         mesh.faces, mesh.face_tets, mesh.face_labels)
         self._mesh = mesh
+
+    def __getattr__(self, name: str) -> Any:
+        """Views are made when they are asked for the first time: few of them are of most meshes."""
+        view = _VIEWS.get(name)
+        if view is None or "_mesh" not in self.__dict__:
+            raise AttributeError(f"a tetstream.Mesh has no {name}")
+        made = self.__dict__[name] = view(self._mesh)
+        return made
 
     @functools.cached_property
     def statistics(self) -> Statistics:

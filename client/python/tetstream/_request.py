@@ -26,6 +26,12 @@ Box = tuple[Point, Point]
 Sizing = Mapping[str, Any] | str
 FaceRegions = Mapping[str, Any] | Sequence[Mapping[str, Any]] | str
 
+# The library makes these anew whenever it is asked.
+_INSIDES = dict(_tetstream.Inside.__members__)
+_PRESETS = dict(_tetstream.Preset.__members__)
+_COORDINATES = dict(_tetstream.Coordinates.__members__)
+_ENCODINGS = dict(_tetstream.Encoding.__members__)
+
 # By which another thread stops the calls that are made in this context.
 stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.ContextVar(
     "stop_of_context", default=None)
@@ -90,9 +96,9 @@ class Request:
         request.spacing = self.spacing
         request.iso = self.iso
         if self.inside is not None:
-            request.inside = member("inside", self.inside, _tetstream.Inside.__members__)
+            request.inside = member("inside", self.inside, _INSIDES)
         request.levels = self.levels
-        request.preset = member("preset", self.preset, _tetstream.Preset.__members__)
+        request.preset = member("preset", self.preset, _PRESETS)
         if self.box is not None:
             low, high = self.box
             request.set_box((point("box[0]", low), point("box[1]", high)))
@@ -104,7 +110,7 @@ class Request:
         request.faces = self.faces
         if self.face_regions is not None:
             request.face_regions = _json_of_regions(self.face_regions)
-        request.coordinates = member("coordinates", self.coordinates, _tetstream.Coordinates.__members__)
+        request.coordinates = member("coordinates", self.coordinates, _COORDINATES)
         for name, values in (self.fields or {}).items():
             request.add_field(name, values._volume)
         return request
@@ -143,7 +149,7 @@ def options_of(
     options.progress = progress
     options.deadline = None if timeout is None else time.time() + timeout
     options.threads = threads
-    options.encoding = member("encoding", encoding, _tetstream.Encoding.__members__)
+    options.encoding = member("encoding", encoding, _ENCODINGS)
     options.skip_cache = skip_cache
     stop = stop_of_context.get()
     if stop is not None:
