@@ -310,8 +310,8 @@ std::string mesh_id_of(const v1::MeshRequest& canonical) {
       static_cast<int>(canonical.manifold()), static_cast<int>(canonical.improve()),
       absl::StrCat(exact_box(canonical), exact_sizing(canonical), exact_origin(canonical),
                    exact_fields(canonical), exact_grids(canonical), exact_inside(canonical),
-                    exact_labels(canonical), canonical.faces() ? " faces" : "",
-                    exact_face_regions(canonical)),
+                   exact_labels(canonical), canonical.faces() ? " faces" : "",
+                   exact_face_regions(canonical)),
       canonical.grid_name()));
   if (canonical.has_scene()) digest.add(canonical.scene().SerializeAsString());
   return digest.finish_hex();

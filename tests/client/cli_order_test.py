@@ -82,8 +82,8 @@ class SecondOrder(CommandTest):
         self.assertTrue(filecmp.cmp(self.out / "1.vtu", self.out / "3.vtu", shallow=False))
 
     def test_is_refused_where_there_is_no_place_for_it(self):
-        self.assert_fails(self.mesh("sphere.vdb", ".vtkhdf", "--order", "2"), REFUSED, "--order",
-                          ".vtu", ".msh")
+        self.assert_fails(self.mesh("sphere.vdb", ".mesh", "--order", "2"), REFUSED, "--order",
+                          ".vtu", ".exo")
         self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--order", "3"), USAGE, "--order")
         self.assert_nothing_written()
 

@@ -10,6 +10,9 @@
 
 namespace tetstream {
 
+// The shared library does not show them: who links it knows no messages.
+#pragma GCC visibility push(hidden)
+
 /// The order alone, without its mesh.
 v1::Job message_of(const JobOrder& order);
 v1::JobFilter message_of(const JobFilter& filter);
@@ -19,5 +22,7 @@ JobEvent to_public(const v1::JobEvent& event);
 
 /// The order's request id; a new one where it has none.
 std::string request_id_of(const JobOrder& order);
+
+#pragma GCC visibility pop
 
 }  // namespace tetstream
