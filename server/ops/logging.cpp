@@ -1,7 +1,9 @@
 #include "server/ops/logging.h"
 
 #include <atomic>
+#include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
@@ -16,6 +18,13 @@ namespace {
 
 std::atomic<LogWriter*> log_writer{nullptr};  ///< null before start_logging: tests print
 
+/// Which file stderr is. One that cannot be asked is like every other such.
+std::pair<dev_t, ino_t> file_of_stderr() {
+  struct stat file {};
+  return ::fstat(STDERR_FILENO, &file) == 0 ? std::pair(file.st_dev, file.st_ino)
+                                            : std::pair<dev_t, ino_t>();
+}
+
 }  // namespace
 
 void start_logging(const std::string& level, std::size_t buffer_bytes) {
@@ -24,7 +33,10 @@ void start_logging(const std::string& level, std::size_t buffer_bytes) {
       "tetstream", std::make_shared<spdlog::sinks::null_sink_mt>());
   logger->set_level(spdlog::level::from_str(level));
   spdlog::set_default_logger(std::move(logger));
-  if (log_writer == nullptr) log_writer = &LogWriter::start(STDERR_FILENO, buffer_bytes);
+  static std::pair<dev_t, ino_t> written_to;
+  if (log_writer != nullptr && file_of_stderr() == written_to) return;
+  written_to = file_of_stderr();
+  log_writer = &LogWriter::start(STDERR_FILENO, buffer_bytes);
 }
 
 void log_event(spdlog::level::level_enum level,

@@ -13,7 +13,8 @@
 namespace tet {
 
 /// Sends log lines of `level` (a name spdlog knows) and above to stderr, by a LogWriter that
-/// keeps so many bytes. Call it once, first.
+/// keeps so many bytes. Call it first, and again for another level, or where stderr has become
+/// another file; not from several threads.
 void start_logging(const std::string& level, std::size_t buffer_bytes = std::size_t{4} << 20);
 
 /// Returns once all lines are written, or at the timeout.

@@ -215,6 +215,7 @@ TEST_F(CredentialsTest, AreNeverLogged) {
   expect_matrix({});
   server_.reset();
   start_logging("error");
+  flush_log(std::chrono::minutes(1));
   const std::string log = testing::internal::GetCapturedStderr();
   for (const char* shown : {"tokens_kept", "UNAUTHENTICATED", "PERMISSION_DENIED"}) {
     EXPECT_NE(log.find(shown), std::string::npos) << shown;
