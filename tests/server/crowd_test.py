@@ -225,7 +225,7 @@ class Fairness(CrowdTest):
         alone = statistics.median(self.works(server, 100))
         # Planned for longer than all this takes.
         huge = self.call(server, STREAM, source="127.0.0.2")
-        huge.ask(self.stream_request(0.003, levels=24))
+        huge.ask(self.stream_request(0.005, levels=24))
         before = processor_seconds(server.process)
         wait_until(lambda: processor_seconds(server.process) >= before + HUGE_AHEAD)
         beside = self.works(server, 200)
