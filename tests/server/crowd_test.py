@@ -227,7 +227,13 @@ class Fairness(CrowdTest):
         huge = self.call(server, STREAM, source="127.0.0.2")
         huge.ask(self.stream_request(0.005, levels=24))
         before = processor_seconds(server.process)
-        wait_until(lambda: processor_seconds(server.process) >= before + HUGE_AHEAD)
+
+        def is_ahead():
+            huge.listen(0)
+            return huge.ended or processor_seconds(server.process) >= before + HUGE_AHEAD
+
+        wait_until(is_ahead)
+        self.assertFalse(huge.ended, "it was refused, or is not huge")
         beside = self.works(server, 200)
         huge.listen(0)
         print(f"the server works {alone:.2f} s for a small mesh; beside a huge one, on both, median "

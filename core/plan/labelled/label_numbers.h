@@ -18,7 +18,7 @@ struct LabelNumbers {
   /// By number, in the order of their values; the background comes last, and where it is left
   /// out it has the number behind the last.
   std::vector<MeshLabel> labels;
-  /// Of each of them the volume that its voxels have in all of the image, world units.
+  /// The volume that the voxels of each of them have in all of the image, world units cubed.
   std::vector<double> voxel_volume;
   KeptLabels kept = {};
 };

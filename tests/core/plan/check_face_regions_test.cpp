@@ -10,23 +10,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/core/plan/some_face_regions.h"
+
 namespace tet {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-FaceRegion in_box(std::string name, const WorldPoint& min, const WorldPoint& max) {
-  FaceRegion region{std::move(name)};
-  region.box = {min, max};
-  return region;
-}
-
-FaceRegion of_node(std::string name, std::string node) {
-  FaceRegion region{std::move(name)};
-  region.node = std::move(node);
-  return region;
-}
 
 std::string refusal_of(const FaceRegion& region) {
   return std::string(check_face_regions(std::vector{region}).message());

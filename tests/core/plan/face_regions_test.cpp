@@ -16,6 +16,7 @@
 #include "core/mesh/find_faces.h"
 #include "core/scene/scene.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/core/plan/some_face_regions.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -28,18 +29,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr double kNothing = 1e-6;  ///< spacings; no face is told from one this far away
-
-FaceRegion in_box(std::string name, const WorldPoint& min, const WorldPoint& max) {
-  FaceRegion region{std::move(name)};
-  region.box = {min, max};
-  return region;
-}
-
-FaceRegion of_node(std::string name, std::string node) {
-  FaceRegion region{std::move(name)};
-  region.node = std::move(node);
-  return region;
-}
 
 MeshRequest with_regions(std::vector<FaceRegion> regions, MeshRequest request = {}) {
   request.faces = true;
