@@ -36,7 +36,8 @@ MeshColumns columns_from(const tet::MeshHeader& header, const tet::ConstColumns&
     columns.faces32 = numbers<std::uint32_t>(from.faces);
     columns.face_tets32 = numbers<std::uint32_t>(from.face_tets);
   }
-  columns.regions = numbers<std::uint8_t>(from.regions);
+  // The column of a segmentation's mesh has the numbers of labels.
+  if (header.has_regions) columns.regions = numbers<std::uint8_t>(from.regions);
   columns.fields = numbers<float>(from.fields);
   columns.face_labels = numbers<std::uint16_t>(from.face_labels);
   return columns;
