@@ -27,6 +27,12 @@ constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexc
               sizeof(SurfaceCounts) + sizeof(SurfaceSheet) + fans);
 }
 
+/// Memory that a brick takes until it is surveyed, bytes: lists of them are held twice while
+/// they grow and while they are sorted.
+constexpr std::uint64_t kBytesPerFoundBrick = 64;
+/// And where its nodes' states are kept until none has to be restored.
+constexpr std::uint64_t kManifoldBytesPerFoundBrick = 640;
+
 /// Bricks near the surface, and bricks inside.
 struct BrickEstimate {
   double surface = 0, inside = 0;
@@ -137,16 +143,33 @@ std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& li
                                  limits.max_plan_bytes / survey_bytes_per_brick(rules));
 }
 
-absl::Status check_plan_budget(const FoundBricks& found,
-                               const StuffingRules& rules,
-                               const MeshLimits& limits) {
-  const std::size_t bricks = found.near_surface.size(),
-                    most = most_surface_bricks(rules, limits);
+std::size_t most_found_bricks(const PhiField& field,
+                              const MeshedSpace& space,
+                              const MeshLimits& limits) {
+  // A scene's bricks are found by their own parts, and voxels' by their values.
+  if (field.scene != nullptr || field.at_voxels()) {
+    return most_surface_bricks(space.rules, limits);
+  }
+  const std::uint64_t bytes =
+      kBytesPerFoundBrick + (space.manifold ? kManifoldBytesPerFoundBrick : 0);
+  return std::min<std::uint64_t>(kMaxSurfaceBricks, limits.max_plan_bytes / bytes);
+}
+
+absl::Status check_plan_budget(const FoundBricks& found, std::size_t most) {
+  const std::size_t bricks = found.near_surface.size();
   if (bricks <= most) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "%d bricks of 8^3 cells lie near the surface in the box; the limit is %d, as many as the "
       "memory for counting a mesh holds. Use a larger spacing or a smaller box",
       bricks, most));
+}
+
+absl::Status check_survey_budget(std::size_t bricks, std::size_t most) {
+  if (bricks <= most) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "more than %d bricks of 8^3 cells lie near the surface, as many as the memory for "
+      "counting a mesh holds. Use a larger spacing or a smaller box",
+      most));
 }
 
 absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {

@@ -6,8 +6,10 @@
 #include <absl/status/status.h>
 
 #include "core/field/find_bricks.h"
+#include "core/field/phi_field.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/mesh_request.h"
+#include "core/plan/meshed_space.h"
 #include "core/plan/shape.h"
 #include "core/stuffing/stuffing_rules.h"
 
@@ -26,6 +28,12 @@ double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request);
 /// Bricks near the surface that can be kept while the mesh is counted.
 std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);
 
+/// Bricks that may be found for the survey to look at. Away from the voxels' own lattice most
+/// of them turn out to have no part in the surface, and nothing is kept of those.
+std::size_t most_found_bricks(const PhiField& field,
+                              const MeshedSpace& space,
+                              const MeshLimits& limits);
+
 // Each is OK or kResourceExhausted, with the value and the limit.
 
 /// A domain that even its coarsest leaves would fill with too many tets.
@@ -37,10 +45,12 @@ absl::Status check_inside_budget(const FoundBricks& found,
                                  int levels,
                                  const MeshLimits& limits);
 
-/// A surface whose bricks could not be kept while the mesh is counted.
-absl::Status check_plan_budget(const FoundBricks& found,
-                               const StuffingRules& rules,
-                               const MeshLimits& limits);
+/// A surface for which there are more than `most` bricks to look at.
+absl::Status check_plan_budget(const FoundBricks& found, std::size_t most);
+
+/// A survey that found more than `most` bricks to keep: where the lattice is not the voxels'
+/// own, only this tells.
+absl::Status check_survey_budget(std::size_t bricks, std::size_t most);
 
 /// An improvement for which the mesh could not be kept.
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits);

@@ -1,6 +1,7 @@
 // What is meshed of a shape: both sides of its surface within a domain, or the inside alone.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -17,6 +18,8 @@ struct MeshedSpace {
   bool manifold = false;  ///< nodes are restored until the boundary is one
   std::uint64_t kept_geometry_bytes = MeshLimits{}.kept_geometry_bytes;
   bool skip_topology = false;  ///< of the surface
+  /// As many as the survey may keep: see most_surface_bricks.
+  std::size_t most_bricks = kMaxSurfaceBricks;
 };
 
 }  // namespace tet

@@ -66,6 +66,7 @@ absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                     .manifold = request.manifold,
                     .kept_geometry_bytes = limits.kept_geometry_bytes,
                     .skip_topology = request.skip_statistics};
+  space.most_bricks = most_surface_bricks(space.rules, limits);
   if (!space.rules.both_sides && !request.box) {
     if (auto status = check_inside_ends(field); !status.ok()) return status;
     return space;
@@ -88,16 +89,16 @@ absl::StatusOr<FoundBricks> bricks_of(const PhiField& field,
                                       const MeshLimits& limits,
                                       const Cancellation& cancellation) {
   // A domain may leave few of many.
-  const std::size_t most =
-      space.domain ? kMaxSurfaceBricks : most_surface_bricks(space.rules, limits);
+  const std::size_t most = most_found_bricks(field, space, limits),
+                    of_all = space.domain ? kMaxSurfaceBricks : most;
   absl::StatusOr<FoundBricks> found =
-      field.scene != nullptr ? find_scene_bricks(field, space.domain, most, cancellation)
-                             : find_bricks(field, most, cancellation);
+      field.scene != nullptr ? find_scene_bricks(field, space.domain, of_all, cancellation)
+                             : find_bricks(field, of_all, cancellation);
   if (!found.ok()) return found;
   if (space.domain && space.rules.both_sides) keep_domain(*space.domain, *found);
   if (space.domain && !space.rules.both_sides) keep_inside_of(*space.domain, field, *found);
   if (auto status = check_inside_budget(*found, levels, limits); !status.ok()) return status;
-  if (auto status = check_plan_budget(*found, space.rules, limits); !status.ok()) return status;
+  if (auto status = check_plan_budget(*found, most); !status.ok()) return status;
   return found;
 }
 

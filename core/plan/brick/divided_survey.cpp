@@ -10,6 +10,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/plan/brick/survey_bytes.h"
+#include "core/plan/budget.h"
 
 namespace tet {
 namespace {
@@ -123,6 +124,10 @@ absl::StatusOr<Survey> join_survey(const PreparedMesh& prepared,
       if (!here.ok()) return here;
       space.kept_geometry_bytes -= here->geometry.block_bytes;
       append(survey, *here);
+    }
+    if (auto status = check_survey_budget(survey.bricks.size(), space.most_bricks);
+        !status.ok()) {
+      return status;
     }
     if (progress == nullptr) continue;
     if (block == 0) progress->expect(bricks.size());

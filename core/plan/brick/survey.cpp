@@ -16,6 +16,7 @@
 #include "core/base/scratch_pool.h"
 #include "core/plan/brick/manifold.h"
 #include "core/plan/brick/survey_findings.h"
+#include "core/plan/budget.h"
 #include "core/stuffing/cut_tet.h"
 #include "core/stuffing/surface_walk.h"
 
@@ -203,8 +204,8 @@ class Surveyor {
         room_(static_cast<std::int64_t>(task.space.kept_geometry_bytes)) {}
 
   /// Appends what is found of `candidates`, which follow those before; `still_to_come` follow
-  /// them.
-  void add(std::span<const BrickCoord> candidates, std::size_t still_to_come) {
+  /// them. Errors: kResourceExhausted (more than may be kept), kCancelled, kDeadlineExceeded.
+  absl::Status add(std::span<const BrickCoord> candidates, std::size_t still_to_come) {
     Findings findings(candidates.size());
     std::vector<std::shared_ptr<std::byte[]>> blocks(
         candidates.size());  // of ranges, where they begin
@@ -214,11 +215,12 @@ class Surveyor {
                      find_range(candidates, begin, end, findings, keeper);
                      blocks[begin] = keeper.take();
                    });
-    if (task_.cancellation.requested()) return;
+    if (auto status = check_cancelled(task_.cancellation); !status.ok()) return status;
     std::erase(blocks, nullptr);
     std::ranges::move(blocks, std::back_inserter(survey_.geometry.blocks));
     add_findings(candidates, std::move(findings), task_.earlier, task_.space.rules.both_sides,
-                 still_to_come, survey_);
+                 {still_to_come, task_.space.most_bricks}, survey_);
+    return check_survey_budget(survey_.bricks.size(), task_.space.most_bricks);
   }
 
   std::uint64_t kept_bytes() const {
@@ -326,8 +328,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
   for (std::size_t first = 0; first < candidates.size(); first += kSurveyedAtATime) {
     const std::span rest = std::span(candidates).subspan(first);
     const std::span now = rest.first(std::min(kSurveyedAtATime, rest.size()));
-    surveyor.add(now, rest.size() - now.size());
-    if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+    if (auto status = surveyor.add(now, rest.size() - now.size()); !status.ok()) return status;
   }
   survey.geometry.block_bytes = surveyor.kept_bytes();
   return survey;

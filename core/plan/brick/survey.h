@@ -90,7 +90,8 @@ struct EarlierSurvey {
 bool can_reuse(const Survey& earlier, const MeshedSpace& space) noexcept;
 
 /// What `earlier`, which may be null, still says of a brick is taken from it. Errors:
-/// kCancelled, kDeadlineExceeded. `progress` may be null.
+/// kResourceExhausted (more bricks than space.most_bricks), kCancelled, kDeadlineExceeded.
+/// `progress` may be null.
 absl::StatusOr<Survey> survey_bricks(const PhiField& field,
                                      const std::vector<BrickCoord>& candidates,
                                      const MeshedSpace& space,

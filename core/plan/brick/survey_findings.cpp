@@ -9,11 +9,13 @@ namespace {
 
 /// Makes room for `more` bricks; where it has to, for as large a share of those to come, so
 /// that columns rarely move.
-void make_room(Survey& survey, std::size_t more, std::size_t of, std::size_t still_to_come) {
+void make_room(Survey& survey, std::size_t more, std::size_t of, const StillToCome& coming) {
   const std::size_t wanted = survey.bricks.size() + more;
   if (wanted <= survey.bricks.capacity()) return;
-  const std::size_t rest = more * still_to_come / std::max<std::size_t>(of, 1);
-  const std::size_t room = wanted + rest + rest / 8;  // the surface is nowhere quite as here
+  const std::size_t rest = more * coming.candidates / std::max<std::size_t>(of, 1);
+  // The surface is nowhere quite as here.
+  const std::size_t room =
+      std::max(wanted, std::min(wanted + rest + rest / 8, coming.most_bricks));
   survey.bricks.reserve(room);
   survey.stuffed.reserve(room);
   survey.finest.reserve(room);
@@ -67,9 +69,9 @@ void add_findings(std::span<const BrickCoord> candidates,
                   Findings findings,
                   const EarlierSurvey* earlier,
                   bool both_sides,
-                  std::size_t still_to_come,
+                  const StillToCome& rest,
                   Survey& survey) {
-  make_room(survey, findings.count(), candidates.size(), still_to_come);
+  make_room(survey, findings.count(), candidates.size(), rest);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (findings.thin[i]) survey.thin.push_back({candidates[i], *findings.thin[i]});
     const bool known = findings.known[i] != kNotKnown;

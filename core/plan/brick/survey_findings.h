@@ -40,13 +40,19 @@ struct Findings {
   std::size_t count() const noexcept;
 };
 
+/// What may follow: candidates, and bricks that are kept of all.
+struct StillToCome {
+  std::size_t candidates = 0;
+  std::size_t most_bricks = 0;
+};
+
 /// Appends what was found, in the order of the candidates, and lets go of it. `earlier` may be
-/// null; `still_to_come` candidates follow.
+/// null.
 void add_findings(std::span<const BrickCoord> candidates,
                   Findings findings,
                   const EarlierSurvey* earlier,
                   bool both_sides,
-                  std::size_t still_to_come,
+                  const StillToCome& rest,
                   Survey& survey);
 
 /// Packs the geometry of one brick after another, as long as there is room for it.

@@ -89,13 +89,14 @@ absl::StatusOr<std::vector<Plan>> PartPlanner::plan_all() {
 /// What can be refused is refused before the first grid is surveyed, and it is known how many
 /// bricks there are.
 absl::Status PartPlanner::look_at_all() {
-  std::uint64_t bricks = 0;
+  std::uint64_t bricks = 0, most = kMaxSurfaceBricks;
   for (std::size_t i = 0; i < grids_.size(); ++i) {
     const auto prepared = prepare_mesh(grids_[i], request_, job_.limits, cancellation_);
     if (!prepared.ok()) return about_grid(prepared.status(), i);
     bricks += prepared->bricks.near_surface.size();
+    most = std::min<std::uint64_t>(
+        most, most_found_bricks(prepared->field, prepared->space, job_.limits));
   }
-  const std::uint64_t most = most_surface_bricks(stuffing_rules(request_.preset), job_.limits);
   if (bricks > most) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "%d bricks of 8^3 cells lie near the surfaces of %d grids; the limit is %d, as many as "

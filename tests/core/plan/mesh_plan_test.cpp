@@ -11,10 +11,12 @@
 
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/fill_brick.h"
+#include "core/plan/budget.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/make/mesher.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/plan/mesh_progress.h"
+#include "core/plan/prepared_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -249,6 +251,27 @@ TEST(MeshPlan, RefusesAMeshOverTheBudgetWithBothNumbers) {
 TEST(MeshPlan, RefusesASurfaceThatItCouldNotKeepInMemory) {
   expect_refusal(test::ball(20), {}, absl::StatusCode::kResourceExhausted, "the limit is 39,",
                  {.max_plan_bytes = 100000});
+}
+
+TEST(MeshPlan, CountsInMemoryWhatALatticeFinerThanTheVoxelsHasOfTheSurface) {
+  const Shape ball = std::make_shared<const Volume>(test::ball(14));
+  MeshRequest request;
+  request.spacing = 0.25;
+  MeshLimits limits{.max_plan_bytes = 1'000'000};
+  absl::Status refused;
+  while (true) {
+    const auto made = plan_mesh({.shape = ball, .request = request, .limits = limits});
+    if (made.ok()) break;
+    refused = made.status();
+    ASSERT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+    limits.max_plan_bytes += limits.max_plan_bytes / 2;
+  }
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("bricks of 8^3 cells lie near"));
+  const auto prepared = prepare_mesh(ball, request, limits, Cancellation());
+  ASSERT_TRUE(prepared.ok());
+  // Most that are looked at have no part in it.
+  EXPECT_GT(prepared->bricks.near_surface.size(),
+            2 * most_surface_bricks(prepared->space.rules, limits));
 }
 
 TEST(MeshPlan, PutsTheOriginOnTheLatticeCornerNextToWhereItIsAsked) {
