@@ -1,5 +1,6 @@
 """Runs the examples in Python that solve, by dolfinx: alone, and on the ranks of mpirun."""
 
+import math
 import os
 import pathlib
 import re
@@ -35,6 +36,17 @@ class PythonExamples(unittest.TestCase):
             self.assertEqual(sum(own for own, _ in shares), shares[0][1])
             integrals.append(float(re.search(r"integral is (\S+)", said)[1]))
         self.assertAlmostEqual(integrals[0], integrals[1], delta=1e-7 * integrals[0])
+
+    def test_ranks_have_tags_of_cells_and_facets(self):
+        for ranks in (1, 3):
+            said = said_by("../../tests/judges/tags_on_ranks.py", self.folder, "mpirun", "--allow-run-as-root",
+                           "--oversubscribe", "-n", str(ranks))
+            found = {name: float(number) for name, number in re.findall(r"(\w+) ([0-9.]+)", said)}
+            self.assertAlmostEqual(found["inside"], 4 / 3 * math.pi, delta=0.02)
+            self.assertAlmostEqual(found["interface"], 4 * math.pi, delta=0.04)
+            sides = [area for name, area in found.items() if name.startswith("box_")]
+            self.assertEqual((len(sides), len(set(sides))), (6, 1), said)
+            self.assertAlmostEqual(found["inside"] + found["outside"], sides[0] ** 1.5, delta=0.01)
 
     def test_a_scan_becomes_a_stress_plot(self):
         said = said_by("scan_to_stress.py", self.folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 from typing import TYPE_CHECKING, Any
 
@@ -73,16 +74,53 @@ def _add(data: Any, arrays: Any, name: str, values: NDArray[Any]) -> None:
     data.AddArray(array)
 
 
-def to_dolfinx(points: NDArray[np.float64], tets: NDArray[Any], comm: Any) -> Any:
-    """Of what this rank has: its runs of the mesh's points and tets, whose ids count in the whole mesh."""
+@dataclasses.dataclass(frozen=True)
+class Piece:
+    """What one rank has of a mesh. Ids count in the whole mesh."""
+
+    points: NDArray[np.float64]
+    tets: NDArray[Any]
+    regions: NDArray[Any] | None = None
+    faces: NDArray[Any] | None = None
+    face_labels: NDArray[Any] | None = None
+
+
+def to_dolfinx(piece: Piece, comm: Any) -> Any:
     dolfinx, ufl = imported("dolfinx.mesh"), imported("ufl")
     cell = ufl.Cell("tetrahedron", geometric_dimension=3)
     domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
-    return dolfinx.create_mesh(comm, np.ascontiguousarray(tets, dtype=np.int64), points, domain)
+    return dolfinx.create_mesh(comm, np.ascontiguousarray(piece.tets, dtype=np.int64), piece.points, domain)
 
 
-def share_to_dolfinx(mesh: Arrays, comm: Any) -> Any:
-    """Of a mesh that every rank has whole: each gives its share of it."""
+def tagged_dolfinx(piece: Piece, comm: Any) -> tuple[Any, Any, Any]:
+    """(mesh, tags of cells, tags of facets); None for tags of which the mesh has no column."""
+    domain = to_dolfinx(piece, comm)
+    cells = None if piece.regions is None else _tags(domain, piece.tets, piece.regions)
+    facets = None
+    if piece.faces is not None and piece.face_labels is not None:
+        facets = _tags(domain, piece.faces, piece.face_labels.astype(np.int32) + 1)
+    return domain, cells, facets
+
+
+def _tags(domain: Any, entities: NDArray[Any], values: NDArray[Any]) -> Any:
+    """Tags of cells or facets, each of which any rank may name by its vertices."""
+    dolfinx, cpp = imported("dolfinx.mesh"), imported("dolfinx.cpp")
+    dimension = entities.shape[1] - 1
+    domain.topology.create_connectivity(dimension, 0)
+    domain.topology.create_connectivity(dimension, domain.topology.dim)
+    own, own_values = cpp.io.distribute_entity_data(
+        getattr(domain, "_mesh", domain), dimension, np.ascontiguousarray(entities, dtype=np.int64),
+        np.ascontiguousarray(values, dtype=np.int32))
+    return dolfinx.meshtags_from_entities(domain, dimension, cpp.graph.AdjacencyList_int32(own), own_values)
+
+
+def share_of(mesh: Arrays, comm: Any) -> Piece:
+    """The share of this rank in a mesh that every rank has whole."""
     share = Share.of(len(mesh.local_points), len(mesh.tets), comm.rank, comm.size)
-    return to_dolfinx(mesh.points[share.first_vertex:share.end_vertex],
-                      mesh.tets[share.first_tet:share.end_tet], comm)
+    tets = slice(share.first_tet, share.end_tet)
+    piece = Piece(mesh.points[share.first_vertex:share.end_vertex], mesh.tets[tets],
+                  None if mesh.regions is None else mesh.regions[tets])
+    if mesh.faces is None or mesh.face_tets is None or mesh.face_labels is None:
+        return piece
+    begin, end = mesh.face_tets.searchsorted([share.first_tet, share.end_tet])
+    return dataclasses.replace(piece, faces=mesh.faces[begin:end], face_labels=mesh.face_labels[begin:end])

@@ -99,6 +99,14 @@ class Header:
         told["face_labels"] = tuple(FaceLabel(*label) for label in told["face_labels"])
         return cls(**told)
 
+    def face_tag(self, name: str) -> int:
+        """The tag of the faces of this name, as meshio and dolfinx have it: its place in `face_labels`, from 1 on.
+        Errors: InvalidArgumentError (no such label)."""
+        names = [label.name for label in self.face_labels]
+        if name not in names:
+            raise invalid(f"no faces are named {name!r}; there are {', '.join(names) or 'none: mesh with faces=True'}")
+        return names.index(name) + 1
+
 
 @dataclasses.dataclass(frozen=True)
 class Quality:
@@ -221,11 +229,9 @@ class Arrays:
 
     def faces_of(self, name: str) -> NDArray[np.unsignedinteger[Any]]:
         """The faces with one label, shape (n, 3). Errors: InvalidArgumentError (no such label)."""
-        names = [label.name for label in self.header.face_labels]
-        if self.faces is None or self.face_labels is None or name not in names:
-            known = ", ".join(names) or "none: mesh with faces=True"
-            raise invalid(f"no faces are named {name!r}; there are {known}")
-        named: NDArray[np.unsignedinteger[Any]] = self.faces[self.face_labels == names.index(name)]
+        tag = self.header.face_tag(name)
+        assert self.faces is not None and self.face_labels is not None
+        named: NDArray[np.unsignedinteger[Any]] = self.faces[self.face_labels == tag - 1]
         return named
 
     def _field(self, field: FieldArray) -> NDArray[np.float32]:
@@ -320,13 +326,17 @@ class Mesh(Arrays):
         """The mesh as a `vtkUnstructuredGrid`, with fields as point data and `region` as cell data."""
         return _convert.to_vtk(self)
 
-    def to_dolfinx(self, comm: Any) -> Any:
+    def to_dolfinx(self, comm: Any, *, tags: bool = False) -> Any:
         """The mesh as a `dolfinx.mesh.Mesh`, for finite elements of first order.
 
         comm   of mpi4py, such as MPI.COMM_WORLD. Every rank has made the same mesh, and gives its share of it;
                `MeshStream.to_dolfinx` spares each rank the rest.
+        tags   also what its cells and facets are: (mesh, cell_tags, facet_tags), each a `MeshTags` of dolfinx, or
+               None where the mesh has no regions or no faces. A cell's tag is its region, and a facet's is the
+               place of its name in `header.face_labels`, from 1 on: `header.face_tag("clamped")` finds it
         """
-        return _convert.share_to_dolfinx(self, comm)
+        piece = _convert.share_of(self, comm)
+        return _convert.tagged_dolfinx(piece, comm) if tags else _convert.to_dolfinx(piece, comm)
 
     def picture(
         self,

@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _convert
 from ._mesh import Chunk, Header, Statistics
@@ -62,18 +63,32 @@ class MeshStream:
         """Which of the mesh's vertices and tets come: all of them, unless it is the stream of one rank."""
         return self._share or Share(0, self.header.vertex_count, 0, self.header.tet_count)
 
-    def to_dolfinx(self, comm: Any) -> Any:
+    def to_dolfinx(self, comm: Any, *, tags: bool = False) -> Any:
         """The mesh as a `dolfinx.mesh.Mesh`, from what is left of the stream.
 
         comm   of mpi4py. Every rank reads a stream of its own: `client.stream(request, rank=comm.rank,
                size=comm.size)`. All ranks call this together.
+        tags   also its cells' and facets', as of `Mesh.to_dolfinx`
         """
+        piece = self._collected()
+        return _convert.tagged_dolfinx(piece, comm) if tags else _convert.to_dolfinx(piece, comm)
+
+    def _collected(self) -> _convert.Piece:
+        """All that comes, as one piece."""
         tets = np.empty((self.share.tet_count, 4), np.int64)
         points = np.empty((self.share.vertex_count, 3))
+        # All ranks have the same columns, those without a chunk, too.
+        parts: dict[str, list[NDArray[Any]]] = {}
+        if self.header.has_regions:
+            parts["regions"] = [np.empty(0, np.uint8)]
+        if self.header.face_labels:
+            parts |= {"faces": [np.empty((0, 3), np.int64)], "face_labels": [np.empty(0, np.uint16)]}
         for chunk in self:
             points[chunk.first_vertex - self.share.first_vertex:][:len(chunk.points)] = chunk.points
             tets[chunk.first_tet - self.share.first_tet:][:len(chunk.tets)] = chunk.tets
-        return _convert.to_dolfinx(points, tets, comm)
+            for name, arrays in parts.items():
+                arrays.append(getattr(chunk, name))
+        return _convert.Piece(points, tets, **{name: np.concatenate(arrays) for name, arrays in parts.items()})
 
     @property
     def statistics(self) -> Statistics:
