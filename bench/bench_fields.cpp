@@ -11,7 +11,7 @@
 
 #include "core/base/parallel.h"
 #include "core/field/find_bricks.h"
-#include "core/files/surface_file.h"
+#include "core/triangle_files/surface_file.h"
 #include "core/vdb/surface_to_volume.h"
 #include "core/volume/volume_builder.h"
 

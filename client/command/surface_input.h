@@ -37,11 +37,6 @@ struct SurfaceInput {
 absl::StatusOr<SurfaceInput> read_surface_input(const std::string& path,
                                                 const SurfaceChoices& choices);
 
-/// The longest extent / 128: fine enough to show the shape, coarse enough to mesh in seconds.
-/// Less where walls are thinner than two voxels of that, as far as that takes no more than 2e7
-/// voxels.
-double default_voxel(const TriangleSurface& surface);
-
 /// What was found and done, and a line for each warning.
 std::string describe_conversion(const ConversionReport& report);
 

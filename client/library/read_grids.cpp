@@ -1,7 +1,7 @@
 #include "client/library/read_grids.h"
 
 #include "client/library/attached_image.h"
-#include "core/vdb/check_file.h"
+#include "core/base/posix/check_file.h"
 #include "core/vdb/decode_file.h"
 #include "core/vdb/load.h"
 

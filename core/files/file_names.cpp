@@ -20,7 +20,7 @@ std::string plain_name(const std::string& name, const NameRule& rule) {
   }
   const bool has_start =
       !plain.empty() && absl::ascii_isalpha(static_cast<unsigned char>(plain[0]));
-  if (plain.empty() || (rule.letter_first && !has_start)) plain.insert(0, "n");
+  if (plain.empty() || (rule.letter_first && !has_start)) plain.insert(plain.begin(), 'n');
   return plain.substr(0, rule.most_bytes);
 }
 

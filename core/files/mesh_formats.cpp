@@ -226,16 +226,17 @@ std::string describe_mesh_formats() {
       "coordinates | names |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const MeshFormatRow& row : kRows) {
-    const std::vector<std::string> cells{"`" + text_of(row.name) + "`",
-                                         "`" + absl::StrJoin(endings_of(row), "`, `") + "`",
-                                         cell(row.about),
-                                         cell(row.tets),
-                                         cell(row.second_order),
-                                         cell(row.regions),
-                                         cell(row.faces),
-                                         cell(row.fields),
-                                         cell(row.coordinates),
-                                         cell(row.names, "any")};
+    const std::vector<std::string> cells{
+        absl::StrCat("`", text_of(row.name), "`"),
+        absl::StrCat("`", absl::StrJoin(endings_of(row), "`, `"), "`"),
+        cell(row.about),
+        cell(row.tets),
+        cell(row.second_order),
+        cell(row.regions),
+        cell(row.faces),
+        cell(row.fields),
+        cell(row.coordinates),
+        cell(row.names, "any")};
     absl::StrAppend(&text, "| ", absl::StrJoin(cells, " | "), " |\n");
   }
   return text;

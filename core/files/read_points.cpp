@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/files/surface_reading.h"
+#include "core/triangle_files/surface_reading.h"
 
 namespace tet {
 

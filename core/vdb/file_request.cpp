@@ -5,10 +5,11 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/base/posix/check_file.h"
 #include "core/base/posix/file.h"
 #include "core/vdb/charge_file.h"
-#include "core/vdb/check_file.h"
 #include "core/vdb/image_file.h"
+#include "core/vdb/triangle_file.h"
 #include "core/volume/grid_info.h"
 
 namespace tet {
@@ -37,6 +38,9 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGri
   if (holds_image(file)) {
     return charge_image(file, request.task == DecodeTask::kGridList, request.max_bytes,
                         kReadingFactor * request.max_bytes);
+  }
+  if (holds_triangles(file)) {
+    return charge_triangles(file, request.max_bytes, kReadingFactor * request.max_bytes);
   }
   if (request.task == DecodeTask::kGridList) {
     return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
@@ -89,7 +93,8 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
   const OpenGridFile file{checked.file.number(), file_bytes, request.file_name};
   const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
   if (!charge.ok()) return charge.status();
-  const std::chrono::milliseconds time = time_for(file_bytes, *charge);
+  std::chrono::milliseconds time = time_for(file_bytes, *charge);
+  if (holds_triangles(file)) time += kConvertingTime;
   checked.limit = std::min(kClockFactor * time, max_time);
   checked.order = {request.task,      limits_of(*charge, std::min(time, max_time)),
                    file_bytes,        request.file_name,

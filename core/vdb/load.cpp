@@ -6,6 +6,7 @@
 #include <ios>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 #include <absl/status/status.h>
 #include <absl/strings/ascii.h>
@@ -14,13 +15,15 @@
 #include <absl/strings/str_join.h>
 
 #include "core/base/failure_name.h"
+#include "core/base/posix/check_file.h"
 #include "core/base/posix/file.h"
-#include "core/vdb/check_file.h"
 #include "core/vdb/conversion_report.h"
 #include "core/vdb/copy_grid.h"
 #include "core/vdb/image_file.h"
 #include "core/vdb/load_image_file.h"
+#include "core/vdb/surface_grid.h"
 #include "core/vdb/tree_type.h"
+#include "core/vdb/triangle_file.h"
 #include "core/vdb/vdb_file.h"
 #include "core/vdb/vdb_transform.h"
 #include "core/volume/check_transform.h"
@@ -130,11 +133,9 @@ std::string describe_voxels(const VoxelTransform& transform) {
                          are_square(transform) ? "" : ", sheared");
 }
 
-GridInfo describe(VdbFile& file, std::size_t i) {
-  file.read_topology(i);
-  const openvdb::GridBase& grid = file.grid(i);
+GridInfo describe(const openvdb::GridBase& grid, std::string name) {
   GridInfo info;
-  info.name = file.grid_name(i);
+  info.name = std::move(name);
   info.value_type = value_type(grid);
   info.grid_class = openvdb::GridBase::gridClassToString(grid.getGridClass());
   info.voxel_size = grid.voxelSize().x();
@@ -150,6 +151,11 @@ GridInfo describe(VdbFile& file, std::size_t i) {
   info.field_components = field_components(grid);
   info.made_of = made_of(grid);
   return info;
+}
+
+GridInfo describe(VdbFile& file, std::size_t i) {
+  file.read_topology(i);
+  return describe(file.grid(i), file.grid_name(i));
 }
 
 std::string names_of(const VdbFile& file) {
@@ -230,10 +236,42 @@ absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const Reading& re
   return reading.copy(file.grid(i));
 }
 
+absl::Status check_triangles(const OpenGridFile& file, const LoadLimits& limits) {
+  if (limits.walked) return absl::OkStatus();
+  return charge_triangles(file, limits.max_bytes, limits.max_reading_bytes).status();
+}
+
+absl::StatusOr<std::vector<GridInfo>> list_triangles(const OpenGridFile& source) {
+  const absl::StatusOr<openvdb::FloatGrid::Ptr> grid = read_surface_grid(source);
+  if (!grid.ok()) return grid.status();
+  return std::vector<GridInfo>{describe(**grid, (*grid)->getName())};
+}
+
+/// The only grid of a file of triangles.
+absl::StatusOr<Volume> load_triangles(const OpenGridFile& source,
+                                      const std::string& grid_name,
+                                      const Reading& reading) {
+  const absl::StatusOr<openvdb::FloatGrid::Ptr> grid = read_surface_grid(source);
+  if (!grid.ok()) return grid.status();
+  const std::string name = (*grid)->getName();
+  if (!grid_name.empty() && grid_name != name) {
+    return absl::NotFoundError(
+        absl::StrFormat("there is no grid '%s'; the file has '%s'", grid_name, name));
+  }
+  absl::StatusOr<Volume> volume = reading.copy(**grid);
+  if (!volume.ok()) return told_of_triangles(source, volume.status());
+  volume->name = name;
+  return volume;
+}
+
 absl::StatusOr<Volume> load(const OpenGridFile& source,
                             const std::string& grid_name,
                             const Reading& reading,
                             const LoadLimits& limits) {
+  if (holds_triangles(source)) {
+    if (absl::Status s = check_triangles(source, limits); !s.ok()) return s;
+    return load_triangles(source, grid_name, reading);
+  }
   if (holds_image(source)) {
     if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
     return load_image_file(source, grid_name, reading.use, reading.component);
@@ -264,6 +302,10 @@ absl::StatusOr<std::vector<GridInfo>> list_grids(const std::string& path,
 
 absl::StatusOr<std::vector<GridInfo>> list_grids(const OpenGridFile& source,
                                                  const LoadLimits& limits) {
+  if (holds_triangles(source)) {
+    if (absl::Status s = check_triangles(source, limits); !s.ok()) return s;
+    return list_triangles(source);
+  }
   if (holds_image(source)) {
     if (absl::Status s = check_image(source, limits, true); !s.ok()) return s;
     return list_image_file(source);

@@ -6,6 +6,7 @@
 #include <exception>
 #include <functional>
 #include <type_traits>
+#include <utility>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
@@ -18,6 +19,7 @@
 #include "core/vdb/copy_grid.h"
 #include "core/vdb/level_set_volume.h"
 #include "core/vdb/sign_distances.h"
+#include "core/vdb/surface_grid.h"
 #include "core/vdb/vdb_grids.h"
 #include "core/vdb/vdb_transform.h"
 #include "core/vdb/voxel_surface.h"
@@ -235,6 +237,16 @@ absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
     absl::StatusOr<Volume> volume = copy_grid(*converted->grid);
     if (!volume.ok()) return volume.status();
     return SurfaceVolume{*std::move(volume), converted->report};
+  });
+}
+
+absl::StatusOr<FloatGrid::Ptr> surface_to_grid(const TriangleSurface& surface,
+                                               double voxel_size,
+                                               OpenSurface open) {
+  return guarded([&]() -> absl::StatusOr<FloatGrid::Ptr> {
+    absl::StatusOr<Converted> converted = convert(surface, voxel_size, open);
+    if (!converted.ok()) return converted.status();
+    return std::move(converted->grid);
   });
 }
 

@@ -8,8 +8,8 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/posix/check_file.h"
 #include "core/base/posix/file.h"
-#include "core/vdb/check_file.h"
 #include "core/vdb/grid_names.h"
 #include "core/vdb/walk_grid.h"
 #include "core/vdb/walk_refusal.h"

@@ -9,11 +9,11 @@ import re
 import sys
 
 # A request passes through these in order; a folder includes itself and those before it.
-CORE = ["core/base", "core/surface", "core/volume", "core/image", "core/vdb", "core/scene", "core/field",
-        "core/octree", "core/lattice", "core/stuffing", "core/labels", "core/mesh", "core/graded",
-        "core/plan", "core/plan/brick", "core/plan/labelled", "core/plan/whole", "core/plan/joined",
-        "core/plan/make", "core/fidelity", "core/remap", "core/second_order", "core/transfer",
-        "core/files", "core/manual"]
+CORE = ["core/base", "core/surface", "core/triangle_files", "core/volume", "core/image", "core/vdb",
+        "core/scene", "core/field", "core/octree", "core/lattice", "core/stuffing", "core/labels",
+        "core/mesh", "core/graded", "core/plan", "core/plan/brick", "core/plan/labelled",
+        "core/plan/whole", "core/plan/joined", "core/plan/make", "core/fidelity", "core/remap",
+        "core/second_order", "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/http", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",

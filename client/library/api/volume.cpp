@@ -14,7 +14,7 @@
 #include "client/library/api/volume_impl.h"
 #include "client/library/api/work.h"
 #include "client/library/read_grids.h"
-#include "core/files/surface_file.h"
+#include "core/triangle_files/surface_file.h"
 #include "core/vdb/surface_to_volume.h"
 #include "core/vdb/write_volume.h"
 

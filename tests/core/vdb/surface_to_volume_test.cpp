@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/files/surface_file.h"
+#include "core/triangle_files/surface_file.h"
 #include "core/vdb/load.h"
 #include "core/vdb/write_volume.h"
 #include "core/volume/volume_reader.h"

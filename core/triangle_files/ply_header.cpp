@@ -1,4 +1,4 @@
-#include "core/files/ply_header.h"
+#include "core/triangle_files/ply_header.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/files/surface_reading.h"
+#include "core/triangle_files/surface_reading.h"
 
 namespace tet {
 namespace {

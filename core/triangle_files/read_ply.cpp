@@ -6,9 +6,9 @@
 
 #include <absl/strings/str_format.h>
 
-#include "core/files/ply_header.h"
-#include "core/files/surface_file.h"
-#include "core/files/surface_reading.h"
+#include "core/triangle_files/ply_header.h"
+#include "core/triangle_files/surface_file.h"
+#include "core/triangle_files/surface_reading.h"
 
 namespace tet {
 namespace {

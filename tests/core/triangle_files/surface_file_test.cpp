@@ -1,4 +1,4 @@
-#include "core/files/surface_file.h"
+#include "core/triangle_files/surface_file.h"
 
 #include <algorithm>
 #include <bit>

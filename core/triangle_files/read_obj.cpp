@@ -6,8 +6,8 @@
 
 #include <absl/strings/str_format.h>
 
-#include "core/files/surface_file.h"
-#include "core/files/surface_reading.h"
+#include "core/triangle_files/surface_file.h"
+#include "core/triangle_files/surface_reading.h"
 
 namespace tet {
 namespace {

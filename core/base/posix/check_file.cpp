@@ -1,4 +1,4 @@
-#include "core/vdb/check_file.h"
+#include "core/base/posix/check_file.h"
 
 #include <filesystem>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "core/files/surface_reading.h"
+#include "core/triangle_files/surface_reading.h"
 
 #include <algorithm>
 #include <charconv>

@@ -11,8 +11,8 @@
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_format.h>
 
-#include "core/files/surface_file.h"
-#include "core/files/surface_reading.h"
+#include "core/triangle_files/surface_file.h"
+#include "core/triangle_files/surface_reading.h"
 
 namespace tet {
 namespace {

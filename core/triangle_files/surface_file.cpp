@@ -1,4 +1,4 @@
-#include "core/files/surface_file.h"
+#include "core/triangle_files/surface_file.h"
 
 #include <algorithm>
 #include <cctype>
@@ -10,7 +10,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "core/vdb/check_file.h"
+#include "core/base/posix/check_file.h"
 
 namespace tet {
 namespace {
