@@ -117,6 +117,10 @@ struct Server::Parts {
   bool listen();
   absl::Status open_metrics();
   absl::Status open_http();
+  /// host:port, the port being the one that was really taken.
+  std::string grpc_address() const {
+    return absl::StrCat(config.listen.substr(0, config.listen.rfind(':')), ":", port);
+  }
   bool works() const { return !admission.is_draining() && probes.works(); }
   void tell_health();
   std::vector<Reading> slow_readings() const;
@@ -227,7 +231,7 @@ absl::Status Server::Parts::open_metrics() {
 absl::Status Server::Parts::open_http() {
   if (config.http_listen.empty()) return absl::OkStatus();
   auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
-                                        [this] { return works(); }});
+                                        [this] { return works(); }, grpc_address()});
   if (!opened.ok()) return opened.status();
   http = *std::move(opened);
   open_port = http.get();
@@ -304,8 +308,7 @@ Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Server::~Server() { stop(std::chrono::seconds(0)); }
 
 std::string Server::address() const {
-  const std::string& listen = parts_->config.listen;
-  return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", parts_->port);
+  return parts_->grpc_address();
 }
 
 int Server::port() const { return parts_->port; }

@@ -59,6 +59,7 @@ HttpAnswer plain_page(const HttpPlace& place, const RequestHead& head) {
     return {ready ? 200 : 503, "text/plain", ready ? "ok\n" : "not ready\n"};
   }
   if (head.path == "/v1/openapi.json") return {200, "application/json", place.open_api};
+  if (head.path == "/v1/grpc.json") return {200, "application/json", place.grpc_place};
   if (const PageFile* file = place.page.find(head.path)) return file_answer(head, *file);
   if (head.path == "/" && place.page.empty()) {
     return {404, "text/plain", "This server was built without its page: docs/browser.md\n"};

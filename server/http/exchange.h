@@ -26,6 +26,7 @@ struct HttpPlace {
   HttpGate gate;
   PageFiles page;
   std::string open_api;
+  std::string grpc_place;  ///< JSON: see grpc_place_json
   std::shared_ptr<grpc::GenericStub> stub;
   std::function<std::string()> metrics;
   std::function<bool()> ready;

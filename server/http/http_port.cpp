@@ -12,6 +12,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "proto/wire/loopback.h"
+#include "server/http/grpc_place.h"
 #include "server/http/http_connection.h"
 #include "server/http/http_listener.h"
 #include "server/http/http_tls.h"
@@ -75,6 +76,7 @@ struct HttpPort::Impl {
               HttpGate(is_loopback(config.http_listen), config.http_origins),
               std::move(page),
               open_api(),
+              grpc_place_json(service.grpc_address, service.tls != nullptr),
               stub_of(service.server),
               std::move(service.metrics),
               std::move(service.ready),

@@ -21,6 +21,7 @@ struct HttpService {
   ServerTls* tls = nullptr;  ///< null where the port is plain
   std::function<std::string()> metrics;
   std::function<bool()> ready;
+  std::string grpc_address;  ///< host:port that gRPC's port was opened as
 };
 
 /// Serves on one thread of its own, whatever the number of connections.

@@ -54,6 +54,7 @@ def frames(body):
 
 class HttpTest(unittest.TestCase):
     options = ()
+    listen = "127.0.0.1:0"
     host = "127.0.0.1"
 
     @classmethod
@@ -67,7 +68,7 @@ class HttpTest(unittest.TestCase):
         cls.bytes = cls.ball.read_bytes()
         cls.digest = hashlib.sha256(cls.bytes).hexdigest()
         cls.server = cls.enterClassContext(RunningServer(
-            cls.folder / "store", "--http-listen", "127.0.0.1:0", *cls.options))
+            cls.folder / "store", "--http-listen", "127.0.0.1:0", *cls.options, listen=cls.listen))
         cls.port = int(cls.server.ready["http"].rsplit(":", 1)[1])
 
     @classmethod
@@ -259,6 +260,29 @@ class Json(HttpTest):
         references = [text.split('"')[0]
                       for text in json.dumps(document).split("#/components/schemas/")[1:]]
         self.assertEqual({r for r in references if r not in schemas}, set())
+
+
+    def test_says_where_grpc_is(self):
+        host, port = self.server.address.rsplit(":", 1)
+        self.assertEqual(self.json("GET", "/v1/grpc.json"),
+                         (200, {"host": host, "port": int(port), "tls": False}))
+        self.assertEqual(self.ask("POST", "/v1/grpc.json", "{}")[0], 415)
+
+
+class ListensEverywhere(HttpTest):
+    """No host is told then: whoever asks knows one."""
+
+    listen = "0.0.0.0:0"
+
+    def test_says_the_port_alone(self):
+        port = int(self.server.address.rsplit(":", 1)[1])
+        self.assertNotEqual(port, 0)
+        self.assertEqual(self.json("GET", "/v1/grpc.json")[1],
+                         {"host": "", "port": port, "tls": False})
+
+
+class ListensEverywhereBySix(ListensEverywhere):
+    listen = "[::]:0"
 
 
 class Uploads(HttpTest):
@@ -471,6 +495,11 @@ class TokensAndTls(HttpTest):
         status, _, body = self.ask("GET", "/metrics", None, self.bearer())
         self.assertEqual(status, 200)
         self.assertIn(b"tetstream_http_connections", body)
+
+    def test_says_that_grpc_has_tls(self):
+        port = int(self.server.address.rsplit(":", 1)[1])
+        self.assertEqual(self.json("GET", "/v1/grpc.json"),
+                         (200, {"host": "127.0.0.1", "port": port, "tls": True}))
 
     def test_a_file_and_its_mesh_go_over_tls(self):
         self.assertEqual(self.put(self.bytes, self.bearer())[0], 200)

@@ -90,12 +90,9 @@ export class MeshView {
   }
 
   private async takeFile(file: File): Promise<void> {
-    if (/\.(stl|obj|ply|off)$/i.test(file.name)) {
-      throw new Error(`${file.name} is a surface, and the server meshes volumes: ` +
-        `tetstream convert ${file.name} -o volume.vdb makes one`);
-    }
     const name = await upload(file, (text) => (element("status").textContent = text));
-    element("status").textContent = `${file.name} is stored`;
+    element("status").textContent = `${file.name} is stored` +
+      (/\.(stl|obj|ply)$/i.test(file.name) ? ": a surface, which the server makes a volume of" : "");
     await this.refresh();
     element<HTMLSelectElement>("stored").value = name;
     await this.choose(name, file.name);
