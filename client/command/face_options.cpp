@@ -13,7 +13,7 @@
 #include <absl/strings/str_split.h>
 #include <absl/strings/string_view.h>
 
-#include "client/command/text_file.h"
+#include "client/library/text_file.h"
 #include "core/plan/check_face_regions.h"
 #include "proto/convert/face_regions.h"
 

@@ -6,8 +6,8 @@
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
-#include "client/command/label_table.h"
-#include "client/command/text_file.h"
+#include "client/library/label_table.h"
+#include "client/library/text_file.h"
 
 namespace tet {
 namespace {

@@ -10,8 +10,8 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
-#include "client/command/text_file.h"
 #include "client/command/volume_file.h"
+#include "client/library/text_file.h"
 #include "proto/scene/scene_message.h"
 #include "proto/wire/sha256.h"
 

@@ -5,7 +5,7 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
-#include "client/command/text_file.h"
+#include "client/library/text_file.h"
 #include "proto/sizing/sizing_message.h"
 
 namespace tet {

@@ -1,6 +1,7 @@
 #include "tests/certificate/certify.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <queue>
 #include <vector>
 
@@ -111,8 +112,19 @@ class Search {
     push(high);
   }
 
-  /// The widest one, measured by how much the angle changes along it. Who wins a contest, and
-  /// whether there is a bound at all, may depend on any of them.
+  /// How far corners go along a parameter, together: it says how much a volume hangs on it.
+  static double reach_of(const Tet& tet, std::size_t k) {
+    double reach = 0;
+    for (const Corner& corner : tet) {
+      int most = 0;
+      for (const int along : corner.along[k]) most = std::max(most, std::abs(along));
+      reach += most;
+    }
+    return reach;
+  }
+
+  /// The widest one, measured by how much the angle changes along it; where there is no bound
+  /// yet, by how far corners go along it. Who wins a contest may depend on any of them.
   std::size_t parameter_to_split(const Node& node) const {
     constexpr double kLeastSlope = 1;
     const Dihedral at = enclose_dihedral(tet_of(node), node.angle, node.box, 0);
@@ -120,7 +132,9 @@ class Search {
     std::size_t best = 0;
     double most = -1;
     for (std::size_t k = 0; k < problem_of(node).parameter_count; ++k) {
-      const double slope = by_slope ? boost::numeric::norm(at.slope[k]) + kLeastSlope : 1;
+      const double slope = by_slope ? boost::numeric::norm(at.slope[k]) + kLeastSlope
+                           : problem_of(node).rival.empty() ? reach_of(tet_of(node), k)
+                                                            : 1;
       const double change = (node.box[k].upper() - node.box[k].lower()) * slope;
       if (change > most) {
         most = change;

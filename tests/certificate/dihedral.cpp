@@ -1,5 +1,6 @@
 #include "tests/certificate/dihedral.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "core/lattice/bcc.h"
@@ -59,6 +60,59 @@ IntervalVector scaled(const IntervalVector& u, const Interval& by) {
 
 Interval length(const IntervalVector& u) { return sqrt(squared_length(u)); }
 
+bool are_parallel(const Place& u, const Place& v) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    if (u[i] * v[j] != u[j] * v[i]) return false;
+  }
+  return true;
+}
+
+/// Whether all that a parameter moves goes along one line. Then a volume has no square of it.
+bool moves_on_a_line(const Tet& tet, std::size_t k) {
+  const Place* line = nullptr;
+  for (const Corner& corner : tet) {
+    if (corner.along[k] == Place{}) continue;
+    if (line != nullptr && !are_parallel(*line, corner.along[k])) return false;
+    line = &corner.along[k];
+  }
+  return true;
+}
+
+/// Six volumes over a box, from its vertices: exact but for the blur and for rounding, as each
+/// parameter's part is linear. Nothing is known of other tets.
+Interval volume_from_vertices(const Tet& tet, const Box& box, double blur) {
+  std::array<std::size_t, kParameters> open{};
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    if (!moves_on_a_line(tet, k)) return {-kInfinity, kInfinity};
+    if (box[k].lower() < box[k].upper()) open[count++] = k;
+  }
+  Interval hull;
+  for (std::size_t vertex = 0; vertex < std::size_t{1} << count; ++vertex) {
+    Box at = box;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Interval& range = box[open[i]];
+      at[open[i]] = Interval((vertex >> i & 1) != 0 ? range.upper() : range.lower());
+    }
+    const Interval here = Hinge(tet, 0, at, blur).six_volumes;
+    hull = vertex == 0 ? here : boost::numeric::hull(hull, here);
+  }
+  return hull;
+}
+
+/// An angle, its volume made sharp where the quick enclosure of that leaves much open.
+Hinge sharp_hinge(const Tet& tet, std::size_t angle, const Box& box, double blur) {
+  constexpr double kMuch = 2;
+  Hinge hinge(tet, angle, box, blur);
+  if (hinge.six_volumes.upper() > kMuch * hinge.six_volumes.lower()) {
+    const Interval sharp = volume_from_vertices(tet, box, blur);
+    hinge.six_volumes = {std::max(hinge.six_volumes.lower(), sharp.lower()),
+                         std::min(hinge.six_volumes.upper(), sharp.upper())};
+  }
+  return hinge;
+}
+
 const Interval kAnything(-kInfinity, kInfinity);
 
 }  // namespace
@@ -70,7 +124,7 @@ const Interval kAnything(-kInfinity, kInfinity);
 // edge count by their shares of the foot of c on it: 1 - lambda and lambda, lambda = p . e /
 // e^2.
 Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, double blur) {
-  const Hinge hinge(tet, angle, box, blur);
+  const Hinge hinge = sharp_hinge(tet, angle, box, blur);
   Dihedral out;
   if (!(hinge.six_volumes.lower() > 0)) return out;
   const Interval uu = squared_length(hinge.u), vv = squared_length(hinge.v);

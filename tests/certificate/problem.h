@@ -13,10 +13,10 @@ namespace tet::certificate {
 /// One lattice tet has no more than four nodes that moved, or four cut points.
 inline constexpr std::size_t kParameters = 4;
 
-/// A point, or the displacement of one, in quarters of the doubled lattice coordinates: the
-/// mean of four cut points has whole ones too. The lattice's spacing is 8.
+/// A point, or the displacement of one, in twelfths of the doubled lattice coordinates: the
+/// mean of three or of four cut points has whole ones too. The lattice's spacing is 24.
 using Place = std::array<int, 3>;
-inline constexpr int kUnit = 4;
+inline constexpr int kUnit = 12;
 inline constexpr double kSpacing = 2.0 * kUnit;
 
 /// A corner of a tet: base + sum over k of t_k * along_k.

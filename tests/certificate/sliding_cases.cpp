@@ -19,7 +19,7 @@ Place quarter_sum(const std::vector<Place>& places) {
   for (const Place& at : places) {
     for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += at[axis];
   }
-  for (int& coordinate : sum) coordinate /= kUnit;
+  for (int& coordinate : sum) coordinate /= 4;
   return sum;
 }
 

@@ -18,12 +18,14 @@ TEST(LibraryColumns, HaveRegionsOfBothSides) {
   EXPECT_EQ(columns.regions[1], 2);
 }
 
-TEST(LibraryColumns, PassNoNumbersOfLabelsOffAsRegions) {
+TEST(LibraryColumns, HaveTheNumbersOfLabelsAndNotAsRegions) {
   tet::TetMesh mesh = tet::kuhn_mesh(1);
   mesh.header.labels = {{4, "bone"}, {7, "marrow"}};
   mesh.regions = tet::ByteBuffer(mesh.header.tet_count * sizeof(tet::LabelNumber));
   std::memset(mesh.regions.bytes().data(), 0, mesh.regions.size());
   EXPECT_TRUE(columns_of(mesh).regions.empty());
+  EXPECT_EQ(columns_of(mesh).labels.size(), mesh.header.tet_count);
+  EXPECT_EQ(to_public(mesh.header, "").labels.at(1).name, "marrow");
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ struct Collected {
     points.insert(points.end(), columns.points32.begin(), columns.points32.end());
     tets.insert(tets.end(), columns.tets32.begin(), columns.tets32.end());
     regions.insert(regions.end(), columns.regions.begin(), columns.regions.end());
+    labels.insert(labels.end(), columns.labels.begin(), columns.labels.end());
     fields.insert(fields.end(), columns.fields.begin(), columns.fields.end());
   }
 
@@ -70,6 +71,7 @@ struct Collected {
   std::vector<float> points, fields;
   std::vector<std::uint32_t> tets;
   std::vector<std::uint8_t> regions;
+  std::vector<std::uint16_t> labels;
 };
 
 inline Collected collected(MeshStream stream) {
@@ -86,6 +88,7 @@ inline void expect_same(const Collected& chunks, const Mesh& mesh) {
   EXPECT_TRUE(std::ranges::equal(chunks.points, columns.points32));
   EXPECT_TRUE(std::ranges::equal(chunks.tets, columns.tets32));
   EXPECT_TRUE(std::ranges::equal(chunks.regions, columns.regions));
+  EXPECT_TRUE(std::ranges::equal(chunks.labels, columns.labels));
   EXPECT_TRUE(std::ranges::equal(chunks.fields, columns.fields));
 }
 

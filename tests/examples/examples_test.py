@@ -84,6 +84,11 @@ class Examples(unittest.TestCase):
         self.assertIn(f"{tets[1]} tets from {self.server.address}", said)
         self.assertIn("VTKFile", (self.here / "ball.vtu").read_bytes()[:200].decode(errors="replace"))
 
+    def test_labels_of_an_array_are_meshed(self):
+        said = run(self.out / "mesh_labels", cwd=self.here)
+        self.assertRegex(said, r"^4 bone: \d{4,} tets\n7 : \d{4,} tets\n$")
+        self.assertIn(b"VTKFile", (self.here / "tissues.vtu").read_bytes()[:200])
+
     def test_a_server_that_is_not_there_is_told_in_words(self):
         nobody = f"127.0.0.1:{running_server.unused_port()}"
         done = subprocess.run([self.out / "first_mesh", nobody], cwd=self.here, check=False,

@@ -7,7 +7,7 @@
 
 #include "client/command/command.h"
 #include "client/command/report/report_page.h"
-#include "client/command/text_file.h"
+#include "client/library/text_file.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 

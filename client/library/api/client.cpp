@@ -178,6 +178,17 @@ Result<StoredVolume> Client::upload(const Volume& volume, const WorkOptions& opt
   });
 }
 
+Result<StoredVolume> Client::upload(const Labels& labels, const WorkOptions& options) const {
+  return guarded([&]() -> Result<StoredVolume> {
+    const Work work(options);
+    const auto name = upload_labels(
+        *impl_->meshes, labels,
+        {.upload = telling(options.progress), .planning = {}, .tets = {}}, work.cancellation());
+    if (!name.ok()) return to_public(name.status());
+    return StoredVolume{*name};
+  });
+}
+
 Result<Mesh> Client::mesh(const StoredVolume& volume,
                           const Request& request,
                           const StreamOptions& options) const {

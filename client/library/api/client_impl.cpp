@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "client/library/api/core_request.h"
+#include "client/library/api/labels_impl.h"
 #include "client/library/api/scene_impl.h"
 #include "client/library/api/temporary_folder.h"
 #include "client/library/wire_request.h"
+#include "core/image/write_labels.h"
 
 namespace tetstream {
 namespace {
@@ -40,6 +42,17 @@ absl::StatusOr<std::string> upload_volume(tet::MeshClient& meshes,
   if (const Status written = volume.write_vdb(path); !written.ok()) {
     return absl::Status(static_cast<absl::StatusCode>(written.code()), written.message());
   }
+  return meshes.upload_file(path, progress, cancellation);
+}
+
+absl::StatusOr<std::string> upload_labels(tet::MeshClient& meshes,
+                                          const Labels& labels,
+                                          const tet::ClientProgress& progress,
+                                          const tet::Cancellation& cancellation) {
+  const absl::StatusOr<TemporaryFolder> folder = TemporaryFolder::make();
+  if (!folder.ok()) return folder.status();
+  const std::string path = folder->file("labels.nrrd");
+  if (absl::Status s = tet::write_labels(*labels.impl().volume, path); !s.ok()) return s;
   return meshes.upload_file(path, progress, cancellation);
 }
 

@@ -12,6 +12,7 @@
 #include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
 #include "tetstream/client.h"
+#include "tetstream/labels.h"
 #include "tetstream/request.h"
 #include "tetstream/scene.h"
 #include "tetstream/v1/meshes.pb.h"
@@ -32,6 +33,12 @@ struct Client::Impl {
 /// Stores a volume by way of a temporary file, and returns its name.
 absl::StatusOr<std::string> upload_volume(tet::MeshClient& meshes,
                                           const Volume& volume,
+                                          const tet::ClientProgress& progress,
+                                          const tet::Cancellation& cancellation);
+
+/// Stores a segmentation in the same way.
+absl::StatusOr<std::string> upload_labels(tet::MeshClient& meshes,
+                                          const Labels& labels,
                                           const tet::ClientProgress& progress,
                                           const tet::Cancellation& cancellation);
 

@@ -7,6 +7,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/library/api/labels_impl.h"
 #include "client/library/api/scene_impl.h"
 #include "client/library/api/volume_impl.h"
 #include "proto/convert/face_regions.h"
@@ -65,6 +66,35 @@ absl::StatusOr<std::vector<tet::FaceRegion>> face_regions_of(const std::string& 
                       absl::StrCat("face_regions: ", regions.status().message()));
 }
 
+std::vector<tet::LabelRange> to_core(const std::vector<LabelRange>& ranges) {
+  std::vector<tet::LabelRange> core;
+  for (const LabelRange& range : ranges) core.push_back({range.first, range.last});
+  return core;
+}
+
+tet::LabelKernel to_core(LabelSmoothing smoothing) {
+  switch (smoothing) {
+    case LabelSmoothing::kThin:
+      return tet::LabelKernel::kQuadratic;
+    case LabelSmoothing::kNone:
+      return tet::LabelKernel::kTrilinear;
+    default:
+      return tet::LabelKernel::kGauss;
+  }
+}
+
+tet::LabelChoice to_core(const LabelChoice& choice) {
+  tet::LabelChoice core;
+  core.only = to_core(choice.only);
+  for (const auto& merge : choice.merges) core.merges.push_back(to_core(merge));
+  core.background = choice.background;
+  core.mesh_background = choice.mesh_background;
+  for (const MeshLabel& label : choice.names) core.names.push_back({label.value, label.name});
+  core.kernel = to_core(choice.smoothing);
+  core.smooth = choice.smooth;
+  return core;
+}
+
 }  // namespace
 
 absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
@@ -92,6 +122,7 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   for (const Field& field : request.fields) {
     core.fields.push_back({.name = field.name, .components = field.values.impl().components});
   }
+  if (request.labels) core.labels = to_core(*request.labels);
   return core;
 }
 
@@ -106,6 +137,10 @@ absl::StatusOr<tet::Shape> shape_of(const Scene& scene) {
   if (scene.impl().core != nullptr) return tet::Shape(scene.impl().core);
   return absl::FailedPreconditionError(
       "the scene has grids that a server stores: mesh it there, or give their volumes");
+}
+
+absl::StatusOr<tet::Shape> shape_of(const Labels& labels) {
+  return tet::Shape(labels.impl().volume);
 }
 
 }  // namespace tetstream

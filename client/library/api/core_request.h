@@ -5,6 +5,7 @@
 
 #include "core/plan/mesh_request.h"
 #include "core/plan/shape.h"
+#include "tetstream/labels.h"
 #include "tetstream/request.h"
 #include "tetstream/scene.h"
 
@@ -18,5 +19,6 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request);
 absl::StatusOr<tet::Shape> shape_of(const Volume& volume);
 /// Errors: kFailedPrecondition (a scene of grids that a server stores).
 absl::StatusOr<tet::Shape> shape_of(const Scene& scene);
+absl::StatusOr<tet::Shape> shape_of(const Labels& labels);
 
 }  // namespace tetstream

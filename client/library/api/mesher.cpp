@@ -27,6 +27,8 @@ absl::StatusOr<Order> understand(const Solid& solid, const Request& request) {
   if (!shape.ok()) return shape.status();
   absl::StatusOr<tet::MeshRequest> core = core_request(request);
   if (!core.ok()) return core.status();
+  // All labels of a segmentation are meshed unless the request says which.
+  if (tet::labels_of(*shape) != nullptr && !core->labels) core->labels.emplace();
   return Order{*std::move(shape), *std::move(core)};
 }
 
@@ -118,6 +120,9 @@ Result<Mesh> mesh(const Volume& volume, const Request& request, const WorkOption
 Result<Mesh> mesh(const Scene& scene, const Request& request, const WorkOptions& options) {
   return mesh_of(scene, request, options);
 }
+Result<Mesh> mesh(const Labels& labels, const Request& request, const WorkOptions& options) {
+  return mesh_of(labels, request, options);
+}
 
 Result<Estimate> estimate(const Volume& volume,
                           const Request& request,
@@ -128,6 +133,11 @@ Result<Estimate> estimate(const Scene& scene,
                           const Request& request,
                           const WorkOptions& options) {
   return estimate_of(scene, request, options);
+}
+Result<Estimate> estimate(const Labels& labels,
+                          const Request& request,
+                          const WorkOptions& options) {
+  return estimate_of(labels, request, options);
 }
 
 MeshStream stream(const Volume& volume,
@@ -141,6 +151,12 @@ MeshStream stream(const Scene& scene,
                   const WorkOptions& options,
                   ChunkRange chunks) {
   return stream_of(scene, request, options, chunks);
+}
+MeshStream stream(const Labels& labels,
+                  const Request& request,
+                  const WorkOptions& options,
+                  ChunkRange chunks) {
+  return stream_of(labels, request, options, chunks);
 }
 
 }  // namespace tetstream

@@ -38,6 +38,7 @@ MeshColumns columns_from(const tet::MeshHeader& header, const tet::ConstColumns&
   }
   // The column of a segmentation's mesh has the numbers of labels.
   if (header.has_regions) columns.regions = numbers<std::uint8_t>(from.regions);
+  if (!header.labels.empty()) columns.labels = numbers<tet::LabelNumber>(from.regions);
   columns.fields = numbers<float>(from.fields);
   columns.face_labels = numbers<std::uint16_t>(from.face_labels);
   return columns;
@@ -97,7 +98,8 @@ MeshHeader to_public(const tet::MeshHeader& header, std::string id) {
                     .inside_guess = header.inside_guess,
                     .id = std::move(id),
                     .face_labels = {},
-                    .face_count = header.face_count};
+                    .face_count = header.face_count,
+                    .labels = {}};
   for (const tet::FieldArray& field : header.fields) {
     result.fields.push_back({field.name, field.components, result.field_values});
     result.field_values += field.components;
@@ -109,6 +111,9 @@ MeshHeader to_public(const tet::MeshHeader& header, std::string id) {
   for (const tet::FaceLabel& label : header.face_labels) {
     result.face_labels.push_back(
         {label.name, static_cast<FaceLabel::Kind>(label.kind), label.part});
+  }
+  for (const tet::MeshLabel& label : header.labels) {
+    result.labels.push_back({label.value, label.name});
   }
   return result;
 }

@@ -44,6 +44,11 @@ class ArrayMaker {
     if (!header.has_regions) return py::none();
     return make(columns.regions, 0);
   }
+  /// Returns None where the mesh is of no segmentation.
+  py::object labels(const MeshColumns& columns, const MeshHeader& header) const {
+    if (header.labels.empty()) return py::none();
+    return make(columns.labels, 0);
+  }
   /// Returns None where the mesh has no fields.
   py::object field_rows(const MeshColumns& columns, const MeshHeader& header) const {
     if (header.field_values == 0) return py::none();

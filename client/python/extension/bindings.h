@@ -43,6 +43,15 @@ auto call(const CallOptions& options, const Function& work) {
   return value;
 }
 
+/// Other threads of Python run while `make` does, which must not touch anything of Python.
+template <class Function>
+auto without_gil(const Function& make) {
+  return value_of([&] {
+    const py::gil_scoped_release released;
+    return make();
+  }());
+}
+
 py::dict to_python(const MeshHeader& header);
 py::dict to_python(const Statistics& statistics);
 py::dict to_python(const Estimate& estimate);
@@ -55,6 +64,7 @@ inline ChunkRange chunks_of(std::uint64_t first, std::optional<std::uint64_t> en
 }
 
 void bind_volume(py::module_& module);
+void bind_labels(py::module_& module);
 void bind_request(py::module_& module);
 void bind_mesh(py::module_& module);
 void bind_stream(py::module_& module);

@@ -14,8 +14,9 @@ Client connect(const std::string& address, const ClientOptions& options) {
   return value_of(Client::connect(address, options));
 }
 
-StoredVolume upload(const Client& client, const Volume& volume, const CallOptions& options) {
-  return call(options, [&](const WorkOptions& work) { return client.upload(volume, work); });
+template <class Solid>
+StoredVolume upload(const Client& client, const Solid& solid, const CallOptions& options) {
+  return call(options, [&](const WorkOptions& work) { return client.upload(solid, work); });
 }
 
 StoredVolume upload_file(const Client& client,
@@ -104,7 +105,8 @@ void bind_client(py::module_& module) {
   bind_calls<StoredVolume>(client);
   bind_calls<Scene>(client);
   client.def(py::init(&connect))
-      .def("upload", &upload)
+      .def("upload", &upload<Volume>)
+      .def("upload", &upload<Labels>)
       .def("upload_file", &upload_file)
       .def("capabilities", &capabilities)
       .def("check_health", &check_health);

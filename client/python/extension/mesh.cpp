@@ -39,6 +39,14 @@ py::list face_labels_of(const MeshHeader& header) {
   return labels;
 }
 
+py::list labels_of(const MeshHeader& header) {
+  py::list labels;
+  for (const MeshLabel& label : header.labels) {
+    labels.append(py::make_tuple(label.value, label.name));
+  }
+  return labels;
+}
+
 py::object quality_of(const std::optional<Statistics::Quality>& quality) {
   if (!quality) return py::none();
   const std::span<const std::uint64_t> histogram(quality->histogram);
@@ -99,7 +107,7 @@ py::dict to_python(const MeshHeader& header) {
       py::arg("spacing") = header.spacing, py::arg("levels") = header.levels,
       py::arg("fields") = fields_of(header), py::arg("parts") = parts_of(header),
       py::arg("id") = header.id, py::arg("face_labels") = face_labels_of(header),
-      py::arg("face_count") = header.face_count);
+      py::arg("face_count") = header.face_count, py::arg("labels") = labels_of(header));
 }
 
 py::dict to_python(const Statistics& statistics) {
@@ -147,6 +155,10 @@ void bind_mesh(py::module_& module) {
       .def_property_readonly("face_labels",
                              of_mesh([](ArrayMaker maker, Columns columns, Header header) {
                                return maker.face_labels(columns, header);
+                             }))
+      .def_property_readonly("labels",
+                             of_mesh([](ArrayMaker maker, Columns columns, Header header) {
+                               return maker.labels(columns, header);
                              }))
       .def("write", &write);
 }

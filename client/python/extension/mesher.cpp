@@ -50,6 +50,7 @@ py::dict to_python(const Estimate& estimate) {
 void bind_mesher(py::module_& module) {
   bind_calls<Volume>(module);
   bind_calls<Scene>(module);
+  bind_calls<Labels>(module);
 }
 
 }  // namespace tetstream::python

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_tetstream, module) {
                                                          py::cpp_function(&Helper::note_fork));
   module.def("version", [] { return tetstream::version(); });
   bind_volume(module);
+  bind_labels(module);
   bind_request(module);
   bind_mesh(module);
   bind_stream(module);

@@ -52,6 +52,7 @@ void bind_request(py::module_& module) {
       .def_readwrite("faces", &Request::faces)
       .def_readwrite("face_regions", &Request::face_regions)
       .def_readwrite("coordinates", &Request::coordinates)
+      .def_readwrite("labels", &Request::labels)
       .def("add_field", &add_field);
   py::class_<std::stop_source>(module, "Stop")
       .def(py::init<>())

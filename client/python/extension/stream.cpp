@@ -28,7 +28,8 @@ py::object copy_of(const Chunk& chunk, const MeshHeader& header) {
       chunk.index, chunk.first_vertex, chunk.first_tet, copies.points(chunk.columns),
       copies.tets(chunk.columns), copies.regions(chunk.columns, header),
       copies.field_rows(chunk.columns, header), copies.faces(chunk.columns, header),
-      copies.face_tets(chunk.columns, header), copies.face_labels(chunk.columns, header));
+      copies.face_tets(chunk.columns, header), copies.face_labels(chunk.columns, header),
+      copies.labels(chunk.columns, header));
 }
 
 }  // namespace

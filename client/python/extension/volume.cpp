@@ -29,15 +29,6 @@ struct Samples {
   std::optional<float> background = {};
 };
 
-/// Other threads of Python run while `make` does, which must not touch anything of Python.
-template <class Function>
-Volume without_gil(const Function& make) {
-  return value_of([&] {
-    const py::gil_scoped_release released;
-    return make();
-  }());
-}
-
 Volume from_samples(const Array<float>& values, const Samples& samples) {
   const SampleArray array{.values = span_of(values),
                           .size = {static_cast<std::size_t>(values.shape(0)),

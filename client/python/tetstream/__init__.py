@@ -10,7 +10,8 @@
 
 A volume comes from an array of distances (`Volume.from_array`), of booleans (`from_mask`) or of densities
 (`from_density`), from triangles (`from_triangles`, `from_surface_file`), or from an OpenVDB file (`from_vdb`,
-`from_openvdb`). A solid is an expression, and is meshed like a volume:
+`from_openvdb`). `Labels` are a segmentation, and their mesh has all of them. A solid is an expression, and
+is meshed like a volume:
 
     part = ts.box((4, 4, 1)) - ts.cylinder(0.5, 2)
     ts.mesh(part, spacing=0.1).picture("part.png")
@@ -34,8 +35,9 @@ from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceed
                       FailedPreconditionError, InternalError, InvalidArgumentError, NotFoundError,
                       ResourceExhaustedError, StatusCode, UnavailableError)
 from ._jobs import Job, JobEvent, JobProgress, Jobs, JobWatch
-from ._mesh import (Boundary, Chunk, FaceLabel, FieldArray, Header, Improvement, Mesh, MeshPart, Quality,
-                    Statistics, ThinWalls)
+from ._labels import Labels
+from ._mesh import (Boundary, Chunk, FaceLabel, FieldArray, Header, Improvement, Mesh, MeshLabel, MeshPart,
+                    Quality, Statistics, ThinWalls)
 from ._request import Request, StoredVolume
 from ._session import Session
 from ._share import Share
@@ -49,10 +51,10 @@ __all__ = [
     "AccessError", "AsyncClient", "AsyncJobWatch", "AsyncJobs", "AsyncMeshStream", "AsyncSession", "Boundary",
     "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError", "DeadlineExceededError", "Error",
     "Estimate", "FaceLabel", "FailedPreconditionError", "FieldArray", "Header", "Improvement", "InternalError",
-    "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Mesh", "MeshPart",
-    "MeshStream", "NotFoundError", "Quality", "Request", "ResourceExhaustedError", "Session", "Share", "Solid",
-    "Statistics", "StatusCode", "StoredVolume", "ThinWalls", "UnavailableError", "Volume", "box", "capsule",
-    "cone", "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
+    "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Labels", "Mesh", "MeshLabel",
+    "MeshPart", "MeshStream", "NotFoundError", "Quality", "Request", "ResourceExhaustedError", "Session", "Share",
+    "Solid", "Statistics", "StatusCode", "StoredVolume", "ThinWalls", "UnavailableError", "Volume", "box",
+    "capsule", "cone", "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
     "intersection", "mesh", "read_scene", "schwarz_p", "session", "sphere", "stream", "torus", "union", "version",
 ]
 

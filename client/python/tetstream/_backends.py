@@ -11,12 +11,14 @@ from typing import Any, Protocol, TypeVar
 
 from . import _tetstream
 from ._errors import NotFoundError, invalid
+from ._labels import Labels
 from ._request import Meshable, Request, StoredVolume
 from ._solid import Solid
 from ._volume import Volume
 
 T = TypeVar("T")
 _STORED = "grids/"
+_HERE = "here/"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Capabilities:
 class Backend(Protocol):
     """Makes meshes."""
 
-    def upload(self, volume: Volume, options: _tetstream.Options) -> StoredVolume: ...
+    def upload(self, volume: Volume | Labels, options: _tetstream.Options) -> StoredVolume: ...
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume: ...
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh: ...
     def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]: ...
@@ -56,25 +58,25 @@ class Backend(Protocol):
 class Here:
     """This process. What is uploaded stays where it is."""
 
-    def upload(self, volume: Volume, options: _tetstream.Options) -> StoredVolume:
+    def upload(self, volume: Volume | Labels, options: _tetstream.Options) -> StoredVolume:
         _tell(options)
-        return StoredVolume(f"here/{id(volume):x}", "", volume)
+        return StoredVolume(f"{_HERE}{id(volume):x}", "", isinstance(volume, Labels), volume)
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
-        stored = StoredVolume(f"here/{path}", grid, Volume.from_vdb(path, grid))
+        stored = StoredVolume(f"{_HERE}{path}", grid, False, Volume.from_vdb(path, grid))
         _tell(options)
         return stored
 
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
-        return _tetstream.mesh(self.frame(request.volume, options), request._wire(), options)
+        return _tetstream.mesh(self._shape(request, options), request._wire(), options)
 
     def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]:
-        return _tetstream.estimate(self.frame(request.volume, options), request._wire(), options)
+        return _tetstream.estimate(self._shape(request, options), request._wire(), options)
 
     def stream(
         self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
-        return _tetstream.stream(self.frame(request.volume, options), request._wire(), options, first, end)
+        return _tetstream.stream(self._shape(request, options), request._wire(), options, first, end)
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
         return _tetstream.session(self.frame(request.volume, options), request._wire(), options)
@@ -92,10 +94,20 @@ class Here:
         if isinstance(volume, StoredVolume):
             if volume._here is None:
                 raise invalid(f"{volume.name} is stored by a server: mesh it by that server's Client")
-            return volume._here._volume
+            volume = volume._here
         if isinstance(volume, Volume):
             return volume._volume
+        if isinstance(volume, Labels):
+            raise _no_frame()
         return Volume.from_vdb(volume)._volume
+
+    def _shape(
+        self, request: Request, options: _tetstream.Options
+    ) -> _tetstream.Volume | _tetstream.Scene | _tetstream.Labels:
+        """What is meshed, as the request has it read."""
+        if request._asks_for_labels:
+            return _labels_here(request.volume)._labels
+        return self.frame(request.volume, options)
 
 
 class Served:
@@ -103,12 +115,14 @@ class Served:
 
     def __init__(self, address: str, options: _tetstream.ClientOptions) -> None:
         self.client = _tetstream.Client(address, options)
-        self._uploaded: weakref.WeakKeyDictionary[Volume, _tetstream.StoredVolume] = (
+        self._uploaded: weakref.WeakKeyDictionary[Volume | Labels, _tetstream.StoredVolume] = (
             weakref.WeakKeyDictionary())
 
-    def upload(self, volume: Volume, options: _tetstream.Options) -> StoredVolume:
-        stored = self._uploaded[volume] = self.client.upload(volume._volume, options)
-        return StoredVolume(stored.name, stored.grid)
+    def upload(self, volume: Volume | Labels, options: _tetstream.Options) -> StoredVolume:
+        ours: _tetstream.Volume | _tetstream.Labels = (
+            volume._labels if isinstance(volume, Labels) else volume._volume)
+        stored = self._uploaded[volume] = self.client.upload(ours, options)
+        return StoredVolume(stored.name, stored.grid, isinstance(volume, Labels))
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
         stored = self.client.upload_file(path, grid, options)
@@ -141,6 +155,8 @@ class Served:
             return found[-1]
         if isinstance(volume, StoredVolume):
             raise invalid(f"{volume.name} is stored by a server: a session begins with a Volume or a solid")
+        if isinstance(volume, Labels):
+            raise _no_frame()
         return volume._volume if isinstance(volume, Volume) else Volume.from_vdb(volume)._volume
 
     def capabilities(self, options: _tetstream.Options) -> Capabilities:
@@ -158,7 +174,7 @@ class Served:
             return work(self._stored(volume, uploading))
         except NotFoundError as error:
             leaves = volume._leaves() if isinstance(volume, Solid) else [volume]
-            ours = [leaf for leaf in leaves if isinstance(leaf, Volume) and leaf in self._uploaded]
+            ours = [leaf for leaf in leaves if isinstance(leaf, (Volume, Labels)) and leaf in self._uploaded]
             if error.reason != "GRID_NOT_FOUND" or not ours:
                 raise
         for leaf in ours:
@@ -178,7 +194,7 @@ class Served:
             if volume._here is not None:
                 raise invalid(f"{volume.name} is in this process: upload its volume by this Client")
             return _tetstream.StoredVolume(volume.name, volume.grid)
-        if isinstance(volume, Volume):
+        if isinstance(volume, (Volume, Labels)):
             if volume not in self._uploaded:
                 self.upload(volume, options)
             return self._uploaded[volume]
@@ -204,10 +220,27 @@ def _scene_here(solid: Solid) -> _tetstream.Scene:
     return _tetstream.Scene.from_json(json.dumps({"nodes": nodes}), list(volumes.items()))
 
 
+def _labels_here(volume: Meshable) -> Labels:
+    """A segmentation of this process, or of a file."""
+    if isinstance(volume, StoredVolume):
+        if volume._here is None:
+            raise invalid(f"{volume.name} is stored by a server: mesh it by that server's Client")
+        path, grid, volume = volume.name.removeprefix(_HERE), volume.grid, volume._here
+        if isinstance(volume, Volume) and os.path.exists(path):  # uploaded as a file
+            return Labels.from_file(path, grid)
+    if isinstance(volume, (Volume, Solid)):
+        raise invalid(f"labels are asked for of a {type(volume).__name__}: give Labels, or the path of an image")
+    return volume if isinstance(volume, Labels) else Labels.from_file(volume)
+
+
+def _no_frame() -> Exception:
+    return invalid("labels do not go with a session: mesh each segmentation")
+
+
 def _volume_of_leaf(leaf: Any) -> Volume:
     if isinstance(leaf, Volume):
         return leaf
-    if isinstance(leaf, StoredVolume) and leaf._here is not None:
+    if isinstance(leaf, StoredVolume) and isinstance(leaf._here, Volume):
         return leaf._here
     if isinstance(leaf, StoredVolume) or str(leaf).startswith(_STORED):
         raise invalid(f"{leaf} is stored by a server: mesh the solid by that server's Client")

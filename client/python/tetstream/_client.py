@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 from . import _tetstream
 from ._backends import Backend, Capabilities, Here, Served
 from ._errors import CancelledError, StatusCode
 from ._jobs import JobBackend, Jobs
+from ._labels import Background, LabelNames, LabelRanges, Labels, Smooth
 from ._local_jobs import LocalJobs
 from ._mesh import Mesh
 from ._request import (Box, Coordinates, Encoding, FaceRegions, Inside, Preset, Progress, Request, Sizing,
@@ -110,6 +111,12 @@ class Client:
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
+        labels: LabelRanges | None = None,
+        merge: Sequence[LabelRanges] = (),
+        background: Background = "left_out",
+        background_label: int = 0,
+        label_names: LabelNames | None = None,
+        smooth: Smooth | None = None,
         threads: int = 0,
         encoding: Encoding = "plain",
         skip_cache: bool = False,
@@ -119,8 +126,8 @@ class Client:
         """Makes a mesh. Without options it is as fine as the voxels at the surface, and coarser inside.
 
         volume       a Volume, which a server is sent when it is meshed there for the first time; a solid
-                     (`ts.sphere(1) - ts.box(1)`); the path of a .vdb file; what `upload` or `upload_file`
-                     returned; or a `Request` of one of them, which then has the options up to `fields`
+                     (`ts.sphere(1) - ts.box(1)`); `Labels`; the path of a .vdb file or an image; what `upload` or
+                     `upload_file` returned; or a `Request` of one of them, which then has the options up to `smooth`
         spacing      edge of the finest cells, world units; unless given the voxel size, and of a solid its
                      longest extent / 128
         iso          the surface's value; unless given 0 for level sets and 0.5 for densities
@@ -145,6 +152,14 @@ class Client:
         coordinates  how they are stored: "float32", "float64", or "automatic", which takes float64 where
                      float32 would bend the angle bounds
         fields       {name: Volume}: arrays of values that the vertices get, at most 16
+        labels       which labels of a segmentation are meshed: "1,4,7:12", 4, [1, 4, range(7, 13)]; all of
+                     them unless given. This and the next five are for `Labels`, and have a file read as such
+        merge        labels that become one, the first: ["4,7:9", [1, 2]]; they are chosen when all is merged
+        background   the space around, "left_out", or "meshed" up to the box; what is not chosen is part of it
+        background_label   the label that it has
+        label_names  {4: "bone"}, or the path of a table: docs/labels.md
+        smooth       how interfaces are smoothed: the width of a Gaussian in voxels, 0.7 unless given; 0 keeps
+                     every stair, "thin" keeps sheets one voxel thin
         threads      in this process; 0 takes every core
         encoding     how a server's chunks travel: "plain", "packed" (a fifth of the bytes), "compact" (the
                      least, and the mesh is made here; not with `improve` or `fields`)
@@ -160,7 +175,9 @@ class Client:
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
             improve=improve, manifold=manifold, statistics=statistics, faces=faces,
-            face_regions=face_regions, coordinates=coordinates, fields=fields)
+            face_regions=face_regions, coordinates=coordinates, fields=fields,
+            labels=labels, merge=merge, background=background, background_label=background_label,
+            label_names=label_names, smooth=smooth)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         made = Mesh(self._backend.mesh(request, options))
@@ -188,6 +205,12 @@ class Client:
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
+        labels: LabelRanges | None = None,
+        merge: Sequence[LabelRanges] = (),
+        background: Background = "left_out",
+        background_label: int = 0,
+        label_names: LabelNames | None = None,
+        smooth: Smooth | None = None,
         threads: int = 0,
         encoding: Encoding = "plain",
         skip_cache: bool = False,
@@ -208,7 +231,9 @@ class Client:
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
             improve=improve, manifold=manifold, statistics=statistics, faces=faces,
-            face_regions=face_regions, coordinates=coordinates, fields=fields)
+            face_regions=face_regions, coordinates=coordinates, fields=fields,
+            labels=labels, merge=merge, background=background, background_label=background_label,
+            label_names=label_names, smooth=smooth)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         backend = self._backend
@@ -236,6 +261,12 @@ class Client:
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
+        labels: LabelRanges | None = None,
+        merge: Sequence[LabelRanges] = (),
+        background: Background = "left_out",
+        background_label: int = 0,
+        label_names: LabelNames | None = None,
+        smooth: Smooth | None = None,
         threads: int = 0,
         timeout: float | None = None,
     ) -> Estimate:
@@ -243,7 +274,9 @@ class Client:
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
             improve=improve, manifold=manifold, statistics=statistics, faces=faces,
-            face_regions=face_regions, coordinates=coordinates, fields=fields)
+            face_regions=face_regions, coordinates=coordinates, fields=fields,
+            labels=labels, merge=merge, background=background, background_label=background_label,
+            label_names=label_names, smooth=smooth)
         told = self._backend.estimate(request, options_of(timeout=timeout, threads=threads))
         return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["chunk_count"]),
                         int(told["bytes"]), told["seconds"])
@@ -275,9 +308,9 @@ class Client:
         return Jobs(self._jobs)
 
     def upload(
-        self, volume: Volume, *, progress: Progress | None = None, timeout: float | None = None
+        self, volume: Volume | Labels, *, progress: Progress | None = None, timeout: float | None = None
     ) -> StoredVolume:
-        """Stores a volume of this process. `mesh` does so by itself; this tells its progress, and gives a name."""
+        """Stores a volume, or labels, of this process. `mesh` does so by itself; this tells its progress, and gives a name."""
         return self._backend.upload(volume, options_of(progress=progress, timeout=timeout))
 
     def upload_file(

@@ -26,15 +26,21 @@ def imported(name: str) -> Any:
         raise ImportError(f"this needs the package {package}, which is not installed: pip install {package}") from error
 
 
+def cell_arrays(mesh: Arrays) -> list[tuple[str, NDArray[Any]]]:
+    """What each tet has, beside its corners."""
+    named = {"region": mesh.regions, "label": mesh.label_values}
+    return [(name, values) for name, values in named.items() if values is not None]
+
+
 def to_meshio(mesh: Arrays) -> Any:
     cells: list[tuple[str, NDArray[Any]]] = [("tetra", mesh.tets)]
     cell_data: dict[str, list[NDArray[Any]]] = {}
-    if mesh.regions is not None:
-        cell_data["region"] = [mesh.regions]
+    for name, values in cell_arrays(mesh):
+        cell_data[name] = [values]
     if mesh.faces is not None and mesh.face_labels is not None:
         cells.append(("triangle", mesh.faces))
-        if mesh.regions is not None:
-            cell_data["region"].append(np.zeros(len(mesh.faces), mesh.regions.dtype))
+        for arrays in cell_data.values():
+            arrays.append(np.zeros(len(mesh.faces), arrays[0].dtype))
         cell_data["face_label"] = [np.zeros(len(mesh.tets), np.int32), mesh.face_labels.astype(np.int32) + 1]
     return imported("meshio").Mesh(mesh.points, cells, point_data=dict(mesh.fields), cell_data=cell_data)
 
@@ -44,8 +50,8 @@ def to_pyvista(mesh: Arrays) -> Any:
     grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: mesh.tets.astype(np.int64)}, mesh.points)
     for name, values in mesh.fields.items():
         grid.point_data[name] = values
-    if mesh.regions is not None:
-        grid.cell_data["region"] = mesh.regions
+    for name, values in cell_arrays(mesh):
+        grid.cell_data[name] = values
     return grid
 
 
@@ -63,8 +69,8 @@ def to_vtk(mesh: Arrays) -> Any:
     grid.SetCells(_VTK_TETRA, cells)
     for name, values in mesh.fields.items():
         _add(grid.GetPointData(), arrays, name, values)
-    if mesh.regions is not None:
-        _add(grid.GetCellData(), arrays, "region", mesh.regions)
+    for name, values in cell_arrays(mesh):
+        _add(grid.GetCellData(), arrays, name, values)
     return grid
 
 

@@ -59,6 +59,14 @@ class FaceLabel:
 
 
 @dataclasses.dataclass(frozen=True)
+class MeshLabel:
+    """A label of a segmentation: its value in the image, and its name or nothing."""
+
+    value: int
+    name: str
+
+
+@dataclasses.dataclass(frozen=True)
 class Header:
     """What is known of a mesh before its first vertex.
 
@@ -74,6 +82,7 @@ class Header:
     id                from a server: the same id is the same bytes; else empty
     face_labels       with `faces=True` the names that faces have; else empty
     face_count        boundary faces
+    labels            of a segmentation's mesh: what its tets are of, by ascending value; else empty
     """
 
     vertex_count: int
@@ -91,12 +100,14 @@ class Header:
     id: str
     face_labels: tuple[FaceLabel, ...]
     face_count: int
+    labels: tuple[MeshLabel, ...]
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Header:
         told["fields"] = tuple(FieldArray(*field) for field in told["fields"])
         told["parts"] = tuple(MeshPart(*part) for part in told["parts"])
         told["face_labels"] = tuple(FaceLabel(*label) for label in told["face_labels"])
+        told["labels"] = tuple(MeshLabel(*label) for label in told["labels"])
         return cls(**told)
 
     def face_tag(self, name: str) -> int:
@@ -188,6 +199,7 @@ class Arrays:
         faces: NDArray[np.unsignedinteger[Any]] | None,
         face_tets: NDArray[np.unsignedinteger[Any]] | None,
         face_labels: NDArray[np.uint16] | None,
+        labels: NDArray[np.uint16] | None,
     ) -> None:
         self.header = header
         self.local_points = local_points
@@ -197,6 +209,7 @@ class Arrays:
         self.faces = faces
         self.face_tets = face_tets
         self.face_labels = face_labels
+        self.labels = labels
 
     header: Header
     """The whole mesh's totals, origin and spacing."""
@@ -213,6 +226,8 @@ class Arrays:
     """Shape (f,): the tet that each face belongs to, as the whole mesh counts."""
     face_labels: NDArray[np.uint16] | None
     """Shape (f,): places in `header.face_labels`."""
+    labels: NDArray[np.uint16] | None
+    """Shape (m,): places in `header.labels`; None unless a segmentation is meshed."""
 
     @functools.cached_property
     def points(self) -> NDArray[np.float64]:
@@ -226,6 +241,16 @@ class Arrays:
     def fields(self) -> Mapping[str, NDArray[np.float32]]:
         """{name: values at the vertices}, each of shape (n,), or (n, 3) of a vector; views, float32."""
         return {field.name: self._field(field) for field in self.header.fields}
+
+    @functools.cached_property
+    def label_values(self) -> NDArray[np.int64] | None:
+        """Shape (m,): of each tet the value that its label has in the image; None unless a segmentation
+        is meshed. Computed when it is asked for the first time, and kept; read-only."""
+        if self.labels is None:
+            return None
+        values = np.array([label.value for label in self.header.labels], dtype=np.int64)[self.labels]
+        values.setflags(write=False)
+        return values
 
     def faces_of(self, name: str) -> NDArray[np.unsignedinteger[Any]]:
         """The faces with one label, shape (n, 3). Errors: InvalidArgumentError (no such label)."""
@@ -250,6 +275,7 @@ _VIEWS: dict[str, Callable[[_tetstream.Mesh], Any]] = {
     "faces": lambda mesh: mesh.faces,
     "face_tets": lambda mesh: mesh.face_tets,
     "face_labels": lambda mesh: mesh.face_labels,
+    "labels": lambda mesh: mesh.labels,
 }
 
 
@@ -374,7 +400,7 @@ class Mesh(Arrays):
     def __repr__(self) -> str:
         h = self.header
         arrays = (self.local_points, self.tets, self.regions, self._field_rows, self.faces, self.face_tets,
-                  self.face_labels)
+                  self.face_labels, self.labels)
         megabytes = sum(array.nbytes for array in arrays if array is not None) / 1e6
         named = f", fields {', '.join(self.fields)}" if self.fields else ""
         return (f"<tetstream.Mesh: {h.vertex_count:,} vertices, {h.tet_count:,} tets, "

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from . import _tetstream
 from ._errors import invalid
+from ._labels import Background, LabelNames, LabelRanges, Labels, Smooth, choice_of
 from ._names import Point, member, point
 from ._solid import Solid
 from ._volume import Volume
@@ -41,16 +42,18 @@ stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.Co
 class StoredVolume:
     """A volume that a server stores. It may be kept as text, and used again.
 
-    name   "grids/{sha256}": the same file has the same name everywhere
-    grid   within the file; empty takes the only one that can be meshed
+    name    "grids/{sha256}": the same file has the same name everywhere
+    grid    within the file; empty takes the only one that can be meshed
+    labels  it is a segmentation, whose labels are meshed
     """
 
     name: str
     grid: str = ""
-    _here: Volume | None = dataclasses.field(default=None, repr=False, compare=False)
+    labels: bool = False
+    _here: Volume | Labels | None = dataclasses.field(default=None, repr=False, compare=False)
 
 
-Meshable = Volume | Solid | StoredVolume | str | os.PathLike[str]
+Meshable = Volume | Labels | Solid | StoredVolume | str | os.PathLike[str]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,6 +82,12 @@ class Request:
     face_regions: FaceRegions | None = None
     coordinates: Coordinates = "automatic"
     fields: Mapping[str, Volume] | None = None
+    labels: LabelRanges | None = None
+    merge: Sequence[LabelRanges] = ()
+    background: Background = "left_out"
+    background_label: int = 0
+    label_names: LabelNames | None = None
+    smooth: Smooth | None = None
 
     @classmethod
     def _of(cls, volume: VolumeLike, **options: Any) -> Request:
@@ -113,11 +122,22 @@ class Request:
         request.coordinates = member("coordinates", self.coordinates, _COORDINATES)
         for name, values in (self.fields or {}).items():
             request.add_field(name, values._volume)
+        if self._asks_for_labels:
+            request.labels = choice_of(self.labels, self.merge, self.background, self.background_label,
+                                       self.label_names, self.smooth)
         return request
+
+    @property
+    def _asks_for_labels(self) -> bool:
+        """Whether what is meshed is a segmentation: it says so, or an option does that is for labels."""
+        volume = self.volume
+        return isinstance(volume, Labels) or (isinstance(volume, StoredVolume) and volume.labels) or any(
+            getattr(self, name) != _DEFAULTS[name] for name in _LABEL_OPTIONS)
 
 
 VolumeLike = Meshable | Request
 
+_LABEL_OPTIONS = ("labels", "merge", "background", "background_label", "label_names", "smooth")
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
 
 

@@ -100,7 +100,7 @@ class SharedStream:
             self._stream = self._open_at(self._first)
 
     def _cut(self, chunk: tuple[Any, ...]) -> tuple[Any, ...]:
-        index, first_vertex, first_tet, points, tets, regions, rows, faces, face_tets, face_labels = chunk
+        index, first_vertex, first_tet, points, tets, regions, rows, faces, face_tets, face_labels, labels = chunk
         vertices = _run(first_vertex, len(points), self.share.first_vertex, self.share.end_vertex)
         cells = _run(first_tet, len(tets), self.share.first_tet, self.share.end_tet)
         if faces is not None:
@@ -108,7 +108,7 @@ class SharedStream:
             faces, face_tets, face_labels = faces[begin:end], face_tets[begin:end], face_labels[begin:end]
         return (index, first_vertex + vertices.start, first_tet + cells.start, points[vertices], tets[cells],
                 None if regions is None else regions[cells], None if rows is None else rows[vertices],
-                faces, face_tets, face_labels)
+                faces, face_tets, face_labels, None if labels is None else labels[cells])
 
 
 def _run(first: int, count: int, begin: int, end: int) -> slice:

@@ -18,6 +18,7 @@ from ._names import Point, member, point
 Kind = Literal["level_set", "density", "values"]
 Open = Literal["refuse", "close", "shell"]
 Axes = str | Sequence[str]
+_Step = tuple[float, float, float]
 _MOST_VERTICES = 2**32
 
 
@@ -192,14 +193,30 @@ class Volume:
         return f"<tetstream.Volume: {self.kind}, voxel size {self.voxel_size:g}>"
 
 
-def _along_axes(
-    array: NDArray[Any], axes: Axes, spacing: float, origin: tuple[float, float, float]
-) -> tuple[NDArray[Any], tuple[float, float, float]]:
-    """The array as values[x, y, z] with growing coordinates, and where its new first sample is."""
+def _named_axes(axes: Axes) -> tuple[list[str], list[bool]]:
+    """Which of the world's axes those of an array run along, and whether they run towards lower coordinates."""
     signs = [str(axis).startswith("-") for axis in axes]
     names = [str(axis).lstrip("-") for axis in axes]
     if sorted(names) != ["x", "y", "z"]:
         raise invalid(f"axes {axes!r} are not x, y and z in some order, such as 'zyx'")
+    return names, signs
+
+
+def axis_steps(axes: Axes, spacing: Sequence[float]) -> tuple[_Step, _Step, _Step]:
+    """From a voxel to the next along each axis of an array; `spacing` is along the world's."""
+    steps = np.zeros((3, 3))
+    for i, (name, falls) in enumerate(zip(*_named_axes(axes))):
+        along = "xyz".index(name)
+        steps[i, along] = -spacing[along] if falls else spacing[along]
+    x, y, z = ((float(a), float(b), float(c)) for a, b, c in steps)
+    return x, y, z
+
+
+def _along_axes(
+    array: NDArray[Any], axes: Axes, spacing: float, origin: tuple[float, float, float]
+) -> tuple[NDArray[Any], tuple[float, float, float]]:
+    """The array as values[x, y, z] with growing coordinates, and where its new first sample is."""
+    names, signs = _named_axes(axes)
     low = list(origin)
     for i, (name, falls) in enumerate(zip(names, signs)):
         if falls:

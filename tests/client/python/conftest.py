@@ -52,7 +52,7 @@ def make_ball(radius=16):
 
 def assert_same(one, other):
     """Two meshes, or what has their arrays, byte for byte."""
-    for name in ("local_points", "tets", "regions", "_field_rows"):
+    for name in ("local_points", "tets", "regions", "_field_rows", "labels"):
         a, b = getattr(one, name), getattr(other, name)
         assert (a is None) == (b is None), name
         if a is not None:

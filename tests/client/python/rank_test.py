@@ -6,7 +6,7 @@ import pytest
 import tetstream as ts
 from conftest import make_ball
 
-COLUMNS = ("local_points", "tets", "regions", "_field_rows", "faces", "face_tets", "face_labels")
+COLUMNS = ("local_points", "tets", "regions", "_field_rows", "faces", "face_tets", "face_labels", "labels")
 
 
 def joined(streams):

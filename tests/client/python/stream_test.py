@@ -26,7 +26,7 @@ class Gathered:
         assert [chunk.index for chunk in chunks] == list(range(self.header.chunk_count))
         assert [chunk.first_vertex for chunk in chunks] == list(vertices[:-1])
         assert [chunk.first_tet for chunk in chunks] == list(tets[:-1])
-        for name in ("local_points", "points", "tets", "regions", "_field_rows"):
+        for name in ("local_points", "points", "tets", "regions", "_field_rows", "labels"):
             arrays = [getattr(chunk, name) for chunk in chunks]
             setattr(self, name, None if arrays[0] is None else np.concatenate(arrays))
 

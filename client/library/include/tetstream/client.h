@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tetstream/export.h"
+#include "tetstream/labels.h"
 #include "tetstream/mesh.h"
 #include "tetstream/mesher.h"
 #include "tetstream/request.h"
@@ -76,6 +77,9 @@ class TETSTREAM_API Client {
   /// Stores a volume of this process, by way of a temporary file, which is a new one for
   /// the server each time: keep what this returns.
   Result<StoredVolume> upload(const Volume& volume, const WorkOptions& options = {}) const;
+  /// Stores a segmentation, by way of a temporary image; the same one is the same file each
+  /// time. A request that meshes it has `labels`.
+  Result<StoredVolume> upload(const Labels& labels, const WorkOptions& options = {}) const;
 
   /// Makes a mesh there and receives all of it. The request's fields are uploaded first.
   Result<Mesh> mesh(const StoredVolume& volume,

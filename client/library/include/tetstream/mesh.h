@@ -49,6 +49,12 @@ struct FaceLabel {
   std::uint32_t part = 0;  ///< the part of a mesh of several grids, from 1 on; else 0
 };
 
+/// A label of a segmentation, and what it is called, if it is.
+struct MeshLabel {
+  std::int64_t value = 0;  ///< as the image has it
+  std::string name = {};
+};
+
 /// What is known of a mesh before its first vertex: enough to allocate all of it.
 struct MeshHeader {
   std::uint64_t vertex_count = 0;
@@ -71,6 +77,8 @@ struct MeshHeader {
   /// Where the request asks for faces: their names, whether or not a face has them.
   std::vector<FaceLabel> face_labels = {};
   std::uint64_t face_count = 0;
+  /// What the tets of a segmentation's mesh are of, by ascending value; else empty.
+  std::vector<MeshLabel> labels = {};
 };
 
 /// What is told of a whole mesh beside itself.
@@ -124,6 +132,8 @@ struct MeshColumns {
       {};  ///< the tet of each face, as the mesh counts
   std::span<const std::uint64_t> face_tets64 = {};
   std::span<const std::uint16_t> face_labels = {};  ///< places in the header's `face_labels`
+  /// A place in the header's `labels` for each tet of a segmentation's mesh; else empty.
+  std::span<const std::uint16_t> labels = {};
 
   std::size_t vertex_count() const noexcept { return (points32.size() + points64.size()) / 3; }
   std::size_t tet_count() const noexcept { return (tets32.size() + tets64.size()) / 4; }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "tetstream/export.h"
+#include "tetstream/labels.h"
 #include "tetstream/mesh.h"
 #include "tetstream/request.h"
 #include "tetstream/scene.h"
@@ -39,12 +40,20 @@ TETSTREAM_API Result<Mesh> mesh(const Scene& scene,
                                 const Request& request = {},
                                 const WorkOptions& options = {});
 
+/// Makes one mesh of all labels, which share the faces between them.
+TETSTREAM_API Result<Mesh> mesh(const Labels& labels,
+                                const Request& request = {},
+                                const WorkOptions& options = {});
+
 /// Counts a mesh without making it. `options.progress` is not called.
 TETSTREAM_API Result<Estimate> estimate(const Volume& volume,
                                         const Request& request = {},
                                         const WorkOptions& options = {});
 
 TETSTREAM_API Result<Estimate> estimate(const Scene& scene,
+                                        const Request& request = {},
+                                        const WorkOptions& options = {});
+TETSTREAM_API Result<Estimate> estimate(const Labels& labels,
                                         const Request& request = {},
                                         const WorkOptions& options = {});
 
@@ -55,6 +64,10 @@ TETSTREAM_API MeshStream stream(const Volume& volume,
                                 const WorkOptions& options = {},
                                 ChunkRange chunks = {});
 TETSTREAM_API MeshStream stream(const Scene& scene,
+                                const Request& request = {},
+                                const WorkOptions& options = {},
+                                ChunkRange chunks = {});
+TETSTREAM_API MeshStream stream(const Labels& labels,
                                 const Request& request = {},
                                 const WorkOptions& options = {},
                                 ChunkRange chunks = {});

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tetstream/labels.h"
 #include "tetstream/mesh.h"
 #include "tetstream/volume.h"
 
@@ -63,6 +64,9 @@ struct Request {
   std::string face_regions = {};
   Coordinates coordinates = Coordinates::kAutomatic;
   std::vector<Field> fields = {};  ///< at most 16
+  /// Which labels of a segmentation are meshed, and how; all of them unless given. Of what a
+  /// server stores it says that it is a segmentation, and must be given. Only with those.
+  std::optional<LabelChoice> labels = {};
 };
 
 /// How work is watched and stopped, here or on a server.

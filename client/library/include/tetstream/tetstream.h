@@ -3,6 +3,7 @@
 
 #include "tetstream/client.h"
 #include "tetstream/jobs.h"
+#include "tetstream/labels.h"
 #include "tetstream/mesh.h"
 #include "tetstream/mesh_file.h"
 #include "tetstream/mesher.h"

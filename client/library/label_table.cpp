@@ -1,4 +1,4 @@
-#include "client/command/label_table.h"
+#include "client/library/label_table.h"
 
 #include <set>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "client/command/text_file.h"
+#include "client/library/text_file.h"
 
 #include <cerrno>
 #include <cstring>
