@@ -13,8 +13,8 @@ struct CreasePatches {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   std::vector<std::uint64_t> faces = {};  ///< numbers in the mesh, ascending
-  /// Of each of `faces`, from 0 on: the patch with the most faces first, and of patches of one
-  /// size the one with the lowest face.
+  /// Says of each of `faces` which patch has it. They are numbered from 0 on: the one with the
+  /// most faces first, and of those of one size the one with the lowest face.
   std::vector<std::uint32_t> patch = {};
   std::uint32_t count = 0;
 };
