@@ -51,7 +51,7 @@ absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
   if (!input.ok()) return input.status();
   absl::StatusOr<MeshRequest> request = read_request(options, interruption);
   if (!request.ok()) return request.status();
-  request->improve = false;  // counts are the same, and it would make the mesh
+  ask_for_counts(*request);
   bar.begin("counting");
   Stopwatch watch;
   const auto plan = plan_mesh({.shape = input->shape, .request = *request}, interruption);

@@ -35,7 +35,7 @@ struct PlaceKind {
   bool (*is_set)(const FaceRegion& region);
 };
 
-constexpr std::array<PlaceKind, 6> kPlaceKinds{{
+constexpr std::array<PlaceKind, 7> kPlaceKinds{{
     {"box", 6, "X0,Y0,Z0,X1,Y1,Z1",
      [](const Numbers& n, FaceRegion& region) {
        region.box = {point_at(n, 0), point_at(n, 3)};
@@ -66,6 +66,9 @@ constexpr std::array<PlaceKind, 6> kPlaceKinds{{
        region.facing = {point_at(n, 0), n[3]};
      },
      [](const FaceRegion& region) { return region.facing.has_value(); }},
+    {"creases", 1, "DEGREES",
+     [](const Numbers& n, FaceRegion& region) { region.creases = {n[0]}; },
+     [](const FaceRegion& region) { return region.creases.has_value(); }},
 }};
 
 absl::Status wrong(const std::string& option, const std::string& what) {
@@ -122,7 +125,7 @@ absl::Status add_place(const std::string& option, absl::string_view place, FaceR
   if (known != kPlaceKinds.end()) return add_numbers(option, *known, rest, region);
   return wrong(option, absl::StrCat("\"", kind,
                                     "\" is no place: it is one of box, ball, cylinder, "
-                                    "halfspace, nearest, facing and node"));
+                                    "halfspace, nearest, facing, creases and node"));
 }
 
 absl::StatusOr<FaceRegion> parse_face(const std::string& option) {

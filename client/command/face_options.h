@@ -14,9 +14,9 @@ namespace tet {
 inline constexpr const char* kFaceHelp =
     "Name for a piece of the surface, and where it lies: box:X0,Y0,Z0,X1,Y1,Z1, ball:X,Y,Z,R, "
     "cylinder:X0,Y0,Z0,X1,Y1,Z1,R, halfspace:NX,NY,NZ,OFFSET, nearest:X,Y,Z,..., "
-    "facing:X,Y,Z,DEGREES or node:NAME, several with / between; or a JSON file of such "
-    "regions; "
-    "may be repeated, the first that fits counts: docs/faces.md";
+    "facing:X,Y,Z,DEGREES or node:NAME, several with / between, and creases:DEGREES to divide "
+    "it into patches; or a JSON file of such regions; may be repeated, the first that fits "
+    "counts: docs/faces.md";
 inline constexpr const char* kFaceType = "NAME=PLACE";
 
 /// The regions of all options, in their order. Errors: kInvalidArgument (as --face: why),

@@ -23,6 +23,7 @@ FeatureNames option_names(const MeshRequest& request) {
                       "--improve",
                       "--field",
                       "--faces",
+                      "--face",
                       "--coordinates float64",
                       "--skip-statistics",
                       "a range of chunks",

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "core/base/rank_mask.h"
 #include "core/files/face_groups.h"
-#include "core/files/rank_mask.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {

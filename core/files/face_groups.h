@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/rank_mask.h"
 #include "core/files/file_mesh.h"
-#include "core/files/rank_mask.h"
 #include "core/mesh/find_faces.h"
 #include "core/mesh/tet_mesh.h"
 

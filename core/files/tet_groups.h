@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/files/rank_mask.h"
+#include "core/base/rank_mask.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {

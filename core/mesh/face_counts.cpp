@@ -4,16 +4,12 @@
 #include <cstddef>
 
 namespace tet {
-namespace {
 
-/// The name that the request gave it, without that of the grid before it.
 std::string name_in_request(const FaceLabel& label, const MeshHeader& header) {
   if (label.part == 0 || label.part > header.parts.size()) return label.name;
   const std::size_t grid = header.parts[label.part - 1].name.size() + 1;
   return label.name.substr(std::min(grid, label.name.size()));
 }
-
-}  // namespace
 
 std::vector<std::uint64_t> count_faces(const TetMesh& mesh) {
   std::vector<std::uint64_t> counts(mesh.header.face_labels.size());

@@ -12,6 +12,9 @@ namespace tet {
 /// Faces of each label, in the order of the header's.
 std::vector<std::uint64_t> count_faces(const TetMesh& mesh);
 
+/// The name that the request gave a region's label, without that of the grid before it.
+std::string name_in_request(const FaceLabel& label, const MeshHeader& header);
+
 /// Names of the regions of the request that no face is in: of several grids', in none of their
 /// meshes.
 std::vector<std::string> empty_face_regions(const MeshHeader& header,

@@ -34,6 +34,12 @@ struct FaceRegion {
     double angle_deg = 0;
   };
 
+  /// Divided where the surface turns by more than an angle: see crease_patches.h.
+  struct Creases {
+    double angle_deg = 0;
+    friend bool operator==(const Creases&, const Creases&) = default;
+  };
+
   std::string name;  ///< regions with the same name are one
   std::optional<WorldBox> box = {};
   std::optional<Ball> ball = {};
@@ -45,14 +51,21 @@ struct FaceRegion {
   std::optional<Facing> facing = {};
   std::string node = {};  ///< of the scene, whose primitives or grids made the faces; or empty
 
+  /// No condition of a face, but what becomes of all that are in the region.
+  std::optional<Creases> creases = {};
+
   static constexpr std::size_t kMaxRegions = 256;
   static constexpr std::size_t kMaxPoints = 1024;  ///< of all regions' `nearest` together
   static constexpr std::size_t kMaxNameBytes = 100;
 
+  /// Without any the region has all faces that no region before it has.
   bool has_condition() const noexcept {
     return box || ball || cylinder || half_space || !nearest.empty() || facing || !node.empty();
   }
 };
+
+/// Whether faces of a region are divided at creases.
+bool have_creases(std::span<const FaceRegion> regions) noexcept;
 
 /// The names of regions, each once, in the order in which they come first.
 std::vector<std::string> region_names(std::span<const FaceRegion> regions);

@@ -102,6 +102,8 @@ double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
   constexpr double kInsideCost = 1.0 / 32;
   // Improving takes as long as so many surveys.
   constexpr double kImprovement = 10;
+  // The mesh is made once more for its faces.
+  constexpr double kCreases = 3;
   if (const GridList* grids = grids_of(shape)) {
     double sum = 0;
     for (const auto& grid : *grids) sum += estimate_bricks_to_plan(grid, request);
@@ -115,7 +117,8 @@ double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
   const double finest =
       request.levels == 0 ? inside : std::min(inside, sized_bricks(request.sizing, surface));
   const double bricks = surface + kInsideCost * finest;
-  return request.improve ? kImprovement * bricks : bricks;
+  return (request.improve ? kImprovement : 1) *
+         (have_creases(request.face_regions) ? kCreases : 1) * bricks;
 }
 
 absl::Status check_inside_budget(const FoundBricks& found,

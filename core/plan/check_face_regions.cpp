@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
+#include <absl/strings/string_view.h>
 
 #include "core/mesh/find_faces.h"
 #include "core/plan/vertex_field.h"
@@ -38,16 +40,17 @@ class RegionCheck {
 
   absl::Status check(const FaceRegion& region) {
     check_name(region.name);
-    if (!region.has_condition()) {
+    if (!region.has_condition() && !region.creases) {
       say("",
           "has no condition: set box, ball, cylinder, half_space, "
-          "nearest, facing or node");
+          "nearest, facing, node or creases");
     }
     if (region.box) check(*region.box);
     if (region.ball) check(*region.ball);
     if (region.cylinder) check(*region.cylinder);
     if (region.half_space) check(*region.half_space);
     if (region.facing) check(*region.facing);
+    if (region.creases) check(*region.creases);
     for (std::size_t i = 0; i < region.nearest.size(); ++i) {
       place(absl::StrCat("nearest.points[", 3 * i, "]"), region.nearest[i]);
     }
@@ -110,6 +113,11 @@ class RegionCheck {
     say("facing.angle_deg", absl::StrFormat("%g is not from 0 to 180", facing.angle_deg));
   }
 
+  void check(const FaceRegion::Creases& creases) {
+    if (creases.angle_deg >= 1 && creases.angle_deg <= 180) return;
+    say("creases.angle_deg", absl::StrFormat("%g is not from 1 to 180", creases.angle_deg));
+  }
+
   void place(const std::string& field, const WorldPoint& point) {
     if (is_place(point)) return;
     say(field, absl::StrFormat("%s is not from %g to %g along every axis", text_of(point),
@@ -137,6 +145,32 @@ class RegionCheck {
   const std::string path_;
   absl::Status status_;
 };
+
+/// Whether a name is a region's and a number, as those of its patches: `rim.7`.
+bool may_be_patch_of(const std::string& name, const std::string& region) {
+  const absl::string_view digits =
+      absl::string_view(name).substr(std::min(name.size(), region.size() + 1));
+  return name.starts_with(region + ".") && !digits.empty() &&
+         std::ranges::all_of(digits, [](unsigned char c) { return absl::ascii_isdigit(c); });
+}
+
+/// A region's patches have names, too, and regions of one name are divided as one.
+absl::Status check_creases(std::span<const FaceRegion> regions, std::size_t i) {
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    const FaceRegion &region = regions[i], &other = regions[k];
+    if (other.creases && may_be_patch_of(region.name, other.name)) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s[%d].name \"%s\" may be that of a patch of %s[%d]: call the region otherwise",
+          kFaceRegionsField, i, absl::CHexEscape(region.name), kFaceRegionsField, k));
+    }
+    if (other.name == region.name && other.creases != region.creases) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s[%d].creases are not those of %s[%d], which has the same name: set them alike",
+          kFaceRegionsField, i, kFaceRegionsField, k));
+    }
+  }
+  return absl::OkStatus();
+}
 
 /// The first few, for a message.
 std::string list_of(std::span<const std::string> nodes) {
@@ -186,6 +220,7 @@ absl::Status check_face_regions(std::span<const FaceRegion> regions) {
           kFaceRegionsField, i, points, FaceRegion::kMaxPoints));
     }
     if (auto status = RegionCheck(i).check(regions[i]); !status.ok()) return status;
+    if (auto status = check_creases(regions, i); !status.ok()) return status;
   }
   return absl::OkStatus();
 }

@@ -92,6 +92,13 @@ Statistics statistics_of(const MeshRequest& request) {
   return request.skip_statistics ? Statistics::kSkipped : Statistics::kMeasured;
 }
 
+void ask_for_counts(MeshRequest& request) {
+  request.improve = false;
+  for (FaceRegion& region : request.face_regions) region.creases.reset();
+  std::erase_if(request.face_regions,
+                [](const FaceRegion& region) { return !region.has_condition(); });
+}
+
 bool has_cut(const MeshRequest& request) {
   return request.box && !request.labels && !stuffing_rules(request.preset).both_sides;
 }

@@ -75,6 +75,9 @@ struct MeshRequest {
 
 Statistics statistics_of(const MeshRequest& request);
 
+/// Makes it ask for no more than has the same counts: to know the rest, the mesh would be made.
+void ask_for_counts(MeshRequest& request);
+
 /// Whether the inside ends at the request's box, with faces that are flat.
 bool has_cut(const MeshRequest& request);
 

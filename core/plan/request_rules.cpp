@@ -20,6 +20,7 @@ constexpr std::string_view
         "Values may change at vertices that stay where they are, and nothing compares them.",
     kFacesChange =
         "A tet that stays may get or lose a face on the boundary, and nothing compares them.",
+    kNamesChange = "A face that stays may get another name, and nothing compares them.",
     kNoBricksToStuff =
         "The mesh is made as a whole, without bricks that a client could stuff again.";
 
@@ -73,6 +74,9 @@ constexpr RequestRule kRules[] = {
     {F::kLabels, F::kFields, kRefused, "$0 do not go with $1",
      "sample the fields on the mesh afterwards (`tetstream sample`)",
      "Labels are made without the pass that samples."},
+    {F::kFaceRegions, F::kLabels, kRefused, "$0 do not go with $1",
+     "leave one of them out; faces are named by the labels on their two sides",
+     "Regions are pieces of one surface, and labels have one for each two that meet."},
     {F::kSeveralGrids, F::kBothSides, kRefused,
      "$0 are for the inside alone, as with $1 the outsides of several grids would overlap",
      "mesh one grid, or the inside alone",
@@ -124,11 +128,13 @@ constexpr RequestRule kRules[] = {
     {F::kEarlierMesh, F::kImprove, kSentWhole, "", "", kMovesOthers},
     {F::kEarlierMesh, F::kFields, kSentWhole, "", "", kValuesChange},
     {F::kEarlierMesh, F::kFaces, kSentWhole, "", "", kFacesChange},
+    {F::kEarlierMesh, F::kFaceRegions, kSentWhole, "", "", kNamesChange},
     {F::kSession, F::kCut, kSentWhole, "", "", kWithoutBricks},
     {F::kSession, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
     {F::kSession, F::kImprove, kSentWhole, "", "", kMovesOthers},
     {F::kSession, F::kFields, kSentWhole, "", "", kValuesChange},
     {F::kSession, F::kFaces, kSentWhole, "", "", kFacesChange},
+    {F::kSession, F::kFaceRegions, kSentWhole, "", "", kNamesChange},
     {F::kSkipStatistics, F::kJob, Outcome::kIgnored, "", "",
      "A result is stored once for all readers, and some may want its statistics."},
 };
@@ -180,6 +186,7 @@ FeatureNames field_names() {
                        "improve",
                        "fields",
                        "faces",
+                       "face_regions",
                        "coordinate_type COORDINATE_TYPE_FLOAT64",
                        "skip_statistics",
                        "start_chunk",
@@ -211,6 +218,7 @@ Features features_of(const MeshRequest& request) {
       .add(F::kImprove, request.improve)
       .add(F::kFields, !request.fields.empty())
       .add(F::kFaces, request.faces)
+      .add(F::kFaceRegions, !request.face_regions.empty())
       .add(F::kFloat64, request.coordinates == CoordinateType::kFloat64)
       .add(F::kSkipStatistics, request.skip_statistics);
 }

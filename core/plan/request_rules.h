@@ -38,6 +38,7 @@ enum class Feature : std::uint8_t {
   kImprove,
   kFields,
   kFaces,
+  kFaceRegions,
   kFloat64,
   kSkipStatistics,
   // How the mesh is asked for, and how it comes.

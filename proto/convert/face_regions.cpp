@@ -45,6 +45,7 @@ class FaceRegionReader {
     }
     if (region_.has_nearest()) region.nearest = points(region_.nearest().points());
     region.node = region_.node();
+    if (region_.has_creases()) region.creases = {region_.creases().angle_deg()};
     return region;
   }
   /// Empty if nothing was wrong.
@@ -115,6 +116,7 @@ void write(const FaceRegion& region, v1::FaceRegion& message) {
     message.mutable_facing()->set_angle_deg(region.facing->angle_deg);
   }
   message.set_node(region.node);
+  if (region.creases) message.mutable_creases()->set_angle_deg(region.creases->angle_deg);
   for (const WorldPoint& point : region.nearest) {
     write_point(point, *message.mutable_nearest()->mutable_points());
   }

@@ -117,15 +117,18 @@ absl::Status parse_faces(const v1::MeshRequest& request, MeshRequest& out) {
   return absl::OkStatus();
 }
 
-/// A client that makes the tets itself has no scene to ask which node made a face.
+/// A client that makes the tets itself has no scene to ask which node made a face, and all
+/// chunks have to be there before patches are.
 absl::Status check_compact_faces(const v1::StreamMeshRequest& request) {
   if (request.encoding() != v1::ENCODING_COMPACT) return absl::OkStatus();
   for (int i = 0; i < request.mesh().face_regions_size(); ++i) {
-    if (request.mesh().face_regions(i).node().empty()) continue;
+    const v1::FaceRegion& region = request.mesh().face_regions(i);
+    if (region.node().empty() && !region.has_creases()) continue;
     return invalid_field(absl::StrFormat(
-        "encoding ENCODING_COMPACT cannot carry face_regions[%d].node, as only the server "
-        "knows which node made a face: ask for ENCODING_PACKED",
-        i));
+        "encoding ENCODING_COMPACT cannot carry face_regions[%d].%s: ask for ENCODING_PACKED",
+        i,
+        region.has_creases() ? "creases, as labels of faces come of all chunks together"
+                             : "node, as only the server knows which node made a face"));
   }
   return absl::OkStatus();
 }

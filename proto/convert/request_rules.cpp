@@ -35,6 +35,7 @@ Features features_of(const v1::MeshRequest& request) {
       .add(Feature::kImprove, request.improve())
       .add(Feature::kFields, !request.fields().empty())
       .add(Feature::kFaces, request.faces() || !request.face_regions().empty())
+      .add(Feature::kFaceRegions, !request.face_regions().empty())
       .add(Feature::kFloat64, request.coordinate_type() == v1::COORDINATE_TYPE_FLOAT64)
       .add(Feature::kSkipStatistics, request.skip_statistics());
 }

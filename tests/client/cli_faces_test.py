@@ -109,6 +109,26 @@ class Regions(CommandTest):
         self.assertEqual(set(triangles_by_name(self.out / "mesh.msh")), {"bore", "left", "right"})
         self.assertEqual(len(set(written)), 1)
 
+    def test_are_divided_at_creases(self):
+        result = self.tetstream("mesh", BRACKET, "-o", self.out / "mesh.msh", "--spacing", "0.05",
+                                "--face", "bore=node:bore", "--face", "side=creases:35", "--report", self.out / "r.json")
+        self.assert_done(result)
+        triangles = triangles_by_name(self.out / "mesh.msh")
+        sides = [name for name in triangles if name.startswith("side")]
+        self.assertEqual(set(triangles), {"bore", *sides})
+        self.assertGreaterEqual(len(sides), 11)
+        self.assertEqual(sorted(sides)[0], "side.1")
+        # Of all that is not the bore, the lower side is flat, and each of the four holes is one.
+        self.assertTrue(any((abs(triangles[name][:, :, 2] + 0.2) < 0.05).all() and len(triangles[name]) > 5000
+                            for name in sides))
+        holes = [name for name in sides if
+                 (abs(numpy.linalg.norm(abs(triangles[name][:, :, :2]) - (1.6, 0.6), axis=2) - 0.2) < 0.03).all()]
+        self.assertEqual([len(triangles[name]) > 500 for name in holes], [True] * 4)
+        counts = json.loads((self.out / "r.json").read_text())["faces"]
+        self.assertEqual({name: count for name, count in counts.items() if count > 0},
+                         {name: len(found) for name, found in triangles.items()})
+        self.assertEqual(result.stderr, "")
+
     def test_that_took_no_face_are_warned_of(self):
         result = self.bracket("--face", "nowhere=ball:9,9,9,1", "--report", self.out / "r.json")
         self.assert_done(result)
@@ -129,6 +149,8 @@ class Regions(CommandTest):
                 "bore=ball:0,0,0,-1": ("ball.radius -1 is not from",),
                 "surface=ball:0,0,0,1": ("a name that faces have anyway",),
                 "bore=node:": ("node takes the name",),
+                "bore=creases:0": ("creases.angle_deg 0 is not from 1 to 180",),
+                "bore=creases:20/creases:30": ("two places of the kind creases",),
                 '{"regions": [{"name": "a"}]}': ("has no condition",),
                 "missing.json": ("missing.json",)}.items():
             self.assert_fails(self.bracket("--face", option), REFUSED, *words)
@@ -141,6 +163,8 @@ class FacesOnAServer(ServerTest):
     def test_of_regions_are_the_same_bytes(self):
         for name, options, encodings in (
                 (BRACKET, ("--spacing", "0.1", "--face", "bore=node:bore", *BORE), ((), ("--packed",))),
+                (BRACKET, ("--spacing", "0.1", "--face", "bore=node:bore", "--face", "side=creases:60"),
+                 ((), ("--packed",))),
                 (self.inputs / "sphere.vdb", ("--face", "top=facing:0,0,1,40"), ((), ("--packed",), ("--compact",)))):
             here, there = self.out / "here.msh", self.out / "there.msh"
             self.assert_done(self.tetstream("mesh", name, "-o", here, *options))
@@ -151,6 +175,9 @@ class FacesOnAServer(ServerTest):
         refused = self.tetstream("mesh", BRACKET, "-o", self.out / "no.msh", "--face", "bore=node:bore", "--compact",
                                  "--server", self.address)
         self.assertIn("ask for ENCODING_PACKED", refused.stderr)
+        refused = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "no.msh", "--face",
+                                 "side=creases:60", "--compact", "--server", self.address)
+        self.assertIn("cannot carry face_regions[0].creases", refused.stderr)
 
     def test_are_the_same_bytes(self):
         for options in ((), ("--improve",), HALF, ("--preset", "both-sides")):
@@ -165,7 +192,7 @@ class FacesOnAServer(ServerTest):
                 self.assertTrue(filecmp.cmp(here, there, shallow=False), (options, encoding))
 
 
-TOP = ("--faces", "--face", "top=facing:0,0,1,40")
+TOP = ("--faces", "--face", "top=facing:0,0,1,40", "--face", "side=creases:60")
 
 
 class FacesOfJobs(JobTest):

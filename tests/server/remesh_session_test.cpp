@@ -169,6 +169,91 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
   EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
 }
 
+/// Faces with a label of this name.
+std::uint64_t faces_named(const TetMesh& mesh, const std::string& name) {
+  std::uint64_t faces = 0;
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    faces += mesh.header.face_labels.at(mesh.face_label(i)).name == name ? 1 : 0;
+  }
+  return faces;
+}
+
+TEST_F(RemeshSessionTest, NamesTheFacesOfEachFrameByWhereTheyLieThen) {
+  start();
+  v1::MeshRequest request = request_of(two_balls(0));
+  v1::FaceRegion& small = *request.add_face_regions();
+  small.set_name("small");
+  small.set_node("small");
+  v1::FaceRegion& right = *request.add_face_regions();
+  right.set_name("right");
+  for (const double along : {-1.0, 0.0, 0.0}) {
+    right.mutable_half_space()->mutable_normal()->Add(along);
+  }
+  right.mutable_half_space()->set_offset(2);  // x at least -2
+  v1::FaceRegion& patches = *request.add_face_regions();
+  patches.set_name("left");
+  patches.mutable_creases()->set_angle_deg(60);
+  const Session session = begin(request);
+  ASSERT_TRUE(session);
+  const std::uint64_t of_small = faces_named(session->mesh().mesh, "small");
+  EXPECT_GT(of_small, 100U);
+  for (const double x : {0.2, -1.1}) {
+    ASSERT_EQ(session->update(two_balls(x)), absl::OkStatus());
+    const StreamedMesh& mesh = session->mesh();
+    EXPECT_EQ(session->tets_sent(), mesh.mesh.header.tet_count) << "it is sent whole";
+    const auto whole = client_->stream_mesh(mesh.canonical_request, {}, never_);
+    ASSERT_TRUE(whole.ok()) << whole.status();
+    EXPECT_EQ(whole->mesh_id, mesh.mesh_id);
+    EXPECT_EQ(whole->mesh.header.face_labels, mesh.mesh.header.face_labels);
+    EXPECT_TRUE(same_bytes(whole->mesh, mesh.mesh)) << x;
+    EXPECT_GT(faces_named(mesh.mesh, "right"), 100U);
+    EXPECT_EQ(faces_named(mesh.mesh, "surface"), 0U);
+    EXPECT_GT(faces_named(mesh.mesh, "left.1"), 100U);
+  }
+  EXPECT_LT(faces_named(session->mesh().mesh, "small"), of_small * 3 / 4)
+      << "the large ball has taken the rest in";
+  EXPECT_EQ(session->end(), absl::OkStatus());
+}
+
+TEST_F(RemeshSessionTest, NamesTheFacesOfAGridWhoseLeavesChange) {
+  start();
+  const std::string path = solid_file("torus", 0.05);
+  const Volume volume = load_volume(path, "").value();
+  v1::MeshRequest request = mesh_of(path);
+  v1::FaceRegion& top = *request.add_face_regions();
+  top.set_name("top");
+  for (const double along : {0.0, 0.0, 1.0}) {
+    top.mutable_facing()->mutable_direction()->Add(along);
+  }
+  top.mutable_facing()->set_angle_deg(40);
+  v1::FaceRegion& rest = *request.add_face_regions();
+  rest.set_name("rest");
+  rest.mutable_creases()->set_angle_deg(70);
+  const Session session = begin(request);
+  ASSERT_TRUE(session);
+  const std::size_t brick = volume.bricks.size() / 2;
+  const v1::LeafUpdate leaf = inflated(volume, brick);
+  ASSERT_EQ(session->update(std::vector{leaf}), absl::OkStatus());
+  std::vector<float> values(kBrickCells);
+  std::memcpy(values.data(), leaf.values().data(), leaf.values().size());
+  const Volume moved = replace_leaves(volume, {{volume.bricks[brick], values}}).value();
+  const TetMesh& mesh = session->mesh().mesh;
+  MeshRequest here;
+  here.levels = default_levels({});
+  here.origin = mesh.header.origin;
+  here.faces = true;
+  here.face_regions = mesh.header.face_regions;
+  ASSERT_EQ(here.face_regions.size(), 2U);
+  TaskPool pool(2);
+  const auto made =
+      mesh_volume(pool, {.shape = std::make_shared<const Volume>(moved), .request = here});
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ(made->mesh.header.face_labels, mesh.header.face_labels);
+  EXPECT_TRUE(same_bytes(made->mesh, mesh));
+  EXPECT_GT(faces_named(mesh, "top"), 100U);
+  EXPECT_GT(faces_named(mesh, "rest.1"), 100U);
+}
+
 TEST_F(RemeshSessionTest, KeepsTheSideOfItsFirstRequestForEveryFrame) {
   start();
   const std::string path = solid_file("inverted", 0.1);

@@ -75,6 +75,8 @@ class FeatureRequest {
         return add_field(*mesh.add_fields());
       case Feature::kFaces:
         return mesh.set_faces(true);
+      case Feature::kFaceRegions:
+        return add_region(*mesh.add_face_regions());
       case Feature::kFloat64:
         return mesh.set_coordinate_type(v1::COORDINATE_TYPE_FLOAT64);
       case Feature::kSkipStatistics:
@@ -103,6 +105,13 @@ class FeatureRequest {
       corner->set_z(at);
     }
     box.mutable_max()->set_y(0.3);
+  }
+
+  static void add_region(v1::FaceRegion& region) {
+    region.set_name("half");
+    region.mutable_half_space()->mutable_normal()->Add(1);
+    region.mutable_half_space()->mutable_normal()->Add(0);
+    region.mutable_half_space()->mutable_normal()->Add(0);
   }
 
   void add_field(v1::Field& field) const {

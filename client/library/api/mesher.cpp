@@ -44,7 +44,7 @@ absl::StatusOr<tet::MeshResult> make(Order order,
 }
 
 absl::StatusOr<Estimate> count(Order order, const tet::Cancellation& cancellation) {
-  order.request.improve = false;  // counts are the same, and it would make the mesh
+  ask_for_counts(order.request);
   const auto plan = tet::plan_mesh(
       {.shape = std::move(order.shape), .request = std::move(order.request)}, cancellation);
   if (!plan.ok()) return plan.status();

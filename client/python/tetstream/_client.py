@@ -148,7 +148,8 @@ class Client:
         face_regions   names of pieces of the surface, and where each lies; they ask for `faces`, too:
                      {"bore": {"cylinder": {"start": [0, 0, 0], "end": [0, 0, 1], "radius": 0.3}}}. Several
                      places are a list; a list of {"name": ..., ...} or JSON will do, too: docs/faces.md. A
-                     region that took no face is a UserWarning
+                     region that took no face is a UserWarning, and one with "creases" has its patches
+                     named after it
         coordinates  how they are stored: "float32", "float64", or "automatic", which takes float64 where
                      float32 would bend the angle bounds
         fields       {name: Volume}: arrays of values that the vertices get, at most 16
@@ -162,7 +163,7 @@ class Client:
                      every stair, "thin" keeps sheets one voxel thin
         threads      in this process; 0 takes every core
         encoding     how a server's chunks travel: "plain", "packed" (a fifth of the bytes), "compact" (the
-                     least, and the mesh is made here; not with `improve` or `fields`)
+                     least, and the mesh is made here; not with `improve`, `fields` or regions with creases)
         skip_cache   have a server make it even where one of its jobs has stored it
         progress     called with the fraction that is done, which grows from 0 to 1, by the thread that waits
         timeout      seconds, for all of the call

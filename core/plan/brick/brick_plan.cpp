@@ -5,6 +5,7 @@
 #include "core/base/check.h"
 #include "core/base/heap_bytes.h"
 #include "core/plan/brick/fill_brick.h"
+#include "core/plan/creased_plan.h"
 #include "core/plan/improved_plan.h"
 #include "core/plan/mesh_workspace.h"
 
@@ -108,6 +109,9 @@ std::shared_ptr<const BrickPlan> as_bricks(
 }
 
 const BrickPlan* bricks_beneath(const MeshPlan& plan) noexcept {
+  if (const auto* creased = dynamic_cast<const CreasedPlan*>(&plan)) {
+    return bricks_beneath(creased->undivided());
+  }
   const auto* improved = dynamic_cast<const ImprovedPlan*>(&plan);
   return as_bricks(improved != nullptr ? improved->unimproved() : plan);
 }

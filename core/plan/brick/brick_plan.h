@@ -53,7 +53,8 @@ const BrickPlan* as_bricks(const MeshPlan& plan) noexcept;
 std::shared_ptr<const BrickPlan> as_bricks(
     const std::shared_ptr<const MeshPlan>& plan) noexcept;
 
-/// The bricks that a mesh was counted in, though its vertices may have been moved since. Null
+/// The bricks that a mesh was counted in, though its vertices may have been moved since and its
+/// faces named otherwise. Null
 /// where there were none.
 const BrickPlan* bricks_beneath(const MeshPlan& plan) noexcept;
 

@@ -13,6 +13,7 @@
 #include "core/plan/joined/joined_plan.h"
 #include "core/plan/labelled/label_request.h"
 #include "core/plan/leaf_budget.h"
+#include "core/plan/make/divide_surface.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/prepared_mesh.h"
 #include "core/plan/whole/whole_plan.h"
@@ -77,10 +78,13 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_on_lattice(
                                     : plan_bricks(job, *prepared, *rules, cancellation);
 }
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(const PlanJob& job,
-                                                          const Cancellation& cancellation) {
+namespace {
+
+/// Plans a mesh whose regions are not divided at creases.
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_undivided(
+    const PlanJob& job, const Cancellation& cancellation) {
   if (grids_of(job.shape) != nullptr) {
-    const auto plan_one = [&](const PlanJob& one) { return plan_mesh(one, cancellation); };
+    const auto plan_one = [&](const PlanJob& one) { return plan_undivided(one, cancellation); };
     return plan_joined(job, plan_one, cancellation);
   }
   if (job.request.labels || labels_of(job.shape) != nullptr) {
@@ -89,6 +93,15 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(const PlanJob& job,
   auto plan = plan_on_lattice(job, cancellation);
   if (!plan.ok() || !job.request.improve) return plan;
   return improve_plan(*std::move(plan), job, cancellation);
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_mesh(const PlanJob& job,
+                                                          const Cancellation& cancellation) {
+  auto plan = plan_undivided(job, cancellation);
+  if (!plan.ok() || !have_creases(job.request.face_regions)) return plan;
+  return divide_surface(*std::move(plan), job.limits, cancellation);
 }
 
 }  // namespace tet

@@ -46,6 +46,9 @@ TEST(CheckFaceRegions, RefusesWithTheFieldThatIsWrong) {
   region = {"b"};
   region.facing = {{0, 0, 1}, 181};
   EXPECT_THAT(refusal_of(region), HasSubstr("facing.angle_deg 181 is not from 0 to 180"));
+  for (const double angle : {0.5, 181.0, std::nan("")}) {
+    EXPECT_THAT(refusal_of(divided("b", angle)), HasSubstr("is not from 1 to 180"));
+  }
   region = {"b"};
   region.nearest = {{0, 0, 0}, {0, -inf, 0}};
   EXPECT_THAT(refusal_of(region), HasSubstr("nearest.points[3]"));
@@ -54,6 +57,22 @@ TEST(CheckFaceRegions, RefusesWithTheFieldThatIsWrong) {
   const std::vector<FaceRegion> many(257, of_node("b", "1"));
   EXPECT_THAT(std::string(check_face_regions(many).message()),
               HasSubstr("257 entries; the limit is 256"));
+}
+
+TEST(CheckFaceRegions, RefusesNamesThatPatchesMayHaveAndCreasesThatAreNotAlike) {
+  const auto refusal = [](const std::vector<FaceRegion>& regions) {
+    return std::string(check_face_regions(regions).message());
+  };
+  EXPECT_THAT(refusal({divided("rim", 30), of_node("rim.7", "1")}),
+              StartsWith("face_regions[1].name \"rim.7\" may be that of a patch of "
+                         "face_regions[0]"));
+  EXPECT_THAT(refusal({of_node("rim.7", "1"), divided("rim", 30)}),
+              StartsWith("face_regions[0].name \"rim.7\" may be"));
+  EXPECT_EQ(refusal({divided("rim", 30), of_node("rim.x", "1"), of_node("rim.", "1")}), "");
+  EXPECT_THAT(refusal({divided("rim", 30), divided("rim", 31)}),
+              StartsWith("face_regions[0].creases are not those of face_regions[1]"));
+  EXPECT_THAT(refusal({of_node("rim", "1"), divided("rim", 31)}), HasSubstr("same name"));
+  EXPECT_EQ(refusal({divided("rim", 30), divided("rim", 30)}), "");
 }
 
 }  // namespace

@@ -20,4 +20,11 @@ inline FaceRegion of_node(std::string name, std::string node) {
   return region;
 }
 
+/// All faces that are left, in patches between creases.
+inline FaceRegion divided(std::string name, double angle_deg) {
+  FaceRegion region{std::move(name)};
+  region.creases = {angle_deg};
+  return region;
+}
+
 }  // namespace tet

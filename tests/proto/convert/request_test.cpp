@@ -272,6 +272,7 @@ v1::MeshRequest request_with_regions() {
   set(*region.mutable_facing()->mutable_direction(), {0, 0, 1});
   region.mutable_facing()->set_angle_deg(20);
   region.set_node("bore");
+  region.mutable_creases()->set_angle_deg(35);
   return request;
 }
 
@@ -305,6 +306,8 @@ TEST(Request, RefusesFaceRegionsByTheirField) {
               StartsWith("face_regions[0].box.min has 4 numbers"));
   EXPECT_THAT(refused([](v1::FaceRegion& r) { r.set_name("surface"); }),
               StartsWith("face_regions[0].name"));
+  EXPECT_THAT(refused([](v1::FaceRegion& r) { r.mutable_creases()->set_angle_deg(0); }),
+              StartsWith("face_regions[0].creases.angle_deg 0 is not from 1 to 180"));
   EXPECT_THAT(refused([](v1::FaceRegion& r) { r.mutable_ball()->set_radius(-1); }),
               StartsWith("face_regions[0].ball.radius"));
   v1::MeshRequest many = request_with_regions();
@@ -312,14 +315,20 @@ TEST(Request, RefusesFaceRegionsByTheirField) {
   EXPECT_THAT(refusal(many), StartsWith("face_regions has 257 entries"));
 }
 
-TEST(Request, RefusesFacesOfNodesInCompactChunks) {
+TEST(Request, RefusesFacesOfNodesAndPatchesInCompactChunks) {
   v1::StreamMeshRequest stream;
   *stream.mutable_mesh() = request_with_regions();
   stream.set_encoding(v1::ENCODING_PACKED);
   EXPECT_TRUE(parse_stream_request(stream).ok());
   stream.set_encoding(v1::ENCODING_COMPACT);
-  EXPECT_THAT(std::string(parse_stream_request(stream).status().message()),
-              HasSubstr("cannot carry face_regions[0].node"));
+  const auto refusal_of_stream = [&] {
+    return std::string(parse_stream_request(stream).status().message());
+  };
+  EXPECT_THAT(refusal_of_stream(), HasSubstr("cannot carry face_regions[0].creases"));
+  stream.mutable_mesh()->mutable_face_regions(0)->clear_creases();
+  EXPECT_THAT(refusal_of_stream(), HasSubstr("cannot carry face_regions[0].node"));
+  stream.mutable_mesh()->mutable_face_regions(0)->clear_node();
+  EXPECT_EQ(refusal_of_stream(), "");
 }
 
 TEST(MeshId, TellsEveryFaceRegionApart) {
@@ -331,6 +340,9 @@ TEST(MeshId, TellsEveryFaceRegionApart) {
   const std::string first = id(request);
   EXPECT_EQ(first, id(request_with_regions()));
   request.mutable_face_regions(0)->mutable_ball()->set_radius(std::nextafter(2, 3));
+  EXPECT_NE(first, id(request));
+  request = request_with_regions();
+  request.mutable_face_regions(0)->mutable_creases()->set_angle_deg(36);
   EXPECT_NE(first, id(request));
   request.clear_face_regions();
   request.set_faces(true);

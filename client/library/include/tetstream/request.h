@@ -60,7 +60,8 @@ struct Request {
   bool statistics = true;  ///< measure quality and boundary: a little slower
   bool faces = false;      ///< boundary faces beside the tets, with names: docs/faces.md
   /// Pieces of the surface with names of their own: JSON as docs/faces.md has it, or empty.
-  /// They ask for faces, too. Which took none is told by Statistics::empty_face_regions.
+  /// They ask for faces, too. Which took none is told by Statistics::empty_face_regions; one
+  /// with creases has its patches named after it.
   std::string face_regions = {};
   Coordinates coordinates = Coordinates::kAutomatic;
   std::vector<Field> fields = {};  ///< at most 16
