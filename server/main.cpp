@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <sys/resource.h>
+#include <thread>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -47,8 +48,11 @@ constexpr char kAbout[] =
     "  TETSTREAM_THREADS=8 tetstreamd --config /etc/tetstream.toml --print-config\n\n"
     "`tetstreamd worker` serves nobody: it does batch jobs for the servers whose --store and\n"
     "--jobs it is given. `backup`, `restore` and `check` take care of a store.\n\n"
-    "SIGTERM and SIGINT let running calls finish for --drain-seconds. Exit codes: 0 done, 1 a\n"
-    "setting was refused, 2 usage, 3 the server could not start.";
+    "SIGTERM makes health say that the server ends, for --lame-duck-seconds; then, and at once "
+    "on\n"
+    "SIGINT, running calls may finish for --drain-seconds. Exit codes: 0 done, 1 a setting "
+    "was\n"
+    "refused, 2 usage, 3 the server could not start.";
 
 struct CommandLine {
   std::map<std::string, std::string> given;  ///< by setting key
@@ -192,6 +196,14 @@ int print_new_token(const std::string& name) {
   return kDone;
 }
 
+/// Says that the server will end, and goes on: whoever balances the load hears of it before
+/// anything is refused. Somebody at a terminal, who sends SIGINT, need not wait for that.
+void go_lame(tet::Server& server, std::chrono::seconds time) {
+  server.announce_end();
+  tet::log_event(spdlog::level::info, "lame_duck", {{"seconds", time.count()}});
+  std::this_thread::sleep_for(time);
+}
+
 int serve(const tet::Config& config) {
   tet::keep_read_blocks();
   raise_file_limit();
@@ -213,9 +225,13 @@ int serve(const tet::Config& config) {
                   {"version", TETSTREAM_VERSION}});
   int signal = 0;
   sigwait(&signals, &signal);
+  const std::chrono::seconds lame_duck(
+      signal == SIGTERM && !tet::stopped_listening() ? config.lame_duck_seconds : 0);
+  const std::chrono::seconds drain(config.drain_seconds);
+  tet::end_after(lame_duck + drain + kGrace, signals);
+  if (lame_duck.count() > 0) go_lame(**server, lame_duck);
   tet::log_event(spdlog::level::info, "draining", {{"signal", signal}});
-  tet::end_after(std::chrono::seconds(config.drain_seconds) + kGrace, signals);
-  (*server)->stop(std::chrono::seconds(config.drain_seconds));
+  (*server)->stop(drain);
   tet::log_event(spdlog::level::info, "stopped");
   return tet::stopped_listening() ? kFailed : kDone;
 }

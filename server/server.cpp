@@ -10,7 +10,6 @@
 #include <absl/strings/str_cat.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/resource_quota.h>
 
@@ -27,6 +26,7 @@
 #include "server/ops/process_metrics.h"
 #include "server/rpc/access.h"
 #include "server/rpc/handler_watch.h"
+#include "server/rpc/health_service.h"
 #include "server/rpc/heartbeat.h"
 #include "server/rpc/tls.h"
 #include "server/rpc/unread_messages.h"
@@ -96,10 +96,9 @@ void warn_if_exposed(const Config& config, const std::string& listen) {
              {"message", absl::StrCat(who, anyone && plain ? ", and " : "", how)}});
 }
 
-void set_readiness(grpc::Server& server, bool ready) {
-  auto* health = server.GetHealthCheckService();
-  health->SetServingStatus("", ready);
-  health->SetServingStatus("readiness", ready);
+void set_readiness(HealthService& health, bool ready) {
+  health.set("", ready);
+  health.set("readiness", ready);
 }
 
 }  // namespace
@@ -121,7 +120,7 @@ struct Server::Parts {
   std::string grpc_address() const {
     return absl::StrCat(config.listen.substr(0, config.listen.rfind(':')), ":", port);
   }
-  bool works() const { return !admission.is_draining() && probes.works(); }
+  bool works() const { return !admission.is_ending() && probes.works(); }
   void tell_health();
   std::vector<Reading> slow_readings() const;
   std::string metrics_text();
@@ -136,6 +135,7 @@ struct Server::Parts {
   MeshEngine engine{config, calls, *store};
   GridService grid_service{*store, calls, disk, engine.decoders, engine.stalls};
   MeshService mesh_service{engine};
+  HealthService health_service{{config.max_health_watches, config.max_client_health_watches}};
   Heartbeat heartbeat{kHeartbeat, [this] {
                         admission.expire(Admission::Clock::now());
                         engine.check_stalls();
@@ -215,6 +215,7 @@ bool Server::Parts::listen() {
   if (!serves_reflection(config)) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);
+  builder.RegisterService(&health_service);
   if (jobs != nullptr) builder.RegisterService(&jobs->service);
   server = builder.BuildAndStart();
   return server != nullptr && port != 0;
@@ -240,9 +241,8 @@ absl::Status Server::Parts::open_http() {
 
 void Server::Parts::tell_health() {
   const auto tell = [this] {
-    set_readiness(*server, works());
-    if (jobs == nullptr) return;
-    server->GetHealthCheckService()->SetServingStatus("jobs", jobs->health.status().ok());
+    set_readiness(health_service, works());
+    if (jobs != nullptr) health_service.set("jobs", jobs->health.status().ok());
   };
   tell();
   health = std::make_unique<Heartbeat>(kHealthBeat, tell);
@@ -266,6 +266,7 @@ std::string Server::Parts::metrics_text() {
     add(probes.readings());
     if (jobs != nullptr) add({jobs->up()});
     add(unread.readings());
+    add(health_service.readings());
     if (const HttpPort* const port_now = open_port.load()) add(port_now->readings());
     add(read_process());
     return readings;
@@ -275,7 +276,6 @@ std::string Server::Parts::metrics_text() {
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   static const bool registered = [] {
     log_contained_exceptions();
-    grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     return true;
   }();
@@ -291,12 +291,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(store));
   parts->tls = *std::move(tls);
   if (const absl::Status opened = parts->open_jobs(); !opened.ok()) return opened;
+  parts->health_service.set("liveness", true);
   if (!parts->listen()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
   }
   if (const absl::Status opened = parts->open_http(); !opened.ok()) return opened;
   if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
-  parts->server->GetHealthCheckService()->SetServingStatus("liveness", true);
   parts->tell_health();
   warn_if_exposed(config, config.listen);
   warn_if_exposed(config, config.http_listen);
@@ -325,13 +325,19 @@ const MeshEngine& Server::engine() const { return parts_->engine; }
 
 int Server::running_calls() const { return parts_->calls.running(); }
 
+void Server::announce_end() {
+  parts_->admission.announce_end();
+  parts_->health.reset();
+  set_readiness(parts_->health_service, false);
+}
+
 // While it drains the server goes on answering health checks, so that whoever balances the load
 // sees NOT_SERVING; gRPC's own shutdown would close their connections first.
 void Server::stop(std::chrono::seconds drain) {
   if (std::exchange(parts_->stopped, true)) return;
   parts_->admission.drain();
   parts_->health.reset();
-  set_readiness(*parts_->server, false);
+  set_readiness(parts_->health_service, false);
   if (parts_->jobs != nullptr) parts_->jobs->work->worker.stop();
   const bool idle = parts_->calls.wait_until_idle(CallRegistry::Clock::now() + drain);
   if (!idle) {
@@ -342,6 +348,7 @@ void Server::stop(std::chrono::seconds drain) {
   parts_->metrics.reset();  // which reads the port that goes
   parts_->open_port = nullptr;
   parts_->http.reset();
+  parts_->health_service.end();
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
   // gRPC is done; the last tasks of cancelled calls may not be.

@@ -29,6 +29,9 @@ class Server {
   /// host:port of the page and of gRPC-Web; empty if there are none.
   std::string http_address() const;
 
+  /// Readiness turns to NOT_SERVING; all goes on as before.
+  void announce_end();
+
   /// Readiness turns to NOT_SERVING, new calls are refused, running ones may go on for `drain`;
   /// then they are handed back with kUnavailable, and a second later, where the client does not
   /// read that, cancelled. Returns when nothing runs any more.

@@ -13,11 +13,14 @@ Reading build_info() {
 
 void add_work(const MeshEngine& engine, std::vector<Reading>& readings) {
   readings.push_back(gauge("tetstream_ready", "1 unless the server is shutting down.",
-                           !engine.calls.admission().is_draining()));
+                           !engine.calls.admission().is_ending()));
   readings.push_back(
       gauge("tetstream_calls_running", "Calls that have not ended.", engine.calls.running()));
   readings.push_back(gauge("tetstream_meshes_running", "Streams and estimates that run.",
                            engine.activity.meshes.load()));
+  readings.push_back(gauge("tetstream_meshes_paused",
+                           "Streams that wait for their readers and have lent their places.",
+                           engine.calls.admission().paused_meshes()));
   readings.push_back(gauge("tetstream_meshes_queued", "Streams and estimates that wait.",
                            engine.calls.admission().queued_meshes()));
   readings.push_back(gauge("tetstream_send_bytes", "Bytes of chunks on their way to clients.",

@@ -28,19 +28,26 @@ void add_request_id(const grpc::ClientContext& context, absl::Status& status) {
   status.SetPayload(url_of<google::rpc::RequestInfo>(), absl::Cord(info.SerializeAsString()));
 }
 
-void add_details(const google::rpc::Status& from, absl::Status& status) {
+template <class Message>
+void add_details(const Message& from, absl::Status& status) {
   for (const auto& detail : from.details()) {
     status.SetPayload(detail.type_url(), absl::Cord(detail.value()));
   }
 }
 
+/// Reads a message that has the fields of a google.rpc.Status.
+template <class Message>
+absl::Status status_in(const Message& message) {
+  absl::Status status(static_cast<absl::StatusCode>(message.code()), message.message());
+  if (!status.ok()) add_details(message, status);
+  return status;
+}
+
 }  // namespace
 
-absl::Status to_absl(const google::rpc::Status& status) {
-  absl::Status ours(static_cast<absl::StatusCode>(status.code()), status.message());
-  if (!ours.ok()) add_details(status, ours);
-  return ours;
-}
+absl::Status to_absl(const google::rpc::Status& status) { return status_in(status); }
+
+absl::Status to_absl(const tetstream::v1::FrameRefusal& refusal) { return status_in(refusal); }
 
 absl::Status to_absl(const grpc::Status& status, const grpc::ClientContext& context) {
   absl::Status ours(static_cast<absl::StatusCode>(status.error_code()), status.error_message());

@@ -10,6 +10,7 @@
 #include <grpcpp/support/status.h>
 
 #include "google/rpc/status.pb.h"
+#include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
 
@@ -20,6 +21,8 @@ absl::Status to_absl(const grpc::Status& status, const grpc::ClientContext& cont
 
 /// Converts a failure that is part of an answer, with its details.
 absl::Status to_absl(const google::rpc::Status& status);
+
+absl::Status to_absl(const tetstream::v1::FrameRefusal& refusal);
 
 /// The ErrorInfo's reason; empty when the server gave none.
 std::string reason_of_failure(const absl::Status& status);

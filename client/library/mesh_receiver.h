@@ -66,6 +66,11 @@ class MeshReceiver {
   /// Every chunk is here and the server has said that there are no more.
   bool complete() const noexcept { return reader_.complete(); }
 
+  /// See StreamReader.
+  const absl::Status& refusal() const noexcept { return reader_.refusal(); }
+  /// The memory that it was given, of which a refused frame needs nothing.
+  TetMesh take_used() && { return mesh_->take_used(); }
+
   /// The mesh, once complete. Statistics are measured here unless one stream brought them all.
   /// Errors: those of CompactReceiver::finish.
   absl::StatusOr<StreamedMesh> finish(const Cancellation& cancellation) &&;

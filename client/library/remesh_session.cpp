@@ -1,6 +1,6 @@
 #include "client/library/remesh_session.h"
 
-#include <optional>
+#include <cstddef>
 #include <utility>
 
 #include "client/library/mesh_receiver.h"
@@ -9,6 +9,15 @@
 #include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet {
+
+namespace {
+
+/// Every server takes messages of 2 MiB.
+constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+/// What a leaf takes in a message beside its own bytes, at most.
+constexpr std::size_t kLeafOverhead = 8;
+
+}  // namespace
 
 RemeshSession::RemeshSession(Connection& connection, const Cancellation& cancellation)
     : cancellation_(cancellation),
@@ -29,6 +38,7 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
   std::unique_ptr<RemeshSession> session(new RemeshSession(connection, cancellation));
   v1::RemeshRequest message;
   *message.mutable_start() = request;
+  message.set_tell_refusals(true);
   if (auto status = session->exchange(message); !status.ok()) return status;
   return session;
 }
@@ -40,35 +50,61 @@ absl::Status RemeshSession::update(const v1::Scene& scene) {
 }
 
 absl::Status RemeshSession::update(const std::vector<v1::LeafUpdate>& leaves) {
+  v1::RemeshFrame part;
+  std::size_t bytes = 0;
+  for (const v1::LeafUpdate& leaf : leaves) {
+    const std::size_t more = leaf.ByteSizeLong() + kLeafOverhead;
+    if (bytes > 0 && bytes + more > kPartBytes) {
+      v1::RemeshRequest message;
+      message.mutable_part()->Swap(&part);
+      if (auto sent = send(message); !sent.ok()) return sent;
+      part.Clear();
+      bytes = 0;
+    }
+    *part.add_leaves() = leaf;
+    bytes += more;
+  }
   v1::RemeshRequest message;
-  message.mutable_frame()->mutable_leaves()->Assign(leaves.begin(), leaves.end());
+  message.mutable_frame()->Swap(&part);
   return exchange(message);
 }
 
-absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
+absl::Status RemeshSession::send(const v1::RemeshRequest& message) {
   if (ended_) return absl::FailedPreconditionError("the session is over: begin another");
-  if (!stream_->write(serialized(message))) return broken();
+  return stream_->write(serialized(message)) ? absl::OkStatus() : broken();
+}
+
+absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
+  if (auto sent = send(message); !sent.ok()) return sent;
   MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh, std::move(used_));
   if (auto status = receive(receiver); !status.ok()) return status;
+  if (!receiver.refusal().ok()) {
+    const absl::Status refusal = receiver.refusal();
+    used_ = std::move(receiver).take_used();
+    return refusal;
+  }
   tets_sent_ = receiver.tets_sent();
   auto mesh = std::move(receiver).finish(cancellation_);
-  if (!mesh.ok()) return mesh.status();
+  if (!mesh.ok()) return give_up(mesh.status());
   used_ = std::exchange(mesh_, *std::move(mesh)).mesh;
   return absl::OkStatus();
 }
 
+/// Until the mesh is whole, or its frame refused.
 absl::Status RemeshSession::receive(MeshReceiver& receiver) {
-  while (!receiver.complete()) {
+  while (!receiver.complete() && receiver.refusal().ok()) {
     grpc::ByteBuffer event;
     if (!stream_->read(event)) return broken();
-    const absl::Status taken = receiver.take(event);
-    if (taken.ok()) continue;
-    // What the server says of a call that we give up is that it was given up.
-    call_.context().TryCancel();
-    broken().IgnoreError();
-    return taken;
+    if (auto taken = receiver.take(event); !taken.ok()) return give_up(std::move(taken));
   }
   return absl::OkStatus();
+}
+
+/// What the server says of a call that we give up is that it was given up.
+absl::Status RemeshSession::give_up(absl::Status why) {
+  call_.context().TryCancel();
+  broken().IgnoreError();
+  return why;
 }
 
 absl::Status RemeshSession::end() {

@@ -16,7 +16,8 @@ namespace tet {
 class MeshReceiver;
 class RawCall;
 
-/// One session, with one server. Not thread-safe. After an error it is over: begin another.
+/// One session, with one server. Not thread-safe. A frame that the server refuses leaves the
+/// mesh as it was, and the session alive; after any other error it is over: begin another.
 class RemeshSession {
  public:
   /// Receives the mesh of `request`. Both `connection` and `cancellation` outlive the session.
@@ -27,11 +28,14 @@ class RemeshSession {
   ~RemeshSession();
 
   /// The mesh becomes that of another scene, or of a grid with these leaves. Where parts of it
-  /// were kept, `quality` is that of the rest alone. Errors: as above.
+  /// were kept, `quality` is that of the rest alone. Leaves that are more than one message may
+  /// have go in several. Errors: as above.
   absl::Status update(const v1::Scene& scene);
   absl::Status update(const std::vector<v1::LeafUpdate>& leaves);
 
   const StreamedMesh& mesh() const noexcept { return mesh_; }
+  /// Whether it takes no more frames.
+  bool is_over() const noexcept { return ended_; }
   /// Tets of the last change that were sent, and not kept.
   std::uint64_t tets_sent() const noexcept { return tets_sent_; }
 
@@ -41,8 +45,10 @@ class RemeshSession {
  private:
   RemeshSession(Connection& connection, const Cancellation& cancellation);
 
+  absl::Status send(const v1::RemeshRequest& message);
   absl::Status exchange(const v1::RemeshRequest& message);
   absl::Status receive(MeshReceiver& receiver);
+  absl::Status give_up(absl::Status why);
   absl::Status broken();
 
   const Cancellation& cancellation_;

@@ -10,6 +10,7 @@
 
 #include "client/library/check_labels.h"
 #include "client/library/chunk_message.h"
+#include "client/library/error_details.h"
 #include "client/library/stream_checks.h"
 #include "core/mesh/check_faces.h"
 #include "proto/convert/chunk_numbers.h"
@@ -72,6 +73,8 @@ absl::Status StreamReader::take(const v1::MeshEvent& event) {
       return take_chunk(event.chunk());
     case v1::MeshEvent::kTrailer:
       return take_trailer(event.trailer());
+    case v1::MeshEvent::kRefused:
+      return take_refusal(event.refused());
     case v1::MeshEvent::kProgress:
       planning_ = event.progress();
       return absl::OkStatus();
@@ -218,6 +221,12 @@ void StreamReader::count(const ChunkNumbers& chunk) {
   next_face_ = chunk.first_face + chunk.face_count;
   tets_sent_ += chunk.tet_count;
   ++next_chunk_;
+}
+
+absl::Status StreamReader::take_refusal(const v1::FrameRefusal& refusal) {
+  if (has_header_) return bad_stream("a mesh that was begun and is refused");
+  refusal_ = to_absl(refusal);
+  return refusal_.ok() ? bad_stream("a refusal that says nothing") : absl::OkStatus();
 }
 
 absl::Status StreamReader::take_trailer(const v1::MeshTrailer& trailer) {

@@ -59,6 +59,8 @@ class StreamReader {
   std::uint64_t tets_sent() const noexcept { return tets_sent_; }
   /// Every chunk is here and the server has said that there are no more.
   bool complete() const noexcept { return complete_; }
+  /// Why there is no mesh, where a session's server has refused the frame; else OK.
+  const absl::Status& refusal() const noexcept { return refusal_; }
 
   /// Where chunks are compact.
   std::optional<CompactReceiver>& compact() noexcept { return compact_; }
@@ -81,6 +83,7 @@ class StreamReader {
                        std::uint32_t checksum);
   absl::Status hand_on(const ChunkNumbers& chunk);
   void count(const ChunkNumbers& chunk);
+  absl::Status take_refusal(const v1::FrameRefusal& refusal);
   absl::Status take_trailer(const v1::MeshTrailer& trailer);
   absl::Status take_statistics(const v1::MeshTrailer& trailer);
   absl::Status take_quality(const v1::MeshTrailer& trailer);
@@ -93,6 +96,7 @@ class StreamReader {
   std::optional<CompactReceiver> compact_;  ///< where chunks are compact
   std::vector<ChunkExtent> compact_chunks_;
   ChunkUnpacker unpacker_;
+  absl::Status refusal_;
   std::optional<v1::MeshProgress> planning_;
   std::uint64_t next_chunk_ = 0, next_vertex_ = 0, next_tet_ = 0, tets_sent_ = 0;
   std::uint64_t next_face_ = 0;

@@ -65,6 +65,9 @@ struct Config {
   std::uint64_t max_calls = 4096;
   std::uint64_t max_client_calls = 1024;
   std::uint64_t max_client_watches = 64;
+  std::uint64_t max_health_watches = 1024;
+  std::uint64_t max_client_health_watches = 64;
+  std::uint64_t lame_duck_seconds = 5;
   std::uint64_t drain_seconds = 30;
   std::string log_level = "info";
   std::uint64_t log_buffer_bytes = std::uint64_t{4} << 20;

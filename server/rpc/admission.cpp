@@ -42,6 +42,16 @@ void Tally::remove(const std::string& client) {
   if (--found->second == 0) of_client_.erase(found);
 }
 
+void Tally::pause() {
+  --all_;
+  ++paused_;
+}
+
+void Tally::resume() {
+  ++all_;
+  --paused_;
+}
+
 std::uint64_t Tally::of(const std::string& client) const {
   const auto found = of_client_.find(client);
   return found == of_client_.end() ? 0 : found->second;
@@ -134,6 +144,21 @@ bool Admission::leave(Place place) {
   return !gone.empty();
 }
 
+void Admission::pause_mesh() {
+  std::vector<Admitted> admitted;
+  {
+    const std::lock_guard lock(mutex_);
+    meshes_.pause();
+    admitted = admit_waiting();
+  }
+  for (Admitted& next : admitted) next.tell();
+}
+
+void Admission::resume_mesh() {
+  const std::lock_guard lock(mutex_);
+  meshes_.resume();
+}
+
 void Admission::expire(Clock::time_point now) {
   std::vector<Admitted> expired;
   {
@@ -161,24 +186,34 @@ absl::Status Admission::why_expired(const Waiting& waiting, Clock::time_point no
   return with_retry(with_reason(status, "SERVER_BUSY"), kBusyRetryDelay);
 }
 
+void Admission::announce_end() {
+  const std::lock_guard lock(mutex_);
+  ending_ = true;
+}
+
 void Admission::drain() {
   std::vector<Waiting> waiting;
   {
     const std::lock_guard lock(mutex_);
-    draining_ = true;
+    ending_ = draining_ = true;
     waiting = queue_.take_all([](Place, const Waiting&) { return true; });
   }
   for (const Waiting& refused : waiting) refused.answer(shutting_down());
 }
 
-bool Admission::is_draining() const {
+bool Admission::is_ending() const {
   const std::lock_guard lock(mutex_);
-  return draining_;
+  return ending_;
 }
 
 std::uint64_t Admission::running_meshes() const {
   const std::lock_guard lock(mutex_);
   return meshes_.all();
+}
+
+std::uint64_t Admission::paused_meshes() const {
+  const std::lock_guard lock(mutex_);
+  return meshes_.paused();
 }
 
 std::uint64_t Admission::queued_meshes() const {

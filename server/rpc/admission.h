@@ -46,14 +46,18 @@ class Tally {
   absl::Status check(const std::string& client) const;
   void add(const std::string& client);
   void remove(const std::string& client);
+  /// One that was added counts for its client only; or for all again, whether it fits or not.
+  void pause();
+  void resume();
 
   std::uint64_t all() const noexcept { return all_; }
+  std::uint64_t paused() const noexcept { return paused_; }
   std::uint64_t of(const std::string& client) const;
 
  private:
   const std::string what_;
   const Share limit_;
-  std::uint64_t all_ = 0;
+  std::uint64_t all_ = 0, paused_ = 0;
   std::map<std::string, std::uint64_t> of_client_;  ///< none is 0
 };
 
@@ -83,13 +87,23 @@ class Admission {
   /// Gives up a place: its answer is not called any more. False when it was, or is being.
   bool leave(Place place);
 
+  /// A mesh that was admitted has nothing to do for a while: its place goes to others, and only
+  /// its client's share has it. Whoever holds its ticket comes back before giving that back.
+  void pause_mesh();
+  void resume_mesh();
+
   /// Answers those who have waited for too long; to be called every now and then.
   void expire(Clock::time_point now);
+  /// From now on it says that it will end, and takes all that comes: whoever balances the load
+  /// sends less, and what it sends meanwhile is not refused.
+  void announce_end();
   /// Refuses everything from now on, those in the queue first.
   void drain();
-  bool is_draining() const;
+  /// Whether one of both was called: nothing new is welcome.
+  bool is_ending() const;
 
   std::uint64_t running_meshes() const;
+  std::uint64_t paused_meshes() const;
   std::uint64_t queued_meshes() const;
 
  private:
@@ -114,7 +128,7 @@ class Admission {
 
   const AdmissionLimits limits_;
   mutable std::mutex mutex_;  ///< guards all below; never held while somebody is answered
-  bool draining_ = false;
+  bool ending_ = false, draining_ = false;
   Tally calls_, uploads_, meshes_;
   FairQueue<Waiting> queue_;
 };

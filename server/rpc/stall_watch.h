@@ -17,6 +17,8 @@ class Stallable {
   virtual ~Stallable() = default;
   /// Since when it waits; nothing while it does not.
   virtual std::optional<Clock::time_point> waiting_since() = 0;
+  /// Time has passed: told every now and then.
+  virtual void pass_time(Clock::time_point /*now*/) {}
   /// Ends the call, whose client has not moved for so long.
   virtual void give_up(std::chrono::seconds waited) = 0;
 };
@@ -26,7 +28,8 @@ class StallWatch {
  public:
   void add(std::weak_ptr<Stallable> call);
 
-  /// Gives up what has waited for `limit` at `now`; to be called every now and then.
+  /// Tells all of the time, and gives up what has waited for `limit` at `now`; to be called
+  /// every now and then.
   void check(Stallable::Clock::time_point now, std::chrono::seconds limit);
 
  private:

@@ -18,6 +18,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
+/// Longer than a reader who takes what it gets lets a stream wait, and shorter than anybody
+/// waits in the queue.
+constexpr std::chrono::milliseconds kIdle{200};
+
 }  // namespace
 
 ChunkStream::ChunkStream(MeshEngine& engine,
@@ -25,7 +29,8 @@ ChunkStream::ChunkStream(MeshEngine& engine,
                          std::string method)
     : StreamWriter(engine.calls, context, std::move(method)),
       engine_(engine),
-      watch_(std::make_shared<PlanningWatch>(deadline_of(context))) {}
+      watch_(std::make_shared<PlanningWatch>(deadline_of(context))),
+      turn_(engine.calls.admission()) {}
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
     const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed) {
@@ -55,10 +60,10 @@ void ChunkStream::queue() {
 }
 
 /// Whoever sees the stream's end, or its pause, may begin the next at once.
-void ChunkStream::give_turn_back() {
-  Ticket last;  // given back without the lock
-  const std::lock_guard lock(mutex_);
-  last.swap(ticket_);
+void ChunkStream::give_turn_back() { turn_.give_back(); }
+
+void ChunkStream::pass_time(Stallable::Clock::time_point now) {
+  turn_.lend_if_idle_since(now - kIdle);
 }
 
 bool ChunkStream::reopen() {
@@ -78,7 +83,7 @@ void ChunkStream::enter(absl::StatusOr<Ticket> ticket) {
   {
     const std::lock_guard lock(mutex_);
     if (ended()) return;
-    ticket_ = *std::move(ticket);
+    turn_.take(*std::move(ticket));
   }
   guard([this] { open(); });
 }
@@ -115,13 +120,22 @@ void ChunkStream::begin_chunks(const absl::Status& opened,
       if (begins.ok()) begin_window();
       return begins;
     });
-    if (!status.ok()) end(status);
+    if (!status.ok()) begin_refusal(status);
   }
   advance();
 }
 
+/// Or the call's end.
+void ChunkStream::begin_refusal(const absl::Status& why) {
+  const auto refusal = refuse(why);
+  if (!refusal) return end(why);
+  refusal_ = serialized(*refusal);
+  phase_ = Phase::kRefusal;
+}
+
 void ChunkStream::begin_window() {
   phase_ = Phase::kHeader;
+  turn_.opened();
   const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
   slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
   post_chunks();
@@ -155,6 +169,7 @@ void ChunkStream::post_chunks() {
 
 void ChunkStream::ask_for_block(std::uint64_t index) {
   engine_.send_budget.ask(this, call_.client(), [self = self(), index](const Block& block) {
+    self->turn_.begin();
     self->engine_.activity.chunks_in_flight.fetch_add(1);
     self->engine_.short_tasks.post(self->call_.client(),
                                    [self, index, block] { self->fill_slot(index, block); });
@@ -173,6 +188,7 @@ void ChunkStream::fill_slot(std::uint64_t index, Block block) {
     if (made.ok()) slot.made = *std::move(made);
   }
   engine_.activity.chunks_in_flight.fetch_sub(1);
+  turn_.end();
   {
     const std::lock_guard lock(mutex_);
     slot.ready = status.ok();
@@ -210,6 +226,9 @@ bool ChunkStream::prepare_message() {
     case Phase::kTrailer:
       outgoing_ = serialized(trailer(first_, end_, quality_));
       return true;
+    case Phase::kRefusal:
+      outgoing_.Swap(&refusal_);
+      return true;
     case Phase::kSent:
       break;
   }
@@ -221,6 +240,10 @@ bool ChunkStream::after_write() {
   outgoing_.Clear();  // its block is gRPC's alone now
   if (ended()) return false;
   if (written_ == Phase::kOpening) return false;
+  if (written_ == Phase::kRefusal) {
+    phase_ = Phase::kSent;
+    return true;
+  }
   if (written_ == Phase::kChunks) after_chunk();
   const bool sent_trailer = written_ == Phase::kTrailer;
   if (next_ < end_) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "server/meshing/chunk_maker.h"
 #include "server/rpc/stream_writer.h"
 #include "server/streams/mesh_engine.h"
+#include "server/streams/mesher_turn.h"
 
 namespace tet {
 
@@ -37,7 +39,8 @@ class ChunkReactor {
 /// pool and writes them in order.
 ///
 /// At most `window` chunks are made and not yet taken by the transport, each in a block of the
-/// send budget, so a client that reads slowly holds that many blocks and nothing else.
+/// send budget, so a client that reads slowly holds that many blocks and nothing else: its
+/// place at the mesher is lent to others meanwhile.
 class ChunkStream : public StreamWriter {
  protected:
   using Block = std::shared_ptr<SendBudget::Lease>;
@@ -70,6 +73,12 @@ class ChunkStream : public StreamWriter {
                                 std::uint64_t end,
                                 const QualityStats& quality) const = 0;
 
+  /// What the client is told of what cannot be opened, where the call goes on all the same;
+  /// nothing ends the call. With the lock.
+  virtual std::optional<v1::MeshEvent> refuse(const absl::Status& /*why*/) {
+    return std::nullopt;
+  }
+
   /// All was sent. Ends the call, or waits for more.
   void sent_all() override { close(absl::OkStatus()); }
   /// Makes room for others while this call waits for what is to be opened next.
@@ -77,7 +86,8 @@ class ChunkStream : public StreamWriter {
   /// Begins to open that. False when the call ends.
   bool reopen();
 
-  /// Sends chunks [start, end), or up to the last where `end` is 0; or ends the call.
+  /// Sends chunks [start, end), or up to the last where `end` is 0; or a refusal; or ends the
+  /// call.
   void begin_chunks(const absl::Status& opened, std::uint64_t start, std::uint64_t end);
   /// Tells the client every now and then how far opening is.
   void watch_progress();
@@ -91,7 +101,7 @@ class ChunkStream : public StreamWriter {
 
  private:
   /// What is written next.
-  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kSent };
+  enum class Phase { kOpening, kHeader, kChunks, kTrailer, kRefusal, kSent };
 
   /// A chunk being made (`ready` is false) or waiting to be written.
   struct Slot {
@@ -102,12 +112,14 @@ class ChunkStream : public StreamWriter {
   void enter(absl::StatusOr<Ticket> ticket);
   void report_progress();
   void begin_window();
+  void begin_refusal(const absl::Status& why);
   absl::Status set_range(std::uint64_t start, std::uint64_t end);
   std::uint64_t window() const;
   void post_chunks();
   void ask_for_block(std::uint64_t index);
   void fill_slot(std::uint64_t index, Block block);
 
+  void pass_time(Stallable::Clock::time_point now) final;
   bool prepare() final;
   bool prepare_message();
   bool after_write() final;
@@ -123,14 +135,15 @@ class ChunkStream : public StreamWriter {
 
   ChunkReactor* reactor_ = nullptr;         ///< there until the call is finished
   std::atomic<Admission::Place> place_{0};  ///< in the queue; 0: in none
+  MesherTurn turn_;
 
   // The writer's lock guards all below.
   std::unique_ptr<grpc::Alarm> progress_timer_;
-  Ticket ticket_;
   Phase phase_ = Phase::kOpening;
   Phase written_ = Phase::kOpening;  ///< phase of the message being written
   bool progress_due_ = false;
   grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
+  grpc::ByteBuffer refusal_;   ///< the one that is written next, where there is nothing else
   std::vector<Slot> slots_;    ///< chunk i in slot i % size
   std::uint64_t first_ = 0;    ///< chunk that the stream begins with
   std::uint64_t next_ = 0;     ///< chunk to be written next

@@ -9,6 +9,7 @@
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
 #include "server/ops/guard.h"
+#include "server/ops/memory.h"
 #include "server/rpc/deadline.h"
 #include "server/streams/mesh_stream.h"
 #include "server/streams/remesh_stream.h"
@@ -144,6 +145,7 @@ void describe(const Config& config, v1::Capabilities& capabilities) {
   limits.set_max_client_upload_bytes(static_cast<std::int64_t>(config.max_client_upload_bytes));
   limits.set_stall_seconds(static_cast<std::int32_t>(config.stall_seconds));
   limits.set_session_idle_seconds(static_cast<std::int32_t>(config.session_idle_seconds));
+  limits.set_max_session_bytes(static_cast<std::int64_t>(session_bytes(config)));
   if (!config.has_jobs()) return;
   limits.set_max_namespace_jobs(static_cast<std::int64_t>(config.max_namespace_jobs));
 }

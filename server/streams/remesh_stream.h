@@ -8,11 +8,14 @@
 #include <string>
 
 #include "server/streams/chunk_stream.h"
+#include "server/streams/frame_leaves.h"
+#include "server/streams/grid_charge.h"
 
 namespace tet {
 
 /// Each frame is read, planned from the plan before it, and sent as what differs from it; then
-/// the next is read. While it waits for one it holds no turn to mesh.
+/// the next is read. While it waits for one it holds no turn to mesh. A frame that cannot be
+/// planned leaves everything as it was.
 class RemeshStream final : public ChunkStream {
  public:
   using Reactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
@@ -38,37 +41,50 @@ class RemeshStream final : public ChunkStream {
   v1::MeshEvent trailer(std::uint64_t first,
                         std::uint64_t end,
                         const QualityStats& quality) const override;
+  std::optional<v1::MeshEvent> refuse(const absl::Status& why) override;
   void sent_all() override;
   std::optional<Stallable::Clock::time_point> waiting_since() override;
   void give_up(std::chrono::seconds waited) override;
 
   void read();
   void take_message();
-  absl::Status take(v1::RemeshRequest message);
+  absl::Status why_unfinished() const;
+  absl::Status check_order(const v1::RemeshRequest& message) const;
+  absl::Status take_start(const v1::RemeshRequest& message);
   absl::Status take_start(const v1::MeshRequest& request);
+  void take_part(const v1::RemeshFrame& part);
   absl::Status take_frame(const v1::RemeshFrame& frame);
   absl::Status take_scene(const v1::Scene& scene);
-  absl::Status take_leaves(const v1::RemeshFrame& frame);
-  class GridCharge;
-  absl::StatusOr<std::shared_ptr<GridCharge>> charge(std::uint64_t bytes);
+  absl::Status gather_leaves(const v1::RemeshFrame& message);
+  absl::Status replace();
   std::shared_ptr<const Volume> hold(Volume volume, std::shared_ptr<GridCharge> charge);
-  void keep_lattice();
+  void begin_frame();
   void planned(absl::StatusOr<PlannedMesh> planned);
 
   std::shared_ptr<RemeshStream> self() {
     return std::static_pointer_cast<RemeshStream>(shared_from_this());
   }
 
-  Reads* reads_ = nullptr;     ///< there until the call is finished
-  grpc::ByteBuffer incoming_;  ///< the message being read
+  Reads* reads_ = nullptr;             ///< there until the call is finished
+  grpc::ByteBuffer incoming_message_;  ///< being read
+  /// A part was read, and not yet its frame.
+  std::atomic<bool> in_frame_{false};
   std::mutex read_mutex_;
   std::optional<Stallable::Clock::time_point> read_start_;  ///< while a message is awaited
 
+  /// What a frame's mesh is made of.
+  struct Frame {
+    v1::MeshRequest request;
+    MeshOrder order;
+  };
+
   // Whoever has the frame touches these: from the message that was read to its last chunk.
-  bool started_ = false;
+  bool started_ = false, tells_refusals_ = false;
   std::int64_t frames_ = 0;
-  v1::MeshRequest request_;  ///< with the last frame's scene
-  MeshOrder order_;
+  std::optional<FrameLeaves> incoming_;  ///< of the frame that is read, if it has any
+  absl::Status incoming_status_;         ///< why that frame is refused
+  Frame next_;                           ///< becomes that of the mesh, once it is planned
+  Frame shown_;                          ///< of the mesh that the client has
   PlannedMesh planned_;
   ChunkSource source_;
 };

@@ -96,7 +96,7 @@ class ServerTest(CommandTest):
     def start_server(cls):
         cls.server = subprocess.Popen(
             [binaries() / "tetstreamd", "--listen", cls.address, "--metrics-listen", cls.metrics,
-             "--store", cls.inputs / "store", *map(str, cls.settings)],
+             "--lame-duck-seconds", "0", "--store", cls.inputs / "store", *map(str, cls.settings)],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         wait_until(lambda: subprocess.run(
             [binaries() / "tetstream", "health", "--server", cls.address],

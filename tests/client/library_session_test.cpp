@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/library/api/changed_leaves.h"
+#include "client/library/api/volume_impl.h"
 #include "tests/client/library_fixture.h"
 
 namespace tetstream {
@@ -31,6 +33,27 @@ Volume frame(int number, float background = 1) {
   SampleArray array = ball.array();
   array.background = background;
   return Volume::from_samples(array).value();
+}
+
+/// A ball of 120 voxels in 256 along each axis, `shift` voxels off the middle; distances are
+/// cut off at three voxels, as in level sets.
+Volume large_ball(double shift) {
+  constexpr std::size_t kEdge = 256;
+  constexpr double kMiddle = (kEdge - 1) / 2.0, kRadius = 120, kBand = 3;
+  std::vector<float> values;
+  values.reserve(kEdge * kEdge * kEdge);
+  for (std::size_t i = 0; i < kEdge * kEdge * kEdge; ++i) {
+    const auto from_middle = [&](std::size_t index) {
+      return static_cast<double>(index % kEdge) - kMiddle;
+    };
+    const double distance = std::hypot(from_middle(i / kEdge / kEdge) - shift,
+                                       from_middle(i / kEdge), from_middle(i)) -
+                            kRadius;
+    values.push_back(static_cast<float>(std::clamp(distance, -kBand, kBand)));
+  }
+  return Volume::from_samples(
+             {.values = values, .size = {kEdge, kEdge, kEdge}, .background = 3})
+      .value();
 }
 
 Scene lens(double offset) {
@@ -63,6 +86,42 @@ TEST_F(SessionOnAServer, MakesTheBytesThatAreMadeHereOfScenes) {
   for (const double offset : {0.52, 0.6}) {
     ASSERT_TRUE(here.update(lens(offset)).ok() && there.update(lens(offset)).ok());
     expect_same(there.mesh(), here.mesh());
+  }
+}
+
+TEST_F(SessionOnAServer, FollowsABallWhoseMoveIsMoreThanAMessageMayHold) {
+  const Volume before = large_ball(0), after = large_ball(3);
+  const auto leaves =
+      changed_leaves(*before.impl().components.front(), *after.impl().components.front());
+  ASSERT_TRUE(leaves.ok()) << leaves.status();
+  std::size_t bytes = 0;
+  for (const v1::LeafUpdate& leaf : *leaves) bytes += leaf.ByteSizeLong();
+  EXPECT_GT(leaves->size(), 4000U);
+  EXPECT_GT(bytes, config_.max_request_bytes);
+  const Request request{.spacing = 8.0};
+  Session here = begin_session(before, request).value();  // which makes each mesh anew
+  Session there = client().begin_session(before, request).value();
+  ASSERT_TRUE(here.update(after).ok());
+  const Status status = there.update(after);
+  ASSERT_TRUE(status.ok()) << status.to_string();
+  expect_same(there.mesh(), here.mesh());
+}
+
+TEST_F(SessionOnAServer, OutlivesAFrameThatIsRefused) {
+  for (const bool served : {false, true}) {
+    const Request request{.spacing = 0.1};
+    Session session = served ? client().begin_session(lens(0.5), request).value()
+                             : begin_session(lens(0.5), request).value();
+    const std::uint64_t tets = session.mesh().tet_count();
+    const Status apart = session.update(lens(3));  // nothing is within both balls
+    EXPECT_FALSE(apart.ok());
+    EXPECT_FALSE(session.is_over());
+    EXPECT_EQ(session.mesh().tet_count(), tets);
+    const Status next = session.update(lens(0.6));
+    ASSERT_TRUE(next.ok()) << next.to_string();
+    EXPECT_LT(session.mesh().tet_count(), tets);
+    EXPECT_TRUE(session.end().ok());
+    EXPECT_TRUE(session.is_over());
   }
 }
 

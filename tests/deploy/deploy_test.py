@@ -13,7 +13,9 @@ import unittest
 import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+LAME_DUCK_SECONDS = 5
 DRAIN_SECONDS = 30
+GRACE_SECONDS = 10  # which the server gives itself
 
 
 def tetstreamd():
@@ -37,8 +39,10 @@ class DeployTest(unittest.TestCase):
                           if name.removeprefix("TETSTREAM_").lower() not in known}, set())
 
     def assert_longer_than_a_drain(self, seconds):
-        self.assertIn(f"\ndrain_seconds = {DRAIN_SECONDS}\n", run(tetstreamd(), "--print-config").stdout)
-        self.assertGreater(seconds, DRAIN_SECONDS)
+        printed = run(tetstreamd(), "--print-config").stdout
+        self.assertIn(f"\nlame_duck_seconds = {LAME_DUCK_SECONDS}\n", printed)
+        self.assertIn(f"\ndrain_seconds = {DRAIN_SECONDS}\n", printed)
+        self.assertGreater(seconds, LAME_DUCK_SECONDS + DRAIN_SECONDS + GRACE_SECONDS)
 
 
 class Systemd(DeployTest):

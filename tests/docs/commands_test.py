@@ -92,7 +92,7 @@ class Commands(ServerTest):
         self.assert_done(self.tetstream("convert", self.out / "bunny.obj", self.out / "bunny.vdb",
                                         "--voxel", 0.02))
         self.environment = {**os.environ, "PATH": f"{binaries().resolve()}:{os.environ['PATH']}",
-                            "XDG_STATE_HOME": str(self.out / "state")}
+                            "XDG_STATE_HOME": str(self.out / "state"), "TETSTREAM_LAME_DUCK_SECONDS": "0"}
 
     def run_here(self, command):
         for name, grid in GRIDS.items():

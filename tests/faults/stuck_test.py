@@ -27,7 +27,7 @@ class StuckTest(FaultTest):
         process = subprocess.Popen(
             [binaries() / "tetstreamd", "--store", self.store, "--listen", "127.0.0.1:0",
              "--port-file", port_file, "--metrics-listen", metrics, "--threads", "1",
-             "--drain-seconds", str(DRAIN_SECONDS), *options],
+             "--lame-duck-seconds", "0", "--drain-seconds", str(DRAIN_SECONDS), *options],
             stdout=subprocess.DEVNULL, stderr=stderr)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)

@@ -4,6 +4,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "tests/server/held_plan.h"
 #include "tests/server/held_stream.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/service_fixture.h"
@@ -34,6 +35,10 @@ class AdmissionServiceTest : public ServiceTest {
     return eventually([&] { return admission().queued_meshes() == meshes; });
   }
 
+  bool is_running(std::uint64_t meshes) const {
+    return eventually([&] { return admission().running_meshes() == meshes; });
+  }
+
   grpc::Status estimate(const v1::MeshRequest& mesh, grpc::ClientContext& context) {
     v1::EstimateMeshRequest request;
     *request.mutable_mesh() = mesh;
@@ -44,7 +49,8 @@ class AdmissionServiceTest : public ServiceTest {
 
 TEST_F(AdmissionServiceTest, AMeshWaitsForItsTurn) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldStream first(*meshes_, stream_of(ball));
+  HeldPlan first(*meshes_);
+  ASSERT_TRUE(is_running(1));
   grpc::Status status;
   std::jthread second([&] {
     grpc::ClientContext context;
@@ -58,7 +64,8 @@ TEST_F(AdmissionServiceTest, AMeshWaitsForItsTurn) {
 
 TEST_F(AdmissionServiceTest, ADeadlineInTheQueueIsKept) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldStream first(*meshes_, stream_of(ball));
+  HeldPlan first(*meshes_);
+  ASSERT_TRUE(is_running(1));
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + 200ms);
   EXPECT_EQ(estimate(ball, context).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
@@ -69,7 +76,8 @@ TEST_F(AdmissionServiceTest, ADeadlineInTheQueueIsKept) {
 
 TEST_F(AdmissionServiceTest, WhoeverGivesUpInTheQueueLeavesItAtOnce) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldStream first(*meshes_, stream_of(ball));
+  HeldPlan first(*meshes_);
+  ASSERT_TRUE(is_running(1));
   grpc::ClientContext stream_context, estimate_context;
   const auto second = meshes_->StreamMesh(&stream_context, stream_of(ball));
   std::jthread third([&] { estimate(ball, estimate_context); });
@@ -83,7 +91,8 @@ TEST_F(AdmissionServiceTest, WhoeverGivesUpInTheQueueLeavesItAtOnce) {
 
 TEST_F(AdmissionServiceTest, ADrainRefusesTheQueueAndLetsRunWhatRuns) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldStream first(*meshes_, stream_of(ball));
+  HeldPlan first(*meshes_);
+  ASSERT_TRUE(is_running(1));
   grpc::ClientContext context;
   const auto second = meshes_->StreamMesh(&context, stream_of(ball));
   EXPECT_TRUE(queue_holds(1));
@@ -93,6 +102,41 @@ TEST_F(AdmissionServiceTest, ADrainRefusesTheQueueAndLetsRunWhatRuns) {
   EXPECT_TRUE(has_detail<google::rpc::RetryInfo>(refused));
   EXPECT_EQ(activity().meshes, 1);
   first.let_go();
+}
+
+TEST_F(AdmissionServiceTest, AStreamThatWaitsForItsReaderLeavesItsPlaceToOthers) {
+  config_.max_queued = 0;
+  restart();
+  const v1::MeshRequest ball = uniform_ball(28);
+  HeldStream held(*meshes_, stream_of(ball));
+  ASSERT_TRUE(is_running(0)) << "nothing is made for it";
+  EXPECT_EQ(admission().paused_meshes(), 1U);
+  grpc::ClientContext context;
+  const grpc::Status beside = estimate(ball, context);
+  EXPECT_TRUE(beside.ok()) << beside.error_message();
+  EXPECT_TRUE(held.read_on()) << "and it comes back without asking";
+  EXPECT_TRUE(work_stops());
+  EXPECT_EQ(admission().paused_meshes(), 0U);
+  EXPECT_EQ(admission().running_meshes(), 0U);
+}
+
+TEST_F(AdmissionServiceTest, StreamsThatWaitForTheirReadersAreTheirClientsAffair) {
+  config_.max_queued = 0;
+  config_.max_client_streams = 2;
+  restart();
+  const v1::MeshRequest ball = uniform_ball(28);
+  HeldStream first(*meshes_, stream_of(ball));
+  ASSERT_TRUE(is_running(0));
+  HeldStream second(*meshes_, stream_of(ball));
+  ASSERT_TRUE(is_running(0));
+  grpc::ClientContext context;
+  const grpc::Status third = estimate(ball, context);
+  EXPECT_TRUE(has_detail<google::rpc::QuotaFailure>(third)) << third.error_message();
+  first.let_go();
+  EXPECT_TRUE(eventually([&] { return admission().paused_meshes() == 1; }));
+  grpc::ClientContext again;
+  EXPECT_TRUE(estimate(ball, again).ok());
+  second.let_go();
 }
 
 TEST_F(AdmissionServiceTest, AClientOverItsOwnQuotaIsToldSo) {

@@ -21,6 +21,7 @@ from command_case import (
 from raw_http2 import RawCall, double_field, field, message
 
 STREAM = "/tetstream.v1.MeshService/StreamMesh"
+WATCH = "/grpc.health.v1.Health/Watch"
 UPLOAD = "/tetstream.v1.GridService/UploadGrid"
 MIB = 1 << 20
 MOST_MEMORY = 300 * MIB
@@ -41,7 +42,7 @@ class Server:
         self.metrics = f"127.0.0.1:{unused_port()}"
         settings = {"listen": "127.0.0.1:0", "store": folder.name + "/store",
                     "metrics_listen": self.metrics,
-                    "port_file": str(port_file), "log_level": os.environ.get("LEVEL", "error"), "drain_seconds": 0,
+                    "port_file": str(port_file), "log_level": os.environ.get("LEVEL", "error"), "lame_duck_seconds": 0, "drain_seconds": 0,
                     **settings}
         self.process = subprocess.Popen(
             [os.environ.get("TETSTREAMD", binaries() / "tetstreamd")]
@@ -158,6 +159,29 @@ class Readers(CrowdTest):
         self.assertEqual(client.returncode, 0, errors)
         self.assertEqual((self.out / "whole.vtu").read_bytes(),
                          (self.out / "resumed.vtu").read_bytes())
+
+
+class HealthWatchers(CrowdTest):
+    def test_crowds_of_watchers_are_counted_and_limited_and_others_go_on(self):
+        server = Server(self, max_health_watches=500)
+        self.mesh(server)
+        for i in range(1500):
+            self.call(server, WATCH, source=f"127.0.0.{2 + i % 20}").ask(b"")
+
+        def seen():
+            samples = samples_of(server.metrics)
+            return (samples["tetstream_health_watches"],
+                    samples["tetstream_health_watches_refused_total"])
+
+        wait_until(lambda: sum(seen()) == 1500)
+        self.assertEqual(seen(), (500, 1000))
+        self.mesh(server)
+        self.assertLess(server.peak_memory(), MOST_MEMORY)
+        for call in self.calls:
+            call.close()
+        wait_until(lambda: seen()[0] == 0)
+        self.call(server, WATCH).ask(b"")
+        wait_until(lambda: seen()[0] == 1)
 
 
 class Uploads(CrowdTest):

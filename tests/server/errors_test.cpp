@@ -12,7 +12,7 @@
 
 #include "proto/convert/reasons.h"
 #include "proto/convert/status.h"
-#include "tests/server/held_stream.h"
+#include "tests/server/held_plan.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/status_text.h"
@@ -314,7 +314,9 @@ void ErrorsTest::busy_server() {
   config_.max_queued = 0;
   config_.max_client_uploads = 1;
   restart();
-  HeldStream held(*meshes_, stream_of(uniform_ball(28)));
+  HeldPlan held(*meshes_);
+  ASSERT_TRUE(
+      eventually([&] { return server_->engine().calls.admission().running_meshes() == 1; }));
   tell("a mesh beside as many as may be", estimate(ball_));
   held.let_go();
 }
@@ -336,7 +338,7 @@ void ErrorsTest::shutdown() {
   v1::MeshEvent event;
   ASSERT_TRUE(reader->Read(&event));
   std::thread stopping([&] { server_->stop(kGenerousEnd); });
-  ASSERT_TRUE(eventually([&] { return server_->engine().calls.admission().is_draining(); }));
+  ASSERT_TRUE(eventually([&] { return server_->engine().calls.admission().is_ending(); }));
   tell("a server that stops", estimate(ball_));
   context.TryCancel();
   while (reader->Read(&event)) {

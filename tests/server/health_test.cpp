@@ -1,14 +1,66 @@
 // What operators and their tools ask: health and reflection.
+#include <memory>
+#include <optional>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
+#include "grpc/health/v1/health.grpc.pb.h"
+#include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
 namespace {
 
 using testing::HasSubstr;
+
+using Health = grpc::health::v1::HealthCheckResponse;
+
+/// One Watch call; given up with this.
+class HealthWatch {
+ public:
+  HealthWatch(const std::shared_ptr<grpc::Channel>& channel, const std::string& service)
+      : stub_(grpc::health::v1::Health::NewStub(channel)) {
+    grpc::health::v1::HealthCheckRequest request;
+    request.set_service(service);
+    events_ = stub_->Watch(&context_, request);
+  }
+  ~HealthWatch() { cancel(); }
+  HealthWatch(const HealthWatch&) = delete;
+  HealthWatch& operator=(const HealthWatch&) = delete;
+
+  /// Returns nothing where the call has ended.
+  std::optional<Health::ServingStatus> next() {
+    Health event;
+    if (!events_->Read(&event)) return std::nullopt;
+    return event.status();
+  }
+
+  grpc::Status end() {
+    while (next()) {
+    }
+    return finish();
+  }
+
+  void cancel() {
+    if (ended_) return;
+    context_.TryCancel();
+    end();
+  }
+
+ private:
+  grpc::Status finish() {
+    ended_ = true;
+    return events_->Finish();
+  }
+
+  const std::unique_ptr<grpc::health::v1::Health::Stub> stub_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<Health>> events_;
+  bool ended_ = false;
+};
 
 class HealthTest : public ServiceTest {
  protected:
@@ -52,6 +104,51 @@ TEST_F(HealthTest, IsServingFromTheStart) {
 
 TEST_F(HealthTest, DoesNotKnowOtherServices) {
   EXPECT_EQ(client_->check_health("coffee", never_).code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(HealthTest, RefusesNamesThatNobodyHas) {
+  EXPECT_EQ(client_->check_health(std::string(257, 'x'), never_).code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(HealthWatch(channel_, std::string(257, 'x')).end().error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(HealthTest, TellsWatchersThatItWillEndWhileItGoesOn) {
+  HealthWatch readiness(channel_, "readiness"), liveness(channel_, "liveness"),
+      coffee(channel_, "coffee");
+  EXPECT_EQ(readiness.next(), Health::SERVING);
+  EXPECT_EQ(liveness.next(), Health::SERVING);
+  EXPECT_EQ(coffee.next(), Health::SERVICE_UNKNOWN);
+  server_->announce_end();
+  EXPECT_EQ(readiness.next(), Health::NOT_SERVING);
+  EXPECT_FALSE(client_->check_health("", never_).ok());
+  EXPECT_TRUE(client_->check_health("liveness", never_).ok());
+  EXPECT_TRUE(client_->stream_mesh(uniform_ball(8), {}, never_).ok()) << "nothing is refused";
+  server_->stop(0s);
+  EXPECT_EQ(liveness.end().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(coffee.end().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(HealthTest, LimitsWatchesOfOneHost) {
+  config_.max_client_health_watches = 2;
+  restart();
+  HealthWatch first(channel_, ""), second(channel_, "");
+  EXPECT_EQ(first.next(), Health::SERVING);
+  EXPECT_EQ(second.next(), Health::SERVING);
+  const grpc::Status third = HealthWatch(channel_, "").end();
+  EXPECT_EQ(reason_of(third), "tetstream/QUOTA_EXCEEDED") << third.error_message();
+  EXPECT_TRUE(client_->check_health("", never_).ok());
+  first.cancel();
+  EXPECT_TRUE(eventually([&] { return HealthWatch(channel_, "").next().has_value(); }));
+}
+
+TEST_F(HealthTest, LimitsWatchesInAll) {
+  config_.max_health_watches = 1;
+  restart();
+  HealthWatch first(channel_, "");
+  EXPECT_EQ(first.next(), Health::SERVING);
+  const grpc::Status second = HealthWatch(channel_, "").end();
+  EXPECT_EQ(reason_of(second), "tetstream/SERVER_BUSY") << second.error_message();
 }
 
 TEST_F(HealthTest, DescribesItsServices) {

@@ -18,6 +18,14 @@ class HeldStream {
     }
   }
 
+  /// Whether it goes on to the end.
+  bool read_on() {
+    ::tetstream::v1::MeshEvent event;
+    while (reader_->Read(&event)) {
+    }
+    return reader_->Finish().ok();
+  }
+
   void let_go() {
     context_.TryCancel();
     reader_->Finish();

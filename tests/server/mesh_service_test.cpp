@@ -6,6 +6,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "proto/wire/checksum.h"
+#include "tests/server/held_plan.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
@@ -344,10 +345,9 @@ TEST_F(MeshServiceTest, TellsOneStreamTooManyToRetry) {
   config_.max_queued = 0;
   restart();
   const v1::MeshRequest ball = uniform_ball(28);
-  grpc::ClientContext context;
-  const auto first = meshes_->StreamMesh(&context, stream_of(ball));
-  v1::MeshEvent event;
-  ASSERT_TRUE(first->Read(&event));
+  HeldPlan first(*meshes_);
+  ASSERT_TRUE(
+      eventually([&] { return server_->engine().calls.admission().running_meshes() == 1; }));
   const Received second = receive(stream_of(ball));
   EXPECT_EQ(second.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   google::rpc::Status rpc;
@@ -356,8 +356,7 @@ TEST_F(MeshServiceTest, TellsOneStreamTooManyToRetry) {
   EXPECT_TRUE(std::any_of(rpc.details().begin(), rpc.details().end(),
                           [&](const auto& detail) { return detail.UnpackTo(&retry); }));
   EXPECT_EQ(retry.retry_delay().seconds(), 1);
-  context.TryCancel();
-  first->Finish();
+  first.let_go();
   ASSERT_TRUE(work_stops());
   EXPECT_TRUE(receive(stream_of(ball, 0, 1)).status.ok());
 }

@@ -181,6 +181,19 @@ class AccessLog(ServerTest):
 
 
 class Draining(ServerTest):
+    def test_goes_on_for_a_while_when_it_has_said_so(self):
+        server = self.enterContext(
+            RunningServer(self.folder / "lame", "--lame-duck-seconds", "3600"))
+        self.assertEqual(server.tetstream("health").returncode, 0)
+        server.process.send_signal(signal.SIGTERM)
+        wait_until(lambda: server.log("lame_duck"))
+        self.assertNotEqual(server.tetstream("health").returncode, 0)
+        self.assertEqual(server.tetstream("health", "--service", "liveness").returncode, 0)
+        self.assertEqual(fetch(server.metrics, "/readyz"), (503, "not ready\n"))
+        done = server.tetstream("job", "list")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(server.terminate(), 3)  # told once more, it ends at once
+
     def test_says_so_before_it_goes_and_goes_on_answering(self):
         self.assertEqual(fetch(self.server.metrics, "/readyz"), (200, "ok\n"))
         with subprocess.Popen(

@@ -28,6 +28,7 @@ class Program {
     if (pid_ != 0) return;
     redirect(out_, STDOUT_FILENO);
     redirect(err_, STDERR_FILENO);
+    ::setenv("TETSTREAM_LAME_DUCK_SECONDS", "0", 1);  // or each server's end takes seconds
     for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
     ::execv(argv[0], argv.data());
     ::_exit(127);

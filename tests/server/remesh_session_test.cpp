@@ -1,6 +1,4 @@
 // Sessions: a mesh that follows its shape, frame by frame, over a real connection.
-#include "client/library/remesh_session.h"
-
 #include <cstring>
 #include <memory>
 #include <string>
@@ -15,40 +13,12 @@
 #include "core/volume/replace_leaves.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/reason_of.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/session_fixture.h"
 
 namespace tet::test {
 namespace {
 
 using testing::HasSubstr;
-
-/// A ball at -2, and a smaller one at `x`.
-v1::Scene two_balls(double x) {
-  v1::Scene scene;
-  const auto add_ball = [&](const std::string& name, double radius, double at) {
-    v1::SceneNode& ball = *scene.add_nodes();
-    ball.set_name(name);
-    ball.mutable_sphere()->set_radius(radius);
-    v1::SceneNode& moved = *scene.add_nodes();
-    moved.set_name(name + " moved");
-    moved.mutable_transform()->set_of(name);
-    for (const double along : {at, 0.0, 0.0}) {
-      moved.mutable_transform()->add_translation(along);
-    }
-  };
-  add_ball("large", 1, -2);
-  add_ball("small", 0.3, x);
-  v1::SceneNode& both = *scene.add_nodes();
-  for (const char* of : {"large moved", "small moved"}) both.mutable_union_()->add_of(of);
-  return scene;
-}
-
-v1::MeshRequest request_of(const v1::Scene& scene) {
-  v1::MeshRequest request;
-  *request.mutable_scene() = scene;
-  request.set_spacing(0.05);
-  return request;
-}
 
 v1::Point point(double x, double y, double z) {
   v1::Point made;
@@ -56,20 +26,6 @@ v1::Point point(double x, double y, double z) {
   made.set_y(y);
   made.set_z(z);
   return made;
-}
-
-/// A leaf that moves the surface of a level set outward.
-v1::LeafUpdate inflated(const Volume& volume, std::size_t brick) {
-  v1::LeafUpdate leaf;
-  leaf.set_x(8 * volume.bricks[brick].x);
-  leaf.set_y(8 * volume.bricks[brick].y);
-  leaf.set_z(8 * volume.bricks[brick].z);
-  std::vector<float> values(
-      volume.values.begin() + static_cast<std::ptrdiff_t>(brick * 512),
-      volume.values.begin() + static_cast<std::ptrdiff_t>(brick * 512 + 512));
-  for (float& value : values) value -= 0.3F * volume.background;
-  leaf.set_values(values.data(), values.size() * sizeof(float));
-  return leaf;
 }
 
 /// The volume that all tets have together.
@@ -84,28 +40,6 @@ double volume_of(const TetMesh& mesh) {
   }
   return volume;
 }
-
-class RemeshSessionTest : public ServiceTest {
- protected:
-  using Session = std::unique_ptr<RemeshSession>;
-
-  Session begin(const v1::MeshRequest& request) {
-    auto session = client_->begin_session(request, never_);
-    EXPECT_TRUE(session.ok()) << session.status();
-    return session.ok() ? *std::move(session) : nullptr;
-  }
-
-  /// How a session ends in which a client says this.
-  grpc::Status answer_to(const std::vector<v1::RemeshRequest>& messages) {
-    grpc::ClientContext context;
-    const auto stream = meshes_->RemeshSession(&context);
-    for (const v1::RemeshRequest& message : messages) stream->Write(message);
-    stream->WritesDone();
-    for (v1::MeshEvent event; stream->Read(&event);) {
-    }
-    return stream->Finish();
-  }
-};
 
 TEST_F(RemeshSessionTest, BringsTheMeshOfEachSceneAndOnlyWhatChanged) {
   start();
@@ -351,7 +285,7 @@ TEST_F(RemeshSessionTest, RefusesAFrameWhoseGridHasNoRoomBeforeItIsMade) {
 
 TEST_F(RemeshSessionTest, RefusesWhatIsNoSessionAndSaysWhy) {
   start();
-  v1::RemeshRequest scene, grid, frame, leaves, moved, odd, torn, nothing;
+  v1::RemeshRequest scene, grid, frame, leaves, moved, odd, torn, nothing, part;
   *scene.mutable_start() = request_of(two_balls(0));
   *grid.mutable_start() = mesh_of(ball_file(12));
   frame.mutable_frame();
@@ -360,6 +294,7 @@ TEST_F(RemeshSessionTest, RefusesWhatIsNoSessionAndSaysWhy) {
   odd = torn = leaves;
   odd.mutable_frame()->mutable_leaves(0)->set_y(3);
   torn.mutable_frame()->mutable_leaves(0)->set_values("abc");
+  *part.mutable_part() = leaves.frame();
   struct Case {
     std::vector<v1::RemeshRequest> messages;
     std::string reason, message;
@@ -367,6 +302,8 @@ TEST_F(RemeshSessionTest, RefusesWhatIsNoSessionAndSaysWhy) {
   const Case cases[] = {
       {{}, "MESSAGE_ORDER", "it ended before `start`"},
       {{frame}, "MESSAGE_ORDER", "a frame before `start`"},
+      {{part}, "MESSAGE_ORDER", "a frame before `start`"},
+      {{grid, part}, "MESSAGE_ORDER", "it ended before the `frame`"},
       {{scene, scene}, "MESSAGE_ORDER", "a second `start`"},
       {{scene, nothing}, "MESSAGE_ORDER", "a message with neither `start` nor `frame`"},
       {{scene, leaves}, "INVALID_FIELD", "leaves are set, but the session began with"},

@@ -34,7 +34,7 @@ class RunningProgram:
             [*launch, binaries() / "tetstreamd", *map(str, arguments),
              "--metrics-listen", "127.0.0.1:0"],
             stdout=subprocess.DEVNULL, stderr=self._log,
-            env={**os.environ, **(environment or {})})
+            env={"TETSTREAM_LAME_DUCK_SECONDS": "0", **os.environ, **(environment or {})})
         try:
             self.ready = wait_until(lambda: self._line(ready_event))
         except AssertionError:

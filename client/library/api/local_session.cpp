@@ -40,6 +40,7 @@ class LocalFrames final : public FrameMaker {
     return frame(after);
   }
   Result<FrameMesh> make(const Scene& scene) override { return frame(scene); }
+  bool is_over() const override { return cancellation_.requested(); }
   Status end() override { return {}; }
 
  private:

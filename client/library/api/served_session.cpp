@@ -56,6 +56,7 @@ class ServedFrames final : public FrameMaker {
     return message.ok() ? after_update(session_->update(*message))
                         : to_public(message.status());
   }
+  bool is_over() const override { return session_->is_over(); }
   Status end() override { return to_public(session_->end()); }
 
  private:

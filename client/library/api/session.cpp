@@ -11,10 +11,12 @@ Status over() {
   return {StatusCode::kFailedPrecondition, "the session is over: begin another"};
 }
 
-/// Takes the next frame; a session that has failed is over.
+/// Takes the next frame, unless it has failed.
 Status take(Session::Impl& session, Result<FrameMesh> frame) {
-  session.over = !frame.ok();
-  if (!frame.ok()) return frame.status();
+  if (!frame.ok()) {
+    session.over = session.maker->is_over();
+    return frame.status();
+  }
   session.now = *std::move(frame);
   return {};
 }
@@ -50,6 +52,8 @@ Status Session::update(const Scene& scene) {
   return take(*impl_,
               guarded([&]() -> Result<FrameMesh> { return impl_->maker->make(scene); }));
 }
+
+bool Session::is_over() const noexcept { return impl_->over; }
 
 Status Session::end() {
   if (std::exchange(impl_->over, true)) return {};

@@ -21,12 +21,14 @@ struct FrameMesh {
   std::uint64_t tets_sent = 0;
 };
 
-/// Makes the mesh of each frame, after the first. After a failure nobody asks for more.
+/// Makes the mesh of each frame, after the first.
 class FrameMaker {
  public:
   virtual ~FrameMaker() = default;
   virtual Result<FrameMesh> make(const Volume& before, const Volume& after) = 0;
   virtual Result<FrameMesh> make(const Scene& scene) = 0;
+  /// A frame has failed, and nobody can make another.
+  virtual bool is_over() const = 0;
   virtual Status end() = 0;
 };
 

@@ -28,6 +28,7 @@ class HeldSession {
 
   Mesh mesh() const { return session_->mesh(); }
   std::uint64_t tets_sent() const { return session_->tets_sent(); }
+  bool is_over() const { return session_->is_over(); }
 
   template <class Solid>
   void update(const Solid& solid) {
@@ -72,6 +73,7 @@ void bind_session(py::module_& module) {
   py::class_<HeldSession>(module, "Session")
       .def_property_readonly("mesh", &HeldSession::mesh)
       .def_property_readonly("tets_sent", &HeldSession::tets_sent)
+      .def_property_readonly("is_over", &HeldSession::is_over)
       .def("update", &HeldSession::update<Volume>)
       .def("update", &HeldSession::update<Scene>)
       .def("end", &HeldSession::end)

@@ -139,6 +139,11 @@ class AsyncSession(_Wrapped[Session]):
         """Tets of the last frame that were sent, or made here."""
         return self._sync.tets_sent
 
+    @property
+    def is_over(self) -> bool:
+        """Whether it takes no more frames."""
+        return self._sync.is_over
+
     @functools.wraps(Session.update)
     async def update(self, frame: Any) -> Mesh:
         return await _run(self._sync._session.stop, self._sync.update, frame)

@@ -21,7 +21,8 @@ class Session:
     volume only the blocks of 8 x 8 x 8 samples that changed travel to a server, and of the mesh only the
     tets that did. The same frames make the same bytes here and there.
 
-    After an error a session is over: begin another. One thread at a time may be in it.
+    A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After any other error, of the
+    connection for instance, the session is over: begin another. One thread at a time may be in it.
     """
 
     def __init__(self, session: _tetstream.Session, backend: Backend) -> None:
@@ -36,6 +37,11 @@ class Session:
     def tets_sent(self) -> int:
         """Tets of the last frame that were sent, or made here; the others were kept."""
         return self._session.tets_sent
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it takes no more frames."""
+        return self._session.is_over
 
     def update(self, frame: Meshable) -> Mesh:
         """The mesh of the next frame: a Volume of the same place, spacing, kind and background as the first,

@@ -71,9 +71,13 @@ bool MeshFolder::has_chunk(const ChunkDigest& digest) const {
   return fs::exists(chunk_path(digest), ignored);
 }
 
-absl::StatusOr<ChunkDigest> MeshFolder::put_chunk(const ChunkMessage& chunk) {
+absl::StatusOr<ChunkDigest> MeshFolder::put_chunk(const ChunkMessage& chunk,
+                                                  const MakeRoom& make_room) {
   ChunkDigest digest = absl::HexStringToBytes(digest_of(chunk));
   if (has_chunk(digest)) return digest;
+  if (make_room) {
+    if (auto room = make_room(stored_bytes(chunk)); !room.ok()) return room;
+  }
   const absl::Status status =
       write_whole(chunk_path(digest), [&](File& file) { return write_chunk(chunk, file); });
   if (!status.ok()) return status;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,8 +48,12 @@ class MeshFolder {
   MeshFolder(std::filesystem::path path, FolderLock lock)
       : path_(std::move(path)), lock_(std::move(lock)) {}
 
-  /// Says the digest. Chunks that are there already are not written again.
-  absl::StatusOr<ChunkDigest> put_chunk(const ChunkMessage& chunk);
+  /// Is asked for room for so many bytes before they are written.
+  using MakeRoom = std::function<absl::Status(std::uint64_t bytes)>;
+
+  /// Says the digest. Chunks that are there already are not written again, and need no room.
+  absl::StatusOr<ChunkDigest> put_chunk(const ChunkMessage& chunk,
+                                        const MakeRoom& make_room = nullptr);
   /// Errors: kDataLoss with reason CHUNK_DAMAGED (missing, or other bytes; those are set aside,
   /// so that the chunk can be made again), and the disk's.
   absl::StatusOr<ChunkMessage> get_chunk(const ChunkDigest& digest,

@@ -12,6 +12,7 @@
 #include "proto/convert/status.h"
 #include "server/jobs/results/whole_file.h"
 #include "server/ops/disk.h"
+#include "server/ops/logging.h"
 
 namespace tet {
 
@@ -155,18 +156,71 @@ std::optional<std::string> ResultStore::find_plan(const std::string& space,
   return text->substr(kIdDigits);
 }
 
-absl::Status ResultStore::reserve(std::uint64_t bytes) {
+/// Room that is in the account; given back unless it was used.
+class ResultStore::Room {
+ public:
+  Room(ResultStore& store, std::uint64_t bytes, File writing)
+      : store_(store), bytes_(bytes), writing_(std::move(writing)) {}
+  ~Room() {
+    if (!used_) store_.give_back(bytes_);
+  }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+
+  void use() { used_ = true; }
+
+ private:
+  ResultStore& store_;
+  const std::uint64_t bytes_;
+  const File writing_;  ///< nobody counts as long as it is open
+  bool used_ = false;
+};
+
+absl::StatusOr<ChunkDigest> ResultStore::put_chunk(MeshFolder& folder,
+                                                   const ChunkMessage& chunk) {
+  std::unique_ptr<Room> room;
+  auto digest = folder.put_chunk(chunk, [&](std::uint64_t bytes) -> absl::Status {
+    auto reserved = reserve(bytes);
+    if (reserved.ok()) room = *std::move(reserved);
+    return reserved.status();
+  });
+  if (digest.ok() && room != nullptr) room->use();
+  return digest;
+}
+
+absl::StatusOr<std::unique_ptr<ResultStore::Room>> ResultStore::reserve(std::uint64_t bytes) {
   if (auto disk = make_room_on_disk(bytes); !disk.ok()) return disk;
+  auto turn = ledger_.take();
+  if (!turn.ok()) return turn.status();
   const std::uint64_t budget = limits_.budget_bytes;
-  if (bytes_.fetch_add(bytes) + bytes <= budget) return absl::OkStatus();
-  sweep_to(budget - std::min(budget, bytes));
-  if (bytes_.fetch_add(bytes) + bytes <= budget) return absl::OkStatus();
-  return with_retry(
-      with_reason(absl::ResourceExhaustedError(absl::StrCat(
-                      "no room for ", bytes,
-                      " bytes beside the results in use, of the budget of ", budget)),
-                  "RESULTS_FULL"),
-      absl::Seconds(5));
+  const auto counted = turn->total();
+  bytes_ = counted.value_or(0);
+  if (!counted || *counted > budget || bytes > budget - *counted) {
+    const absl::Status swept = sweep_in(*turn, budget - std::min(budget, bytes));
+    if (!swept.ok()) return swept;
+  }
+  const std::uint64_t total = bytes_;
+  if (total > budget || bytes > budget - total) {
+    return with_retry(
+        with_reason(absl::ResourceExhaustedError(absl::StrCat(
+                        "no room for ", bytes,
+                        " bytes beside the results in use, of the budget of ", budget)),
+                    "RESULTS_FULL"),
+        absl::Seconds(5));
+  }
+  auto writing = turn->join_writers();
+  if (!writing.ok()) return writing.status();
+  if (auto set = turn->set(total + bytes); !set.ok()) return set;
+  bytes_ = total + bytes;
+  return std::make_unique<Room>(*this, bytes, *std::move(writing));
+}
+
+/// Where the account cannot be had, what was not written stays in it until it is counted anew.
+void ResultStore::give_back(std::uint64_t bytes) {
+  auto turn = ledger_.take();
+  if (!turn.ok()) return;
+  const std::uint64_t total = turn->total().value_or(0);
+  if (turn->set(total - std::min(total, bytes)).ok()) bytes_ = total - std::min(total, bytes);
 }
 
 /// Evicts what it must of the results; a disk that does not tell has room.
@@ -174,7 +228,8 @@ absl::Status ResultStore::make_room_on_disk(std::uint64_t bytes) {
   const std::uint64_t wanted = bytes + limits_.keep_free_bytes;
   auto free = free_disk_bytes(root_);
   if (!free || *free >= wanted) return absl::OkStatus();
-  sweep_to(limits_.budget_bytes, wanted - *free);
+  const absl::Status swept = sweep_to(limits_.budget_bytes, wanted - *free);
+  if (!swept.ok()) return swept;
   free = free_disk_bytes(root_);
   if (!free || *free >= wanted) return absl::OkStatus();
   return no_disk_for(bytes, *free, limits_.keep_free_bytes);
@@ -198,7 +253,12 @@ absl::Status ResultStore::check_fits(std::uint64_t bytes) const {
 void ResultStore::sweep() {
   const auto free = free_disk_bytes(root_);
   const std::uint64_t kept = limits_.keep_free_bytes;
-  sweep_to(limits_.budget_bytes, free && *free < kept ? kept - *free : 0);
+  const absl::Status swept =
+      sweep_to(limits_.budget_bytes, free && *free < kept ? kept - *free : 0);
+  if (!swept.ok() && !absl::IsNotFound(swept)) {
+    log_event(spdlog::level::warn, "results_not_swept",
+              {{"message", std::string(swept.message())}});
+  }
   for (const fs::path& space : list(root_)) clear_plans(space.filename().string());
 }
 
@@ -225,23 +285,35 @@ absl::Status ResultStore::probe() const {
 
 /// Evicts until at most `budget_bytes` are stored and `free_bytes` of the disk have become
 /// free.
-void ResultStore::sweep_to(std::uint64_t budget_bytes, std::uint64_t free_bytes) {
-  const std::lock_guard lock(sweeping_);
+absl::Status ResultStore::sweep_to(std::uint64_t budget_bytes, std::uint64_t free_bytes) {
+  auto turn = ledger_.take();
+  return turn.ok() ? sweep_in(*turn, budget_bytes, free_bytes) : turn.status();
+}
+
+/// What others are writing is in the account, and may not be seen yet: as long as anybody
+/// writes, the account is right where it has more than is seen.
+absl::Status ResultStore::sweep_in(ResultLedger::Turn& turn,
+                                   std::uint64_t budget_bytes,
+                                   std::uint64_t free_bytes) {
+  const auto quiet = turn.is_quiet();
+  if (!quiet.ok()) return quiet.status();
   std::vector<FoundMesh> meshes = find_meshes(root_, limits_.keep_damaged);
   std::ranges::sort(meshes, {}, &FoundMesh::last_use);
   std::uint64_t bytes = 0;
   for (const FoundMesh& mesh : meshes) bytes += mesh.bytes;
+  if (!*quiet) bytes = std::max(bytes, turn.total().value_or(0));
   std::uint64_t evicted = 0, freed = 0;
   for (auto it = meshes.begin(); it != meshes.end(); ++it) {
     if (bytes <= budget_bytes && freed >= free_bytes) break;
     if (!evict(it->path)) continue;
-    bytes -= it->bytes;
+    bytes -= std::min(bytes, it->bytes);
     freed += it->bytes;
     ++evicted;
   }
   evicted_ += evicted;
   bytes_ = bytes;
   meshes_ = meshes.size() - evicted;
+  return turn.set(bytes);
 }
 
 /// Under another name first: a folder of its own name is whole. False if somebody uses it.

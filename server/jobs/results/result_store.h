@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include <absl/time/time.h>
 
 #include "server/jobs/results/mesh_folder.h"
+#include "server/jobs/results/result_ledger.h"
 
 namespace tet {
 
@@ -29,8 +29,8 @@ struct ResultStats {
 };
 
 /// `{space}/meshes/ab/{mesh_id}` is a MeshFolder, and `{space}/plans/{key}` what counting found
-/// for a request. The namespaces share the budget, and so may processes, on one host or on many
-/// that share a file system: each counts what is there when it looks, and what it adds itself.
+/// for a request. The namespaces share the budget, and so do processes, on one host or on many
+/// that share a file system: what all have stored is in one account, beside the meshes.
 ///
 /// Thread safety: every member may be called from any thread.
 class ResultStore {
@@ -50,10 +50,11 @@ class ResultStore {
   /// Opens a folder that is there already. Errors: kNotFound.
   absl::StatusOr<std::shared_ptr<MeshFolder>> find(const ResultKey& key) const;
 
-  /// Makes room for `bytes`, and is asked before they are added: evicts what was used least
-  /// recently if need be. Errors: kResourceExhausted with reason RESULTS_FULL (all of the rest
-  /// is in use) or DISK_FULL (what is free of the disk is to stay free).
-  absl::Status reserve(std::uint64_t bytes);
+  /// Adds a chunk to a folder of this store, unless it has that already, and says the digest.
+  /// Room is made before: what was used least recently is evicted if need be. Errors:
+  /// kResourceExhausted with reason RESULTS_FULL (all of the rest is in use) or DISK_FULL (what
+  /// is free of the disk is to stay free), those of ResultLedger, and the disk's.
+  absl::StatusOr<ChunkDigest> put_chunk(MeshFolder& folder, const ChunkMessage& chunk);
 
   /// Whether a mesh of so many bytes could be stored if every other went. Errors:
   /// kResourceExhausted with LIMIT_EXCEEDED (the budget, or the disk, is too small), or
@@ -76,19 +77,26 @@ class ResultStore {
 
  private:
   ResultStore(std::filesystem::path root, const Limits& limits)
-      : root_(std::move(root)), limits_(limits) {}
+      : root_(std::move(root)), limits_(limits), ledger_(root_) {}
 
+  class Room;
+  absl::StatusOr<std::unique_ptr<Room>> reserve(std::uint64_t bytes);
+  void give_back(std::uint64_t bytes);
   std::filesystem::path mesh_path(const ResultKey& key) const;
   std::filesystem::path plan_path(const std::string& space, const std::string& name) const;
-  void sweep_to(std::uint64_t budget_bytes, std::uint64_t free_bytes = 0);
+  absl::Status sweep_to(std::uint64_t budget_bytes, std::uint64_t free_bytes = 0);
+  absl::Status sweep_in(ResultLedger::Turn& turn,
+                        std::uint64_t budget_bytes,
+                        std::uint64_t free_bytes = 0);
   absl::Status make_room_on_disk(std::uint64_t bytes);
   void clear_plans(const std::string& space);
   bool evict(const std::filesystem::path& folder);
 
   const std::filesystem::path root_;
   const Limits limits_;
-  std::mutex sweeping_;
-  std::atomic<std::uint64_t> bytes_{0}, meshes_{0}, evicted_{0};
+  const ResultLedger ledger_;
+  std::atomic<std::uint64_t> bytes_{0};  ///< of all processes, when this one looked last
+  std::atomic<std::uint64_t> meshes_{0}, evicted_{0};
 };
 
 }  // namespace tet

@@ -50,6 +50,10 @@ absl::Status read_all(const File& file, std::uint64_t offset, std::span<char> by
 
 }  // namespace
 
+std::uint64_t stored_bytes(const ChunkMessage& chunk) {
+  return chunk.event.Length() + sizeof(Tail);
+}
+
 std::string digest_of(const ChunkMessage& chunk) {
   Sha256 digest;
   for (const grpc::Slice& slice : slices_of(chunk)) digest.add(text_of(slice));

@@ -1,6 +1,7 @@
 // A chunk's message as a file: its bytes, and what a trailer needs to know of them.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <absl/status/status.h>
@@ -14,6 +15,9 @@ namespace tet {
 
 /// The file's bytes are the chunk's MeshEvent, then 1,480 bytes: tets, bytes of the columns,
 /// and the members of QualityStats in their order; all of 8 bytes, little-endian.
+
+/// Bytes of that file.
+std::uint64_t stored_bytes(const ChunkMessage& chunk);
 
 /// SHA-256 of the file that `chunk` becomes, 64 hexadecimal digits: the file's name.
 std::string digest_of(const ChunkMessage& chunk);

@@ -239,8 +239,7 @@ absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& sh
     const ChunkMessage chunk =
         make_chunk(source, static_cast<std::uint64_t>(i), engine_.chunk_memory(), nullptr);
     engine_.activity.chunks_made.fetch_add(1);
-    if (auto room = results_.reserve(chunk.event.Length()); !room.ok()) return room;
-    auto digest = folder.put_chunk(chunk);
+    auto digest = results_.put_chunk(folder, chunk);
     if (!digest.ok()) return digest.status();
     digests.push_back(*std::move(digest));
   }

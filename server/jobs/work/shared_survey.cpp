@@ -47,8 +47,7 @@ absl::StatusOr<ChunkDigest> SharedSurvey::put(std::int64_t block,
   const ChunkRange range{block, block + 1};
   const grpc::Slice slice(bytes.data(), bytes.size());
   const ChunkMessage message{grpc::ByteBuffer(&slice, 1), {}, 0, bytes.size()};
-  if (auto room = results_.reserve(bytes.size()); !room.ok()) return room;
-  const auto digest = folder_->put_chunk(message);
+  const auto digest = results_.put_chunk(*folder_, message);
   if (!digest.ok()) return digest;
   const auto before = folder_->find_shard(range);
   if (before && before->front() != *digest) return alarm(block);

@@ -69,6 +69,30 @@ def test_says_what_is_no_frame(client, served):
         session.update(first)
 
 
+@pytest.mark.parametrize("served", [False, True])
+def test_outlives_a_frame_that_cannot_be_meshed(client, served):
+    ball = ts.sphere(1)
+    lens = [ball & ball.move(x) for x in (0.5, 3, 0.6)]
+    with (client if served else ts).session(lens[0], spacing=0.1) as session:
+        before = session.mesh
+        with pytest.raises(ts.Error):
+            session.update(lens[1])  # nothing is within both balls
+        assert not session.is_over
+        assert session.mesh is before
+        assert session.update(lens[2]).header.tet_count < before.header.tet_count
+    assert session.is_over
+
+
+def test_a_frame_may_be_larger_than_a_message(client):
+    values, place = distances(100)
+    band = 3 * place["spacing"]
+    place["background"] = band
+    first, second = (ts.Volume.from_array(np.clip(np.roll(values, shift, axis=0), -band, band), **place)
+                     for shift in (0, 3))
+    with ts.session(first, spacing=0.1) as here, client.session(first, spacing=0.1) as there:
+        assert_same(there.update(second), here.update(second))
+
+
 def test_a_frame_elsewhere_needs_another_session(client):
     values, place = distances(12)
     session = client.session(ts.Volume.from_array(values, **place))

@@ -61,6 +61,38 @@ TEST(Admission, RunsWhatFitsAtOnceAndTheRestInTurn) {
   EXPECT_EQ(admission.running_meshes(), 1U);
 }
 
+TEST(Admission, AMeshThatHasNothingToDoLendsItsPlaceAndKeepsItsClientsShare) {
+  AdmissionLimits limits = roomy();
+  limits.meshes = {1, 1};
+  Admission admission(limits);
+  std::deque<Asked> all;
+  Asked &idle = ask(admission, all, "a"), &own = ask(admission, all, "a"),
+        &other = ask(admission, all, "b");
+  admission.pause_mesh();
+  EXPECT_TRUE(other.runs());
+  EXPECT_FALSE(own.runs()) << "its client has one already";
+  EXPECT_EQ(admission.paused_meshes(), 1U);
+  admission.resume_mesh();
+  EXPECT_EQ(admission.running_meshes(), 2U) << "it does not ask";
+  idle.end();
+  EXPECT_FALSE(own.runs());
+  other.end();
+  EXPECT_TRUE(own.runs());
+}
+
+TEST(Admission, TakesAllThatComesWhileItsEndIsAnnounced) {
+  Admission admission(one_mesh_at_once());
+  EXPECT_FALSE(admission.is_ending());
+  admission.announce_end();
+  EXPECT_TRUE(admission.is_ending());
+  EXPECT_TRUE(admission.admit_call("a").ok());
+  std::deque<Asked> all;
+  EXPECT_TRUE(ask(admission, all, "a").runs());
+  admission.drain();
+  EXPECT_TRUE(admission.is_ending());
+  EXPECT_EQ(admission.admit_call("a").status().code(), absl::StatusCode::kUnavailable);
+}
+
 TEST(Admission, AHundredRequestsOfOneClientDoNotDelayOneOfAnother) {
   Admission admission(one_mesh_at_once());
   std::deque<Asked> greedy, modest;

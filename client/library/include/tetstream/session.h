@@ -17,22 +17,27 @@ namespace tetstream {
 /// of the first and has its origin, so that what did not change keeps its vertices; a server
 /// sends only the rest. The same frames make the same bytes here and on a server.
 ///
-/// Not thread-safe. After a failure it is over: begin another. The options that it began with
-/// watch and stop all of it.
+/// A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After
+/// any other failure, of the connection for instance, the session is over: begin another.
+///
+/// Not thread-safe. The options that it began with watch and stop all of it.
 class TETSTREAM_API Session {
  public:
   const Mesh& mesh() const noexcept;
 
   /// The mesh becomes that of another volume, which has the transform, the kind and the
-  /// background of the first. Errors: those of the call that began the session,
-  /// kInvalidArgument (another kind of volume; a session of a scene), kFailedPrecondition (the
-  /// session is over).
+  /// background of the first. It may change as much as there is. Errors: those of the call that
+  /// began the session, kInvalidArgument (another kind of volume; a session of a scene),
+  /// kFailedPrecondition (the session is over).
   Status update(const Volume& volume);
   /// The mesh becomes that of another scene. Errors: as above.
   Status update(const Scene& scene);
 
   /// Tets of the last frame that were made here or sent by the server; the others were kept.
   std::uint64_t tets_sent() const noexcept;
+
+  /// Whether it takes no more frames.
+  bool is_over() const noexcept;
 
   /// Tells the server that this was all. Errors: what the session ended with.
   Status end();

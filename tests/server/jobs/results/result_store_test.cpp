@@ -1,10 +1,16 @@
 #include "server/jobs/results/result_store.h"
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include <absl/strings/escaping.h>
+#include <absl/strings/str_cat.h>
 #include <gtest/gtest.h>
 
 #include "proto/convert/status.h"
@@ -39,6 +45,21 @@ std::string bytes_of(const ChunkMessage& chunk) {
   grpc::Slice slice;
   EXPECT_TRUE(chunk.event.DumpToSingleSlice(&slice).ok());
   return {reinterpret_cast<const char*>(slice.begin()), slice.size()};
+}
+
+/// What is in the folders of meshes, while nobody evicts or asks for room.
+std::uint64_t stored_bytes_in(const fs::path& root) {
+  const auto turn = ResultLedger(root).take();
+  EXPECT_TRUE(turn.ok()) << turn.status();
+  std::uint64_t bytes = 0;
+  std::error_code gone;
+  for (fs::recursive_directory_iterator it(root / "default/meshes", gone), end;
+       !gone && it != end; it.increment(gone)) {
+    std::error_code ignored;
+    const std::uintmax_t size = it->file_size(ignored);
+    if (!ignored) bytes += size;
+  }
+  return bytes;
 }
 
 class ResultStoreTest : public testing::Test {
@@ -110,17 +131,73 @@ TEST_F(ResultStoreTest, KnowsTheShardsThatAreWhole) {
 TEST_F(ResultStoreTest, EvictsWhatWasUsedLeastAndNothingInUse) {
   constexpr std::uint64_t kBudget = 10'000;
   const auto store = open(kBudget);
-  const std::string large(6000, 'x');
-  ASSERT_TRUE(store->reserve(large.size()).ok());
-  ASSERT_TRUE(use(*store, kMesh)->put_chunk(chunk_of(large)).ok());
+  ASSERT_TRUE(store->put_chunk(*use(*store, kMesh), chunk_of(std::string(4000, 'x'))).ok());
   const auto used = use(*store, kOther);
-  ASSERT_TRUE(used->put_chunk(chunk_of("small")).ok());
-  EXPECT_TRUE(store->reserve(6000).ok());
+  ASSERT_TRUE(store->put_chunk(*used, chunk_of("small")).ok());
+  EXPECT_TRUE(store->put_chunk(*used, chunk_of(std::string(4000, 'y'))).ok());
   EXPECT_EQ(store->stats().evicted, 1U);
   EXPECT_TRUE(absl::IsNotFound(store->find({"default", kMesh}).status()));
   EXPECT_TRUE(store->find({"default", kOther}).ok());
-  const absl::Status full = store->reserve(kBudget);
-  EXPECT_EQ(reason_of(full), "RESULTS_FULL");
+  const auto full = store->put_chunk(*used, chunk_of(std::string(kBudget, 'z')));
+  EXPECT_EQ(reason_of(full.status()), "RESULTS_FULL");
+}
+
+TEST_F(ResultStoreTest, KeepsOneAccountOfWhatAllProcessesStore) {
+  constexpr std::uint64_t kBudget = 200'000;
+  constexpr int kWriters = 4, kChunks = 60, kChunkBytes = 4000;
+  // Each as a process of its own has it: locks of files know no processes, but open files.
+  std::vector<std::unique_ptr<ResultStore>> stores;
+  for (int i = 0; i < kWriters; ++i) stores.push_back(open(kBudget));
+  std::atomic<std::uint64_t> peak{0};
+  {
+    std::vector<std::jthread> writers;
+    for (int writer = 0; writer < kWriters; ++writer) {
+      writers.emplace_back([&, writer] {
+        ResultStore& store = *stores[static_cast<std::size_t>(writer)];
+        for (int i = 0; i < kChunks; ++i) {
+          const auto mesh = use(store, absl::StrCat("aa", writer, i / 5));
+          const std::string bytes = absl::StrCat(writer, " ", i, std::string(kChunkBytes, '.'));
+          EXPECT_TRUE(store.put_chunk(*mesh, chunk_of(bytes)).ok());
+          const std::uint64_t now = stored_bytes_in(folder_.path());
+          for (auto most = peak.load(); now > most && !peak.compare_exchange_weak(most, now);) {
+          }
+        }
+      });
+    }
+  }
+  EXPECT_LE(peak, kBudget);
+  EXPECT_GT(peak, kBudget / 2) << "or nobody had to make room";
+  std::uint64_t evicted = 0;
+  for (const auto& store : stores) evicted += store->stats().evicted;
+  EXPECT_GT(evicted, 0U);
+  // What nobody writes any more is counted as it is.
+  stores[0]->sweep();
+  EXPECT_EQ(stores[0]->stats().bytes, stored_bytes_in(folder_.path()));
+}
+
+TEST_F(ResultStoreTest, CountsNoChunkTwiceAndNoneThatWasNotWritten) {
+  const auto store = open(), other = open();
+  const auto mesh = use(*store, kMesh);
+  ASSERT_TRUE(store->put_chunk(*mesh, chunk_of("some bytes")).ok());
+  const std::uint64_t once = store->stats().bytes;
+  EXPECT_EQ(once, stored_bytes_in(folder_.path()));
+  ASSERT_TRUE(store->put_chunk(*mesh, chunk_of("some bytes")).ok());
+  ASSERT_TRUE(other->put_chunk(*mesh, chunk_of("other bytes")).ok());
+  const std::uint64_t twice = stored_bytes_in(folder_.path());
+  EXPECT_EQ(other->stats().bytes, twice);
+  // A folder that is gone takes no chunk.
+  fs::remove_all(folder_.path() / "default/meshes/aa" / kMesh);
+  EXPECT_FALSE(store->put_chunk(*mesh, chunk_of("third bytes")).ok());
+  EXPECT_EQ(store->stats().bytes, twice);
+}
+
+TEST_F(ResultStoreTest, MakesADamagedAccountAnew) {
+  const auto store = open();
+  const auto mesh = use(*store, kMesh);
+  ASSERT_TRUE(store->put_chunk(*mesh, chunk_of("some bytes")).ok());
+  fs::resize_file(folder_.path() / ".account", 3);
+  ASSERT_TRUE(store->put_chunk(*mesh, chunk_of("other bytes")).ok());
+  EXPECT_EQ(store->stats().bytes, stored_bytes_in(folder_.path()));
 }
 
 TEST_F(ResultStoreTest, TakesADamagedPlanForNone) {

@@ -1,0 +1,47 @@
+#include "server/streams/mesher_turn.h"
+
+#include <utility>
+
+namespace tet {
+
+void MesherTurn::take(Ticket place) {
+  const std::lock_guard lock(mutex_);
+  place_ = std::move(place);
+  opened_ = false;
+}
+
+void MesherTurn::opened() {
+  const std::lock_guard lock(mutex_);
+  opened_ = true;
+  idle_since_ = Clock::now();
+}
+
+void MesherTurn::give_back() {
+  Ticket last;  // given back without the lock
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(lent_, false)) admission_.resume_mesh();
+  last.swap(place_);
+}
+
+void MesherTurn::begin() {
+  const std::lock_guard lock(mutex_);
+  ++running_;
+  if (std::exchange(lent_, false)) admission_.resume_mesh();
+}
+
+void MesherTurn::end() {
+  const std::lock_guard lock(mutex_);
+  if (--running_ == 0) idle_since_ = Clock::now();
+}
+
+void MesherTurn::lend_if_idle_since(Clock::time_point then) {
+  {
+    const std::lock_guard lock(mutex_);
+    const bool idle = opened_ && running_ == 0 && idle_since_ <= then;
+    if (place_ == nullptr || lent_ || !idle) return;
+    lent_ = true;
+  }
+  admission_.pause_mesh();
+}
+
+}  // namespace tet

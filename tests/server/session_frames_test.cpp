@@ -1,0 +1,136 @@
+// Frames of sessions: in several messages, and such as cannot be meshed.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/library/error_details.h"
+#include "core/vdb/load.h"
+#include "tests/core/plan/meshing.h"
+#include "tests/server/reason_of.h"
+#include "tests/server/session_fixture.h"
+
+namespace tet::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+using SessionFramesTest = RemeshSessionTest;
+
+TEST_F(SessionFramesTest, RefusesAFrameWithABadLeafAndGoesOn) {
+  start();
+  const std::string path = solid_file("torus", 0.02);
+  const Volume volume = load_volume(path, "").value();
+  ASSERT_GT(volume.bricks.size(), 1000U) << "or they go in one message";
+  std::vector<v1::LeafUpdate> leaves;
+  for (std::size_t i = 0; i < volume.bricks.size(); ++i) leaves.push_back(inflated(volume, i));
+  std::vector<v1::LeafUpdate> bad = leaves;
+  bad[700].set_y(bad[700].y() + 3);
+  v1::MeshRequest request = mesh_of(path);
+  request.set_spacing(0.08);
+  const Session session = begin(request), undisturbed = begin(request);
+  ASSERT_TRUE(session && undisturbed);
+  const TetMesh& mesh = session->mesh().mesh;
+  const absl::Status refused = session->update(bad);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("frame.leaves[700].y"));
+  EXPECT_EQ(reason_of_failure(refused), "INVALID_FIELD");
+  EXPECT_FALSE(session->is_over());
+  EXPECT_TRUE(same_bytes(mesh, undisturbed->mesh().mesh));
+  EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
+  // Had the refused frame left anything behind, this one would make another mesh of it.
+  ASSERT_EQ(session->update(leaves), absl::OkStatus());
+  ASSERT_EQ(undisturbed->update(leaves), absl::OkStatus());
+  EXPECT_EQ(session->mesh().mesh_id, undisturbed->mesh().mesh_id);
+  EXPECT_TRUE(same_bytes(mesh, undisturbed->mesh().mesh));
+  EXPECT_EQ(session->end(), absl::OkStatus());
+}
+
+TEST_F(SessionFramesTest, MakesTheSameOfAFrameHoweverItIsDivided) {
+  start();
+  const std::string path = solid_file("torus", 0.05);
+  const Volume volume = load_volume(path, "").value();
+  v1::RemeshRequest begin, whole, first, second, rest;
+  *begin.mutable_start() = mesh_of(path);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const v1::LeafUpdate leaf = inflated(volume, i);
+    *whole.mutable_frame()->add_leaves() = leaf;
+    *(i < 10 ? first : second).mutable_part()->add_leaves() = leaf;
+  }
+  rest.mutable_frame();
+  const auto at_once = events_after({begin, whole});
+  const auto in_parts = events_after({begin, first, second, rest});
+  ASSERT_EQ(at_once.size(), in_parts.size());
+  for (std::size_t i = 0; i < at_once.size(); ++i) {
+    if (at_once[i].has_progress()) continue;
+    EXPECT_EQ(at_once[i].SerializeAsString(), in_parts[i].SerializeAsString()) << i;
+  }
+}
+
+TEST_F(SessionFramesTest, AnswersFramesAfterOneThatCannotBeMeshed) {
+  start();
+  std::vector<v1::RemeshRequest> messages(6);
+  *messages[0].mutable_start() = request_of(two_balls(0));
+  *messages[1].mutable_frame()->mutable_scene() = two_balls(0.1);
+  *messages[2].mutable_frame()->mutable_scene() = two_balls(0.2);
+  messages[2].mutable_frame()->mutable_scene()->mutable_nodes(0)->mutable_sphere()->set_radius(
+      -1);
+  messages[3].mutable_part()->add_leaves()->set_values(std::string(4, '\0'));
+  messages[4].mutable_frame();
+  *messages[5].mutable_frame()->mutable_scene() = two_balls(0.3);
+  std::vector<std::string> answers;
+  for (const v1::MeshEvent& event : events_after(messages)) {
+    if (event.has_header()) {
+      answers.push_back(event.header().has_kept() ? "kept parts" : "a whole mesh");
+    } else if (event.has_refused()) {
+      EXPECT_EQ(event.refused().code(), grpc::StatusCode::INVALID_ARGUMENT);
+      EXPECT_FALSE(event.refused().details().empty());
+      answers.push_back(event.refused().message());
+    }
+  }
+  EXPECT_THAT(answers, ElementsAre("a whole mesh", "kept parts", HasSubstr("radius -1"),
+                                   HasSubstr("leaves are set, but the session began with"),
+                                   "kept parts"));
+}
+
+TEST_F(SessionFramesTest, EndsASessionWhoseClientDoesNotEndAFrame) {
+  config_.session_idle_seconds = 3600;
+  config_.stall_seconds = 1;
+  start();
+  v1::RemeshRequest begin, part;
+  *begin.mutable_start() = mesh_of(ball_file(12));
+  part.mutable_part()->add_leaves()->set_values(std::string(4, '\0'));
+  grpc::ClientContext context;
+  const auto stream = meshes_->RemeshSession(&context);
+  ASSERT_TRUE(stream->Write(begin) && stream->Write(part));
+  for (v1::MeshEvent event; stream->Read(&event);) {
+  }
+  const grpc::Status status = stream->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::ABORTED) << status.error_message();
+  EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
+}
+
+TEST_F(SessionFramesTest, ChargesPartsBeforeTheirFrameIsWhole) {
+  config_.resident_bytes = 16 << 20;
+  start();
+  v1::RemeshRequest begin, part, frame;
+  *begin.mutable_start() = mesh_of(ball_file(12));
+  for (int i = 0; i < 500; ++i) {
+    v1::LeafUpdate& leaf = *part.mutable_part()->add_leaves();
+    leaf.set_x(8 * i);
+    leaf.set_values(std::string(2048, '\0'));
+  }
+  frame.mutable_frame();
+  std::vector<v1::RemeshRequest> messages{begin};
+  messages.resize(21, part);  // 20 MB
+  messages.push_back(frame);
+  const grpc::Status status = answer_to(messages);
+  EXPECT_EQ(reason_of(status), "tetstream/LIMIT_EXCEEDED") << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr("sessions' changed grids"));
+  EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
+}
+
+}  // namespace
+}  // namespace tet::test
