@@ -307,9 +307,7 @@ Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 Server::~Server() { stop(std::chrono::seconds(0)); }
 
-std::string Server::address() const {
-  return parts_->grpc_address();
-}
+std::string Server::address() const { return parts_->grpc_address(); }
 
 int Server::port() const { return parts_->port; }
 

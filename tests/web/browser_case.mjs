@@ -92,6 +92,14 @@ export class RunningServer {
   }
 }
 
+function residentOf(process) {
+  try {
+    return Number(readFileSync(`/proc/${process}/status`, "utf8").match(/VmRSS:\s*(\d+)/)[1]) * 1024;
+  } catch {
+    return 0;  // it has ended
+  }
+}
+
 /** A browser whose every request is noted: none may leave for another host. */
 export class Browser {
   async start() {
@@ -118,6 +126,14 @@ export class Browser {
     });
     await page.goto(url);
     return page;
+  }
+
+  /** What the processes of its tabs have in memory. */
+  async residentBytes() {
+    const session = await this.browser.newBrowserCDPSession();
+    const { processInfo } = await session.send("SystemInfo.getProcessInfo");
+    await session.detach();
+    return processInfo.filter((one) => one.type === "renderer").reduce((sum, one) => sum + residentOf(one.id), 0);
   }
 
   async close() {

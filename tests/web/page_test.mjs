@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
 import { axeSource, binary, Browser, kGenerousEnd, makeFixture, meshIs, remove, RunningServer, scratchFolder,
@@ -72,6 +72,8 @@ part("Meshes", () => {
     const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
     await mesh(page);
     assert.ok((await page.textContent("#status")).startsWith(estimated));
+    const port = held.server.lines().find((line) => line.event === "serving").address.split(":").pop();
+    assert.match(await page.inputValue("#command"), new RegExp(`--server 127\\.0\\.0\\.1:${port}$`));
     const early = await page.evaluate(() => Number(document.getElementById("canvas").dataset.progressive));
     assert.ok(early > 0, "no triangles were drawn before the trailer");
     assert.match(await page.textContent("#quality"), /Angles .* promised 11\.\d+° to 154\.\d+°/);
@@ -82,19 +84,6 @@ part("Meshes", () => {
     assert.match(await page.inputValue("#command"), /^tetstream mesh ball\.vdb -o mesh\.vtu --grid \S+ --spacing 0\.02/);
     for (const url of page.requested) assert.ok(url.startsWith(held.server.url) || url.startsWith("blob:"), url);
     assert.deepEqual(page.errors, []);
-  });
-
-  it("saves what the command line saves", async () => {
-    const page = await held.browser.open(held.server.url);
-    await chooseBall(page, held);
-    await mesh(page);
-    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-vtu")]);
-    const saved = readFileSync(await download.path(), "latin1");
-    const points = saved.match(/NumberOfPoints="(\d+)" NumberOfCells="(\d+)"/);
-    const file = join(held.folder, "m.vtu");
-    execFileSync(binary("tetstream"), ["mesh", held.ball, "-o", file, "--spacing", "0.04", "--levels", "1"],
-      { stdio: "ignore" });
-    assert.equal(readFileSync(file, "latin1").match(/NumberOfPoints="(\d+)" NumberOfCells="(\d+)"/)[0], points[0]);
   });
 
   it("meshes a scene, and has it all again after a reload", async () => {
@@ -121,6 +110,51 @@ part("Meshes", () => {
     await held.server.says("call", (line) => line.method === "StreamMesh" && line.status === "CANCELLED");
     await setSpacing(page, 0);
     await mesh(page);  // and it can go on
+  });
+});
+
+part("Saves", () => {
+  const held = stage();
+  const here = import.meta.dirname ?? new URL(".", import.meta.url).pathname;
+
+  /** Runs the command line that the page shows, as who copies it would. */
+  async function runShown(page) {
+    const command = await page.inputValue("#command");
+    execFileSync("/bin/sh", ["-c", command], { cwd: held.folder, stdio: "pipe",
+      env: { ...process.env, PATH: `${process.env.TETSTREAM_BIN}:${process.env.PATH}` } });
+  }
+
+  for (const both of [false, true]) {
+    it(`saves what the copied command line saves, in every format${both ? ", with both sides" : ""}`, async () => {
+      const page = await held.browser.open(held.server.url);
+      await chooseBall(page, held);
+      if (both) await page.locator("#both").check();
+      await mesh(page);
+      for (const ending of ["vtu", "msh", "inp", "mesh", "stl", "obj", "ply"]) {
+        await page.selectOption("#format", ending);
+        const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+        assert.equal(download.suggestedFilename(), `mesh.${ending}`);
+        const saved = join(held.folder, `saved.${ending}`);
+        await download.saveAs(saved);
+        await runShown(page);
+        console.log("# " + execFileSync("/usr/bin/python3",
+          [join(here, "compare_saved.py"), saved, join(held.folder, `mesh.${ending}`)], { encoding: "utf8" }).trim());
+      }
+      assert.deepEqual(page.errors, []);
+    });
+  }
+
+  it("shows the command line for formats that it cannot write", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await mesh(page);
+    for (const ending of ["vtkhdf", "xdmf", "exo", "polyMesh", "usda"]) {
+      await page.selectOption("#format", ending);
+      assert.ok(await page.isDisabled("#save"));
+      assert.match(await page.textContent("#save-note"), /command line below writes it/);
+      await runShown(page);
+      assert.ok(existsSync(join(held.folder, `mesh.${ending}`)), ending);
+    }
   });
 });
 
@@ -195,32 +229,107 @@ part("Pictures", () => {
   });
 });
 
+function makeBunny(path) {
+  execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", path, "--voxel", "0.02"],
+    { stdio: "ignore" });
+}
+
 part("Bunny", () => {
   const held = stage();
 
   it("draws a scan of three quarters of a million tets, and cuts it", async () => {
     const bunny = join(held.folder, "bunny.vdb");
-    execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", bunny, "--voxel", "0.02"],
-      { stdio: "ignore" });
+    makeBunny(bunny);
     const page = await held.browser.open(held.server.url);
     await page.setInputFiles("#file", bunny);
+    await page.locator("#levels").fill("24");
     await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
     await mesh(page);
     const tets = Number((await page.textContent("#status")).match(/^[\d,]+/)[0].replace(/,/g, ""));
+    const told = execFileSync(binary("tetstream"), ["estimate", bunny, "--levels", "24"], { encoding: "utf8" });
+    assert.equal(tets, Number(told.match(/(\d+) tets/)[1]));
     assert.ok(tets > 700_000, `${tets} tets`);
     const whole = await triangles(page);
     await page.selectOption("#colour", "size");
     await page.selectOption("#cut-axis", "z");
     await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) !== n, whole);
     await drawn(page);
-    const said = await page.evaluate(() => ({ ...document.getElementById("canvas").dataset }));
-    console.log(`# ${tets} tets; first triangles after ${said.first} s, all after ${said.seconds} s; ` +
-      `${said.drawn} triangles in ${said.calls} call(s), ${said.drawMs} ms of the page's thread`);
-    assert.equal(said.calls, "1");
+    const data = await page.evaluate(() => ({ ...document.getElementById("canvas").dataset }));
+    console.log(`# ${tets} tets; first triangles after ${data.first} s, all after ${data.seconds} s; ` +
+      `${data.drawn} triangles in ${data.calls} call(s), ${data.drawMs} ms of the page's thread; ` +
+      `${data.received} bytes came, ${data.heldMost} held at most`);
+    const begun = performance.now();
+    execFileSync("/bin/sh", ["-c", await page.inputValue("#command")], { cwd: held.folder, stdio: "ignore",
+      env: { ...process.env, PATH: `${process.env.TETSTREAM_BIN}:${process.env.PATH}` } });
+    console.log(`# the command line takes ${((performance.now() - begun) / 1e3).toFixed(2)} s, and writes a file`);
+    assert.equal(data.calls, "1");
     assert.deepEqual(page.errors, []);
     if (process.env.PAGE_SCREENSHOTS) {
       writeFileSync(join(process.env.PAGE_SCREENSHOTS, "page_bunny.png"), await page.screenshot());
     }
+  });
+});
+
+part("Large", () => {
+  const held = stage();
+  // The worker counts the bytes of its arrays and of what the page has not given to the canvas yet.
+  const kMostHeld = 2.5;
+
+  const bytes = (page) => page.evaluate(() => {
+    const { held, heldMost, received } = document.getElementById("canvas").dataset;
+    return { held: Number(held), heldMost: Number(heldMost), received: Number(received) };
+  });
+
+  it("holds at most two and a half times what came of five million tets", async () => {
+    const bunny = join(held.folder, "bunny.vdb");
+    makeBunny(bunny);
+    const page = await held.browser.open(held.server.url);
+    const before = await held.browser.residentBytes();
+    await page.setInputFiles("#file", bunny);
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, -1.05);
+    await mesh(page);
+    const tets = Number((await page.textContent("#status")).match(/^[\d,]+/)[0].replace(/,/g, ""));
+    assert.ok(tets > 5_000_000, `${tets} tets`);
+    await drawn(page);
+    const whole = await triangles(page), came = await bytes(page);
+    await page.selectOption("#colour", "size");
+    await page.selectOption("#cut-axis", "z");
+    await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) !== n, whole);
+    await drawn(page);
+    const cut = await bytes(page);
+    const turns = [];
+    await page.locator("#canvas").focus();
+    for (let i = 0; i < 10; ++i) {
+      const frame = await page.evaluate(() => document.getElementById("canvas").dataset.frames);
+      await page.keyboard.press("ArrowLeft");
+      await until(page, (last) => document.getElementById("canvas").dataset.frames !== last, frame);
+      turns.push(Number(await page.evaluate(() => document.getElementById("canvas").dataset.drawMs)));
+    }
+    const { calls, seconds, first } = await page.evaluate(() => ({ ...document.getElementById("canvas").dataset }));
+    const grown = await held.browser.residentBytes() - before;
+    console.log(`# ${tets} tets, ${whole} triangles outside, ${await triangles(page)} cut, in ${calls} call(s); ` +
+      `first after ${first} s, all after ${seconds} s; turns take the page ` +
+      `${Math.max(...turns)} ms at most; ${came.received} bytes came, ${came.held} are held, ` +
+      `${came.heldMost} at most, ${cut.heldMost} with a cut: ${(cut.heldMost / cut.received).toFixed(2)}; ` +
+      `the tab's process grew by ${grown}`);
+    assert.equal(calls, "1");
+    assert.ok(cut.heldMost <= kMostHeld * cut.received, `${cut.heldMost} of ${cut.received}`);
+    assert.deepEqual(page.errors, []);
+  });
+
+  it("draws the surface alone of what is more than it may hold, and says so", async () => {
+    const page = await held.browser.open(held.server.url + "?most_tets=1000");
+    await chooseBall(page, held);
+    await mesh(page);
+    assert.match(await page.textContent("#alert"), /its surface alone is drawn/);
+    const outside = Number((await page.textContent("#quality")).match(/([\d,]+) triangles outside/)[1].replace(/,/g, ""));
+    assert.equal(await triangles(page), outside);
+    assert.ok(await page.isDisabled("#cut-axis"));
+    assert.ok(await page.isDisabled("#save"));
+    await page.selectOption("#format", "stl");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+    assert.equal(readFileSync(await download.path()).readUInt32LE(80), outside);
   });
 });
 
@@ -253,7 +362,7 @@ part("Lives", () => {
     await until(page, () => document.getElementById("watch-state").textContent === "live");
     await page.click('nav a[href="#server"]');
     await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));
-    assert.equal(await page.locator("#plots .uplot").count(), 6);
+    assert.equal(await page.locator("#plots .uplot").count(), 9);
   });
 });
 

@@ -5,15 +5,26 @@ import { GetGridInfoRequestSchema, GridFileSchema, ListGridsRequestSchema, ListG
 import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
 import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, MeshRequestSchema, Preset, StreamMeshRequestSchema,
   type Box, type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
-import type { FromWorker, ToWorker } from "./mesh_worker";
+import type { FromWorker, Holding, ToWorker } from "./mesh_worker";
+import { formatOf, isSavedHere, kFormats } from "./formats";
+import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
 import { RpcError, unary } from "./rpc";
 import { sceneNames, sceneOf } from "./scenes";
 import { upload } from "./upload";
+import type { WorstTet } from "./tet_mesh";
 import { Viewer } from "./viewer";
 
 // Degrees that every angle of a preset keeps: GetCapabilities says them.
 export type Promises = Map<Preset, { low: number; high: number }>;
+
+// More tets than these are drawn by their surface alone; `?most_tets=` in the page's address says otherwise.
+const kMostTets = 30_000_000;
+
+function mostTets(): number {
+  const said = Number(new URLSearchParams(location.search).get("most_tets"));
+  return said > 0 ? said : kMostTets;
+}
 
 export class MeshView {
   private readonly viewer = new Viewer(element<HTMLCanvasElement>("canvas"));
@@ -24,6 +35,9 @@ export class MeshView {
   private header?: MeshHeader;
   private estimating?: AbortController;
   private drawnFirst = 0;
+  private place: GrpcPlace = kNowhere;
+  private canSave = false;
+  private keepsTets = true;
 
   constructor(private readonly promises: () => Promises) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
@@ -56,8 +70,14 @@ export class MeshView {
     on("stop", "click", () => this.cancel());
     on("submit", "click", () => this.submitJob());
     for (const id of ["colour", "cut-axis", "cut-at"]) on(id, "input", () => this.redraw());
-    on("save-vtu", "click", () => this.send({ kind: "save", format: "vtu" }));
-    on("save-stl", "click", () => this.send({ kind: "save", format: "stl" }));
+    element("format").append(...kFormats.map(({ ending, what }) => new Option(`.${ending}: ${what}`, ending)));
+    on("format", "input", () => this.chooseFormat());
+    on("save", "click", () => this.save());
+    element("canvas").addEventListener("webglcontextrestored", () => this.redraw());
+    void grpcPlace().then((place) => {
+      this.place = place;
+      this.tellTwins();
+    });
   }
 
   async refresh(): Promise<void> {
@@ -155,7 +175,7 @@ export class MeshView {
     element("estimate").textContent = "";
     if (!request) return;
     element("spacing-text").textContent = short(this.spacing());
-    this.tellTwins(request);
+    this.tellTwins();
     element("estimate").textContent = "Counting…";
     try {
       const header = await unary("MeshService/EstimateMesh", EstimateMeshRequestSchema,
@@ -170,22 +190,37 @@ export class MeshView {
     }
   }
 
-  /** The command line and the Python that make the same mesh. */
-  private tellTwins(request: MeshRequest): void {
-    const file = this.file || "volume.vdb";
-    const server = location.hostname;
-    const input = request.scene ? "scene.json" : file;
-    const flags = [`--spacing ${short(request.spacing!)}`, `--levels ${request.levels}`];
-    if (request.gridName) flags.unshift(`--grid ${request.gridName}`);
-    if (request.preset === Preset.BOTH_SIDES) flags.push("--preset both-sides");
-    element<HTMLTextAreaElement>("command").value =
-      `tetstream mesh ${input} -o mesh.vtu ${flags.join(" ")} --server ${server}:7447`;
-    const named = [`spacing=${short(request.spacing!)}`, `levels=${request.levels}`];
-    if (request.gridName) named.unshift(`grid="${request.gridName}"`);
-    if (request.preset === Preset.BOTH_SIDES) named.push('preset="both-sides"');
-    element<HTMLTextAreaElement>("python").value =
-      `import tetstream as ts\nclient = ts.Client("${server}:7447")\n` +
-      `client.mesh("${input}", ${named.join(", ")}).write("mesh.vtu")`;
+  /** The command line and the Python that make the same mesh, and save it as the menu says. */
+  private tellTwins(): void {
+    const request = this.request();
+    if (!request) return;
+    const twins = twinsOf(request, { file: this.file, ending: this.ending(), place: this.place,
+      hasToken: options().token !== "" });
+    element<HTMLTextAreaElement>("command").value = twins.command;
+    element<HTMLTextAreaElement>("python").value = twins.python;
+  }
+
+  private ending(): string {
+    return element<HTMLSelectElement>("format").value;
+  }
+
+  private chooseFormat(): void {
+    const here = isSavedHere(this.ending());
+    // A surface alone has no names.
+    element<HTMLButtonElement>("save").disabled = !here || !this.canSave || (!this.keepsTets && this.ending() !== "stl");
+    element("save-note").textContent = here ? "" : `.${formatOf(this.ending()).ending} takes libraries that a page has ` +
+      "not: the command line below writes it.";
+    this.tellTwins();
+  }
+
+  private allowSaving(allowed: boolean): void {
+    this.canSave = allowed;
+    this.chooseFormat();
+  }
+
+  private save(): void {
+    const format = this.ending();
+    if (isSavedHere(format)) this.send({ kind: "save", format });
   }
 
   private start(): void {
@@ -200,13 +235,13 @@ export class MeshView {
     this.drawnFirst = 0;
     document.body.dataset["mesh"] = "running";
     element<HTMLButtonElement>("stop").disabled = false;
-    for (const id of ["save-vtu", "save-stl"]) element<HTMLButtonElement>(id).disabled = true;
+    this.allowSaving(false);
     for (const id of ["histogram", "worst"]) element(id).replaceChildren();
     element("quality").textContent = "";
     element("status").textContent = "Waiting for the server…";
     element<HTMLProgressElement>("progress").removeAttribute("value");
     this.viewer.clear();
-    this.send({ kind: "start", method, request, token: options().token });
+    this.send({ kind: "start", method, request, token: options().token, mostTets: mostTets() });
   }
 
   private cancel(): void {
@@ -254,7 +289,8 @@ export class MeshView {
   }
 
   private take(message: FromWorker): void {
-    if (document.body.dataset["mesh"] === "cancelled" && message.kind !== "surface" && message.kind !== "saved") return;
+    const ofTheMesh = !["surface", "saved", "unsaved"].includes(message.kind);
+    if (document.body.dataset["mesh"] === "cancelled" && ofTheMesh) return;
     switch (message.kind) {
       case "progress":
         element("status").textContent = message.total > 0
@@ -267,7 +303,8 @@ export class MeshView {
       case "trailer": {
         const event = fromBinary(MeshEventSchema, message.event).event;
         if (event.case === "trailer") {
-          this.takeTrailer(event.value, message.worst);
+          this.tellHolding(message.holding);
+          this.takeTrailer(event.value, message.worst, message.seconds);
           this.mark(event.value, message.seams);
         }
         return;
@@ -275,6 +312,8 @@ export class MeshView {
       case "failed":
         alertOf(explain(new RpcError(message.code, message.message, message.reason, message.requestId)));
         return this.ended("failed", "The mesh did not come to its end");
+      case "unsaved":
+        return alertOf(message.message);
       case "saved": {
         const link = document.createElement("a");
         link.href = URL.createObjectURL(message.blob);
@@ -291,17 +330,20 @@ export class MeshView {
     this.header = event.value;
     const [low, high] = this.bounds(event.value);
     this.viewer.look(low, high);
+    this.keepsTets = keepsTets;
     if (!keepsTets) alertOf("The mesh is more than a tab holds: its surface alone is drawn. The command line saves all of it.");
     element<HTMLSelectElement>("cut-axis").disabled = !keepsTets;
     this.redraw();
   }
 
   private takeSurface(message: FromWorker & { kind: "surface" }): void {
-    this.viewer.show(message.positions, message.colours);
+    this.viewer.show(message.surface, () => this.send({ kind: "drawn" }));
+    const triangles = message.surface.triangles;
     const canvas = element("canvas");
-    canvas.dataset["triangles"] = String(message.triangles);
+    canvas.dataset["triangles"] = String(triangles);
     canvas.dataset["chunks"] = String(message.chunks);
-    if (this.drawnFirst === 0 && message.triangles > 0) {
+    this.tellHolding(message.holding);
+    if (this.drawnFirst === 0 && triangles > 0) {
       this.drawnFirst = message.seconds;
       canvas.dataset["first"] = String(message.seconds);
     }
@@ -309,19 +351,21 @@ export class MeshView {
     const total = Number(this.header.tetCount);
     element<HTMLProgressElement>("progress").value = total > 0 ? message.tets / total : 1;
     element("status").textContent = `${count(message.tets)} of ${count(total)} tets, ` +
-      `${sizeOf(message.bytes)}, ${sizeOf(message.bytes / Math.max(message.seconds, 1e-3))}/s`;
+      `${sizeOf(message.holding.received)}, ${sizeOf(message.holding.received / Math.max(message.seconds, 1e-3))}/s`;
     canvas.dataset["progressive"] = String(Math.max(Number(canvas.dataset["progressive"] ?? 0),
-      message.tets < total ? message.triangles : 0));
-    canvas.dataset["seconds"] = String(message.seconds);
+      message.tets < total ? triangles : 0));
   }
 
-  private takeTrailer(trailer: MeshTrailer, worst: { tet: number; angle: number; at: [number, number, number] }[]): void {
-    const canvas = element("canvas");
-    this.ended("done", `${count(this.header!.tetCount)} tets in ${short(Number(canvas.dataset["seconds"]))} s; ` +
+  /** What a test may read: bytes that the mesh takes, at most, and those that came. */
+  private tellHolding({ now, most, received }: Holding): void {
+    Object.assign(element("canvas").dataset, { held: now, heldMost: most, received });
+  }
+
+  private takeTrailer(trailer: MeshTrailer, worst: WorstTet[], seconds: number): void {
+    element("canvas").dataset["seconds"] = String(seconds);
+    this.ended("done", `${count(this.header!.tetCount)} tets in ${short(seconds)} s; ` +
       `first triangles after ${short(this.drawnFirst)} s`);
-    for (const id of ["save-vtu", "save-stl"]) {
-      element<HTMLButtonElement>(id).disabled = id === "save-vtu" && element<HTMLSelectElement>("cut-axis").disabled;
-    }
+    this.allowSaving(true);
     this.drawHistogram(trailer);
     const list = element("worst");
     for (const one of worst) {

@@ -2,63 +2,108 @@
 /// <reference lib="webworker" />
 import { fromBinary } from "@bufbuild/protobuf";
 import { MeshEventSchema, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
+import { bytesOf, type Surface } from "./drawing";
 import { RpcError, streamBytes } from "./rpc";
-import { stlOf, vtuOf } from "./save";
-import { TetMesh, type Cut } from "./tet_mesh";
+import { fileOf, type SavedFormat } from "./save";
+import { TetMesh, type Cut, type WorstTet } from "./tet_mesh";
 
 export type ToWorker =
-  | { kind: "start"; method: string; request: Uint8Array; token: string }
+  | { kind: "start"; method: string; request: Uint8Array; token: string; mostTets: number }
   | { kind: "draw"; colour: string; cut?: Cut }
+  | { kind: "drawn" }
   | { kind: "cancel" }
-  | { kind: "save"; format: "vtu" | "stl" };
+  | { kind: "save"; format: SavedFormat };
+
+/** What a mesh takes: bytes of arrays now and at most, and those of its chunks as they came. */
+export interface Holding {
+  now: number;
+  most: number;
+  received: number;
+}
 
 export type FromWorker =
   | { kind: "progress"; done: number; total: number }
   | { kind: "header"; event: Uint8Array; keepsTets: boolean }
-  | { kind: "surface"; positions: Float32Array; colours: Uint8Array; triangles: number; chunks: number;
-      tets: number; bytes: number; seconds: number }
-  | { kind: "trailer"; event: Uint8Array; seams: Float32Array; worst: { tet: number; angle: number; at: [number, number, number] }[] }
-  | { kind: "saved"; format: string; blob: Blob }
+  | { kind: "surface"; surface: Surface; chunks: number; tets: number; seconds: number; holding: Holding }
+  | { kind: "trailer"; event: Uint8Array; seams: Float32Array; worst: WorstTet[]; seconds: number; holding: Holding }
+  | { kind: "saved"; format: SavedFormat; blob: Blob }
+  | { kind: "unsaved"; message: string }
   | { kind: "failed"; code: number; message: string; reason: string; requestId: string };
 
-// How often what has come is drawn.
-const kDrawMs = 250;
+// How often what has come is drawn; and drawing may take this share of the time at most.
+const kDrawMs = 250, kDrawShare = 0.25;
+// Beyond this share of the tets the next surface is that of the whole mesh, which takes less.
+const kLastSoFar = 0.9;
 
 const scope = self as unknown as DedicatedWorkerGlobalScope;
 let mesh: TetMesh | undefined;
 let colour = "none";
 let cut: Cut | undefined;
 let abort: AbortController | undefined;
-let bytes = 0, start = 0, drawn = 0;
+let bytes = 0, start = 0, nextDraw = 0;
+// Of the surface that the page has and has not drawn. The next waits for it, so that two are never held.
+let underWay: { of: TetMesh; bytes: number } | undefined;
+let again = false;
 
 function tell(message: FromWorker, transfer: Transferable[] = []): void {
   scope.postMessage(message, transfer);
 }
 
-function draw(): void {
-  if (!mesh) return;
-  const surface = mesh.surface(colour, cut);
-  drawn = performance.now();
-  tell({ kind: "surface", ...surface, chunks: mesh.chunks, tets: mesh.tetsSoFar, bytes,
-    seconds: (drawn - start) / 1e3 }, [surface.positions.buffer, surface.colours.buffer]);
+function holding(): Holding {
+  return { now: mesh!.tally.now, most: mesh!.tally.most, received: bytes };
 }
 
-function take(event: Uint8Array): void {
+function draw(): void {
+  if (!mesh) return;
+  again = underWay !== undefined;
+  if (again) return;
+  const begun = performance.now();
+  const surface = mesh.surface(colour, cut);
+  underWay = { of: mesh, bytes: bytesOf(surface) };
+  const now = performance.now();
+  nextDraw = now + Math.max(kDrawMs, (now - begun) / kDrawShare);
+  tell({ kind: "surface", surface, chunks: mesh.chunks, tets: mesh.tetsSoFar, seconds: (now - start) / 1e3,
+    holding: holding() }, [surface.corners.buffer, surface.places.buffer, surface.paints.buffer]);
+}
+
+/** The page's own copy is gone: the canvas has it. */
+function drawn(): void {
+  if (underWay) underWay.of.tally.drop(underWay.bytes);
+  underWay = undefined;
+  if (again) draw();
+}
+
+/** Returns once nothing is under way. */
+async function quiet(): Promise<void> {
+  while (underWay) await new Promise((done) => setTimeout(done));
+}
+
+function isNearlyWhole(of: TetMesh): boolean {
+  return of.tetsSoFar > kLastSoFar * Number(of.header.tetCount);
+}
+
+async function take(event: Uint8Array, mostTets: number): Promise<void> {
   const message = fromBinary(MeshEventSchema, event).event;
   switch (message.case) {
     case "progress":
       return tell({ kind: "progress", done: Number(message.value.doneBricks), total: Number(message.value.totalBricks) });
     case "header":
-      mesh = new TetMesh(message.value);
+      mesh = new TetMesh(message.value, mostTets);
       return tell({ kind: "header", event, keepsTets: mesh.keepsTets });
     case "chunk":
       mesh!.add(message.value);
-      if (mesh!.chunks === 1 || performance.now() - drawn > kDrawMs) draw();
+      if (mesh!.chunks === 1 || (performance.now() > nextDraw && !isNearlyWhole(mesh!))) draw();
       return;
-    case "trailer":
+    case "trailer": {
+      await quiet();
+      again = false;
+      const whole = mesh!;
+      whole.finish();
+      const worst = whole.findWorst();
+      const seams = hasSeams(message.value) ? whole.seams() : new Float32Array();
       draw();
-      return tell({ kind: "trailer", event, worst: mesh!.findWorst(),
-        seams: hasSeams(message.value) ? mesh!.seams() : new Float32Array() });
+      return tell({ kind: "trailer", event, worst, seams, seconds: (performance.now() - start) / 1e3, holding: holding() });
+    }
   }
 }
 
@@ -69,22 +114,38 @@ function hasSeams(trailer: MeshTrailer): boolean {
   return (trailer.boundary?.nonManifoldEdges ?? 0n) > 0n && mesh!.surfaceTriangles <= kMostTriangles;
 }
 
-async function run(order: { method: string; request: Uint8Array; token: string }): Promise<void> {
+/** What has come stays, and can be cut and painted. */
+function finishEarly(): void {
+  mesh?.finish();
+  draw();
+}
+
+async function run(order: ToWorker & { kind: "start" }): Promise<void> {
   abort?.abort();
   const mine = (abort = new AbortController());
   mesh = undefined;
-  bytes = drawn = 0;
+  bytes = nextDraw = 0;
   start = performance.now();
   try {
     for await (const event of streamBytes(order.method, order.request, { token: order.token, signal: mine.signal })) {
       if (mine.signal.aborted) return;
       bytes += event.length;
-      take(event);
+      await take(event, order.mostTets);
     }
   } catch (error) {
     if (mine.signal.aborted) return;
+    finishEarly();
     const known = error instanceof RpcError ? error : new RpcError(2, String((error as Error).message ?? error));
     tell({ kind: "failed", code: known.code, message: known.message, reason: known.reason, requestId: known.requestId });
+  }
+}
+
+function save(format: SavedFormat): void {
+  if (!mesh) return;
+  try {
+    tell({ kind: "saved", format, blob: fileOf(mesh, format) });
+  } catch (error) {
+    tell({ kind: "unsaved", message: String((error as Error).message ?? error) });
   }
 }
 
@@ -95,6 +156,10 @@ scope.onmessage = ({ data }: MessageEvent<ToWorker>) => {
       break;
     case "cancel":
       abort?.abort();
+      finishEarly();
+      break;
+    case "drawn":
+      drawn();
       break;
     case "draw":
       colour = data.colour;
@@ -102,7 +167,7 @@ scope.onmessage = ({ data }: MessageEvent<ToWorker>) => {
       draw();
       break;
     case "save":
-      if (mesh) tell({ kind: "saved", format: data.format, blob: data.format === "vtu" ? vtuOf(mesh) : stlOf(mesh) });
+      save(data.format);
       break;
   }
 };

@@ -38,8 +38,25 @@ class Reader {
 export interface Unpacked {
   positions: Float32Array | Float64Array;
   tets: Uint32Array;
-  regions?: Uint8Array;
+  /** Of each tet: 1 inside and 2 outside, or its place among the header's labels. */
+  groups?: Uint8Array | Uint16Array;
   fields?: Uint8Array;
+  /** 4 times a tet's number in the chunk, and the corner that the face is opposite of. */
+  faces?: Uint32Array;
+  faceLabels?: Uint16Array;
+}
+
+/** What the header and the chunk say of its columns. */
+export interface Shape {
+  firstVertex: number;
+  vertices: number;
+  tets: number;
+  wide: boolean;
+  regions: boolean;
+  labels: number;
+  fieldFloats: number;
+  faces: number;
+  faceLabels: number;
 }
 
 function readPatterns(reader: Reader): Uint16Array {
@@ -48,31 +65,45 @@ function readPatterns(reader: Reader): Uint16Array {
   return Uint16Array.from({ length: count }, () => reader.u16());
 }
 
+/** Memory that one chunk after the other is unpacked into: what is wanted of the last is copied before the next. */
+class Scratch {
+  private buffer = new ArrayBuffer(0);
+
+  bytes(size: number): ArrayBuffer {
+    if (this.buffer.byteLength < size) this.buffer = new ArrayBuffer(Math.ceil(size * 1.25 / 8) * 8);
+    return this.buffer;
+  }
+}
+
+const forPositions = new Scratch(), forTets = new Scratch();
+
 function readFloats(reader: Reader, count: number): Float32Array {
   const patterns = readPatterns(reader);
   const which = reader.take(count);
-  const bits = new Uint32Array(count * 3);
+  const buffer = forPositions.bytes(count * 12);
+  const bits = new Uint32Array(buffer, 0, count * 3);
   for (let v = 0; v < count; ++v) {
     let pattern = patterns[which[v]!]!;
     for (let axis = 0; axis < 3; ++axis, pattern >>= 3) {
       const at = v * 3 + axis;
-      const before = (back: number): number => (v >= back ? bits[at - 3 * back]! : 0);
+      const last = v > 0 ? bits[at - 3]! : 0;
       const kind = pattern & 7;
-      if (kind < 4) bits[at] = before(kind + 1);
+      if (kind < 4) bits[at] = v > kind ? bits[at - 3 * (kind + 1)]! : 0;
       else if (kind === 4) bits[at] = reader.u16() << 16;
-      else if (kind === 5) bits[at] = before(1) + reader.u16() - 0x8000;
+      else if (kind === 5) bits[at] = last + reader.u16() - 0x8000;
       else if (kind === 6) {
-        bits[at] = (before(1) & 0xff000000) | reader.u16() | (reader.byte() << 16);
+        bits[at] = (last & 0xff000000) | reader.u16() | (reader.byte() << 16);
       } else bits[at] = reader.u32();
     }
   }
-  return new Float32Array(bits.buffer);
+  return new Float32Array(buffer, 0, count * 3);
 }
 
 function readDoubles(reader: Reader, count: number): Float64Array {
   const patterns = readPatterns(reader);
   const which = reader.take(count);
-  const bits = new BigUint64Array(count * 3);
+  const buffer = forPositions.bytes(count * 24);
+  const bits = new BigUint64Array(buffer, 0, count * 3);
   const wide = (): bigint => BigInt(reader.u32()) | (BigInt(reader.u32()) << 32n);
   for (let v = 0; v < count; ++v) {
     let pattern = patterns[which[v]!]!;
@@ -88,13 +119,13 @@ function readDoubles(reader: Reader, count: number): Float64Array {
       } else bits[at] = wide();
     }
   }
-  return new Float64Array(bits.buffer);
+  return new Float64Array(buffer, 0, count * 3);
 }
 
 function readTets(reader: Reader, count: number, first: number, own: number, others: number[]): Uint32Array {
   const patterns = readPatterns(reader);
   const which = reader.take(count);
-  const tets = new Uint32Array(count * 4);
+  const tets = new Uint32Array(forTets.bytes(count * 16), 0, count * 4);
   const before = [0, 0, 0, 0], jumped = [0, 0, 0, 0];
   for (let t = 0; t < count; ++t) {
     let pattern = patterns[which[t]!]!;
@@ -118,19 +149,61 @@ function readTets(reader: Reader, count: number, first: number, own: number, oth
   return tets;
 }
 
-export function unpack(bytes: Uint8Array, shape: {
-  firstVertex: number; vertices: number; tets: number; wide: boolean; regions: boolean; fieldFloats: number;
-}): Unpacked {
-  const reader = new Reader(bytes);
+/** Runs of numbers below `end`, until all `count` have one. */
+function readRuns(reader: Reader, count: number, end: number): Uint16Array {
+  const all = new Uint16Array(count);
+  for (let at = 0; at < count;) {
+    const number = reader.varint(), run = reader.varint();
+    if (number >= end || run === 0 || run > count - at) throw new Error("a packed chunk has labels that do not exist");
+    all.fill(number, at, at + run);
+    at += run;
+  }
+  return all;
+}
+
+function readFaces(reader: Reader, count: number, tets: number): Uint32Array {
+  const faces = new Uint32Array(count);
+  for (let i = 0, next = 0; i < count; ++i) {
+    faces[i] = next + reader.varint();
+    if (faces[i]! >= 4 * tets) throw new Error("a packed chunk has faces of no tet");
+    next = faces[i]! + 1;
+  }
+  return faces;
+}
+
+function readRegions(reader: Reader, tets: number): Uint8Array {
+  const bits = reader.take(Math.ceil(tets / 8));
+  const regions = new Uint8Array(tets);
+  for (let t = 0; t < tets; ++t) regions[t] = 1 + ((bits[t >> 3]! >> (t & 7)) & 1);
+  return regions;
+}
+
+function readOthers(reader: Reader): number[] {
   const others: number[] = [];
   for (let left = reader.varint(), id = 0; left > 0; --left) others.push((id += reader.varint()));
+  return others;
+}
+
+/** The positions alone, which come first. They are good until the next chunk is unpacked. */
+export function unpackPositions(bytes: Uint8Array, shape: Shape): Float32Array | Float64Array {
+  const reader = new Reader(bytes);
+  readOthers(reader);
+  return shape.wide ? readDoubles(reader, shape.vertices) : readFloats(reader, shape.vertices);
+}
+
+/** All columns. Positions and tets are good until the next chunk is unpacked. */
+export function unpack(bytes: Uint8Array, shape: Shape): Unpacked {
+  const reader = new Reader(bytes);
+  const others = readOthers(reader);
   const positions = shape.wide ? readDoubles(reader, shape.vertices) : readFloats(reader, shape.vertices);
   const tets = readTets(reader, shape.tets, shape.firstVertex, shape.vertices, others);
   const unpacked: Unpacked = { positions, tets };
-  if (shape.regions) {
-    const bits = reader.take(Math.ceil(shape.tets / 8));
-    unpacked.regions = Uint8Array.from({ length: shape.tets }, (_, t) => 1 + ((bits[t >> 3]! >> (t & 7)) & 1));
-  }
+  if (shape.regions) unpacked.groups = readRegions(reader, shape.tets);
+  if (shape.labels > 0) unpacked.groups = readRuns(reader, shape.tets, shape.labels);
   if (shape.fieldFloats > 0) unpacked.fields = reader.take(shape.vertices * shape.fieldFloats * 4).slice();
+  if (shape.faceLabels > 0) {
+    unpacked.faces = readFaces(reader, shape.faces, shape.tets);
+    unpacked.faceLabels = readRuns(reader, shape.faces, shape.faceLabels);
+  }
   return unpacked;
 }

@@ -20,8 +20,21 @@ const kPlots: Plot[] = [
     names: ["sent", "received"], rate: true, bytes: true },
   { title: "Memory", metrics: ["process_resident_memory_bytes", "tetstream_resident_bytes", "tetstream_plan_bytes"],
     names: ["process", "grids", "plans"], bytes: true },
-  { title: "Store", metrics: ["tetstream_store_bytes"], names: ["grids"], bytes: true },
+  { title: "Store", metrics: ["tetstream_store_bytes", "tetstream_result_bytes"], names: ["grids", "results"], bytes: true },
+  { title: "Workers and shards", metrics: ['tetstream_workers{state="working"}', 'tetstream_job_shards{state="leased"}',
+    'tetstream_job_shards{state="ready"}'], names: ["workers", "leased", "waiting"] },
+  { title: "Cache, lookups a second", metrics: ['tetstream_plan_lookups_total{result="hit"}',
+    'tetstream_plan_lookups_total{result="miss"}'], names: ["hits", "misses"], rate: true },
+  { title: "Refusals a second", metrics: ["tetstream_refusals_total"], names: ["refused"], rate: true },
   { title: "Connections over HTTP", metrics: ["tetstream_http_connections"], names: ["open"] },
+];
+
+/** What takes memory or disk, and how much it may. */
+const kBudgets = [
+  { what: "counted meshes", used: "tetstream_plan_bytes", budget: "tetstream_plan_budget_bytes" },
+  { what: "grids in memory", used: "tetstream_resident_bytes", budget: "tetstream_resident_budget_bytes" },
+  { what: "grids on disk", used: "tetstream_store_bytes", budget: "tetstream_store_budget_bytes" },
+  { what: "results of jobs", used: "tetstream_result_bytes", budget: "tetstream_result_budget_bytes" },
 ];
 
 type Samples = Map<string, number>;
@@ -40,6 +53,17 @@ function sum(samples: Samples, name: string): number {
   let total = 0;
   for (const [key, value] of samples) if (key === name || key.startsWith(`${name}{`)) total += value;
   return total;
+}
+
+/** The samples of a metric, by the value of one of its labels. */
+function byLabel(samples: Samples, name: string, label: string): [string, number][] {
+  return [...samples].filter(([key]) => key.startsWith(`${name}{`))
+    .map(([key, value]) => [new RegExp(`${label}="([^"]*)"`).exec(key)?.[1] ?? "", value]);
+}
+
+function row(table: Element, ...cells: (string | Element)[]): void {
+  const line = made("tr", "", table);
+  for (const cell of cells) made("td", "", line).append(cell);
 }
 
 /** A colour of the style sheet as a canvas takes it. */
@@ -101,7 +125,7 @@ export class ServerView {
       const column = this.values[p]![m]!;
       const value = sum(samples, metric);
       if (!plot.rate) column.push(value);
-      else column.push(this.previous ? ((value - sum(this.previous, metric)) * 1000) / kEveryMs : null);
+      else column.push(this.previous ? (value - sum(this.previous, metric)) / this.secondsSinceLast() : null);
       if (column.length > kMostPoints) column.shift();
     }));
     if (this.times.length > kMostPoints) this.times.shift();
@@ -110,6 +134,9 @@ export class ServerView {
     const since = samples.get("process_start_time_seconds");
     element("server-info").textContent = `Calls so far: ${sum(samples, "tetstream_calls_total")}. ` +
       (since ? `Up since ${new Date(since * 1000).toLocaleString()}.` : "");
+    this.drawBudgets(samples);
+    this.drawWorkers(samples);
+    this.drawCache(samples);
     element("refusals").replaceChildren(...[...samples]
       .filter(([name, value]) => name.startsWith("tetstream_refusals_total{") && value > 0)
       .map(([name, value]) => {
@@ -119,5 +146,54 @@ export class ServerView {
         made("td", String(value), row);
         return row;
       }));
+  }
+
+  private secondsSinceLast(): number {
+    const [before, now] = this.times.slice(-2);
+    return Math.max((now ?? 0) - (before ?? 0), 1e-3);
+  }
+
+  private drawBudgets(samples: Samples): void {
+    const table = element("budgets");
+    table.replaceChildren();
+    for (const { what, used, budget } of kBudgets) {
+      const most = samples.get(budget);
+      if (!most) continue;
+      const bytes = sum(samples, used);
+      const meter = made("meter");
+      meter.max = most;
+      meter.value = bytes;
+      meter.high = most * 0.9;
+      meter.setAttribute("aria-label", `Share of ${what}`);
+      row(table, what, sizeOf(bytes), sizeOf(most), meter);
+    }
+  }
+
+  private drawWorkers(samples: Samples): void {
+    const table = element("workers");
+    table.replaceChildren();
+    for (const [state, count] of byLabel(samples, "tetstream_workers", "state")) row(table, `workers ${state}`, String(count));
+    for (const [state, count] of byLabel(samples, "tetstream_job_shards", "state")) {
+      row(table, state === "leased" ? "shards leased: a worker has them" : `shards ${state.replace("_", " ")}`, String(count));
+    }
+    const oldest = samples.get("tetstream_job_oldest_ready_seconds");
+    if (oldest) row(table, "the oldest waits for", `${Math.round(oldest)} s`);
+    for (const [outcome, count] of byLabel(samples, "tetstream_worker_shards_total", "outcome")) {
+      row(table, `shards of this process ${outcome.replace("_", " ")}`, String(count));
+    }
+    if (table.childElementCount === 0) row(table, "this server takes no jobs", "");
+  }
+
+  private drawCache(samples: Samples): void {
+    const table = element("cache");
+    table.replaceChildren();
+    const lookups = new Map(byLabel(samples, "tetstream_plan_lookups_total", "result"));
+    const hits = lookups.get("hit") ?? 0, all = hits + (lookups.get("miss") ?? 0);
+    row(table, "counted meshes found", all > 0 ? `${hits} of ${all} (${Math.round((100 * hits) / all)} %)` : "none asked for");
+    row(table, "streams from results of jobs", String(sum(samples, "tetstream_cached_streams_total")));
+    row(table, "grids in memory", `${sum(samples, "tetstream_resident_grids")}, ${sizeOf(sum(samples, "tetstream_resident_bytes"))}`);
+    for (const [what, count] of byLabel(samples, "tetstream_evictions_total", "what")) {
+      row(table, `had to go: ${what.replace("_", " ")}`, String(count));
+    }
   }
 }

@@ -1,14 +1,11 @@
-// A mesh in the worker: chunks in, surfaces to draw out.
+// A mesh in the worker: chunks in, surfaces to draw out. It is held as it came, packed; the rest is made when asked for.
 import type { MeshChunk, MeshHeader } from "../generated/tetstream/v1/meshes_pb";
-import { CoordinateType, IndexType } from "../generated/tetstream/v1/meshes_pb";
+import { ChunkStore, kFaceCorners, type Columns } from "./chunk_store";
+import { paintsOf, surfaceOf, wholeRows, type Surface } from "./drawing";
 import { FaceSet } from "./face_set";
-import { unpack } from "./packed";
-
-export interface Surface {
-  positions: Float32Array;  // 9 a triangle
-  colours: Uint8Array;      // 9 a triangle
-  triangles: number;
-}
+import { NumberList } from "./number_list";
+import { Tally } from "./tally";
+import { centroidOf, smallestAngle, volumeOf } from "./tet_shape";
 
 export interface Cut {
   axis: number;
@@ -21,246 +18,253 @@ export interface WorstTet {
   at: [number, number, number];
 }
 
-// A corner of a tet is opposite to the face with the same number; faces are wound outwards.
-const kFaces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] as const;
-// More tets than these are drawn by their surface alone.
-export const kMostTets = 30_000_000;
 const kWorst = 10;
 
 export class TetMesh {
-  readonly positions: Float32Array | Float64Array;
-  readonly tets: Uint32Array | undefined;  // undefined where only the surface is kept
-  readonly regions: Uint8Array | undefined;
-  readonly fields: Float32Array | undefined;
-  readonly fieldFloats: number;
-  private readonly faces = new FaceSet();
-  private readonly worst: WorstTet[] = [];
+  readonly tally = new Tally();
+  readonly store: ChunkStore;
+  readonly keepsTets: boolean;
+  private readonly faces = new FaceSet(this.tally);
+  /** Numbers of the faces that are outside, rising; once the mesh is whole. */
+  private outside?: Uint32Array;
+  private arrived = 0;  // vertices; chunks come in order
   tetsSoFar = 0;
   chunks = 0;
 
-  constructor(readonly header: MeshHeader) {
-    if (header.indexType === IndexType.UINT64) throw new Error("the mesh has more vertices than a tab can hold");
-    const vertices = Number(header.vertexCount), tets = Number(header.tetCount);
-    const wide = header.coordinateType === CoordinateType.FLOAT64;
-    this.positions = wide ? new Float64Array(vertices * 3) : new Float32Array(vertices * 3);
-    if (tets <= kMostTets) this.tets = new Uint32Array(tets * 4);
-    if (header.hasRegions && this.tets) this.regions = new Uint8Array(tets);
-    this.fieldFloats = header.fields.reduce((sum, field) => sum + field.components, 0);
-    if (this.fieldFloats > 0) this.fields = new Float32Array(vertices * this.fieldFloats);
-  }
-
-  get keepsTets(): boolean {
-    return this.tets !== undefined;
+  /** Of more tets than `mostTets` the surface alone is kept. */
+  constructor(readonly header: MeshHeader, mostTets: number) {
+    this.keepsTets = Number(header.tetCount) <= mostTets;
+    this.store = new ChunkStore(header, !this.keepsTets, this.tally);
   }
 
   add(chunk: MeshChunk): void {
-    const firstVertex = Number(chunk.firstVertex), vertices = Number(chunk.vertexCount);
-    const firstTet = Number(chunk.firstTet), count = Number(chunk.tetCount);
-    const wide = this.positions instanceof Float64Array;
-    const columns = chunk.packed.length > 0
-      ? unpack(chunk.packed, { firstVertex, vertices, tets: count, wide, regions: this.header.hasRegions,
-          fieldFloats: this.fieldFloats })
-      : this.plain(chunk, wide);
-    this.positions.set(columns.positions, firstVertex * 3);
-    this.tets?.set(columns.tets, firstTet * 4);
-    if (columns.regions) this.regions?.set(columns.regions, firstTet);
-    if (columns.fields) {
-      const floats = new Float32Array(columns.fields.buffer, columns.fields.byteOffset, columns.fields.length / 4);
-      this.fields?.set(floats, firstVertex * this.fieldFloats);
+    const columns = this.store.add(chunk);
+    const { tets, firstTet, count } = columns;
+    for (let t = 0; t < count; ++t) {
+      for (let f = 0; f < 4; ++f) {
+        const [i, j, k] = kFaceCorners[f]!;
+        this.faces.toggle(tets[t * 4 + i]!, tets[t * 4 + j]!, tets[t * 4 + k]!, (firstTet + t) * 4 + f);
+      }
     }
-    this.addFaces(columns.tets, firstTet, count);
+    this.arrived = columns.firstVertex + columns.vertices;
     this.tetsSoFar += count;
     ++this.chunks;
   }
 
-  private plain(chunk: MeshChunk, wide: boolean) {
-    const bytes = chunk.positions.slice().buffer;
-    return {
-      positions: wide ? new Float64Array(bytes) : new Float32Array(bytes),
-      tets: new Uint32Array(chunk.tets.slice().buffer),
-      regions: chunk.regions.length > 0 ? chunk.regions : undefined,
-      fields: chunk.fields.length > 0 ? chunk.fields.slice() : undefined,
-    };
+  /** No more chunks come: what was needed for them is dropped. */
+  finish(): void {
+    if (!this.keepsTets || this.outside) return;
+    const outside = new Uint32Array(this.faces.count);
+    let next = 0;
+    this.faces.forEach((p, q, r, face) => {
+      if (this.isThere(p, q, r)) outside[next++] = face;
+    });
+    this.outside = outside.subarray(0, next).sort();
+    this.tally.add(outside.byteLength);
+    this.faces.free();
   }
 
-  private addFaces(tets: Uint32Array, first: number, count: number): void {
-    for (let t = 0; t < count; ++t) {
-      const at = t * 4;
-      for (const [i, j, k] of kFaces) {
-        this.faces.toggle(tets[at + i]!, tets[at + j]!, tets[at + k]!, first + t);
+  /** Chunks that are on their way have the other vertices. */
+  private isThere(p: number, q: number, r: number): boolean {
+    return p < this.arrived && q < this.arrived && r < this.arrived;
+  }
+
+  get surfaceTriangles(): number {
+    return this.outside?.length ?? this.faces.count;
+  }
+
+  /** Numbers of the faces that one tet alone has, rising; once the mesh is whole. */
+  get outsideFaces(): Uint32Array {
+    return this.outside ?? new Uint32Array();
+  }
+
+  /** Three vertices of each face that one tet alone has, of those that have come. */
+  openCorners(): Uint32Array {
+    const corners = new Uint32Array(this.faces.count * 3);
+    let next = 0;
+    this.faces.forEach((p, q, r) => {
+      corners[next++] = p;
+      corners[next++] = q;
+      corners[next++] = r;
+    });
+    return corners;
+  }
+
+  /** Calls `use` with each of some faces, whose numbers rise, and its chunk; `i` is its place. */
+  forFaces(faces: Uint32Array, use: (i: number, columns: Columns, tet: number, corner: number) => void): void {
+    let next = 0;
+    for (let c = 0; c < this.store.count && next < faces.length; ++c) {
+      const columns = this.store.columns(c);
+      const end = (columns.firstTet + columns.count) * 4;
+      for (; next < faces.length && faces[next]! < end; ++next) {
+        use(next, columns, (faces[next]! >>> 2) - columns.firstTet, faces[next]! & 3);
       }
     }
+  }
+
+  /** Three vertices a face, in whole rows. */
+  private cornersOf(faces: Uint32Array): Uint32Array {
+    const corners = new Uint32Array(wholeRows(faces.length * 3));
+    this.tally.add(corners.byteLength);
+    this.forFaces(faces, (i, { tets }, tet, corner) => {
+      for (let k = 0; k < 3; ++k) corners[i * 3 + k] = tets[tet * 4 + kFaceCorners[corner]![k]!]!;
+    });
+    return corners;
+  }
+
+  /**
+   * The surface of all tets, or of those whose centroids lie below the cut, whole. While chunks come it has neither cut
+   * nor colour. The tally counts it until it is told otherwise.
+   */
+  surface(colourBy: string, cut?: Cut): Surface {
+    if (!this.outside) return this.surfaceSoFar();
+    const faces = cut ? this.cutFaces(cut) : this.outside;
+    const values = this.valuesOf(colourBy, faces);
+    const paints = paintsOf(values, faces.length);
+    this.tally.add(paints.byteLength);
+    this.tally.drop(values?.byteLength ?? 0);
+    const corners = this.cornersOf(faces);
+    if (cut) this.tally.drop(faces.byteLength);
+    return surfaceOf(this.store, corners, faces.length, paints, this.tally);
+  }
+
+  private surfaceSoFar(): Surface {
+    const corners = new Uint32Array(wholeRows(this.faces.count * 3));
+    this.tally.add(corners.byteLength);
+    let triangles = 0;
+    this.faces.forEach((p, q, r) => {
+      if (!this.isThere(p, q, r)) return;
+      corners[triangles * 3] = p;
+      corners[triangles * 3 + 1] = q;
+      corners[triangles * 3 + 2] = r;
+      ++triangles;
+    });
+    const paints = paintsOf(undefined, triangles);
+    this.tally.add(paints.byteLength);
+    return surfaceOf(this.store, corners, triangles, paints, this.tally);
+  }
+
+  /** Faces of the tets below the cut that no other of them has. */
+  private cutFaces(cut: Cut): Uint32Array {
+    const found = new NumberList(this.tally), band = new NumberList(this.tally), gone = new FaceSet(this.tally);
+    const along = new Float32Array(this.store.vertices);
+    this.tally.during(along, () => {
+      this.store.forEachPositions((first, positions) => {
+        for (let v = 0; v * 3 < positions.length; ++v) along[first + v] = positions[v * 3 + cut.axis]!;
+      });
+      this.split(cut.at, along, found, band, gone);
+    });
+    for (let i = 0; i < band.length; i += 5) {
+      for (let f = 0; f < 4; ++f) {
+        const [a, b, c] = kFaceCorners[f]!;
+        if (gone.toggle(band.at(i + a), band.at(i + b), band.at(i + c), 0) === 1) found.push(band.at(i + 4) * 4 + f);
+      }
+    }
+    gone.free();
+    band.free();
+    const faces = found.view().slice().sort();
+    this.tally.add(faces.byteLength);
+    found.free();
+    return faces;
+  }
+
+  /**
+   * Finds the outside faces of what is kept. Of the tets near the plane those that are kept go into `band`, and the faces
+   * of the others into `gone`: a kept one that touches another lies within three of its extents.
+   */
+  private split(at: number, along: Float32Array, found: NumberList, band: NumberList, gone: FaceSet): void {
+    const outside = this.outside!;
+    let next = 0;
+    this.store.forEach(({ tets, firstTet, count }) => {
+      for (let t = 0; t < count; ++t) {
+        const a = tets[t * 4]!, b = tets[t * 4 + 1]!, c = tets[t * 4 + 2]!, d = tets[t * 4 + 3]!;
+        const x = along[a]!, y = along[b]!, z = along[c]!, w = along[d]!;
+        const keep = x + y + z + w <= 4 * at;
+        const number = firstTet + t;
+        for (; next < outside.length && outside[next]! >>> 2 === number; ++next) if (keep) found.push(outside[next]!);
+        const low = Math.min(x, y, z, w), high = Math.max(x, y, z, w), reach = 3 * (high - low);
+        if (low - reach > at || high + reach < at) continue;
+        if (keep) {
+          band.push(a); band.push(b); band.push(c); band.push(d); band.push(number);
+        } else {
+          gone.toggle(b, c, d, 1); gone.toggle(a, d, c, 1); gone.toggle(a, b, d, 1); gone.toggle(a, c, b, 1);
+        }
+      }
+    });
+  }
+
+  /** A number for each face that is painted; the tally counts them. */
+  private valuesOf(by: string, faces: Uint32Array): Float32Array | undefined {
+    const fill = (value: (columns: Columns, tet: number, corner: number) => number): Float32Array => {
+      const values = new Float32Array(faces.length);
+      this.tally.add(values.byteLength);
+      this.forFaces(faces, (i, columns, tet, corner) => (values[i] = value(columns, tet, corner)));
+      return values;
+    };
+    if (by === "size" || by === "angle") {
+      return this.tally.during(this.store.allPositions(), (p) => by === "size"
+        ? fill(({ tets }, tet) => Math.cbrt(volumeOf(p, tets, tet * 4)))
+        : fill(({ tets }, tet) => smallestAngle(p, tets, tet * 4)));
+    }
+    if (by === "region" && (this.header.hasRegions || this.header.labels.length > 0)) {
+      return fill(({ groups }, tet) => groups?.[tet] ?? 0);
+    }
+    if (by === "region" && this.header.parts.length > 0) {
+      return fill(({ firstTet }, tet) => this.header.parts.findLastIndex((part) => firstTet + tet >= Number(part.firstTet)));
+    }
+    if (by === "field" && this.header.fields.length > 0) {
+      return this.tally.during(this.firstField(), (field) => fill(({ tets }, tet, corner) =>
+        kFaceCorners[corner]!.reduce((sum, k) => sum + field[tets[tet * 4 + k]!]!, 0) / 3));
+    }
+    return undefined;
+  }
+
+  private firstField(): Float32Array {
+    const floats = this.header.fields.reduce((sum, field) => sum + field.components, 0);
+    const all = new Float32Array(this.store.vertices);
+    this.store.forEach(({ firstVertex, fields, vertices }) => {
+      for (let v = 0; v < vertices; ++v) all[firstVertex + v] = fields?.[v * floats] ?? 0;
+    });
+    return all;
   }
 
   /** Looks for the tets with the smallest angles; once all are there. */
   findWorst(): WorstTet[] {
-    const tets = this.tets;
-    if (!tets) return [];
-    this.worst.length = 0;
-    for (let t = 0; t < this.tetsSoFar; ++t) {
-      const angle = this.smallestAngle(t);
-      if (this.worst.length === kWorst && angle >= this.worst[kWorst - 1]!.angle) continue;
-      this.worst.push({ tet: t, angle, at: this.centroid(t) });
-      this.worst.sort((a, b) => a.angle - b.angle);
-      this.worst.length = Math.min(this.worst.length, kWorst);
-    }
-    return this.worst;
+    if (!this.keepsTets) return [];
+    const worst: WorstTet[] = [];
+    this.tally.during(this.store.allPositions(), (p) => this.store.forEach(({ tets, firstTet, count }) => {
+      for (let t = 0; t < count; ++t) {
+        const angle = smallestAngle(p, tets, t * 4);
+        if (worst.length === kWorst && angle >= worst[kWorst - 1]!.angle) continue;
+        worst.push({ tet: firstTet + t, angle, at: centroidOf(p, tets, t * 4) });
+        worst.sort((a, b) => a.angle - b.angle);
+        worst.length = Math.min(worst.length, kWorst);
+      }
+    }));
+    return worst;
   }
 
   /** Edges of the surface that have not two triangles: pairs of ends, 6 numbers each. */
   seams(): Float32Array {
-    const triangles = new Map<number, number>();
-    const vertices = this.positions.length / 3;
-    this.faces.forEach((p, q, r) => {
-      for (const [a, b] of [[p, q], [q, r], [r, p]] as const) {
-        const edge = Math.min(a, b) * vertices + Math.max(a, b);
-        triangles.set(edge, (triangles.get(edge) ?? 0) + 1);
-      }
-    });
+    const vertices = this.store.vertices;
+    const corners = this.cornersOf(this.outsideFaces);
+    const edges = new Float64Array(this.outsideFaces.length * 3);
     const ends: number[] = [];
-    for (const [edge, count] of triangles) {
-      if (count === 2) continue;
-      for (const v of [Math.floor(edge / vertices), edge % vertices]) {
-        ends.push(this.positions[v * 3]!, this.positions[v * 3 + 1]!, this.positions[v * 3 + 2]!);
+    this.tally.during(edges, () => this.tally.during(this.store.allPositions(), (p) => {
+      for (let i = 0; i < edges.length; ++i) {
+        const a = corners[i]!, b = corners[i % 3 === 2 ? i - 2 : i + 1]!;
+        edges[i] = Math.min(a, b) * vertices + Math.max(a, b);
       }
-    }
+      edges.sort();
+      for (let i = 0, end = 0; i < edges.length; i = end) {
+        while (end < edges.length && edges[end] === edges[i]) ++end;
+        if (end - i === 2) continue;
+        for (const v of [Math.floor(edges[i]! / vertices), edges[i]! % vertices]) {
+          ends.push(p[v * 3]!, p[v * 3 + 1]!, p[v * 3 + 2]!);
+        }
+      }
+    }));
+    this.tally.drop(corners.byteLength);
     return Float32Array.from(ends);
   }
-
-  get surfaceTriangles(): number {
-    return this.faces.count;
-  }
-
-  private centroid(tet: number): [number, number, number] {
-    const p = this.positions, t = this.tets!;
-    const sum = (axis: number): number =>
-      (p[t[tet * 4]! * 3 + axis]! + p[t[tet * 4 + 1]! * 3 + axis]! +
-       p[t[tet * 4 + 2]! * 3 + axis]! + p[t[tet * 4 + 3]! * 3 + axis]!) / 4;
-    return [sum(0), sum(1), sum(2)];
-  }
-
-  /** The smallest dihedral angle, degrees. */
-  private smallestAngle(tet: number): number {
-    const p = this.positions, t = this.tets!;
-    const normals: number[][] = [];
-    for (const [i, j, k] of kFaces) {
-      const a = t[tet * 4 + i]! * 3, b = t[tet * 4 + j]! * 3, c = t[tet * 4 + k]! * 3;
-      const ux = p[b]! - p[a]!, uy = p[b + 1]! - p[a + 1]!, uz = p[b + 2]! - p[a + 2]!;
-      const vx = p[c]! - p[a]!, vy = p[c + 1]! - p[a + 1]!, vz = p[c + 2]! - p[a + 2]!;
-      const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-      const length = Math.hypot(x, y, z) || 1;
-      normals.push([x / length, y / length, z / length]);
-    }
-    let largest = -1;
-    for (let i = 0; i < 4; ++i) {
-      for (let j = i + 1; j < 4; ++j) {
-        const m = normals[i]!, n = normals[j]!;
-        largest = Math.max(largest, -(m[0]! * n[0]! + m[1]! * n[1]! + m[2]! * n[2]!));
-      }
-    }
-    return (Math.acos(Math.min(1, largest)) * 180) / Math.PI;
-  }
-
-  private volume(tet: number): number {
-    const p = this.positions, t = this.tets!;
-    const a = t[tet * 4]! * 3, b = t[tet * 4 + 1]! * 3, c = t[tet * 4 + 2]! * 3, d = t[tet * 4 + 3]! * 3;
-    const e = (q: number, axis: number): number => p[q + axis]! - p[a + axis]!;
-    return (e(b, 0) * (e(c, 1) * e(d, 2) - e(c, 2) * e(d, 1)) -
-      e(b, 1) * (e(c, 0) * e(d, 2) - e(c, 2) * e(d, 0)) +
-      e(b, 2) * (e(c, 0) * e(d, 1) - e(c, 1) * e(d, 0))) / 6;
-  }
-
-  /** The surface of all tets, or of those whose centroids lie below the cut, whole. */
-  surface(colourBy: string, cut?: Cut): Surface {
-    const corners: number[] = [], owners: number[] = [];
-    const keep = cut && this.tets ? this.keeper(cut) : undefined;
-    this.faces.forEach((p, q, r, tet) => {
-      if (keep && !keep(tet)) return;
-      corners.push(p, q, r);
-      owners.push(tet);
-    });
-    if (keep) this.addCutFaces(keep, cut!, corners, owners);
-    const positions = new Float32Array(corners.length * 3);
-    for (let i = 0; i < corners.length; ++i) {
-      for (let axis = 0; axis < 3; ++axis) positions[i * 3 + axis] = this.positions[corners[i]! * 3 + axis]!;
-    }
-    return { positions, colours: this.colours(colourBy, corners, owners), triangles: owners.length };
-  }
-
-  private keeper(cut: Cut): (tet: number) => boolean {
-    const p = this.positions, t = this.tets!;
-    const limit = cut.at * 4;
-    return (tet) => {
-      const at = tet * 4, axis = cut.axis;
-      return p[t[at]! * 3 + axis]! + p[t[at + 1]! * 3 + axis]! + p[t[at + 2]! * 3 + axis]! +
-        p[t[at + 3]! * 3 + axis]! <= limit;
-    };
-  }
-
-  /** Faces between a tet that is kept and one that is not. Both lie within three of their extents. */
-  private addCutFaces(keep: (tet: number) => boolean, cut: Cut, corners: number[], owners: number[]): void {
-    const p = this.positions, t = this.tets!;
-    const kept: number[] = [], gone = new FaceSet();
-    for (let tet = 0; tet < this.tetsSoFar; ++tet) {
-      let low = Infinity, high = -Infinity;
-      for (let k = 0; k < 4; ++k) {
-        const value = p[t[tet * 4 + k]! * 3 + cut.axis]!;
-        low = Math.min(low, value);
-        high = Math.max(high, value);
-      }
-      const reach = 3 * (high - low);
-      if (low - reach > cut.at || high + reach < cut.at) continue;
-      if (keep(tet)) kept.push(tet);
-      else for (const [i, j, k] of kFaces) gone.toggle(t[tet * 4 + i]!, t[tet * 4 + j]!, t[tet * 4 + k]!, tet);
-    }
-    for (const tet of kept) {
-      for (const [i, j, k] of kFaces) {
-        const a = t[tet * 4 + i]!, b = t[tet * 4 + j]!, c = t[tet * 4 + k]!;
-        if (!gone.has(a, b, c)) continue;
-        corners.push(a, b, c);
-        owners.push(tet);
-      }
-    }
-  }
-
-  private colours(by: string, corners: number[], owners: number[]): Uint8Array {
-    const colours = new Uint8Array(corners.length * 3);
-    if (by === "field" && this.fields) {
-      const values = corners.map((v) => this.fields![v * this.fieldFloats]!);
-      paint(colours, values);
-      return colours;
-    }
-    const value = this.tets ? this.valueOf(by) : undefined;
-    if (!value) return colours.fill(190);
-    const values: number[] = [];
-    for (const tet of owners) {
-      const v = value(tet);
-      values.push(v, v, v);
-    }
-    paint(colours, values);
-    return colours;
-  }
-
-  private valueOf(by: string): ((tet: number) => number) | undefined {
-    if (by === "size") return (tet) => Math.cbrt(this.volume(tet));
-    if (by === "angle") return (tet) => this.smallestAngle(tet);
-    if (by === "region" && this.regions) return (tet) => this.regions![tet]!;
-    return undefined;
-  }
-}
-
-/** From blue over white to orange, over the range that there is. */
-function paint(colours: Uint8Array, values: number[]): void {
-  let low = Infinity, high = -Infinity;
-  for (const value of values) {
-    low = Math.min(low, value);
-    high = Math.max(high, value);
-  }
-  const scale = high > low ? 1 / (high - low) : 0;
-  values.forEach((value, i) => {
-    const x = (value - low) * scale;
-    const towards = x < 0.5 ? [40, 110, 190] : [230, 130, 30];
-    const far = Math.abs(x - 0.5) * 2;
-    for (let k = 0; k < 3; ++k) colours[i * 3 + k] = 235 + (towards[k]! - 235) * far;
-  });
 }

@@ -1,17 +1,27 @@
 // The surface in three.js, drawn when something has changed and never else.
 import {
-  AmbientLight, Box3, Box3Helper, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group,
-  LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+  Box3, Box3Helper, BufferAttribute, BufferGeometry, Color, DataTexture, FloatType, Group, LineBasicMaterial, LineSegments,
+  Mesh, PerspectiveCamera, RedFormat, RedIntegerFormat, Scene, UnsignedByteType, UnsignedIntType, Vector3, WebGLRenderer,
+  type PixelFormat, type TextureDataType } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { kTextureWidth, type Surface } from "./drawing";
+import { surfaceMaterial } from "./surface_material";
+
+// Where the lamp is, beside the camera.
+const kLamp = new Vector3(0.4, 0.7, 1);
 
 export class Viewer {
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(40, 1, 0.01, 1000);
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
-  private readonly mesh: Mesh;
+  private readonly material = surfaceMaterial(kTextureWidth);
+  private readonly mesh = new Mesh(new BufferGeometry(), this.material);
   private readonly marks = new Group();
   private pending = false;
+  private frames = 0;
+  /** Called once the canvas has the surface. */
+  private taken?: () => void;
   /** What was measured of the last frame. */
   last = { triangles: 0, calls: 0, ms: 0 };
 
@@ -19,16 +29,14 @@ export class Viewer {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
-    this.mesh = new Mesh(new BufferGeometry(),
-      new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, flatShading: true }));
     this.mesh.visible = false;
-    this.scene.add(this.mesh, this.marks, new AmbientLight(0xffffff, 0.9), this.camera);
-    const light = new DirectionalLight(0xffffff, 2.2);
-    light.position.set(0.4, 0.7, 1);
-    this.camera.add(light);
+    this.mesh.frustumCulled = false;  // its geometry has no positions
+    this.scene.add(this.mesh, this.marks, this.camera);
     new ResizeObserver(() => this.draw()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
     canvas.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener("visibilitychange", () => document.hidden && this.tellTaken());
+    canvas.addEventListener("webglcontextlost", () => (this.mesh.visible = false));  // with its textures
     this.draw();
   }
 
@@ -38,15 +46,34 @@ export class Viewer {
     this.draw();
   }
 
-  show(positions: Float32Array, colours: Uint8Array): void {
-    this.mesh.geometry.dispose();
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(positions, 3));
-    geometry.setAttribute("color", new BufferAttribute(colours, 3, true));
-    geometry.computeBoundingSphere();
-    this.mesh.geometry = geometry;
-    this.mesh.visible = true;
+  /** Draws a surface. Its arrays are dropped when the canvas has them, and `taken` is called. */
+  show(surface: Surface, taken: () => void): void {
+    this.put("corners", surface.corners, RedIntegerFormat, UnsignedIntType);
+    this.put("places", surface.places, RedFormat, FloatType);
+    this.put("paints", surface.paints, RedIntegerFormat, UnsignedByteType);
+    this.mesh.geometry.setDrawRange(0, surface.triangles * 3);
+    this.mesh.visible = surface.triangles > 0;
+    this.taken = taken;
+    // What nobody sees is taken when somebody looks.
+    if (this.canvas.clientWidth === 0 || document.hidden || !this.mesh.visible) this.tellTaken();
     this.draw();
+  }
+
+  private put(name: string, data: Uint32Array | Float32Array | Uint8Array, format: PixelFormat,
+      type: TextureDataType): void {
+    const uniform = this.material.uniforms[name]!;
+    (uniform.value as DataTexture | null)?.dispose();
+    const height = Math.min(data.length / kTextureWidth, this.renderer.capabilities.maxTextureSize);
+    const texture = new DataTexture(data.subarray(0, height * kTextureWidth), kTextureWidth, height, format, type);
+    texture.onUpdate = () => ((texture.image as { data: unknown }).data = null);
+    texture.needsUpdate = true;
+    uniform.value = texture;
+  }
+
+  private tellTaken(): void {
+    const taken = this.taken;
+    this.taken = undefined;
+    taken?.();
   }
 
   /** Marks what deserves a look: boxes, and lines by their ends. Seen through the surface. */
@@ -106,20 +133,30 @@ export class Viewer {
     });
   }
 
+  /** The lamp shines from beside the camera towards the origin. */
+  private aimLamp(): void {
+    this.camera.updateMatrixWorld();
+    const lamp = this.material.uniforms["lamp"]!.value as Vector3;
+    lamp.copy(kLamp).applyMatrix4(this.camera.matrixWorld).transformDirection(this.camera.matrixWorldInverse);
+  }
+
   private drawNow(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (width === 0 || height === 0) return;
+    if (width === 0 || height === 0) return this.tellTaken();
     const start = performance.now();
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.renderer.setClearColor(new Color(getComputedStyle(this.canvas).backgroundColor));
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.aimLamp();
     this.renderer.render(this.scene, this.camera);
+    this.tellTaken();
     const { triangles, calls } = this.renderer.info.render;
     this.last = { triangles, calls, ms: performance.now() - start };
     // What a test may wait for.
     this.canvas.dataset["drawn"] = String(this.mesh.visible ? triangles : 0);
+    this.canvas.dataset["frames"] = String(++this.frames);
     this.canvas.dataset["calls"] = String(calls);
     this.canvas.dataset["drawMs"] = this.last.ms.toFixed(1);
   }

@@ -1,0 +1,126 @@
+// Gmsh's .msh 4.1, binary, as core/files/write_msh.cpp writes it: all is in physical groups.
+import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
+import type { FileParts } from "./file_parts";
+import { countGroups, tetGroups } from "./tet_groups";
+import type { TetMesh } from "./tet_mesh";
+import { forEachPoints } from "./world_points";
+
+const kSurface = 2, kVolume = 3, kTriangle = 2, kTet = 4;
+
+/** Unsigned numbers of eight bytes, all below 2^32. */
+function wide(...numbers: number[]): Uint32Array {
+  return Uint32Array.from(numbers.flatMap((number) => [number, 0]));
+}
+
+function writeNames(file: FileParts, entities: [number, number, string][]): void {
+  file.text(`$PhysicalNames\n${entities.length}\n` + entities.map(([dimension, tag, name]) =>
+    `${dimension} ${tag} "${name.replace(/"/g, "'")}"\n`).join("") + "$EndPhysicalNames\n");
+}
+
+function writeEntities(mesh: TetMesh, file: FileParts, surfaces: number[], volumes: number[]): void {
+  const { min, max } = mesh.header.bounds ?? {};
+  const box = Float64Array.from([min, max].flatMap((p) => [p?.x ?? 0, p?.y ?? 0, p?.z ?? 0]));
+  file.text("$Entities\n");
+  file.bytes(wide(0, 0, surfaces.length, volumes.length));
+  for (const tag of [...surfaces, ...volumes]) {
+    file.bytes(Int32Array.of(tag));
+    file.bytes(box);
+    file.bytes(wide(1));
+    file.bytes(Int32Array.of(tag));
+    file.bytes(wide(0));
+  }
+  file.text("\n$EndEntities\n");
+}
+
+function writeNodes(mesh: TetMesh, file: FileParts, volume: number): void {
+  const { header, store } = mesh;
+  file.text("$Nodes\n");
+  file.bytes(wide(1, store.vertices, 1, store.vertices));
+  file.bytes(Int32Array.of(kVolume, volume, 0));
+  file.bytes(wide(store.vertices));
+  forEachPoints(header, store, (points, first) => {
+    const numbers = new Uint32Array((points.length / 3) * 2);
+    for (let v = 0; v * 2 < numbers.length; ++v) numbers[v * 2] = first + v + 1;
+    file.bytes(numbers);
+  });
+  forEachPoints(header, store, (points) => file.bytes(Float64Array.from(points)));
+  file.text("\n$EndNodes\n");
+}
+
+/** Tets that `wanted` takes, with their numbers in the mesh as tags. */
+function writeTets(mesh: TetMesh, file: FileParts, group: number): void {
+  const groups = tetGroups(mesh.header);
+  mesh.store.forEach((columns) => {
+    const of = groups.of(columns), { tets, firstTet, count } = columns;
+    const rows = new Uint32Array(count * 10);
+    let next = 0;
+    for (let t = 0; t < count; ++t) {
+      if (of(t) !== group) continue;
+      rows[next] = firstTet + t + 1;
+      for (let k = 0; k < 4; ++k) rows[next + 2 + 2 * k] = tets[t * 4 + k]! + 1;
+      next += 10;
+    }
+    file.bytes(rows.subarray(0, next));
+  });
+}
+
+function writeTriangles(mesh: TetMesh, file: FileParts, { faces }: FaceGroup, first: number): void {
+  const rows = new Uint32Array(faces.length * 8);
+  mesh.forFaces(faces, (i, columns, tet, corner) => {
+    rows[i * 8] = first + i;
+    cornersOf(columns, tet, corner).forEach((vertex, k) => (rows[i * 8 + 2 + 2 * k] = vertex + 1));
+  });
+  file.bytes(rows);
+}
+
+function writeFields(mesh: TetMesh, file: FileParts): void {
+  const { header, store } = mesh;
+  const floats = header.fields.reduce((sum, field) => sum + field.components, 0);
+  let at = 0;
+  for (const { name, components } of header.fields) {
+    file.text(`$NodeData\n1\n"${name}"\n1\n0.0\n3\n0\n${components}\n${store.vertices}\n`);
+    const own = at;
+    store.forEach(({ firstVertex, vertices, fields }) => {
+      const size = 4 + 8 * components, rows = new DataView(new ArrayBuffer(vertices * size));
+      for (let v = 0; v < vertices; ++v) {
+        rows.setInt32(v * size, firstVertex + v + 1, true);
+        for (let c = 0; c < components; ++c) rows.setFloat64(v * size + 4 + 8 * c, fields![v * floats + own + c]!, true);
+      }
+      file.bytes(rows);
+    });
+    file.text("\n$EndNodeData\n");
+    at += components;
+  }
+}
+
+export function writeMsh(mesh: TetMesh, file: FileParts): void {
+  const groups = tetGroups(mesh.header), surfaces = faceGroups(mesh);
+  const counts = countGroups(groups, (use) => mesh.store.forEach(use));
+  const tets = Number(mesh.header.tetCount);
+  const triangles = surfaces.reduce((sum, surface) => sum + surface.faces.length, 0);
+  file.text("$MeshFormat\n4.1 1 8\n");
+  file.bytes(Int32Array.of(1));  // tells a reader the byte order
+  file.text("\n$EndMeshFormat\n");
+  writeNames(file, [...surfaces.map(({ tag, name }) => [kSurface, tag, name] as [number, number, string]),
+    ...groups.names.map((name, i) => [kVolume, groups.tags[i]!, name] as [number, number, string])]);
+  writeEntities(mesh, file, surfaces.map(({ tag }) => tag), groups.tags);
+  writeNodes(mesh, file, groups.tags[0]!);
+  file.text("$Elements\n");
+  // Not every reader takes an empty block.
+  file.bytes(wide(counts.filter((count) => count > 0).length + surfaces.length, tets + triangles, 1, tets + triangles));
+  counts.forEach((count, group) => {
+    if (count === 0) return;
+    file.bytes(Int32Array.of(kVolume, groups.tags[group]!, kTet));
+    file.bytes(wide(count));
+    writeTets(mesh, file, group);
+  });
+  let first = tets + 1;
+  for (const surface of surfaces) {
+    file.bytes(Int32Array.of(kSurface, surface.tag, kTriangle));
+    file.bytes(wide(surface.faces.length));
+    writeTriangles(mesh, file, surface, first);
+    first += surface.faces.length;
+  }
+  file.text("\n$EndElements\n");
+  writeFields(mesh, file);
+}

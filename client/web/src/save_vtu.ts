@@ -1,0 +1,103 @@
+// VTK's unstructured grids, .vtu: all of the mesh.
+import type { FileParts } from "./file_parts";
+import type { TetMesh } from "./tet_mesh";
+import { tetGroups } from "./tet_groups";
+import { forEachPoints, isWide } from "./world_points";
+
+interface Column {
+  attributes: string;
+  bytes: number;
+  write: () => void;
+}
+
+const kLeastInt32 = -(2 ** 31), kMostInt32 = 2 ** 31 - 1;
+
+function xml(text: string): string {
+  return text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;").replace(/"/g, "&quot;");
+}
+
+/** What the tets are labelled with, if anything. */
+function labelColumn(mesh: TetMesh, file: FileParts): Column | undefined {
+  const { header, store } = mesh;
+  const tets = Number(header.tetCount);
+  const groups = tetGroups(header);
+  if (header.labels.length > 0) {
+    const values = header.labels.map((label) => label.value);
+    const narrow = values.every((value) => value >= kLeastInt32 && value <= kMostInt32);
+    return { attributes: `type="${narrow ? "Int32" : "Int64"}" Name="label"`, bytes: tets * (narrow ? 4 : 8),
+      write: () => store.forEach((columns) => {
+        const of = groups.of(columns);
+        file.bytes(narrow ? Int32Array.from({ length: columns.count }, (_, t) => Number(values[of(t)]!))
+          : BigInt64Array.from({ length: columns.count }, (_, t) => values[of(t)]!));
+      }) };
+  }
+  if (!header.hasRegions && header.parts.length === 0) return undefined;
+  return { attributes: `type="UInt8" Name="${header.hasRegions ? "region" : "part"}"`, bytes: tets,
+    write: () => store.forEach((columns) => {
+      const of = groups.of(columns);
+      file.bytes(Uint8Array.from({ length: columns.count }, (_, t) => of(t) + 1));
+    }) };
+}
+
+function fieldColumns(mesh: TetMesh, file: FileParts): Column[] {
+  const { header, store } = mesh;
+  const floats = header.fields.reduce((sum, field) => sum + field.components, 0);
+  let first = 0;
+  return header.fields.map(({ name, components }) => {
+    const at = first;
+    first += components;
+    return { attributes: `type="Float32" Name="${xml(name)}"${components === 3 ? ' NumberOfComponents="3"' : ""}`,
+      bytes: store.vertices * components * 4,
+      write: () => store.forEach(({ fields, vertices }) => file.bytes(Float32Array.from(
+        { length: vertices * components }, (_, i) =>
+          fields![Math.floor(i / components) * floats + at + (i % components)]!))) };
+  });
+}
+
+function fieldData(mesh: TetMesh): string {
+  const one = (type: string, name: string, number: number | bigint): string =>
+    `<DataArray type="${type}" Name="${xml(name)}" NumberOfTuples="1" format="ascii">${number}</DataArray>\n`;
+  const text = mesh.header.parts.map((part, i) => one("Int32", part.name, i + 1)).join("") +
+    mesh.header.labels.filter((label) => label.name).map((label) => one("Int64", label.name, label.value)).join("");
+  return text && `<FieldData>\n${text}</FieldData>\n`;
+}
+
+export function writeVtu(mesh: TetMesh, file: FileParts): void {
+  const { header, store } = mesh;
+  const tets = Number(header.tetCount), wide = isWide(header);
+  const points: Column = { attributes: `type="${wide ? "Float64" : "Float32"}" Name="Points" NumberOfComponents="3"`,
+    bytes: store.vertices * 3 * (wide ? 8 : 4), write: () => forEachPoints(header, store, (p) => file.bytes(p)) };
+  const cells: Column[] = [
+    { attributes: 'type="Int32" Name="connectivity"', bytes: tets * 16,
+      write: () => store.forEach((columns) => file.bytes(columns.tets.slice())) },
+    { attributes: 'type="Int32" Name="offsets"', bytes: tets * 4,
+      write: () => store.forEach(({ firstTet, count }) =>
+        file.bytes(Int32Array.from({ length: count }, (_, t) => (firstTet + t + 1) * 4))) },
+    { attributes: 'type="UInt8" Name="types"', bytes: tets,
+      write: () => store.forEach(({ count }) => file.bytes(new Uint8Array(count).fill(10))) }];
+  const fields = fieldColumns(mesh, file), label = labelColumn(mesh, file);
+  let offset = 0;
+  const named = (columns: Column[]): string => columns.map(({ attributes, bytes }) => {
+    const text = `<DataArray ${attributes} format="appended" offset="${offset}"/>\n`;
+    offset += 8 + bytes;
+    return text;
+  }).join("");
+  file.text(`<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+<UnstructuredGrid>
+${fieldData(mesh)}<Piece NumberOfPoints="${store.vertices}" NumberOfCells="${tets}">
+<Points>
+${named([points])}</Points>
+<Cells>
+${named(cells)}</Cells>
+${label ? `<CellData>\n${named([label])}</CellData>\n` : ""}` +
+    `${fields.length > 0 ? `<PointData>\n${named(fields)}</PointData>\n` : ""}</Piece>
+</UnstructuredGrid>
+<AppendedData encoding="raw">
+_`);
+  for (const column of [points, ...cells, ...(label ? [label] : []), ...fields]) {
+    file.bytes(new BigUint64Array([BigInt(column.bytes)]));
+    column.write();
+  }
+  file.text("\n</AppendedData>\n</VTKFile>\n");
+}

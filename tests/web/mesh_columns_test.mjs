@@ -1,0 +1,203 @@
+// What the page's worker makes of chunks, without a browser: a cube of known volume, its surface, cuts and files.
+//   PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/mesh_columns_test.mjs
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, describe, it } from "node:test";
+import { pathToFileURL } from "node:url";
+
+const modules = process.env.PAGE_MODULES;
+const here = import.meta.dirname ?? new URL(".", import.meta.url).pathname;
+const kFormats = ["vtu", "msh", "inp", "mesh", "stl", "obj", "ply"];
+const folder = mkdtempSync(join(tmpdir(), "tetstream-columns-"));
+let page;
+
+before(async () => {
+  const { build } = createRequire(join(modules, "package.json"))("esbuild");
+  const outfile = join(folder, "page.mjs");
+  await build({
+    stdin: { resolveDir: join(modules, "src"), loader: "ts", contents: `
+      export { create } from "@bufbuild/protobuf";
+      export * from "../generated/tetstream/v1/meshes_pb";
+      export { TetMesh } from "./tet_mesh";
+      export { FaceSet } from "./face_set";
+      export { Tally } from "./tally";
+      export { fileOf } from "./save";
+      export { shortFloat32, textOf } from "./file_parts";
+      export { namesInFile } from "./file_names";
+      export { bytesOf } from "./drawing";` },
+    bundle: true, platform: "node", format: "esm", outfile, logLevel: "error" });
+  page = await import(pathToFileURL(outfile));
+});
+after(() => rmSync(folder, { recursive: true }));
+
+const kSide = 10;
+const bytes = (array) => new Uint8Array(array.buffer);
+
+/** Positions of a cube's grid and six tets a cell, and which half each tet is in: 1 or 2. */
+function cube() {
+  const n = kSide, points = [], tets = [], halves = [];
+  const id = ([i, j, k]) => (k * (n + 1) + j) * (n + 1) + i;
+  for (let k = 0; k <= n; ++k) for (let j = 0; j <= n; ++j) for (let i = 0; i <= n; ++i) points.push(i / n, j / n, k / n);
+  for (let cell = 0; cell < n ** 3; ++cell) {
+    const from = [cell % n, Math.floor(cell / n) % n, Math.floor(cell / n ** 2)];
+    for (const [x, order] of [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]].entries()) {
+      const at = [...from], corners = [id(at)];
+      for (const axis of order) {
+        ++at[axis];
+        corners.push(id(at));
+      }
+      if (x >= 3) [corners[2], corners[3]] = [corners[3], corners[2]];  // positive
+      tets.push(...corners);
+      halves.push(from[0] < n / 2 ? 1 : 2);
+    }
+  }
+  return { points, tets, halves };
+}
+
+const kChunks = 4;
+
+/** The cube as a mesh of some chunks: of one side, of both, or with labels. `each` is called after every chunk. */
+function meshOf(kind, each = () => {}) {
+  const { points, tets, halves } = cube();
+  const vertices = points.length / 3, count = tets.length / 4;
+  const header = page.create(page.MeshHeaderSchema, {
+    vertexCount: BigInt(vertices), tetCount: BigInt(count), chunkCount: BigInt(kChunks),
+    coordinateType: page.CoordinateType.FLOAT32, indexType: page.IndexType.UINT32,
+    origin: { x: 10, y: 0, z: 0 }, spacing: 1 / kSide,
+    bounds: { min: { x: 10, y: 0, z: 0 }, max: { x: 11, y: 1, z: 1 } }, hasRegions: kind === "regions",
+    labels: kind === "labels" ? [{ value: 4n, name: "bone" }, { value: 7n, name: "" }] : [],
+    fields: [{ name: "heat", components: 1 }, { name: "flow", components: 3 }] });
+  const mesh = new page.TetMesh(header, Infinity);
+  for (let c = 0; c < kChunks; ++c) {
+    const [v, nextV] = [c, c + 1].map((i) => Math.floor((vertices * i) / kChunks));
+    const [t, nextT] = [c, c + 1].map((i) => Math.floor((count * i) / kChunks));
+    const labels = halves.slice(t, nextT);
+    const fields = Float32Array.from({ length: (nextV - v) * 4 }, (_, i) => v + i / 4);
+    mesh.add(page.create(page.MeshChunkSchema, {
+      index: BigInt(c), firstVertex: BigInt(v), vertexCount: BigInt(nextV - v), firstTet: BigInt(t), tetCount: BigInt(nextT - t),
+      positions: bytes(Float32Array.from(points.slice(3 * v, 3 * nextV))), fields: bytes(fields),
+      tets: bytes(Uint32Array.from(tets.slice(4 * t, 4 * nextT))),
+      regions: kind === "regions" ? Uint8Array.from(labels)
+        : kind === "labels" ? bytes(Uint16Array.from(labels, (half) => half - 1)) : new Uint8Array() }));
+    each(mesh, nextV);
+  }
+  mesh.finish();
+  return mesh;
+}
+
+function areaOf({ corners, places, triangles }) {
+  let area = 0;
+  for (let t = 0; t < triangles; ++t) {
+    const [a, b, c] = [0, 1, 2].map((k) => [0, 1, 2].map((axis) => places[corners[3 * t + k] * 3 + axis]));
+    const u = b.map((x, axis) => x - a[axis]), v = c.map((x, axis) => x - a[axis]);
+    area += Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+  }
+  return area;
+}
+
+function about(value, wanted) {
+  assert.ok(Math.abs(value - wanted) < 1e-5, `${value} is not ${wanted}`);
+}
+
+describe("a mesh in the worker", () => {
+  it("draws what is there while chunks come, and its surface when it is whole", () => {
+    const sofar = [];
+    const mesh = meshOf("plain", (growing) => {
+      const surface = growing.surface("size", { axis: 0, at: 0.5 });  // neither yet
+      growing.tally.drop(page.bytesOf(surface));
+      sofar.push(surface.triangles);
+    });
+    assert.ok(sofar.every((triangles) => triangles > 0), String(sofar));
+    const surface = mesh.surface("none");
+    assert.equal(surface.triangles, 6 * 2 * kSide ** 2);
+    about(areaOf(surface), 6);
+    assert.equal(mesh.seams().length, 0);
+    assert.equal(mesh.findWorst().length, 10);
+    assert.equal(mesh.findWorst()[0].angle.toFixed(3), "45.000");
+  });
+
+  it("cuts between whole tets, in every colour", () => {
+    const mesh = meshOf("regions");
+    for (const colour of ["none", "size", "angle", "region", "field"]) {
+      const surface = mesh.surface(colour, { axis: 0, at: 0.52 });
+      about(areaOf(surface), 2 + 4 * 0.5);
+      mesh.tally.drop(page.bytesOf(surface));
+    }
+    const whole = mesh.surface("region");
+    assert.deepEqual(new Set(whole.paints.subarray(0, whole.triangles)), new Set([0, 254]));
+    assert.equal(mesh.surface("none", { axis: 1, at: -1 }).triangles, 0);
+  });
+
+  it("counts every byte that it holds, and gives back what a drawing took", () => {
+    const mesh = meshOf("labels");
+    const own = mesh.tally.now;
+    for (const colour of ["none", "size", "angle", "region", "field"]) {
+      for (const cut of [undefined, { axis: 2, at: 0.3 }]) {
+        const surface = mesh.surface(colour, cut);
+        assert.equal(mesh.tally.now, own + page.bytesOf(surface));
+        mesh.tally.drop(page.bytesOf(surface));
+      }
+    }
+    mesh.findWorst();
+    mesh.seams();
+    assert.equal(mesh.tally.now, own);
+    // Chunks as they came, and four bytes a face outside.
+    let came = 0;
+    mesh.store.forEach((c) => (came += c.positions.byteLength + c.tets.byteLength + c.groups.byteLength + c.fields.byteLength));
+    assert.equal(own, came + 4 * mesh.surfaceTriangles);
+  });
+
+  for (const kind of ["plain", "regions", "labels"]) {
+    it(`saves files that others read: ${kind}`, async () => {
+      const mesh = meshOf(kind);
+      for (const ending of kFormats) {
+        const blob = page.fileOf(mesh, ending);
+        writeFileSync(join(folder, `${kind}.${ending}`), Buffer.from(await blob.arrayBuffer()));
+      }
+      execFileSync("/usr/bin/python3", [join(here, "saved_cube.py"), folder, kind], { stdio: ["ignore", "ignore", "inherit"] });
+    });
+  }
+});
+
+describe("a set of faces", () => {
+  it("has those that came once, whichever way they were wound", () => {
+    const tally = new page.Tally();
+    const faces = new page.FaceSet(tally), there = new Map();
+    let seed = 1;
+    const random = (end) => (seed = (Math.imul(seed, 1103515245) + 12345) >>> 0, (seed >>> 8) % end);
+    for (let i = 0; i < 300_000; ++i) {
+      const face = [random(90), 90 + random(90), 180 + random(50)];
+      const key = String(face);
+      const turned = random(2) ? face : [face[0], face[2], face[1]];
+      for (let turn = random(3); turn > 0; --turn) turned.push(turned.shift());
+      assert.equal(faces.toggle(...turned, i), there.get(key) ?? -1);
+      if (!there.delete(key)) there.set(key, i);
+    }
+    assert.equal(faces.count, there.size);
+    const seen = new Map();
+    faces.forEach((a, b, c, number) => seen.set(String([a, b, c].sort((x, y) => x - y)), number));
+    assert.deepEqual(seen, there);
+    // Tables that grow one by one, and are four fifths full then.
+    assert.ok(tally.most < 30 * faces.count, `${tally.most} bytes for ${faces.count} faces`);
+    faces.free();
+    assert.equal(tally.now, 0);
+  });
+});
+
+describe("text in files", () => {
+  it("is the shortest that reads as the same number", () => {
+    for (const [x, text] of [[0.1, "0.1"], [1 / 3, "0.33333334"], [16777216, "16777216"], [1e-7, "1e-7"], [0, "0"]]) {
+      assert.equal(page.shortFloat32(Math.fround(x)), text);
+    }
+    assert.equal(page.textOf(-1.2345678901234567e-8, true).length, 20);
+  });
+
+  it("has names of letters, digits and underscores, no two alike", () => {
+    assert.deepEqual(page.namesInFile(["a/b", "a b", "1x", "A_B"], true), ["a_b", "a_b_2", "n1x", "A_B_3"]);
+    assert.deepEqual(page.namesInFile(["a", "A", "é"]), ["a", "A", "n_"]);
+  });
+});

@@ -1,0 +1,60 @@
+"""Whether the files that mesh_columns_test.mjs saved hold its cube: a volume of 1 between x = 10 and 11, in two halves.
+
+    saved_cube.py FOLDER plain|regions|labels
+"""
+
+import pathlib
+import sys
+
+import numpy
+from compare_saved import READERS
+from samples import volumes
+
+BOX = {f"box_{axis}_{side}": 1 for axis in "xyz" for side in ("min", "max")}
+# Areas of faces by their names, and labels of the halves.
+FACES = {"plain": {"surface": 6}, "regions": {"interface": 1, **BOX},
+         "labels": {"bone_surface": 3, "label_7_surface": 3, "bone_label_7": 1}}
+LABELS = {"plain": None, "regions": (1, 2), "labels": (4, 7)}
+WITH_FIELDS = {".vtu", ".msh", ".ply"}
+
+
+def area(points, triangles):
+    corners = points[numpy.asarray(triangles)].astype(float)
+    return numpy.linalg.norm(numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+
+
+def check(path, kind):
+    read = READERS[path.suffix](path)
+    assert read.points[:, 0].min() == 10 and read.points[:, 0].max() == 11
+    if read.tets is not None:
+        assert len(read.tets) == 6000
+        numpy.testing.assert_allclose(volumes(read.points, read.tets), 1 / 6000, rtol=1e-3)
+        middles = read.points[read.tets, 0].mean(axis=1)
+        if LABELS[kind]:
+            numpy.testing.assert_array_equal(read.labels, numpy.where(middles < 10.5, *LABELS[kind]))
+        else:
+            assert read.labels is None
+    wanted = FACES[kind] if path.suffix not in (".vtu", ".stl") else {}
+    if path.suffix == ".stl":
+        wanted = {"": sum(FACES[kind].values())}
+    areas = {name: area(read.points, triangles) for name, triangles in read.faces.items()}
+    assert set(areas) == set(wanted), areas
+    for name, expected in wanted.items():
+        assert abs(areas[name] - expected) < 1e-4, (name, areas[name])
+    assert set(read.fields) == ({"heat", "flow"} if path.suffix in WITH_FIELDS else set())
+    if read.fields:
+        numpy.testing.assert_array_equal(read.fields["flow"] - read.fields["heat"][:, None],
+                                         numpy.tile([0.25, 0.5, 0.75], (len(read.points), 1)))
+
+
+def main():
+    folder, kind = pathlib.Path(sys.argv[1]), sys.argv[2]
+    for ending in READERS:
+        try:
+            check(folder / f"{kind}{ending}", kind)
+        except AssertionError as error:
+            raise AssertionError(f"{kind}{ending}: {error}") from error
+
+
+if __name__ == "__main__":
+    main()
