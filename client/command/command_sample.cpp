@@ -12,10 +12,14 @@
 
 #include "client/command/command.h"
 #include "client/command/field_options.h"
+#include "client/command/mesh_arguments.h"
 #include "client/command/mesh_input.h"
+#include "client/command/mesh_report.h"
+#include "client/command/prepare_request.h"
 #include "client/command/read_shape.h"
 #include "client/command/request_options.h"
-#include "client/library/read_grids.h"
+#include "client/command/server_options.h"
+#include "client/library/mesh_client.h"
 #include "client/library/text_file.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
@@ -34,11 +38,14 @@ Examples:
       and the values of other grids
   tetstream sample part.json points.txt -o samples.csv
       of a scene
+  tetstream sample bunny.vdb points.txt -o samples.csv --server localhost:7447
+      by a server, which is sent the volume if it does not have it: the same bytes
 )";
 
 struct SampleCommand {
   MeshOptions options;
   RequestArguments request;
+  ServerArguments server;
   std::string points;
 };
 
@@ -48,8 +55,13 @@ absl::StatusOr<MeshOptions> understand(const SampleCommand& command) {
   if (!request.ok()) return request.status();
   options.request = *std::move(request);
   options.grids = command.request.grids;
+  options.server = command.server.address;
+  absl::StatusOr<ChannelOptions> channel = understand_server(command.server);
+  if (!channel.ok()) return channel.status();
+  options.channel = *std::move(channel);
   absl::Status status = check_mesh_input({options.input, options.grids, options.surface});
   if (status.ok()) status = check_field_files(options.request.fields, options.input);
+  if (status.ok()) status = check_trust(options);
   if (status.ok()) status = check_can_create(options.output);
   if (!status.ok()) return status;
   return options;
@@ -71,26 +83,51 @@ std::string csv_of(const std::vector<WorldPoint>& points, const PointSamples& sa
   text += "\n";
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& [x, y, z] = points[i];
-    const auto& [phi, slope] = samples.phi[i];
-    absl::StrAppendFormat(&text, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x, y, z, phi,
-                          slope.x, slope.y, slope.z);
+    const double* const slope = &samples.slopes[3 * i];
+    absl::StrAppendFormat(&text, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x, y, z,
+                          samples.phi[i], slope[0], slope[1], slope[2]);
     for (std::size_t k = 0; k < samples.width; ++k) {
-      absl::StrAppendFormat(&text, ",%.9g", samples.values[i * samples.width + k]);
+      absl::StrAppendFormat(&text, ",%.9g", samples.fields[i * samples.width + k]);
     }
     text += "\n";
   }
   return text;
 }
 
-absl::StatusOr<PointSamples> sample(const MeshOptions& options,
-                                    const std::vector<WorldPoint>& points,
-                                    const Cancellation& interruption) {
-  ProgressBar bar;
+absl::StatusOr<PointSamples> sample_read(const MeshOptions& options,
+                                         const std::vector<WorldPoint>& points,
+                                         ProgressBar& bar,
+                                         const Cancellation& interruption) {
   absl::StatusOr<ReadShape> shape = read_shape(options, bar, interruption);
   if (!shape.ok()) return shape.status();
   const absl::StatusOr<MeshRequest> request = read_request(options, interruption);
   if (!request.ok()) return request.status();
   return sample_points(shape->shape, *request, points, interruption);
+}
+
+absl::StatusOr<PointSamples> sample_here(const MeshOptions& options,
+                                         const std::vector<WorldPoint>& points,
+                                         ProgressBar& bar,
+                                         const Cancellation& interruption) {
+  TaskPool pool(options.threads);
+  absl::StatusOr<PointSamples> samples = absl::UnknownError("not sampled");
+  pool.run([&] { samples = sample_read(options, points, bar, interruption); });
+  return samples;
+}
+
+absl::StatusOr<PointSamples> sample_on_server(const MeshOptions& options,
+                                              const std::vector<WorldPoint>& points,
+                                              ProgressBar& bar,
+                                              const Cancellation& interruption) {
+  const auto client = MeshClient::connect(options.server, options.channel);
+  if (!client.ok()) return client.status();
+  const auto request = prepare_request(**client, options, bar, interruption);
+  if (!request.ok()) return request.status();
+  bar.begin("sampling", "points");
+  const auto tell = [&](std::uint64_t done, std::uint64_t total) {
+    bar.update(static_cast<double>(done), static_cast<double>(total));
+  };
+  return (*client)->sample_points(request->message, points, tell, interruption);
 }
 
 absl::Status run_sample(const SampleCommand& command, const Cancellation& interruption) {
@@ -100,13 +137,20 @@ absl::Status run_sample(const SampleCommand& command, const Cancellation& interr
   if (!text.ok()) return text.status();
   const auto points = read_points(*text);
   if (!points.ok()) return about(command.points, points.status());
-  TaskPool pool(options->threads);
   absl::StatusOr<PointSamples> samples = absl::UnknownError("not sampled");
-  pool.run([&] { samples = sample(*options, *points, interruption); });
+  {
+    ProgressBar bar;
+    samples = options->server.empty() ? sample_here(*options, *points, bar, interruption)
+                                      : sample_on_server(*options, *points, bar, interruption);
+  }
   if (!samples.ok()) return samples.status();
   const std::string csv = csv_of(*points, *samples);
   if (auto status = write_text_file(options->output, csv); !status.ok()) return status;
   std::printf("%s: %zu points\n", for_terminal(options->output).c_str(), points->size());
+  if (!samples->inside_guess.empty()) {
+    std::fprintf(stderr, "%s\n",
+                 lines_for_terminal(inside_note(samples->inside_guess)).c_str());
+  }
   return absl::OkStatus();
 }
 
@@ -137,6 +181,7 @@ Command add_sample_command(CLI::App& app) {
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--trust", options.trust, kTrustHelp);
+  describe_server(app, command->server);
   return [command](const Cancellation& interruption) {
     return run_sample(*command, interruption);
   };

@@ -60,13 +60,13 @@ absl::Status check_labels(const MeshOptions& options) {
       options.input, " is none"));
 }
 
+}  // namespace
+
 absl::Status check_trust(const MeshOptions& options) {
   if (!options.trust || options.server.empty()) return absl::OkStatus();
   return absl::InvalidArgumentError(
       "--trust is about a file that is read here: leave --trust or --server out");
 }
-
-}  // namespace
 
 void describe_input(CLI::App& app, MeshArguments& arguments) {
   MeshOptions& options = arguments.options;

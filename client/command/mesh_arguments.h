@@ -24,6 +24,9 @@ void describe_input(CLI::App& app, MeshArguments& arguments);
 /// Errors: those of understand_request and understand_server.
 absl::StatusOr<MeshOptions> understand_input(const MeshArguments& arguments);
 
+/// OK unless the input is to be trusted and is read elsewhere. Errors: kInvalidArgument.
+absl::Status check_trust(const MeshOptions& options);
+
 /// Whether the options go with the input. Errors: kInvalidArgument.
 absl::Status check_input(const MeshOptions& options);
 

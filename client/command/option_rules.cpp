@@ -31,7 +31,8 @@ FeatureNames option_names(const MeshRequest& request) {
                       "--compact",
                       "an earlier mesh",
                       "a session",
-                      "a job"});
+                      "a job",
+                      "points"});
   if (request.iso) names.set(Feature::kIso, absl::StrFormat("--iso %g", *request.iso));
   return names;
 }

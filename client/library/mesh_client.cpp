@@ -11,6 +11,7 @@
 #include "client/library/receive_mesh.h"
 #include "client/library/remesh_session.h"
 #include "client/library/served_chunks.h"
+#include "client/library/served_samples.h"
 #include "client/library/upload.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/wire/serialized.h"
@@ -170,6 +171,14 @@ absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& requ
   return receive_mesh(*connection_, stream_call(std::move(message)),
                       MeshReceiver(&earlier.mesh, std::move(options.used)), progress,
                       cancellation);
+}
+
+absl::StatusOr<PointSamples> MeshClient::sample_points(
+    const v1::MeshRequest& request,
+    std::span<const WorldPoint> points,
+    const std::function<void(std::uint64_t done, std::uint64_t total)>& progress,
+    const Cancellation& cancellation) {
+  return sample_there(*connection_, request, points, progress, cancellation);
 }
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> MeshClient::begin_session(

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/plan/sample_points.h"
 #include "core/plan/thin_walls.h"
 #include "tetstream/v1/grids.pb.h"
 #include "tetstream/v1/meshes.pb.h"
@@ -137,6 +139,14 @@ class MeshClient {
                                            const ClientProgress& progress,
                                            const Cancellation& cancellation,
                                            StreamOptions options = {});
+
+  /// Asks what a mesh of `request` would be made from at each of the points: see
+  /// served_samples.h. `progress` is told how many were answered, of all.
+  absl::StatusOr<PointSamples> sample_points(
+      const v1::MeshRequest& request,
+      std::span<const WorldPoint> points,
+      const std::function<void(std::uint64_t done, std::uint64_t total)>& progress,
+      const Cancellation& cancellation);
 
   /// A mesh that follows its shape, change by change: see remesh_session.h. This client and
   /// `cancellation` outlive it.

@@ -85,14 +85,17 @@ bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) no
   return std::max(reach(bounds.min), reach(bounds.max)) > kMaxFloat32Extent * spacing;
 }
 
+std::string inside_guess_of(const PhiField& field, const MeshRequest& request) {
+  return field.volume == nullptr ? field.scene->inside_guess
+                                 : describe_guess(*field.volume, request.inside, field.iso);
+}
+
 absl::StatusOr<LatticeToWorld> place_in_world(const PhiField& field,
                                               const VoxelBox& corners,
                                               double beyond,
                                               const MeshRequest& request,
                                               MeshHeader& header) {
-  header.inside_guess = field.volume == nullptr
-                            ? field.scene->inside_guess
-                            : describe_guess(*field.volume, request.inside, field.iso);
+  header.inside_guess = inside_guess_of(field, request);
   return place_lattice(field.lattice_transform(), corners, beyond, request, header);
 }
 

@@ -1,6 +1,8 @@
 // Where a mesh lies in the world, and how its coordinates are stored.
 #pragma once
 
+#include <string>
+
 #include <absl/status/statusor.h>
 
 #include "core/base/types.h"
@@ -23,6 +25,10 @@ bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) no
 
 /// The same, of any lattice.
 WorldBox world_box_of(const BrickBox& domain, const VoxelTransform& lattice);
+
+/// Which side of a grid's surface was taken for the inside, and why, where neither its class
+/// nor the request says it: MeshHeader::inside_guess.
+std::string inside_guess_of(const PhiField& field, const MeshRequest& request);
 
 /// Puts the origin where the request says, or in the middle of `corners`, a box of lattice
 /// corners; all vertices are no farther than `beyond` spacings outside of it. Fills in the

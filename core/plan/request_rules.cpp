@@ -121,6 +121,11 @@ constexpr RequestRule kRules[] = {
     {F::kLabels, F::kSession, kRefused, "$0 do not go with $1",
      "stream the mesh of each segmentation",
      "A frame has values of leaves, and a segmentation has none."},
+    {F::kSeveralGrids, F::kPoints, kRefused,
+     "$0 is set, but several grids have no phi in common", "set grid_name",
+     "A sample has one phi, and each grid has its own."},
+    {F::kLabels, F::kPoints, kRefused, "$0 have no phi", "sample a grid of distances",
+     "phi tells two sides apart, and a segmentation has any number."},
     {F::kEarlierMesh, F::kLabels, kSentWhole, "", "",
      "Labels are not compared with those of an earlier segmentation."},
     {F::kEarlierMesh, F::kCut, kSentWhole, "", "", kWithoutBricks},
@@ -144,7 +149,7 @@ bool is_of_a_stream(Feature feature) {
 }
 
 bool is_of_another_call(Feature feature) {
-  return feature == F::kSession || feature == F::kJob;
+  return feature == F::kSession || feature == F::kJob || feature == F::kPoints;
 }
 
 bool are_one_choice(Feature a, Feature b) {
@@ -194,7 +199,8 @@ FeatureNames field_names() {
                        "encoding ENCODING_COMPACT",
                        "base_name",
                        "a session",
-                       "a job"});
+                       "a job",
+                       "points"});
 }
 
 FeatureNames field_names(const MeshRequest& request) {

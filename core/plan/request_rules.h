@@ -48,9 +48,10 @@ enum class Feature : std::uint8_t {
   kEarlierMesh,
   kSession,
   kJob,
+  kPoints,  ///< the request says what points are looked up in
 };
 
-inline constexpr std::size_t kFeatureCount = static_cast<std::size_t>(Feature::kJob) + 1;
+inline constexpr std::size_t kFeatureCount = static_cast<std::size_t>(Feature::kPoints) + 1;
 
 /// In the order of the enumeration.
 constexpr std::array<Feature, kFeatureCount> all_features() {
@@ -111,9 +112,9 @@ std::span<const RequestRule> request_rules();
 /// Null where the two go together, or where nobody can ask for both.
 const RequestRule* find_rule(Feature a, Feature b);
 
-/// Whether one request can have both features. A call has one encoding; a session and a job
-/// take a mesh's request alone; and with both sides or labels a box is not a cut, but where
-/// they end.
+/// Whether one request can have both features. A call has one encoding; a session, a job and
+/// points take a mesh's request alone; and with both sides or labels a box is not a cut, but
+/// where they end.
 bool can_be_asked_together(Feature a, Feature b);
 
 /// What a caller calls each feature.

@@ -53,25 +53,6 @@ absl::Status check_place(const v1::MeshHeader& message) {
   return check_spacing(message.spacing(), message.levels());
 }
 
-absl::StatusOr<std::vector<FieldArray>> fields_of(const v1::MeshHeader& message) {
-  constexpr int kMostArrays = int{VertexField::kMaxFields} + 1;  // a cut adds its own
-  if (message.fields_size() > kMostArrays) {
-    return bad(absl::StrFormat("fields has %d entries; the limit is %d", message.fields_size(),
-                               kMostArrays));
-  }
-  std::set<std::string> names;
-  std::vector<FieldArray> fields;
-  for (const v1::FieldArray& field : message.fields()) {
-    const bool is_new = names.insert(field.name()).second;
-    const bool is_array = field.components() == 1 || field.components() == 3;
-    if (!is_new || !is_array || !is_array_name(field.name())) {
-      return bad(absl::StrCat("fields[", fields.size(), "] is no array of its own"));
-    }
-    fields.push_back({field.name(), static_cast<std::uint32_t>(field.components())});
-  }
-  return fields;
-}
-
 /// A part's name is shown, and written into files.
 bool is_part_name(const std::string& name) {
   return !name.empty() && name.size() <= kMaxGridNameBytes && is_utf8(name) &&
@@ -172,6 +153,33 @@ std::optional<Preset> from_proto(v1::Preset preset) {
   return std::nullopt;
 }
 
+void to_proto(const std::vector<FieldArray>& arrays, ArrayMessages& messages) {
+  for (const FieldArray& array : arrays) {
+    v1::FieldArray& message = *messages.Add();
+    message.set_name(array.name);
+    message.set_components(static_cast<std::int32_t>(array.components));
+  }
+}
+
+absl::StatusOr<std::vector<FieldArray>> from_proto(const ArrayMessages& messages) {
+  constexpr int kMostArrays = int{VertexField::kMaxFields} + 1;  // a cut adds its own
+  if (messages.size() > kMostArrays) {
+    return bad(absl::StrFormat("fields has %d entries; the limit is %d", messages.size(),
+                               kMostArrays));
+  }
+  std::set<std::string> names;
+  std::vector<FieldArray> fields;
+  for (const v1::FieldArray& field : messages) {
+    const bool is_new = names.insert(field.name()).second;
+    const bool is_array = field.components() == 1 || field.components() == 3;
+    if (!is_new || !is_array || !is_array_name(field.name())) {
+      return bad(absl::StrCat("fields[", fields.size(), "] is no array of its own"));
+    }
+    fields.push_back({field.name(), static_cast<std::uint32_t>(field.components())});
+  }
+  return fields;
+}
+
 void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_vertex_count(signed_count(header.vertex_count));
   message.set_tet_count(signed_count(header.tet_count));
@@ -183,11 +191,7 @@ void to_proto(const MeshHeader& header, v1::MeshHeader& message) {
   message.set_spacing(header.spacing);
   message.set_levels(header.levels);
   message.set_has_regions(header.has_regions);
-  for (const FieldArray& field : header.fields) {
-    v1::FieldArray& array = *message.add_fields();
-    array.set_name(field.name);
-    array.set_components(static_cast<std::int32_t>(field.components));
-  }
+  to_proto(header.fields, *message.mutable_fields());
   for (const MeshPart& part : header.parts) to_proto(part, *message.add_parts());
   if (header.box) to_proto(*header.box, *message.mutable_box());
   message.set_inside_guess(header.inside_guess);
@@ -204,7 +208,7 @@ absl::StatusOr<MeshHeader> from_proto(const v1::MeshHeader& message) {
   if (!coordinates) return bad("coordinate_type is unknown");
   const auto indices = from_proto(message.index_type());
   if (!indices) return bad("index_type is unknown");
-  auto fields = fields_of(message);
+  auto fields = from_proto(message.fields());
   if (!fields.ok()) return fields.status();
   auto parts = parts_of(message);
   if (!parts.ok()) return parts.status();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -21,6 +22,13 @@ v1::Preset to_proto(Preset preset);
 std::optional<CoordinateType> from_proto(v1::CoordinateType type);
 std::optional<IndexType> from_proto(v1::IndexType type);
 std::optional<Preset> from_proto(v1::Preset preset);
+
+using ArrayMessages = google::protobuf::RepeatedPtrField<v1::FieldArray>;
+
+/// Arrays of fields. The messages are not trusted: names may be shown and written into files.
+/// Errors: kInvalidArgument, which begins with the field.
+void to_proto(const std::vector<FieldArray>& arrays, ArrayMessages& messages);
+absl::StatusOr<std::vector<FieldArray>> from_proto(const ArrayMessages& messages);
 
 /// What core knows of a header: neither its mesh's name nor its request.
 void to_proto(const MeshHeader& header, v1::MeshHeader& message);

@@ -81,6 +81,11 @@ struct Metrics::Families {
       counters(registry, "tetstream_sent_tets_total", "Tets in the chunks sent.").Add({});
   Counter& bytes =
       counters(registry, "tetstream_sent_bytes_total", "Bytes of the chunks sent.").Add({});
+  Counter& points =
+      counters(registry, "tetstream_sampled_points_total", "Points whose samples were sent.")
+          .Add({});
+  Counter& sample_bytes =
+      counters(registry, "tetstream_sampled_bytes_total", "Bytes of samples sent.").Add({});
   Counter& upload_bytes =
       counters(registry, "tetstream_upload_bytes_total", "Bytes of grid files received.")
           .Add({});
@@ -110,6 +115,11 @@ void Metrics::chunk_sent(std::uint64_t tets, std::uint64_t bytes) noexcept {
   families_->chunks.Increment();
   families_->tets.Increment(static_cast<double>(tets));
   families_->bytes.Increment(static_cast<double>(bytes));
+}
+
+void Metrics::points_sampled(std::uint64_t points, std::uint64_t bytes) noexcept {
+  families_->points.Increment(static_cast<double>(points));
+  families_->sample_bytes.Increment(static_cast<double>(bytes));
 }
 
 void Metrics::upload_received(std::uint64_t bytes) noexcept {

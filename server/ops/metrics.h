@@ -59,6 +59,7 @@ class Metrics {
   void first_chunk(double seconds);
 
   void chunk_sent(std::uint64_t tets, std::uint64_t bytes) noexcept;
+  void points_sampled(std::uint64_t points, std::uint64_t bytes) noexcept;
   void upload_received(std::uint64_t bytes) noexcept;
 
   /// Everything, with what `reader` says now, in Prometheus' text format 0.0.4.

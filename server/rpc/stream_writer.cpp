@@ -49,7 +49,7 @@ void StreamWriter::advance() {
 
 StreamWriter::Step StreamWriter::next_step() {
   const std::lock_guard lock(mutex_);
-  if (writing_ || finished_ || held_) return Step::kWait;
+  if (writing_ || finished_ || held_ > 0) return Step::kWait;
   bool prepared = false;
   if (!ended_) {
     const absl::Status status = guarded(call_.method().c_str(), [&] { prepared = prepare(); });
@@ -94,7 +94,7 @@ void StreamWriter::give_up(std::chrono::seconds waited) {
     const std::lock_guard lock(mutex_);
     if (!writing_ || ended_) return;
     end(status);
-    held_ = true;
+    ++held_;
   }
   abandon();
   hold_while([&] {
@@ -107,18 +107,18 @@ void StreamWriter::start_operation(const std::function<void()>& start) {
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
-    held_ = true;
+    ++held_;
   }
   hold_while(start);
 }
 
 /// `action` may bring events here and now, so it is not called under the lock; and gRPC must
-/// not be done meanwhile. To be called with `held_` set.
+/// not be done meanwhile. To be called with one more in `held_`, which it takes back.
 void StreamWriter::hold_while(const std::function<void()>& action) {
   action();
   {
     const std::lock_guard lock(mutex_);
-    held_ = false;
+    --held_;
   }
   advance();
 }

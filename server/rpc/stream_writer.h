@@ -83,7 +83,7 @@ class StreamWriter : public Stallable, public std::enable_shared_from_this<Strea
   void hold_while(const std::function<void()>& action);
 
   bool writing_ = false;
-  bool held_ = false;  ///< the call may not finish now
+  int held_ = 0;  ///< by as many the call may not finish now
   bool ended_ = false, finished_ = false;
   Stallable::Clock::time_point write_start_{};
   absl::Status status_;  ///< how the call ends

@@ -13,6 +13,7 @@
 #include "server/rpc/deadline.h"
 #include "server/streams/mesh_stream.h"
 #include "server/streams/remesh_stream.h"
+#include "server/streams/sample_stream.h"
 
 namespace tet {
 
@@ -173,6 +174,11 @@ grpc::ServerUnaryReactor* MeshService::EstimateMesh(grpc::CallbackServerContext*
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MeshService::RemeshSession(
     grpc::CallbackServerContext* context) {
   return RemeshStream::start(engine_, *context);
+}
+
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MeshService::SamplePoints(
+    grpc::CallbackServerContext* context) {
+  return SampleStream::start(engine_, *context);
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshService::StreamMesh(

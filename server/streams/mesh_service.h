@@ -1,4 +1,4 @@
-// MeshService: capabilities, estimates and streams.
+// MeshService: capabilities, estimates, streams and points.
 #pragma once
 
 #include "server/streams/mesh_engine.h"
@@ -10,7 +10,9 @@ namespace tet {
 using RawStreamService = v1::MeshService::WithCallbackMethod_GetCapabilities<
     v1::MeshService::WithCallbackMethod_EstimateMesh<
         v1::MeshService::WithRawCallbackMethod_StreamMesh<
-            v1::MeshService::WithRawCallbackMethod_RemeshSession<v1::MeshService::Service>>>>;
+            v1::MeshService::WithRawCallbackMethod_RemeshSession<
+                v1::MeshService::WithRawCallbackMethod_SamplePoints<
+                    v1::MeshService::Service>>>>>;
 
 /// gRPC's side of the mesher. Thread-safe; the engine outlives it.
 class MeshService final : public RawStreamService {
@@ -26,6 +28,8 @@ class MeshService final : public RawStreamService {
   grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamMesh(
       grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* RemeshSession(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SamplePoints(
       grpc::CallbackServerContext* context) override;
 
  private:

@@ -8,7 +8,7 @@ import json
 import math
 import unittest
 
-from command_case import REFUSED, USAGE, CommandTest
+from command_case import REFUSED, USAGE, CommandTest, ServerTest
 
 POINTS = [(0.9, 0, 0), (0, -1.05, 0), (0.3, 0.4, 0.9), (0.6, -0.6, 0.5)]
 
@@ -60,6 +60,32 @@ class Sample(CommandTest):
         self.points.write_text("1 2 nan\n")
         self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 1")
         self.assert_fails(self.sample("sphere.vdb", "--inside", "out"), USAGE, "--inside")
+
+
+class SamplesOnAServer(ServerTest):
+    volumes = {"sphere": 0.05, "fields": 0.1}
+
+    def test_has_the_bytes_that_are_made_here(self):
+        points = self.inputs / "points.txt"
+        points.write_text("\n".join("%r %r %r" % (0.001 * i, -0.5, 0.2) for i in range(-1000, 1001)))
+        scene = {"nodes": [{"name": "scan", "grid": {"name": "sphere.vdb"}}]}
+        (self.inputs / "part.json").write_text(json.dumps(scene))
+        for name, options in (("sphere.vdb", ()), ("part.json", ()),
+                              ("fields.vdb", ("--grid", "sphere", "--field", "T=heat"))):
+            with self.subTest(name=name):
+                here, there = self.out / "here.csv", self.out / "there.csv"
+                for path, server in ((here, ()), (there, ("--server", self.address))):
+                    self.assert_done(self.tetstream(
+                        "sample", self.inputs / name, points, "-o", path, *options, *server))
+                self.assertEqual(there.read_bytes(), here.read_bytes())
+                self.assertEqual(len(here.read_text().splitlines()), 2002)
+        self.assertEqual(self.sample("tetstream_sampled_points_total"), 3 * 2001)
+
+    def test_refuses_to_trust_what_is_read_elsewhere(self):
+        points = self.inputs / "one.txt"
+        points.write_text("0 0 0")
+        self.assert_fails(self.tetstream("sample", self.inputs / "sphere.vdb", points, "-o", self.out / "s.csv",
+                                         "--trust", "--server", self.address), REFUSED, "--trust")
 
 
 if __name__ == "__main__":

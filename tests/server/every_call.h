@@ -73,6 +73,23 @@ inline EveryCall::Make session(const v1::MeshRequest& mesh) {
   };
 }
 
+/// Points of which there is one.
+inline EveryCall::Make samples(const v1::MeshRequest& mesh) {
+  return [mesh](const auto& channel, grpc::ClientContext& context) {
+    v1::MeshService::Stub stub(channel);
+    const auto stream = stub.SamplePoints(&context);
+    v1::SamplePointsRequest start, points;
+    *start.mutable_start() = mesh;
+    points.mutable_points()->set_positions(std::string(3 * sizeof(double), '\0'));
+    stream->Write(start);
+    stream->Write(points);
+    stream->WritesDone();
+    for (v1::SamplePointsResponse response; stream->Read(&response);) {
+    }
+    return stream->Finish();
+  };
+}
+
 /// A stream of one service's that is read to its end.
 template <class Service, class Request, class Event>
 EveryCall::Make reader(std::unique_ptr<grpc::ClientReader<Event>> (Service::Stub::*method)(
@@ -154,6 +171,7 @@ inline std::vector<EveryCall> every_call_about(const std::string& name) {
   calls.push_back({"EstimateMesh", "\"mesh\"",
                    unary<MeshService>(&MeshService::Stub::EstimateMesh, estimate)});
   calls.push_back({"RemeshSession", "\"mesh\"", every_call::session(mesh)});
+  calls.push_back({"SamplePoints", "\"mesh\"", every_call::samples(mesh)});
   v1::StreamMeshRequest stream;
   *stream.mutable_mesh() = mesh;
   calls.push_back({"StreamMesh", "\"mesh\"",

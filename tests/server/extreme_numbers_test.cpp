@@ -105,6 +105,7 @@ class ExtremeNumbers : public testing::Test {
         {"StreamMesh",
          reader<MeshService>(server_.meshes, &MeshService::Stub::StreamMesh, stream)},
         {"RemeshSession", session()},
+        {"SamplePoints", samples()},
     };
   }
 
@@ -161,6 +162,27 @@ class ExtremeNumbers : public testing::Test {
               stream->Write(message);
               stream->WritesDone();
               for (v1::MeshEvent event; stream->Read(&event);) {
+              }
+              return stream->Finish();
+            }};
+  }
+
+  /// Points come after a start.
+  Method samples() {
+    return {seed_of(v1::SamplePointsRequest()),
+            [this](grpc::ClientContext& context, const Message& request) {
+              auto message = static_cast<const v1::SamplePointsRequest&>(request);
+              const auto stream = server_.meshes->SamplePoints(&context);
+              if (!message.has_start()) {
+                v1::SamplePointsRequest start;
+                *start.mutable_start() = ball_.mesh();
+                stream->Write(start);
+              } else if (!message.start().has_scene()) {
+                message.mutable_start()->set_name(ball_.mesh().name());
+              }
+              stream->Write(message);
+              stream->WritesDone();
+              for (v1::SamplePointsResponse response; stream->Read(&response);) {
               }
               return stream->Finish();
             }};

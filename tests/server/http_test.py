@@ -194,7 +194,8 @@ class GrpcWeb(HttpTest):
         self.assertEqual(frames(answer)[1]["grpc-status"], "12")
 
     def test_what_a_browser_cannot_send_is_refused(self):
-        for method in ("GridService/UploadGrid", "MeshService/RemeshSession"):
+        for method in ("GridService/UploadGrid", "MeshService/RemeshSession",
+                       "MeshService/SamplePoints"):
             self.assertEqual(self.ask("POST", f"/tetstream.v1.{method}", framed(b""), GRPC_WEB)[0],
                              501)
         self.assertEqual(self.ask("POST", "/tetstream.v1.MeshService/No", framed(b""), GRPC_WEB)[0],

@@ -2,6 +2,7 @@
 // of rules says, or it makes a mesh.
 #include <fstream>
 #include <optional>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,6 +97,17 @@ class RequestRulesTest : public ServiceTest {
     EXPECT_EQ((*session)->tets_sent(), rule == nullptr ? 0 : all);
   }
 
+  void expect_samples(const v1::MeshRequest& request, const RequestRule* rule) {
+    const std::vector<WorldPoint> points{{0, 0, 0}};
+    const auto samples = client_->sample_points(request, points, {}, never_);
+    if (rule != nullptr) {
+      EXPECT_EQ(samples.status().message(), message_of(*rule, names_in(request)));
+      return;
+    }
+    ASSERT_TRUE(samples.ok()) << samples.status();
+    EXPECT_EQ(samples->phi.size(), 1U);
+  }
+
   /// A cube of label 1, in an image of 12 voxels along each axis.
   std::string labels_file() {
     const std::string path = folder_.file("labels.nrrd");
@@ -122,6 +134,8 @@ TEST_F(RequestRulesTest, EveryPairIsRefusedAsTheTableSaysOrMakesAMesh) {
       const RequestRule* const rule = find_rule(a, b);
       if (b == Feature::kSession) {
         expect_session(request.mesh(), rule);
+      } else if (b == Feature::kPoints) {
+        expect_samples(request.mesh(), rule);
       } else if (rule != nullptr && rule->outcome == Outcome::kRefused) {
         expect_refused(request, *rule);
       } else if (a == Feature::kEarlierMesh || b == Feature::kEarlierMesh) {

@@ -92,6 +92,7 @@ class FeatureRequest {
         return stream.set_base_mesh_id("another");
       case Feature::kSession:
       case Feature::kJob:
+      case Feature::kPoints:
         return;  // which are other calls
     }
   }

@@ -70,6 +70,7 @@ void bind_mesh(py::module_& module);
 void bind_stream(py::module_& module);
 void bind_mesher(py::module_& module);
 void bind_client(py::module_& module);
+void bind_samples(py::module_& module);
 void bind_session(py::module_& module);
 void bind_jobs(py::module_& module);
 

@@ -16,6 +16,7 @@ PYBIND11_MODULE(_tetstream, module) {
   bind_stream(module);
   bind_mesher(module);
   bind_client(module);
+  bind_samples(module);
   bind_session(module);
   bind_jobs(module);
 }

@@ -16,7 +16,7 @@ is meshed like a volume:
     part = ts.box((4, 4, 1)) - ts.cylinder(0.5, 2)
     ts.mesh(part, spacing=0.1).picture("part.png")
 
-`mesh` makes a mesh here, `stream` makes it chunk by chunk, `estimate` counts it. The same calls make
+`mesh` makes a mesh here, `stream` makes it chunk by chunk, `estimate` counts it; `sample` tells of points. The same calls make
 meshes on a server; a client also has sessions, which follow a shape that moves, and jobs:
 
     client = ts.Client("localhost:7447")
@@ -39,6 +39,7 @@ from ._labels import Labels
 from ._mesh import (Boundary, Chunk, FaceLabel, FieldArray, Header, Improvement, Mesh, MeshLabel, MeshPart,
                     Quality, Statistics, ThinWalls)
 from ._request import Request, StoredVolume
+from ._samples import Samples
 from ._session import Session
 from ._share import Share
 from ._solid import (Solid, box, capsule, cone, cylinder, diamond, difference, ellipsoid, grid, gyroid, half_space,
@@ -52,10 +53,11 @@ __all__ = [
     "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError", "DeadlineExceededError", "Error",
     "Estimate", "FaceLabel", "FailedPreconditionError", "FieldArray", "Header", "Improvement", "InternalError",
     "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Labels", "Mesh", "MeshLabel",
-    "MeshPart", "MeshStream", "NotFoundError", "Quality", "Request", "ResourceExhaustedError", "Session", "Share",
-    "Solid", "Statistics", "StatusCode", "StoredVolume", "ThinWalls", "UnavailableError", "Volume", "box",
+    "MeshPart", "MeshStream", "NotFoundError", "Quality", "Request", "ResourceExhaustedError", "Samples", "Session",
+    "Share", "Solid", "Statistics", "StatusCode", "StoredVolume", "ThinWalls", "UnavailableError", "Volume", "box",
     "capsule", "cone", "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
-    "intersection", "mesh", "read_scene", "schwarz_p", "session", "sphere", "stream", "torus", "union", "version",
+    "intersection", "mesh", "read_scene", "sample", "schwarz_p", "session", "sphere", "stream", "torus", "union",
+    "version",
 ]
 
 __version__ = version()
@@ -64,4 +66,5 @@ _here = Client()
 mesh = _here.mesh
 stream = _here.stream
 estimate = _here.estimate
+sample = _here.sample
 session = _here.session

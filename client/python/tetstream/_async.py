@@ -233,6 +233,7 @@ class AsyncClient(_Wrapped[Client]):
     mesh = _call(Client.mesh)
     estimate = _call(Client.estimate)
     stream = _call_for(AsyncMeshStream, Client.stream)
+    sample = _call(Client.sample)
     session = _call_for(AsyncSession, Client.session)
     upload = _call(Client.upload)
     upload_file = _call(Client.upload_file)

@@ -9,6 +9,9 @@ import weakref
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from . import _tetstream
 from ._errors import NotFoundError, invalid
 from ._labels import Labels
@@ -49,6 +52,9 @@ class Backend(Protocol):
     def stream(
         self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream: ...
+    def sample(
+        self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
+    ) -> dict[str, Any]: ...
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session: ...
     def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene: ...
     def capabilities(self, options: _tetstream.Options) -> Capabilities: ...
@@ -77,6 +83,11 @@ class Here:
         self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
         return _tetstream.stream(self._shape(request, options), request._wire(), options, first, end)
+
+    def sample(
+        self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
+    ) -> dict[str, Any]:
+        return _tetstream.sample(self.frame(request.volume, options), points, request._wire(), options)
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
         return _tetstream.session(self.frame(request.volume, options), request._wire(), options)
@@ -142,6 +153,13 @@ class Served:
         wire = request._wire()
         return self.stored(request.volume, options,
                            lambda what: self.client.stream(what, wire, options, first, end))
+
+    def sample(
+        self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
+    ) -> dict[str, Any]:
+        wire = request._wire()
+        return self.stored(request.volume, options,
+                           lambda what: _tetstream.sample_there(self.client, what, points, wire, options))
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
         return _tetstream.session_there(self.client, self.frame(request.volume, options), request._wire(),

@@ -8,6 +8,8 @@ import warnings
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 
+from numpy.typing import ArrayLike
+
 from . import _tetstream
 from ._backends import Backend, Capabilities, Here, Served
 from ._errors import CancelledError, StatusCode
@@ -17,6 +19,7 @@ from ._local_jobs import LocalJobs
 from ._mesh import Mesh
 from ._request import (Box, Coordinates, Encoding, FaceRegions, Inside, Preset, Progress, Request, Sizing,
                        StoredVolume, VolumeLike, options_of)
+from ._samples import Samples, rows_of
 from ._served_jobs import ServedJobs
 from ._session import Session
 from ._share import SharedStream
@@ -281,6 +284,33 @@ class Client:
         told = self._backend.estimate(request, options_of(timeout=timeout, threads=threads))
         return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["chunk_count"]),
                         int(told["bytes"]), told["seconds"])
+
+    def sample(
+        self,
+        volume: VolumeLike,
+        points: ArrayLike,
+        *,
+        spacing: float | None = None,
+        iso: float | None = None,
+        inside: Inside | None = None,
+        fields: Mapping[str, Volume] | None = None,
+        threads: int = 0,
+        progress: Progress | None = None,
+        timeout: float | None = None,
+    ) -> Samples:
+        """phi, its slope, and values of fields at points, without a mesh: what a mesh would be made from.
+
+        volume    as of `mesh`
+        points    x, y and z of each, world units, shape (n, 3): any number, sent a few thousands at a time
+        spacing   as of `mesh`: a solid's slope is measured over 1e-4 of it
+        iso, inside, fields, threads, progress, timeout   as of `mesh`
+
+        The same bytes here and on a server. Errors: those of `mesh`; InvalidArgumentError (a point that is not
+        finite).
+        """
+        request = Request._of(volume, spacing=spacing, iso=iso, inside=inside, fields=fields)
+        options = options_of(progress=progress, timeout=timeout, threads=threads)
+        return Samples._of(self._backend.sample(request, rows_of(points), options))
 
     def session(
         self,

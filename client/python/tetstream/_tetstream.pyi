@@ -214,6 +214,13 @@ class Client:
     def capabilities(self, options: Options) -> dict[str, Any]: ...
     def check_health(self, service: str, options: Options) -> None: ...
 
+def sample(
+    solid: _Here, points: NDArray[np.float64], request: Request, options: Options
+) -> dict[str, Any]: ...
+def sample_there(
+    client: Client, solid: _There, points: NDArray[np.float64], request: Request, options: Options
+) -> dict[str, Any]: ...
+
 class JobState:
     __members__: ClassVar[dict[str, JobState]]
     name: str

@@ -37,7 +37,8 @@ std::string pair_text(Feature a, Feature b) {
 }
 
 bool is_another_call(Feature feature) {
-  return feature == Feature::kSession || feature == Feature::kJob;
+  return feature == Feature::kSession || feature == Feature::kJob ||
+         feature == Feature::kPoints;
 }
 
 TEST(RequestRules, NameEachPairOnceAndOnlyPairsThatCanBeAskedFor) {

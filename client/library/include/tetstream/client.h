@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "tetstream/export.h"
@@ -10,6 +11,7 @@
 #include "tetstream/mesh.h"
 #include "tetstream/mesher.h"
 #include "tetstream/request.h"
+#include "tetstream/sample.h"
 #include "tetstream/scene.h"
 #include "tetstream/session.h"
 #include "tetstream/status.h"
@@ -106,6 +108,18 @@ class TETSTREAM_API Client {
   Result<Estimate> estimate(const Scene& scene,
                             const Request& request = {},
                             const WorkOptions& options = {}) const;
+
+  /// Asks what a mesh of the request would be made from at x, y and z of each point: what
+  /// tetstream::sample tells here, byte for byte. Points are sent and answered a few thousands
+  /// at a time, and a call that broke goes on where it ended.
+  Result<PointSamples> sample(const StoredVolume& volume,
+                              std::span<const double> points,
+                              const Request& request = {},
+                              const WorkOptions& options = {}) const;
+  Result<PointSamples> sample(const Scene& scene,
+                              std::span<const double> points,
+                              const Request& request = {},
+                              const WorkOptions& options = {}) const;
 
   /// Begins a session there: a volume is uploaded once, and later what changes of it. Errors
   /// of a broken connection end it, too.

@@ -8,6 +8,7 @@
 #include "tetstream/mesh_file.h"
 #include "tetstream/mesher.h"
 #include "tetstream/request.h"
+#include "tetstream/sample.h"
 #include "tetstream/scene.h"
 #include "tetstream/session.h"
 #include "tetstream/status.h"
