@@ -86,7 +86,7 @@ class Piece:
 
     points: NDArray[np.float64]
     tets: NDArray[Any]
-    regions: NDArray[Any] | None = None
+    kinds: NDArray[Any] | None = None  # regions, or of a segmentation the labels' values
     faces: NDArray[Any] | None = None
     face_labels: NDArray[Any] | None = None
 
@@ -101,7 +101,7 @@ def to_dolfinx(piece: Piece, comm: Any) -> Any:
 def tagged_dolfinx(piece: Piece, comm: Any) -> tuple[Any, Any, Any]:
     """(mesh, tags of cells, tags of facets); None for tags of which the mesh has no column."""
     domain = to_dolfinx(piece, comm)
-    cells = None if piece.regions is None else _tags(domain, piece.tets, piece.regions)
+    cells = None if piece.kinds is None else _tags(domain, piece.tets, piece.kinds)
     facets = None
     if piece.faces is not None and piece.face_labels is not None:
         facets = _tags(domain, piece.faces, piece.face_labels.astype(np.int32) + 1)
@@ -122,10 +122,11 @@ def _tags(domain: Any, entities: NDArray[Any], values: NDArray[Any]) -> Any:
 
 def share_of(mesh: Arrays, comm: Any) -> Piece:
     """The share of this rank in a mesh that every rank has whole."""
+    kinds = mesh.regions if mesh.labels is None else mesh.label_values
     share = Share.of(len(mesh.local_points), len(mesh.tets), comm.rank, comm.size)
     tets = slice(share.first_tet, share.end_tet)
     piece = Piece(mesh.points[share.first_vertex:share.end_vertex], mesh.tets[tets],
-                  None if mesh.regions is None else mesh.regions[tets])
+                  None if kinds is None else kinds[tets])
     if mesh.faces is None or mesh.face_tets is None or mesh.face_labels is None:
         return piece
     begin, end = mesh.face_tets.searchsorted([share.first_tet, share.end_tet])

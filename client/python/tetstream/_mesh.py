@@ -358,8 +358,9 @@ class Mesh(Arrays):
         comm   of mpi4py, such as MPI.COMM_WORLD. Every rank has made the same mesh, and gives its share of it;
                `MeshStream.to_dolfinx` spares each rank the rest.
         tags   also what its cells and facets are: (mesh, cell_tags, facet_tags), each a `MeshTags` of dolfinx, or
-               None where the mesh has no regions or no faces. A cell's tag is its region, and a facet's is the
-               place of its name in `header.face_labels`, from 1 on: `header.face_tag("clamped")` finds it
+               None where the mesh has no regions or no faces. A cell's tag is its region, or of a segmentation
+               its label's value (of 32 bits), and a facet's is the place of its name in `header.face_labels`,
+               from 1 on: `header.face_tag("clamped")` finds it
         """
         piece = _convert.share_of(self, comm)
         return _convert.tagged_dolfinx(piece, comm) if tags else _convert.to_dolfinx(piece, comm)

@@ -79,8 +79,9 @@ class MeshStream:
         points = np.empty((self.share.vertex_count, 3))
         # All ranks have the same columns, those without a chunk, too.
         parts: dict[str, list[NDArray[Any]]] = {}
-        if self.header.has_regions:
-            parts["regions"] = [np.empty(0, np.uint8)]
+        kinds = "label_values" if self.header.labels else "regions" if self.header.has_regions else None
+        if kinds is not None:
+            parts[kinds] = [np.empty(0, np.uint8)]
         if self.header.face_labels:
             parts |= {"faces": [np.empty((0, 3), np.int64)], "face_labels": [np.empty(0, np.uint16)]}
         for chunk in self:
@@ -88,7 +89,10 @@ class MeshStream:
             tets[chunk.first_tet - self.share.first_tet:][:len(chunk.tets)] = chunk.tets
             for name, arrays in parts.items():
                 arrays.append(getattr(chunk, name))
-        return _convert.Piece(points, tets, **{name: np.concatenate(arrays) for name, arrays in parts.items()})
+        columns = {name: np.concatenate(arrays) for name, arrays in parts.items()}
+        if kinds is not None:
+            columns["kinds"] = columns.pop(kinds)
+        return _convert.Piece(points, tets, **columns)
 
     @property
     def statistics(self) -> Statistics:
