@@ -4,22 +4,13 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/mesh/space_curve.h"
 
 namespace tet {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kBitsPerAxis = 21;
 constexpr std::size_t kBoxesPerRange = 4096;
-
-/// Puts two zeros between the bits of a number of 21.
-std::uint64_t spread(std::uint64_t n) noexcept {
-  n = (n | n << 32) & 0x1f00000000ffffULL;
-  n = (n | n << 16) & 0x1f0000ff0000ffULL;
-  n = (n | n << 8) & 0x100f00f00f00f00fULL;
-  n = (n | n << 4) & 0x10c30c30c30c30c3ULL;
-  return (n | n << 2) & 0x1249249249249249ULL;
-}
 
 WorldBox around(std::span<const WorldBox> boxes) noexcept {
   WorldBox all = boxes.front();
@@ -30,48 +21,6 @@ WorldBox around(std::span<const WorldBox> boxes) noexcept {
                std::max(all.max.z, max.z)};
   }
   return all;
-}
-
-/// A place along the curve.
-struct Key {
-  std::uint64_t code = 0;
-  std::uint32_t box = 0;
-};
-
-std::vector<Key> keys_of(std::span<const WorldBox> boxes, const WorldBox& all) {
-  constexpr double kSteps = (1 << kBitsPerAxis) - 1;
-  const auto place = [&](double low, double high, double min, double max) {
-    const double share = max > min ? (low / 2 + high / 2 - min) / (max - min) : 0;
-    return spread(static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0) * kSteps));
-  };
-  std::vector<Key> keys(boxes.size());
-  for_each_index(
-      boxes.size(),
-      [&](std::size_t i) {
-        const auto& [min, max] = boxes[i];
-        keys[i] = {place(min.x, max.x, all.min.x, all.max.x) << 2 |
-                       place(min.y, max.y, all.min.y, all.max.y) << 1 |
-                       place(min.z, max.z, all.min.z, all.max.z),
-                   static_cast<std::uint32_t>(i)};
-      },
-      kBoxesPerRange);
-  return keys;
-}
-
-/// Digit by digit from the lowest: count, then fill; equal keys stay in order.
-void sort_keys(std::vector<Key>& keys) {
-  constexpr int kDigitBits = 11;
-  constexpr std::uint64_t kDigits = std::uint64_t{1} << kDigitBits;
-  std::vector<Key> sorted(keys.size());
-  for (int shift = 0; shift < 3 * kBitsPerAxis; shift += kDigitBits) {
-    const auto digit = [&](const Key& key) { return key.code >> shift & (kDigits - 1); };
-    std::array<std::uint64_t, kDigits> next{};
-    for (const Key& key : keys) ++next[digit(key)];
-    std::uint64_t first = 0;
-    for (std::uint64_t& count : next) first += std::exchange(count, first);
-    for (const Key& key : keys) sorted[next[digit(key)]++] = key;
-    keys.swap(sorted);
-  }
 }
 
 }  // namespace
@@ -88,10 +37,10 @@ void BoxTree::sort_boxes(std::span<const WorldBox> boxes) {
   const WorldBox all = around(boxes);
   middle_ = {all.min.x / 2 + all.max.x / 2, all.min.y / 2 + all.max.y / 2,
              all.min.z / 2 + all.max.z / 2};
-  std::vector<Key> keys = keys_of(boxes, all);
-  sort_keys(keys);
-  order_.resize(keys.size());
-  std::ranges::transform(keys, order_.begin(), [](const Key& key) { return key.box; });
+  order_ = order_along_curve(boxes.size(), all, [&](std::size_t i) {
+    const auto& [min, max] = boxes[i];
+    return WorldPoint{min.x / 2 + max.x / 2, min.y / 2 + max.y / 2, min.z / 2 + max.z / 2};
+  });
 
   std::vector<Node>& leaves = levels_.emplace_back((boxes.size() + kWidth - 1) / kWidth);
   const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -kInfinity); };

@@ -123,16 +123,20 @@ BoxTree::Nearest BoxTree::nearest(const WorldPoint& p,
     if (step.squared >= best.squared_distance) continue;
     const Node& node = levels_[step.place.level][step.place.node];
     const std::size_t first = depth;
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      if (!(node.min[0][i] <= node.max[0][i])) continue;  // there is no such box
-      double squared = 0;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Without branches, so that compilers make vector instructions of it.
+    std::array<double, kWidth> squares{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i < kWidth; ++i) {
         const double below_min = static_cast<double>(node.min[axis][i]) - at[axis];
         const double above_max = at[axis] - static_cast<double>(node.max[axis][i]);
         const double off = below_min > above_max ? below_min : above_max;
-        if (off > 0) squared += off * off;
+        const double outside = off > 0 ? off : 0;
+        squares[i] += outside * outside;
       }
-      if (squared >= best.squared_distance) continue;
+    }
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      const double squared = squares[i];
+      if (squared >= best.squared_distance) continue;  // nor is there one, where it is infinite
       const auto child = static_cast<std::uint32_t>(step.place.node * kWidth + i);
       if (step.place.level == 0) {
         const double exact = squared_distance(order_[child]);

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "core/base/parallel.h"
+#include "core/mesh/space_curve.h"
 
 namespace tet {
 namespace {
 
-/// Points of a run are looked for one from the other: runs are cut by number, not by thread.
+/// Points of a run, which lie close together, are looked for one from the other: runs are cut
+/// by number, not by thread.
 constexpr std::size_t kPointsPerRun = 2048;
 
 double longest_edge(const std::array<WorldPoint, 4>& t) noexcept {
@@ -27,13 +31,15 @@ template <class Take>
 Outside locate_all(const TetLocator& locator,
                    const std::vector<WorldPoint>& points,
                    const Take& take) {
+  const std::vector<std::uint32_t> order = order_along_curve(points);
   std::vector<Outside> runs((points.size() + kPointsPerRun - 1) / kPointsPerRun);
   for_each_index(runs.size(), [&](std::size_t r) {
-    std::uint32_t hint = 0;
+    std::optional<std::uint32_t> last;
     const std::size_t end = std::min(points.size(), (r + 1) * kPointsPerRun);
-    for (std::size_t i = r * kPointsPerRun; i < end; ++i) {
-      const TetLocator::Place place = locator.find(points[i], hint);
-      hint = place.tet;
+    for (std::size_t k = r * kPointsPerRun; k < end; ++k) {
+      const std::uint32_t i = order[k];
+      const TetLocator::Place place = locator.find(points[i], last);
+      last = place.tet;
       take(i, place);
       if (!place.outside) continue;
       ++runs[r].points;

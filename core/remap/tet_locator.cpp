@@ -14,6 +14,8 @@ namespace {
 /// A share this little below zero is one of zero: the faces of tets leave no gaps.
 constexpr double kInside = -1e-12;
 constexpr std::size_t kTetsPerRange = 4096;
+/// A longer walk costs more than the tree does.
+constexpr int kLongestWalk = 32;
 
 BoxTree tree_over(const DataMesh& mesh) {
   std::vector<WorldBox> boxes(mesh.tets.size());
@@ -23,19 +25,16 @@ BoxTree tree_over(const DataMesh& mesh) {
   return BoxTree(boxes);
 }
 
-/// The square of the distance from a tet to a point outside: to the nearest of the faces that
-/// have the point on their outer side, and of a flat tet to any.
-double squared_distance_outside(const std::array<WorldPoint, 4>& t,
-                                const WorldPoint& p) noexcept {
-  const CornerShares shares = shares_of(t, p);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    if (shares[corner] >= 0) continue;
-    const std::array<WorldPoint, 3> face{t[(corner + 1) % 4], t[(corner + 2) % 4],
-                                         t[(corner + 3) % 4]};
-    least = std::min(least, squared_distance(p, face));
-  }
-  return least;
+BoxTree tree_over(const DataMesh& mesh, const std::vector<TetFace>& faces) {
+  std::vector<WorldBox> boxes(faces.size());
+  for_each_index(
+      boxes.size(),
+      [&](std::size_t i) {
+        const auto [a, b, c] = places_of(mesh, faces[i]);
+        boxes[i] = box_around({a, b, c, c});
+      },
+      kTetsPerRange);
+  return BoxTree(boxes);
 }
 
 }  // namespace
@@ -48,33 +47,66 @@ WorldBox box_around(const std::array<WorldPoint, 4>& t) noexcept {
        std::max({t[0].z, t[1].z, t[2].z, t[3].z})}};
 }
 
-TetLocator::TetLocator(const DataMesh& mesh) : mesh_(mesh), tree_(tree_over(mesh)) {}
+TetLocator::TetLocator(const DataMesh& mesh)
+    : mesh_(mesh),
+      neighbors_(find_neighbors(mesh)),
+      tree_(tree_over(mesh)),
+      border_(tree_over(mesh, neighbors_.border)) {}
 
-TetLocator::Place TetLocator::find(const WorldPoint& p, std::uint32_t hint) const {
-  Place place;
-  const auto lies_in = [&](std::uint32_t tet) {
-    place = {tet, shares_of(mesh_.places(tet), p)};
-    return least_of(place.shares) >= kInside;
-  };
-  if (lies_in(hint)) return place;
-  bool found = false;
-  tree_.visit_touching({p, p}, [&](std::uint32_t tet) {
-    found = lies_in(tet);
-    return !found;
-  });
-  return found ? place : nearest(p, hint);
+TetLocator::Place TetLocator::find(const WorldPoint& p,
+                                   std::optional<std::uint32_t> near) const {
+  const Walk walked = near ? walk(p, *near) : Walk{};
+  if (walked.found) return *walked.found;
+  if (const std::optional<Place> place = look_up(p)) return *place;
+  return nearest(p, walked.border);
 }
 
-/// Nothing farther than the hint is looked at.
-TetLocator::Place TetLocator::nearest(const WorldPoint& p, std::uint32_t hint) const {
-  const double to_hint = squared_distance_outside(mesh_.places(hint), p);
-  const BoxTree::Nearest near = tree_.nearest(
-      p, [&](std::uint32_t tet) { return squared_distance_outside(mesh_.places(tet), p); },
-      to_hint);
-  const bool is_nearer = near.squared_distance < to_hint;
-  const std::uint32_t tet = is_nearer ? near.box : hint;
+/// Through the face that the point is the farthest beyond, each time.
+TetLocator::Walk TetLocator::walk(const WorldPoint& p, std::uint32_t from) const noexcept {
+  std::uint32_t tet = from;
+  for (int step = 0; step < kLongestWalk; ++step) {
+    const CornerShares shares = shares_of(mesh_.places(tet), p);
+    const double least = least_of(shares);
+    if (least >= kInside) return {Place{tet, shares}, {}};
+    const auto corner =
+        static_cast<std::uint32_t>(std::ranges::find(shares, least) - shares.begin());
+    if (corner == shares.size()) break;  // numbers that are none: the tet is flat
+    const std::uint32_t next = neighbors_.across[tet][corner];
+    if (next == TetNeighbors::kNone) return {{}, TetFace{tet, corner}};
+    tet = next;
+  }
+  return {};
+}
+
+std::optional<TetLocator::Place> TetLocator::look_up(const WorldPoint& p) const {
+  Place place;
+  bool found = false;
+  tree_.visit_touching({p, p}, [&](std::uint32_t tet) {
+    place = {tet, shares_of(mesh_.places(tet), p)};
+    found = least_of(place.shares) >= kInside;
+    return !found;
+  });
+  if (!found) return std::nullopt;
+  return place;
+}
+
+/// Nothing farther than the border's face that was seen is looked at.
+TetLocator::Place TetLocator::nearest(const WorldPoint& p,
+                                      const std::optional<TetFace>& seen) const {
+  const double to_seen = seen ? squared_distance(p, places_of(mesh_, *seen))
+                              : std::numeric_limits<double>::infinity();
+  const BoxTree::Nearest near = border_.nearest(
+      p,
+      [&](std::uint32_t face) {
+        return squared_distance(p, places_of(mesh_, neighbors_.border[face]));
+      },
+      to_seen);
+  const bool is_nearer = near.squared_distance < to_seen;
+  const std::uint32_t tet = is_nearer ? neighbors_.border[near.box].tet
+                            : seen    ? seen->tet
+                                      : std::uint32_t{0};
   return {tet, shares_of(mesh_.places(tet), p), true,
-          std::sqrt(is_nearer ? near.squared_distance : to_hint)};
+          std::sqrt(is_nearer ? near.squared_distance : to_seen)};
 }
 
 }  // namespace tet
