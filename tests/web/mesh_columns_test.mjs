@@ -23,6 +23,8 @@ before(async () => {
       export { create } from "@bufbuild/protobuf";
       export * from "../generated/tetstream/v1/meshes_pb";
       export { TetMesh } from "./tet_mesh";
+      export { twinsOf } from "./twins";
+      export { levelOf } from "./tet_shape";
       export { FaceSet } from "./face_set";
       export { Tally } from "./tally";
       export { fileOf } from "./save";
@@ -30,6 +32,7 @@ before(async () => {
       export { namesInFile } from "./file_names";
       export { bytesOf } from "./drawing";` },
     bundle: true, platform: "node", format: "esm", outfile, logLevel: "error" });
+  globalThis.location = { protocol: "https:", hostname: "farm.example" };  // where the page came from
   page = await import(pathToFileURL(outfile));
 });
 after(() => rmSync(folder, { recursive: true }));
@@ -122,7 +125,7 @@ describe("a mesh in the worker", () => {
 
   it("cuts between whole tets, in every colour", () => {
     const mesh = meshOf("regions");
-    for (const colour of ["none", "size", "angle", "region", "field"]) {
+    for (const colour of ["none", "size", "angle", "region", "level", "field"]) {
       const surface = mesh.surface(colour, { axis: 0, at: 0.52 });
       about(areaOf(surface), 2 + 4 * 0.5);
       mesh.tally.drop(page.bytesOf(surface));
@@ -135,7 +138,7 @@ describe("a mesh in the worker", () => {
   it("counts every byte that it holds, and gives back what a drawing took", () => {
     const mesh = meshOf("labels");
     const own = mesh.tally.now;
-    for (const colour of ["none", "size", "angle", "region", "field"]) {
+    for (const colour of ["none", "size", "angle", "region", "level", "field"]) {
       for (const cut of [undefined, { axis: 2, at: 0.3 }]) {
         const surface = mesh.surface(colour, cut);
         assert.equal(mesh.tally.now, own + page.bytesOf(surface));
@@ -149,6 +152,17 @@ describe("a mesh in the worker", () => {
     let came = 0;
     mesh.store.forEach((c) => (came += c.positions.byteLength + c.tets.byteLength + c.groups.byteLength + c.fields.byteLength));
     assert.equal(own, came + 4 * mesh.surfaceTriangles);
+  });
+
+  it("tells the octree's level of a tet", () => {
+    const lattice = [0, 0, 0, 1, 0, 0, 0.5, 0.5, 0.5, 0.5, 0.5, -0.5];  // between two centres
+    const pyramid = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0.5, 0.5, 0.5];  // half of one
+    for (const tet of [lattice, pyramid]) {
+      for (const level of [0, 1, 5]) {
+        const grown = Float32Array.from(tet, (x) => x * 0.3 * 2 ** level);
+        assert.equal(page.levelOf(grown, [0, 1, 2, 3], 0, 0.3), level);
+      }
+    }
   });
 
   for (const kind of ["plain", "regions", "labels"]) {
@@ -199,5 +213,27 @@ describe("text in files", () => {
   it("has names of letters, digits and underscores, no two alike", () => {
     assert.deepEqual(page.namesInFile(["a/b", "a b", "1x", "A_B"], true), ["a_b", "a_b_2", "n1x", "A_B_3"]);
     assert.deepEqual(page.namesInFile(["a", "A", "é"]), ["a", "A", "n_"]);
+  });
+});
+
+describe("what the page shows to copy", () => {
+  const twins = (place, more = {}) => page.twinsOf(
+    page.create(page.MeshRequestSchema, { name: "grids/0", gridName: "it's", spacing: 0.1, levels: 2,
+      preset: page.Preset.BOTH_SIDES }), { file: "a scan.vdb", ending: "msh", place, hasToken: false, ...more });
+
+  it("has the server's own address, and the page's name of one that listens everywhere", () => {
+    const { command, python } = twins({ host: "", port: 7447, tls: false });
+    assert.equal(command, "tetstream mesh 'a scan.vdb' -o mesh.msh --grid 'it'\\''s' --spacing 0.1 --levels 2 " +
+      "--preset both-sides --server farm.example:7447");
+    assert.equal(python, 'import tetstream as ts\nclient = ts.Client("farm.example:7447")\nclient.mesh("a scan.vdb", ' +
+      'grid="it\'s", spacing=0.1, levels=2, preset="both-sides").write("mesh.msh")');
+    assert.match(twins({ host: "[::1]", port: 1, tls: false }).command, / --server \[::1\]:1$/);
+    assert.match(twins({ address: "unix:/run/mesher", tls: false }).command, / --server unix:\/run\/mesher$/);
+  });
+
+  it("speaks TLS and names a token where the server wants them", () => {
+    const { command, python } = twins({ host: "mesher", port: 7447, tls: true }, { hasToken: true });
+    assert.match(command, / --server mesher:7447 --tls --token-file token$/);
+    assert.match(python, /Client\("mesher:7447", tls=True, token=open\("token"\)\.read\(\)\.strip\(\)\)/);
   });
 });

@@ -4,52 +4,11 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { after, before, describe, it } from "node:test";
-import { axeSource, binary, Browser, kGenerousEnd, makeFixture, meshIs, remove, RunningServer, scratchFolder,
-  skipWithoutBrowser, until, drawn, difference } from "./browser_case.mjs";
-
-skipWithoutBrowser();
-const wanted = process.argv[2];
-const part = (name, body) => (!wanted || wanted === name) && describe(name, body);
-
-/** A server and a browser for all tests of a part. */
-function stage(options = () => []) {
-  const held = {};
-  before(async () => {
-    held.folder = scratchFolder();
-    held.ball = makeFixture(held.folder, "sphere", 0.04);
-    held.server = await new RunningServer(held.folder, options(held.folder)).start();
-    held.browser = await new Browser().start();
-  }, { timeout: kGenerousEnd });
-  after(async () => {
-    await held.browser?.close();
-    await held.server?.kill();
-    remove(held.folder);
-  });
-  return held;
-}
-
-async function chooseBall(page, held) {
-  await page.setInputFiles("#file", held.ball);
-  await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
-}
-
-/** Asks for tets of the voxel's size times two to this power. */
-async function setSpacing(page, power) {
-  await page.locator("#spacing").fill(String(power));
-  await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
-}
-
-async function mesh(page) {
-  await page.click("#go");
-  await meshIs(page, "done", "failed");
-  assert.equal(await page.evaluate(() => document.body.dataset.mesh), "done",
-    await page.textContent("#alert"));
-}
-
-const triangles = (page) => page.evaluate(() => Number(document.getElementById("canvas").dataset.triangles));
+import { it } from "node:test";
+import { axeSource, binary, difference, drawn, makeFixture, meshIs, until } from "./browser_case.mjs";
+import { chooseBall, makeBunny, mesh, part, setSpacing, stage, triangles } from "./page_steps.mjs";
 
 part("Meshes", () => {
   const held = stage();
@@ -113,51 +72,6 @@ part("Meshes", () => {
   });
 });
 
-part("Saves", () => {
-  const held = stage();
-  const here = import.meta.dirname ?? new URL(".", import.meta.url).pathname;
-
-  /** Runs the command line that the page shows, as who copies it would. */
-  async function runShown(page) {
-    const command = await page.inputValue("#command");
-    execFileSync("/bin/sh", ["-c", command], { cwd: held.folder, stdio: "pipe",
-      env: { ...process.env, PATH: `${process.env.TETSTREAM_BIN}:${process.env.PATH}` } });
-  }
-
-  for (const both of [false, true]) {
-    it(`saves what the copied command line saves, in every format${both ? ", with both sides" : ""}`, async () => {
-      const page = await held.browser.open(held.server.url);
-      await chooseBall(page, held);
-      if (both) await page.locator("#both").check();
-      await mesh(page);
-      for (const ending of ["vtu", "msh", "inp", "mesh", "stl", "obj", "ply"]) {
-        await page.selectOption("#format", ending);
-        const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-        assert.equal(download.suggestedFilename(), `mesh.${ending}`);
-        const saved = join(held.folder, `saved.${ending}`);
-        await download.saveAs(saved);
-        await runShown(page);
-        console.log("# " + execFileSync("/usr/bin/python3",
-          [join(here, "compare_saved.py"), saved, join(held.folder, `mesh.${ending}`)], { encoding: "utf8" }).trim());
-      }
-      assert.deepEqual(page.errors, []);
-    });
-  }
-
-  it("shows the command line for formats that it cannot write", async () => {
-    const page = await held.browser.open(held.server.url);
-    await chooseBall(page, held);
-    await mesh(page);
-    for (const ending of ["vtkhdf", "xdmf", "exo", "polyMesh", "usda"]) {
-      await page.selectOption("#format", ending);
-      assert.ok(await page.isDisabled("#save"));
-      assert.match(await page.textContent("#save-note"), /command line below writes it/);
-      await runShown(page);
-      assert.ok(existsSync(join(held.folder, `mesh.${ending}`)), ending);
-    }
-  });
-});
-
 part("Cuts", () => {
   const held = stage();
 
@@ -175,7 +89,7 @@ part("Cuts", () => {
     await until(page, () => Number(document.getElementById("canvas").dataset.triangles) === 0);
     await page.selectOption("#cut-axis", "");
     await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) === n, whole);
-    await page.selectOption("#colour", "angle");
+    for (const colour of ["level", "region", "angle"]) await page.selectOption("#colour", colour);
     await page.locator("#canvas").focus();
     await page.keyboard.press("ArrowLeft");
     await page.locator("#worst button").first().click();
@@ -229,11 +143,6 @@ part("Pictures", () => {
   });
 });
 
-function makeBunny(path) {
-  execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", path, "--voxel", "0.02"],
-    { stdio: "ignore" });
-}
-
 part("Bunny", () => {
   const held = stage();
 
@@ -270,69 +179,6 @@ part("Bunny", () => {
   });
 });
 
-part("Large", () => {
-  const held = stage();
-  // The worker counts the bytes of its arrays and of what the page has not given to the canvas yet.
-  const kMostHeld = 2.5;
-
-  const bytes = (page) => page.evaluate(() => {
-    const { held, heldMost, received } = document.getElementById("canvas").dataset;
-    return { held: Number(held), heldMost: Number(heldMost), received: Number(received) };
-  });
-
-  it("holds at most two and a half times what came of five million tets", async () => {
-    const bunny = join(held.folder, "bunny.vdb");
-    makeBunny(bunny);
-    const page = await held.browser.open(held.server.url);
-    const before = await held.browser.residentBytes();
-    await page.setInputFiles("#file", bunny);
-    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
-    await setSpacing(page, -1.05);
-    await mesh(page);
-    const tets = Number((await page.textContent("#status")).match(/^[\d,]+/)[0].replace(/,/g, ""));
-    assert.ok(tets > 5_000_000, `${tets} tets`);
-    await drawn(page);
-    const whole = await triangles(page), came = await bytes(page);
-    await page.selectOption("#colour", "size");
-    await page.selectOption("#cut-axis", "z");
-    await until(page, (n) => Number(document.getElementById("canvas").dataset.triangles) !== n, whole);
-    await drawn(page);
-    const cut = await bytes(page);
-    const turns = [];
-    await page.locator("#canvas").focus();
-    for (let i = 0; i < 10; ++i) {
-      const frame = await page.evaluate(() => document.getElementById("canvas").dataset.frames);
-      await page.keyboard.press("ArrowLeft");
-      await until(page, (last) => document.getElementById("canvas").dataset.frames !== last, frame);
-      turns.push(Number(await page.evaluate(() => document.getElementById("canvas").dataset.drawMs)));
-    }
-    const { calls, seconds, first } = await page.evaluate(() => ({ ...document.getElementById("canvas").dataset }));
-    const grown = await held.browser.residentBytes() - before;
-    console.log(`# ${tets} tets, ${whole} triangles outside, ${await triangles(page)} cut, in ${calls} call(s); ` +
-      `first after ${first} s, all after ${seconds} s; turns take the page ` +
-      `${Math.max(...turns)} ms at most; ${came.received} bytes came, ${came.held} are held, ` +
-      `${came.heldMost} at most, ${cut.heldMost} with a cut: ${(cut.heldMost / cut.received).toFixed(2)}; ` +
-      `the tab's process grew by ${grown}`);
-    assert.equal(calls, "1");
-    assert.ok(cut.heldMost <= kMostHeld * cut.received, `${cut.heldMost} of ${cut.received}`);
-    assert.deepEqual(page.errors, []);
-  });
-
-  it("draws the surface alone of what is more than it may hold, and says so", async () => {
-    const page = await held.browser.open(held.server.url + "?most_tets=1000");
-    await chooseBall(page, held);
-    await mesh(page);
-    assert.match(await page.textContent("#alert"), /its surface alone is drawn/);
-    const outside = Number((await page.textContent("#quality")).match(/([\d,]+) triangles outside/)[1].replace(/,/g, ""));
-    assert.equal(await triangles(page), outside);
-    assert.ok(await page.isDisabled("#cut-axis"));
-    assert.ok(await page.isDisabled("#save"));
-    await page.selectOption("#format", "stl");
-    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-    assert.equal(readFileSync(await download.path()).readUInt32LE(80), outside);
-  });
-});
-
 part("Lives", () => {
   const held = stage();
 
@@ -345,6 +191,10 @@ part("Lives", () => {
     await row.getByRole("button", { name: /^Look/ }).click();
     await meshIs(page, "done");
     assert.ok((await triangles(page)) > 0);
+    await page.click('nav a[href="#jobs"]');
+    const [download] = await Promise.all([
+      page.waitForEvent("download"), row.getByRole("button", { name: /^Fetch/ }).click()]);
+    assert.ok(readFileSync(await download.path(), "latin1").startsWith("<?xml"));
     await page.click('nav a[href="#jobs"]');
     await page.locator("#job-label").fill("no=such");
     await until(page, () => document.querySelectorAll("#job-rows tr").length === 0);

@@ -14,7 +14,7 @@ export class JobsView {
   private jobs = new Map<string, Job>();
   private watching?: AbortController;
 
-  constructor(private readonly show: (job: string) => void) {
+  constructor(private readonly show: (job: string, save: boolean) => void) {
     const states = element<HTMLSelectElement>("job-state");
     for (const [name, value] of Object.entries(JobState)) {
       if (typeof value === "number" && value > 0) states.append(new Option(name.toLowerCase(), String(value)));
@@ -120,7 +120,8 @@ export class JobsView {
     };
     const name = job.name;
     if (job.state === JobState.SUCCEEDED) {
-      button("Look", async () => this.show(name));
+      button("Look", async () => this.show(name, false));
+      button("Fetch", async () => this.show(name, true));
     }
     if (job.state === JobState.QUEUED || job.state === JobState.RUNNING) {
       button("Cancel", () => unary("JobService/CancelJob", CancelJobRequestSchema,

@@ -10,9 +10,9 @@ import { ServerView } from "./server_view";
 const kViews = ["mesh", "jobs", "server"];
 let promises: Promises = new Map();
 const mesh = new MeshView(() => promises);
-const jobs = new JobsView((job) => {
+const jobs = new JobsView((job, save) => {
   location.hash = "#mesh";
-  mesh.showJob(job);
+  mesh.showJob(job, save);
 });
 const server = new ServerView();
 

@@ -9,6 +9,7 @@ import type { FromWorker, Holding, ToWorker } from "./mesh_worker";
 import { formatOf, isSavedHere, kFormats } from "./formats";
 import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
+import { drawQuality, type Promised } from "./quality_view";
 import { RpcError, unary } from "./rpc";
 import { sceneNames, sceneOf } from "./scenes";
 import { upload } from "./upload";
@@ -16,7 +17,7 @@ import type { WorstTet } from "./tet_mesh";
 import { Viewer } from "./viewer";
 
 // Degrees that every angle of a preset keeps: GetCapabilities says them.
-export type Promises = Map<Preset, { low: number; high: number }>;
+export type Promises = Map<Preset, Promised>;
 
 // More tets than these are drawn by their surface alone; `?most_tets=` in the page's address says otherwise.
 const kMostTets = 30_000_000;
@@ -38,6 +39,7 @@ export class MeshView {
   private place: GrpcPlace = kNowhere;
   private canSave = false;
   private keepsTets = true;
+  private saveWhenWhole = false;
 
   constructor(private readonly promises: () => Promises) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
@@ -90,8 +92,9 @@ export class MeshView {
     stored.value = chosen;
   }
 
-  /** Draws the mesh that a job has made. */
-  showJob(name: string): void {
+  /** Draws the mesh that a job has made, and saves it as the menu says where that is wanted. */
+  showJob(name: string, save: boolean): void {
+    this.saveWhenWhole = save;
     this.begin("JobService/ReadJobResult",
       toBinary(ReadJobResultRequestSchema, create(ReadJobResultRequestSchema, { name })));
   }
@@ -226,6 +229,7 @@ export class MeshView {
   private start(): void {
     const request = this.request();
     if (!request) return;
+    this.saveWhenWhole = false;
     const stream = create(StreamMeshRequestSchema, { mesh: request, encoding: Encoding.PACKED });
     this.begin("MeshService/StreamMesh", toBinary(StreamMeshRequestSchema, stream));
   }
@@ -366,7 +370,8 @@ export class MeshView {
     this.ended("done", `${count(this.header!.tetCount)} tets in ${short(seconds)} s; ` +
       `first triangles after ${short(this.drawnFirst)} s`);
     this.allowSaving(true);
-    this.drawHistogram(trailer);
+    if (this.saveWhenWhole) this.save();
+    drawQuality(trailer, this.promises().get(this.header!.canonicalRequest?.preset || Preset.DEFAULT));
     const list = element("worst");
     for (const one of worst) {
       const button = made("button", `${one.angle.toFixed(2)}°`, made("li", "", list));
@@ -382,39 +387,5 @@ export class MeshView {
   private mark(trailer: MeshTrailer, seams: Float32Array): void {
     const regions = trailer.thinWalls?.regions ?? [];
     this.viewer.mark(regions.map((region) => this.relative(region.box)), seams);
-  }
-
-  private drawHistogram(trailer: MeshTrailer): void {
-    const quality = trailer.quality, boundary = trailer.boundary, thin = trailer.thinWalls;
-    const words: string[] = [];
-    if (quality) {
-      const most = Math.max(...quality.dihedralHistogram.map(Number), 1);
-      const svg = element("histogram");
-      const part = (tag: string, attributes: Record<string, number>): void => {
-        const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
-        for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, String(value));
-        svg.append(node);
-      };
-      quality.dihedralHistogram.forEach((n, degree) => {
-        const height = (96 * Number(n)) / most;
-        if (n > 0n) part("rect", { x: degree * 2, y: 100 - height, width: 2, height });
-      });
-      const promise = this.promises().get(this.header?.canonicalRequest?.preset || Preset.DEFAULT);
-      for (const degree of promise ? [promise.low, promise.high] : []) {
-        part("line", { x1: degree * 2, x2: degree * 2, y1: 0, y2: 100 });
-      }
-      words.push(`Angles ${quality.minDihedralDeg.toFixed(1)}° to ${quality.maxDihedralDeg.toFixed(1)}°` +
-        (promise ? `; promised ${promise.low}° to ${promise.high}°` : ""));
-    }
-    if (boundary) {
-      const spots = boundary.nonManifoldEdges + boundary.nonManifoldVertices;
-      words.push(`${count(boundary.triangles)} triangles outside, in ${count(boundary.components)} part(s)` +
-        (spots > 0n ? `; ${count(spots)} non-manifold spots` : ""));
-    }
-    if (thin && thin.regionCount > 0n) {
-      words.push(`${count(thin.regionCount)} walls thinner than ${short(thin.thickness)}` +
-        (thin.suggestedSpacing > 0 ? `: a spacing of ${short(thin.suggestedSpacing)} resolves them` : ""));
-    }
-    element("quality").textContent = words.join(". ");
   }
 }

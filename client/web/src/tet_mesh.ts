@@ -5,7 +5,7 @@ import { paintsOf, surfaceOf, wholeRows, type Surface } from "./drawing";
 import { FaceSet } from "./face_set";
 import { NumberList } from "./number_list";
 import { Tally } from "./tally";
-import { centroidOf, smallestAngle, volumeOf } from "./tet_shape";
+import { centroidOf, levelOf, smallestAngle, volumeOf } from "./tet_shape";
 
 export interface Cut {
   axis: number;
@@ -201,10 +201,9 @@ export class TetMesh {
       this.forFaces(faces, (i, columns, tet, corner) => (values[i] = value(columns, tet, corner)));
       return values;
     };
-    if (by === "size" || by === "angle") {
-      return this.tally.during(this.store.allPositions(), (p) => by === "size"
-        ? fill(({ tets }, tet) => Math.cbrt(volumeOf(p, tets, tet * 4)))
-        : fill(({ tets }, tet) => smallestAngle(p, tets, tet * 4)));
+    const shape = this.shapeOf(by);
+    if (shape) {
+      return this.tally.during(this.store.allPositions(), (p) => fill(({ tets }, tet) => shape(p, tets, tet * 4)));
     }
     if (by === "region" && (this.header.hasRegions || this.header.labels.length > 0)) {
       return fill(({ groups }, tet) => groups?.[tet] ?? 0);
@@ -216,6 +215,13 @@ export class TetMesh {
       return this.tally.during(this.firstField(), (field) => fill(({ tets }, tet, corner) =>
         kFaceCorners[corner]!.reduce((sum, k) => sum + field[tets[tet * 4 + k]!]!, 0) / 3));
     }
+    return undefined;
+  }
+
+  private shapeOf(by: string): ((p: Float32Array | Float64Array, tets: Uint32Array, at: number) => number) | undefined {
+    if (by === "size") return (p, tets, at) => Math.cbrt(volumeOf(p, tets, at));
+    if (by === "angle") return smallestAngle;
+    if (by === "level") return (p, tets, at) => levelOf(p, tets, at, this.header.spacing);
     return undefined;
   }
 

@@ -37,6 +37,22 @@ export function volumeOf(p: Positions, t: Ids, at: number): number {
     e(b, 2) * (e(c, 0) * e(d, 1) - e(c, 1) * e(d, 0))) / 6;
 }
 
+/**
+ * The octree level of the leaves that a tet is of, by its longest edge: from 0.86 spacings of a part of a tet to 1.42 of
+ * half a pyramid, and warped ones are of the finest level.
+ */
+export function levelOf(p: Positions, t: Ids, at: number, spacing: number): number {
+  let longest = 0;
+  for (let i = 0; i < 3; ++i) {
+    for (let j = i + 1; j < 4; ++j) {
+      const a = t[at + i]! * 3, b = t[at + j]! * 3;
+      const x = p[a]! - p[b]!, y = p[a + 1]! - p[b + 1]!, z = p[a + 2]! - p[b + 2]!;
+      longest = Math.max(longest, x * x + y * y + z * z);
+    }
+  }
+  return Math.max(0, Math.floor(Math.log2(longest / (spacing * spacing)) / 2 + 0.25));
+}
+
 export function centroidOf(p: Positions, t: Ids, at: number): [number, number, number] {
   const sum = (axis: number): number =>
     (p[t[at]! * 3 + axis]! + p[t[at + 1]! * 3 + axis]! + p[t[at + 2]! * 3 + axis]! + p[t[at + 3]! * 3 + axis]!) / 4;

@@ -1,0 +1,52 @@
+// What tests do in the page, one step each, and where they do it. Node.js runs the part that is named, or all of a file.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { after, before, describe } from "node:test";
+import { binary, Browser, kGenerousEnd, makeFixture, meshIs, remove, RunningServer, scratchFolder, skipWithoutBrowser,
+  until } from "./browser_case.mjs";
+
+skipWithoutBrowser();
+const wanted = process.argv[2];
+export const part = (name, body) => (!wanted || wanted === name) && describe(name, body);
+
+/** A server and a browser for all tests of a part. */
+export function stage(options = () => []) {
+  const held = {};
+  before(async () => {
+    held.folder = scratchFolder();
+    held.ball = makeFixture(held.folder, "sphere", 0.04);
+    held.server = await new RunningServer(held.folder, options(held.folder)).start();
+    held.browser = await new Browser().start();
+  }, { timeout: kGenerousEnd });
+  after(async () => {
+    await held.browser?.close();
+    await held.server?.kill();
+    remove(held.folder);
+  });
+  return held;
+}
+
+export async function chooseBall(page, held) {
+  await page.setInputFiles("#file", held.ball);
+  await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+}
+
+/** Asks for tets of the voxel's size times two to this power. */
+export async function setSpacing(page, power) {
+  await page.locator("#spacing").fill(String(power));
+  await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+}
+
+export async function mesh(page) {
+  await page.click("#go");
+  await meshIs(page, "done", "failed");
+  assert.equal(await page.evaluate(() => document.body.dataset.mesh), "done",
+    await page.textContent("#alert"));
+}
+
+export const triangles = (page) => page.evaluate(() => Number(document.getElementById("canvas").dataset.triangles));
+
+export function makeBunny(path) {
+  execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", path, "--voxel", "0.02"],
+    { stdio: "ignore" });
+}
