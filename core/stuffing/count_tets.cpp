@@ -88,10 +88,9 @@ std::uint64_t count_stencil_tets(const CellNodes& nodes) noexcept {
   return counts.total();
 }
 
-}  // namespace
-
-std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcept {
-  std::uint64_t count = count_stencil_tets(nodes);
+/// Tets of half pyramids, and those that fans have beyond the stencils that they stand for.
+std::uint64_t count_others(const CellNodes& nodes, const FanMasks* fans) noexcept {
+  std::uint64_t count = 0;
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     count += 2 * std::uint64_t{half_pyramids_of_finest(nodes, direction).count()};
   }
@@ -99,6 +98,41 @@ std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcep
     for (const BrickMask& fan : *fans) count += 3 * std::uint64_t{fan.count()};  // 6, not 3
   }
   return count;
+}
+
+/// The same of the inside, with the surface's triangles in cut tets and tets on three zeros.
+TET_VECTOR_CLONES
+FinestCounts count_stencils(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
+  CellCounts tets, triangles;
+  for (std::size_t number = 0; number < kTetShapes; ++number) {
+    const ShapeNodes shape(nodes, kTetShape[number]);
+    const BrickMask& pairs = nodes.pairs[number / 4];
+    BrickMask& zeros = three_zeros[number];
+    for (std::size_t x = 0; x < 8; ++x) {
+      const ShapeBits bits = shape.slice(x);
+      const std::uint64_t cut = bits.cut() & pairs.slice[x], two = bits.two();
+      const std::uint64_t quad = cut & two & ~bits.any_zero;  // ++--
+      tets.add(x, pairs.slice[x] & bits.any_plus & ~(cut & two & bits.any_zero),
+               cut & (two | bits.three()));
+      triangles.add(x, cut & ~quad, quad);
+      zeros.slice[x] = pairs.slice[x] & bits.no_minus & bits.one();
+    }
+  }
+  return {tets.total(), triangles.total()};
+}
+
+}  // namespace
+
+std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcept {
+  return count_stencil_tets(nodes) + count_others(nodes, fans);
+}
+
+FinestCounts count_finest_and_surface(const CellNodes& nodes,
+                                      const FanMasks* fans,
+                                      ThreeZeros& three_zeros) noexcept {
+  FinestCounts counts = count_stencils(nodes, three_zeros);
+  counts.tets += count_others(nodes, fans);
+  return counts;
 }
 
 namespace {
@@ -136,8 +170,16 @@ std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zero
   return count;
 }
 
-BrickMask tets_on_three_zeros(const CellNodes& nodes, std::size_t shape) noexcept {
-  return find_surface(nodes, shape).three_zeros;
+TET_VECTOR_CLONES
+BrickMask tets_on_three_zeros(const CellNodes& nodes, std::size_t number) noexcept {
+  const ShapeNodes shape(nodes, kTetShape[number]);
+  const BrickMask& pairs = nodes.pairs[number / 4];
+  BrickMask zeros;
+  for (std::size_t x = 0; x < 8; ++x) {
+    const ShapeBits bits = shape.slice(x);
+    zeros.slice[x] = pairs.slice[x] & bits.no_minus & bits.one();
+  }
+  return zeros;
 }
 
 }  // namespace tet

@@ -47,4 +47,14 @@ inline constexpr std::array<std::array<int, 4>, kTetShapes> kMirrored = [] {
 /// face.
 std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept;
 
+/// What count_finest counts, and triangles of the surface within the brick's cut tets.
+struct FinestCounts {
+  std::uint64_t tets = 0, triangles = 0;
+};
+
+/// Counts both of the inside in one pass; notes tets that may have a triangle on a face.
+FinestCounts count_finest_and_surface(const CellNodes& nodes,
+                                      const FanMasks* fans,
+                                      ThreeZeros& three_zeros) noexcept;
+
 }  // namespace tet

@@ -71,12 +71,14 @@ void for_each_of_whole(const BrickMask& whole,
 /// Notes faces of tets that are written whole, `first` the number of the first of them.
 void add_faces_of_whole(const FinestBrick& brick,
                         std::size_t shape,
-                        const BrickMask& whole,
+                        const ShapeTets& found,
                         std::size_t first) noexcept {
+  const BrickMask& whole = found.whole;
   const TetShape& of = kTetShape[shape];
   const FacesAround& around = brick.faces->around;
   LocalFaces& faces = brick.faces->faces;
-  if (brick.nodes.region == MeshRegion::kInside) {
+  const bool has_zeros = (whole & ~found.regular).any();
+  if (has_zeros && brick.nodes.region == MeshRegion::kInside) {
     const BrickMask open = tets_on_surface(brick.nodes, around, shape);
     for_each_of_whole(whole, open, first, [&](std::size_t tet, int x, int y, int z) {
       const LocalTet corners = moved_on(kShapeKeys[shape].whole, cell_slot(x, 8 * y + z));
@@ -286,7 +288,7 @@ Index* fill_finest(const FinestBrick& brick,
   const auto written = [&] { return first_tet + static_cast<std::size_t>(tets - begin) / 4; };
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
     const ShapeTets found = tets_of_shape(brick.nodes, shape);
-    if (brick.faces != nullptr) add_faces_of_whole(brick, shape, found.whole, written());
+    if (brick.faces != nullptr) add_faces_of_whole(brick, shape, found, written());
     tets = write_rows(found.whole, kShapeKeys[shape].whole, ids.data(), tets, end);
     counts.bcc += found.regular.count();
     if (brick.statistics == Statistics::kMeasured) {

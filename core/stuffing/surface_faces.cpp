@@ -2,8 +2,6 @@
 
 #include <bit>
 
-#include "core/stuffing/count_tets.h"
-
 namespace tet {
 namespace {
 
@@ -42,16 +40,18 @@ BrickMask tets_on_surface(const CellNodes& inside,
   return without_inside_behind(inside, around, shape, tets_on_three_zeros(inside, shape));
 }
 
-std::uint64_t count_surface_faces(const CellNodes& inside,
-                                  const FacesAround& around,
-                                  const FanMasks* fans) noexcept {
+FinestCounts count_finest_with_faces(const CellNodes& inside,
+                                     const FacesAround& around,
+                                     const FanMasks* fans) noexcept {
   ThreeZeros three_zeros;
-  std::uint64_t count = count_cut_triangles(inside, three_zeros);
+  FinestCounts counts = count_finest_and_surface(inside, fans, three_zeros);
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    count += without_inside_behind(inside, around, shape, three_zeros[shape]).count();
-    if (fans != nullptr) count += 2 * std::uint64_t{(*fans)[shape].count()};  // 4, not 2
+    counts.triangles +=
+        without_inside_behind(inside, around, shape, three_zeros[shape]).count();
+    if (fans != nullptr)
+      counts.triangles += 2 * std::uint64_t{(*fans)[shape].count()};  // 4, not 2
   }
-  return count;
+  return counts;
 }
 
 }  // namespace tet

@@ -8,6 +8,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/stuffing/cell_nodes.h"
+#include "core/stuffing/count_tets.h"
 #include "core/stuffing/domain_faces.h"
 #include "core/stuffing/faces_around.h"
 #include "core/stuffing/stuffed_brick.h"
@@ -20,11 +21,11 @@ BrickMask tets_on_surface(const CellNodes& inside,
                           const FacesAround& around,
                           std::size_t shape) noexcept;
 
-/// Triangles of the surface that bound the brick's tets inside. `fans` is null where there are
-/// none.
-std::uint64_t count_surface_faces(const CellNodes& inside,
-                                  const FacesAround& around,
-                                  const FanMasks* fans) noexcept;
+/// The brick's tets inside, as count_finest counts them, and triangles of the surface that
+/// bound them. `fans` is null where there are none.
+FinestCounts count_finest_with_faces(const CellNodes& inside,
+                                     const FacesAround& around,
+                                     const FanMasks* fans) noexcept;
 
 /// The `+` node of a tet `+000` of one shape.
 std::size_t plus_node(const CellNodes& nodes, std::size_t shape, int x, int y, int z) noexcept;

@@ -282,7 +282,7 @@ absl::Status CompactBricks::add_surface(Reader& reader) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<CountedMesh> CompactBricks::count(const StuffingRules& rules) && {
+absl::StatusOr<CountedMesh> CompactBricks::count(const StuffingRules& rules, bool faces) && {
   if (levels_.empty()) return broken("there is no brick");
   for (OctreeLevel& level : levels_) level.index = BrickIndex(level.bricks);
   structure_.tree.levels = std::move(levels_);
@@ -290,7 +290,7 @@ absl::StatusOr<CountedMesh> CompactBricks::count(const StuffingRules& rules) && 
   for (const Signs& signs : signs_) {
     structure_.survey.stuffed.push_back({signs.plus, signs.zero, {}});
   }
-  CountedMesh mesh(std::move(structure_), rules);
+  CountedMesh mesh(std::move(structure_), rules, faces);
   for (std::size_t i = 0; i < geometry_sizes_.size(); ++i) {
     if (GeometrySizes(mesh.survey().stuffed[i]).bytes() != geometry_sizes_[i]) {
       return broken("cut points that do not fit the signs");

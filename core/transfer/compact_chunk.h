@@ -42,7 +42,7 @@ class CompactBricks {
 
   /// The mesh that all chunks together make. Errors: kDataLoss (geometry that does not fit the
   /// signs).
-  absl::StatusOr<CountedMesh> count(const StuffingRules& rules) &&;
+  absl::StatusOr<CountedMesh> count(const StuffingRules& rules, bool faces = false) &&;
 
   /// Bricks of the chunks added so far, chunk by chunk, from 0 on.
   const std::vector<std::size_t>& first_brick() const noexcept { return first_brick_; }

@@ -100,9 +100,9 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
                                        TetMesh used,
                                        Statistics statistics) {
   const std::vector<std::size_t> first_brick = bricks.first_brick();
-  absl::StatusOr<CountedMesh> counted = std::move(bricks).count(frame.rules);
+  absl::StatusOr<CountedMesh> counted =
+      std::move(bricks).count(frame.rules, header.has_faces());
   if (!counted.ok()) return counted.status();
-  if (header.has_faces()) counted->count_faces(cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   if (auto status = check_totals(*counted, header); !status.ok()) return status;
   FilledMesh filled;

@@ -45,6 +45,7 @@ constexpr std::size_t upper_place(std::size_t o) noexcept {
 
 CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation)
     : rules_(surveyed.rules),
+      has_faces_(surveyed.faces),
       survey_(std::move(surveyed.survey)),
       tree_(std::move(surveyed.tree)) {
   const PhiField& field = surveyed.field;
@@ -61,8 +62,9 @@ CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation
   }
 }
 
-CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules)
+CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules, bool faces)
     : rules_(rules),
+      has_faces_(faces),
       geometry_is_trimmed_(true),
       survey_(std::move(structure.survey)),
       tree_(std::move(structure.tree)),
@@ -168,7 +170,8 @@ void CountedMesh::count_bricks(const Cancellation& cancellation,
     first_brick_.push_back(bricks);
     bricks += level.bricks.size();
   }
-  std::vector<std::uint64_t> vertices(bricks), tets(bricks);
+  if (has_faces_ && rules_.both_sides) find_domain();
+  std::vector<std::uint64_t> vertices(bricks), tets(bricks), faces(has_faces_ ? bricks : 0);
   const std::vector<LevelRange> ranges = ranges_of(tree_);
   for_each_index(ranges.size(), [&](std::size_t range) {
     if (cancellation.requested()) return;
@@ -176,19 +179,26 @@ void CountedMesh::count_bricks(const Cancellation& cancellation,
     BrickNeighbours neighbours(tree_.levels[l].bricks);
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t brick = first_brick_[l] + i;
-      if (earlier != nullptr && kept[l].tets[i] != kNewBrick) {
+      // A tet that is kept may have another face.
+      if (earlier != nullptr && kept[l].tets[i] != kNewBrick && !has_faces_) {
         const std::size_t before = earlier->first_brick_[l] + kept[l].tets[i];
         vertices[brick] = earlier->first_vertex_[before + 1] - earlier->first_vertex_[before];
         tets[brick] = earlier->first_tet_[before + 1] - earlier->first_tet_[before];
       } else {
         const BrickPlace place{static_cast<int>(l), i};
         vertices[brick] = vertices_of(place);
-        tets[brick] = tets_of(place, neighbours.around(tree_.levels[l].bricks[i]));
+        const BrickCounts counts =
+            counts_of(place, neighbours.around(tree_.levels[l].bricks[i]));
+        tets[brick] = counts.tets;
+        if (has_faces_) faces[brick] = counts.faces;
       }
     }
   });
   first_vertex_ = offsets_from_counts(bricks, [&](std::size_t i) { return vertices[i]; });
   first_tet_ = offsets_from_counts(bricks, [&](std::size_t i) { return tets[i]; });
+  if (has_faces_) {
+    first_face_ = offsets_from_counts(bricks, [&](std::size_t i) { return faces[i]; });
+  }
   for (std::size_t l = 0; l < tree_.levels.size(); ++l) {
     const auto begin = first_vertex_.begin() + static_cast<std::ptrdiff_t>(first_brick_[l]);
     nodes_[l].first_vertex.assign(
@@ -278,51 +288,65 @@ std::uint64_t CountedMesh::vertices_of(BrickPlace place) const noexcept {
   return std::uint64_t{level.corner[place.brick].count()} + level.centre[place.brick].count();
 }
 
-std::uint64_t CountedMesh::tets_of(BrickPlace place,
-                                   const PlacesAround& around) const noexcept {
+CountedMesh::BrickCounts CountedMesh::counts_of(BrickPlace place,
+                                                const PlacesAround& around) const noexcept {
   const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
-  if (!level.leaf[place.brick].any()) return 0;
-  if (place.level == 0) return finest_tets_of(place.brick, around);
-  std::uint64_t tets = 0;
+  if (!level.leaf[place.brick].any()) return {};
+  if (place.level == 0) return finest_counts_of(place.brick, around);
+  // Only where both sides are meshed a coarser brick can have faces.
+  const OuterCells outer = has_faces_ ? this->outer(place) : OuterCells{};
+  BrickCounts counts;
   for (const MeshRegion region : regions()) {
-    tets += count_background(gather_background(level, around, region)).total();
+    const BackgroundCells cells = gather_background(level, around, region);
+    counts.tets += count_background(cells).total();
+    if (any(outer)) counts.faces += count_background_faces(cells, outer);
   }
-  return tets;
+  return counts;
 }
 
-std::uint64_t CountedMesh::finest_tets_of(std::size_t brick,
-                                          const PlacesAround& around) const noexcept {
+CountedMesh::BrickCounts CountedMesh::finest_counts_of(
+    std::size_t brick, const PlacesAround& around) const noexcept {
   BrickNeighbourhood bricks;
+  bool at_surface = false, all_minus = true;
   for (std::size_t o = 0; o < bricks.size(); ++o) {
-    bricks[o] = stuffed_at(around[upper_place(o)]);
+    const std::uint32_t place = around[upper_place(o)];
+    bricks[o] = stuffed_at(place);
+    at_surface = at_surface || (place != kNoBrick && touches_surface(place));
+    all_minus = all_minus && bricks[o] == nullptr;
   }
-  const bool all_minus =
-      std::all_of(bricks.begin(), bricks.end(), [](const auto* b) { return b == nullptr; });
-  if (all_minus && !rules_.both_sides) return 0;
+  if (all_minus && !rules_.both_sides) return {};
   CellNodes nodes = nodes_around_cells(bricks, leaves_around(tree_.levels[0].leaf, around));
-  if (!rules_.both_sides) return count_finest(nodes, nullptr);
+  if (has_faces_) return count_with_faces(brick, around, at_surface, nodes);
+  if (!rules_.both_sides) return {.tets = count_finest(nodes, nullptr)};
   const FanMasks* fans = vertices_of_finest(brick).fans;
   const std::uint64_t inside = count_finest(nodes, fans);
   see_from_outside(nodes);
-  return inside + count_finest(nodes, fans);
+  return {.tets = inside + count_finest(nodes, fans)};
 }
 
-void CountedMesh::count_faces(const Cancellation& cancellation) {
-  if (rules_.both_sides) find_domain();
-  std::vector<std::uint64_t> faces(brick_count());
-  const std::vector<LevelRange> ranges = ranges_of(tree_);
-  for_each_index(ranges.size(), [&](std::size_t range) {
-    const auto [l, begin, end] = ranges[range];
-    // Only where both sides are meshed a coarser brick can have any.
-    if (cancellation.requested() || (l > 0 && !rules_.both_sides)) return;
-    const std::vector<BrickCoord>& bricks = tree_.levels[l].bricks;
-    BrickNeighbours neighbours(bricks);
-    for (std::size_t i = begin; i < end; ++i) {
-      faces[first_brick_[l] + i] =
-          faces_of({static_cast<int>(l), i}, neighbours.around(bricks[i]));
-    }
-  });
-  first_face_ = offsets_from_counts(faces.size(), [&](std::size_t i) { return faces[i]; });
+CountedMesh::BrickCounts CountedMesh::count_with_faces(std::size_t brick,
+                                                       const PlacesAround& around,
+                                                       bool at_surface,
+                                                       CellNodes& nodes) const noexcept {
+  const FanMasks* fans = vertices_of_finest(brick).fans;
+  const BrickSurroundings beside = surroundings(around);
+  const OuterCells outer = this->outer({0, brick});
+  const DomainFaces domain(outer, beside);
+  const bool at_end = any(outer);
+  BrickCounts counts;
+  if (at_surface) {
+    const FinestCounts inside =
+        count_finest_with_faces(nodes, {beside, at_end ? &domain : nullptr}, fans);
+    counts = {inside.tets, inside.triangles};
+  } else {
+    counts.tets = count_finest(nodes, fans);
+  }
+  if (at_end) counts.faces += domain.count(nodes);
+  if (!rules_.both_sides) return counts;
+  see_from_outside(nodes);
+  counts.tets += count_finest(nodes, fans);
+  if (at_end) counts.faces += domain.count(nodes);
+  return counts;
 }
 
 void CountedMesh::find_domain() {
@@ -338,44 +362,6 @@ OuterCells CountedMesh::outer(BrickPlace place) const noexcept {
   if (!rules_.both_sides) return {};
   const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
   return outer_cells(domain_, level.bricks[place.brick], place.level);
-}
-
-std::uint64_t CountedMesh::faces_of(BrickPlace place,
-                                    const PlacesAround& around) const noexcept {
-  const OctreeLevel& level = tree_.levels[static_cast<std::size_t>(place.level)];
-  if (!level.leaf[place.brick].any()) return 0;
-  if (place.level == 0) return finest_faces_of(place.brick, around);
-  const OuterCells outer = this->outer(place);
-  if (!any(outer)) return 0;
-  std::uint64_t faces = 0;
-  for (const MeshRegion region : regions()) {
-    faces += count_background_faces(gather_background(level, around, region), outer);
-  }
-  return faces;
-}
-
-std::uint64_t CountedMesh::finest_faces_of(std::size_t brick,
-                                           const PlacesAround& around) const noexcept {
-  BrickNeighbourhood bricks;
-  bool at_surface = false;
-  for (std::size_t o = 0; o < bricks.size(); ++o) {
-    const std::uint32_t place = around[upper_place(o)];
-    bricks[o] = stuffed_at(place);
-    at_surface = at_surface || (place != kNoBrick && touches_surface(place));
-  }
-  const OuterCells outer = this->outer({0, brick});
-  const bool at_end = any(outer);
-  if (!at_surface && !at_end) return 0;
-  const BrickSurroundings beside = surroundings(around);
-  const DomainFaces domain(outer, beside);
-  const FacesAround faces{beside, at_end ? &domain : nullptr};
-  CellNodes nodes = nodes_around_cells(bricks, leaves_around(tree_.levels[0].leaf, around));
-  std::uint64_t count = 0;
-  if (at_surface) count = count_surface_faces(nodes, faces, vertices_of_finest(brick).fans);
-  if (!at_end) return count;
-  count += domain.count(nodes);
-  see_from_outside(nodes);
-  return count + domain.count(nodes);
 }
 
 ChunkExtent CountedMesh::extent(const BrickRange& bricks) const noexcept {

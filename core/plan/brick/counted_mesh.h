@@ -49,6 +49,7 @@ struct SurveyedMesh {
   Octree tree;
   StuffingRules rules = {};
   bool uniform = false;  ///< all leaves are finest
+  bool faces = false;    ///< those of the boundary are counted, too
   /// What this mesh, which may be null, counted is not counted again: it has the same rules and
   /// the same lattice.
   const ComparedMesh* earlier = nullptr;
@@ -69,7 +70,8 @@ class CountedMesh {
   explicit CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation = {});
 
   /// The kept geometry of `structure` has only cut points that tets use.
-  CountedMesh(MeshStructure structure, const StuffingRules& rules);
+  /// Counts the faces of the boundary, too, if they are wanted.
+  CountedMesh(MeshStructure structure, const StuffingRules& rules, bool faces = false);
 
   const StuffingRules& rules() const noexcept { return rules_; }
   const RestoredNodes* restored() const noexcept { return survey_.restored.get(); }
@@ -91,9 +93,7 @@ class CountedMesh {
   std::uint64_t first_vertex(std::size_t brick) const noexcept { return first_vertex_[brick]; }
   std::uint64_t first_tet(std::size_t brick) const noexcept { return first_tet_[brick]; }
 
-  /// Counts the faces of each brick's tets on the surface, for a mesh that has them. Parallel.
-  void count_faces(const Cancellation& cancellation);
-  /// 0 unless they were counted.
+  /// 0 unless faces were counted.
   std::uint64_t first_face(std::size_t brick) const noexcept {
     return first_face_.empty() ? 0 : first_face_[brick];
   }
@@ -134,13 +134,20 @@ class CountedMesh {
                     const CountedMesh* earlier,
                     std::span<const KeptBricks> kept);
   std::uint64_t vertices_of(BrickPlace place) const noexcept;
-  std::uint64_t tets_of(BrickPlace place, const PlacesAround& around) const noexcept;
-  std::uint64_t finest_tets_of(std::size_t brick, const PlacesAround& around) const noexcept;
-  std::uint64_t faces_of(BrickPlace place, const PlacesAround& around) const noexcept;
-  std::uint64_t finest_faces_of(std::size_t brick, const PlacesAround& around) const noexcept;
+  /// Tets of a brick, and their faces if those are counted.
+  struct BrickCounts {
+    std::uint64_t tets = 0, faces = 0;
+  };
+  BrickCounts counts_of(BrickPlace place, const PlacesAround& around) const noexcept;
+  BrickCounts finest_counts_of(std::size_t brick, const PlacesAround& around) const noexcept;
+  BrickCounts count_with_faces(std::size_t brick,
+                               const PlacesAround& around,
+                               bool at_surface,
+                               CellNodes& nodes) const noexcept;
   void find_domain();
 
   StuffingRules rules_;
+  bool has_faces_ = false;
   bool geometry_is_trimmed_ = false;  ///< packed after cut points that no tet uses were dropped
   Survey survey_;
   Octree tree_;

@@ -136,9 +136,9 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
                     .tree = std::move(surveyed.tree),
                     .rules = prepared.space.rules,
                     .uniform = prepared.asked.levels == 0,
+                    .faces = job.request.faces,
                     .earlier = alike ? &alike->mesh : nullptr},
                    cancellation);
-  if (job.request.faces) mesh.count_faces(cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   MeshHeader header = header_of(mesh, job.request);
