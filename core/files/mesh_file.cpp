@@ -19,6 +19,7 @@
 #include "core/files/write_vtkhdf.h"
 #include "core/files/write_vtu.h"
 #include "core/files/write_xdmf.h"
+#include "core/mesh/find_faces.h"
 #include "core/mesh/label_faces.h"
 
 namespace tet {
@@ -141,6 +142,15 @@ FormatNames names_in(MeshFormat format) {
   }
 }
 
+/// Those of the mesh, or those that are found where it has none. Which labels meet is known
+/// by the tets alone.
+std::vector<FaceLabel> face_labels_in(const MeshHeader& mesh) {
+  if (mesh.has_faces() || !mesh.labels.empty()) return mesh.face_labels;
+  const std::vector<FaceLabel> labels =
+      face_labels_of(mesh.has_regions, mesh.has_regions || has_cut_faces(mesh));
+  return mesh.parts.empty() ? labels : labels_of_parts(labels, mesh.parts);
+}
+
 void tell_changes(const std::optional<NameRule>& rule,
                   const std::vector<std::string>& names,
                   std::string_view things,
@@ -211,7 +221,7 @@ std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh
   std::vector<std::string> told;
   tell_changes(rules.groups, names_of(mesh.parts), "part", told);
   tell_changes(rules.groups, distinct_names(mesh.labels), "label", told);
-  tell_changes(rules.groups, names_of(mesh.face_labels), "faces", told);
+  tell_changes(rules.groups, names_of(face_labels_in(mesh)), "faces", told);
   tell_changes(rules.fields, names_of(mesh.fields), "field", told);
   return told;
 }

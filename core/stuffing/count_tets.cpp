@@ -100,7 +100,8 @@ std::uint64_t count_others(const CellNodes& nodes, const FanMasks* fans) noexcep
   return count;
 }
 
-/// The same of the inside, with the surface's triangles in cut tets and tets on three zeros.
+/// Counts tets of the inside's stencils, and the surface's triangles in cut ones; notes tets on
+/// three zeros.
 TET_VECTOR_CLONES
 FinestCounts count_stencils(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
   CellCounts tets, triangles;

@@ -265,7 +265,8 @@ TEST(FileNames, ThatChangeAreTold) {
   MeshHeader header;
   header.parts = {{.name = "femur"}, {.name = "a/b"}};
   EXPECT_THAT(changed_names(MeshFormat::kInp, header),
-              ElementsAre("the file calls the part \"a/b\" a_b"));
+              ElementsAre("the file calls the part \"a/b\" a_b",
+                          "the file calls the faces \"a/b_surface\" a_b_surface"));
   EXPECT_THAT(changed_names(MeshFormat::kVtu, header), ElementsAre());
 }
 
