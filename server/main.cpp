@@ -204,11 +204,10 @@ void go_lame(tet::Server& server, std::chrono::seconds time) {
   std::this_thread::sleep_for(time);
 }
 
-int serve(const tet::Config& config) {
+int serve(const tet::Config& config, const sigset_t& signals) {
   tet::keep_read_blocks();
   raise_file_limit();
   tet::log_grpc_messages();
-  const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit is an error like a full disk
   tet::ignore_hangups();
   // A server that was killed may have left its file: whoever waits for ours must not read that.
@@ -246,9 +245,8 @@ int wait_for_end(const sigset_t& signals, tet::WorkerProcess& worker) {
   return 0;
 }
 
-int work(const tet::Config& config) {
+int work(const tet::Config& config, const sigset_t& signals) {
   raise_file_limit();
-  const sigset_t signals = hold_signals();
   std::signal(SIGXFSZ, SIG_IGN);
   tet::ignore_hangups();
   auto worker = tet::WorkerProcess::start(config);
@@ -286,8 +284,11 @@ int main(int argc, char** argv) {
     return kDone;
   }
   if (line.upkeep) return tet::run_upkeep(*line.upkeep, config, line.folder);
+  // Before the first thread, which is the log's: a thread that does not block them would be
+  // killed by the second, and the process with it.
+  const sigset_t signals = hold_signals();
   tet::start_logging(config.log_level, config.log_buffer_bytes);
-  const int code = line.worker ? work(config) : serve(config);
+  const int code = line.worker ? work(config, signals) : serve(config, signals);
   tet::flush_log(kLastWords);
   return code;
 }

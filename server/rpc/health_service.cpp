@@ -153,7 +153,7 @@ grpc::ServerUnaryReactor* HealthService::Check(grpc::CallbackServerContext* cont
   return reactor;
 }
 
-/// Of an unknown service it says so, and goes on: it may come.
+/// A watch of an unknown service says so, and goes on: it may come.
 grpc::ServerWriteReactor<HealthService::Response>* HealthService::Watch(
     grpc::CallbackServerContext* context, const Request* request) {
   absl::Status status = check_name(request->service());

@@ -1,7 +1,9 @@
 #include "server/streams/mesh_service.h"
 
 #include <atomic>
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "core/plan/make/fill_estimate.h"
@@ -12,6 +14,7 @@
 #include "server/ops/memory.h"
 #include "server/rpc/deadline.h"
 #include "server/streams/mesh_stream.h"
+#include "server/streams/mesher_turn.h"
 #include "server/streams/remesh_stream.h"
 #include "server/streams/sample_stream.h"
 
@@ -19,8 +22,11 @@ namespace tet {
 
 namespace {
 
+constexpr std::chrono::milliseconds kIdleEstimate{200};
+
 /// One EstimateMesh call. Lives until gRPC is done with it and the plan is made or given up.
 class Estimate final : public grpc::ServerUnaryReactor,
+                       public Stallable,
                        public std::enable_shared_from_this<Estimate> {
  public:
   static grpc::ServerUnaryReactor* start(MeshEngine& engine,
@@ -32,6 +38,13 @@ class Estimate final : public grpc::ServerUnaryReactor,
     const absl::Status begun = guarded("EstimateMesh", [&] { estimate->begin(request); });
     if (!begun.ok()) estimate->end(begun);
     return estimate.get();
+  }
+
+  /// It waits for nothing of its client's.
+  std::optional<Stallable::Clock::time_point> waiting_since() override { return std::nullopt; }
+  void give_up(std::chrono::seconds /*waited*/) override {}
+  void pass_time(Stallable::Clock::time_point now) override {
+    turn_.lend_if_idle_since(now - kIdleEstimate);
   }
 
  private:
@@ -52,6 +65,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
     // Counts are the same without improvement, which would make the mesh.
     improve_ = std::exchange(order_.request.improve, false);
     call_.on_cut([watch = watch_] { watch->cancellation.cancel(); });
+    engine_.stalls.add(weak_from_this());
     place_ = engine_.admit(call_, watch_->cancellation.deadline(),
                            [self = shared_from_this()](absl::StatusOr<Ticket> ticket) {
                              self->plan(std::move(ticket));
@@ -60,7 +74,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
 
   void plan(absl::StatusOr<Ticket> ticket) {
     if (!ticket.ok()) return finish(ticket.status());
-    ticket_ = *std::move(ticket);
+    turn_.take(*std::move(ticket));
     const absl::Status asked = guarded("EstimateMesh", [&] {
       engine_.planner.plan(
           call_.client(), order_, watch_,
@@ -74,7 +88,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
       if (planned.ok()) tell(*planned);
       return planned.status();
     });
-    ticket_.reset();
+    turn_.give_back();
     const absl::Status cut = call_.registry().cut_off();
     end(told.ok() || cut.ok() ? told : cut);
   }
@@ -109,7 +123,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
   MeshOrder order_;
   bool improve_ = false;
   Admission::Place place_ = 0;  ///< in the queue; 0: in none
-  Ticket ticket_;
+  MesherTurn turn_{engine_.calls.admission()};
   std::atomic<bool> ended_{false};
   std::shared_ptr<Estimate> self_;
 };

@@ -36,7 +36,7 @@ bool concerns_frame(const absl::Status& why) {
   }
 }
 
-/// The same fields as a google.rpc.Status.
+/// Tells it in the fields of a google.rpc.Status.
 v1::FrameRefusal refusal_of(const absl::Status& why) {
   v1::FrameRefusal refusal;
   refusal.ParseFromString(to_grpc(why).error_details());

@@ -4,6 +4,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "tests/server/held_place.h"
 #include "tests/server/held_plan.h"
 #include "tests/server/held_stream.h"
 #include "tests/server/open_upload.h"
@@ -49,8 +50,7 @@ class AdmissionServiceTest : public ServiceTest {
 
 TEST_F(AdmissionServiceTest, AMeshWaitsForItsTurn) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldPlan first(*meshes_);
-  ASSERT_TRUE(is_running(1));
+  HeldPlace first(*server_);
   grpc::Status status;
   std::jthread second([&] {
     grpc::ClientContext context;
@@ -64,8 +64,7 @@ TEST_F(AdmissionServiceTest, AMeshWaitsForItsTurn) {
 
 TEST_F(AdmissionServiceTest, ADeadlineInTheQueueIsKept) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldPlan first(*meshes_);
-  ASSERT_TRUE(is_running(1));
+  HeldPlace first(*server_);
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + 200ms);
   EXPECT_EQ(estimate(ball, context).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
@@ -76,8 +75,7 @@ TEST_F(AdmissionServiceTest, ADeadlineInTheQueueIsKept) {
 
 TEST_F(AdmissionServiceTest, WhoeverGivesUpInTheQueueLeavesItAtOnce) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldPlan first(*meshes_);
-  ASSERT_TRUE(is_running(1));
+  HeldPlace first(*server_);
   grpc::ClientContext stream_context, estimate_context;
   const auto second = meshes_->StreamMesh(&stream_context, stream_of(ball));
   std::jthread third([&] { estimate(ball, estimate_context); });
@@ -91,8 +89,8 @@ TEST_F(AdmissionServiceTest, WhoeverGivesUpInTheQueueLeavesItAtOnce) {
 
 TEST_F(AdmissionServiceTest, ADrainRefusesTheQueueAndLetsRunWhatRuns) {
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldPlan first(*meshes_);
-  ASSERT_TRUE(is_running(1));
+  HeldStream running(*meshes_, stream_of(ball));
+  HeldPlace first(*server_);
   grpc::ClientContext context;
   const auto second = meshes_->StreamMesh(&context, stream_of(ball));
   EXPECT_TRUE(queue_holds(1));
@@ -101,6 +99,7 @@ TEST_F(AdmissionServiceTest, ADrainRefusesTheQueueAndLetsRunWhatRuns) {
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_TRUE(has_detail<google::rpc::RetryInfo>(refused));
   EXPECT_EQ(activity().meshes, 1);
+  running.let_go();
   first.let_go();
 }
 
@@ -115,6 +114,20 @@ TEST_F(AdmissionServiceTest, AStreamThatWaitsForItsReaderLeavesItsPlaceToOthers)
   const grpc::Status beside = estimate(ball, context);
   EXPECT_TRUE(beside.ok()) << beside.error_message();
   EXPECT_TRUE(held.read_on()) << "and it comes back without asking";
+  EXPECT_TRUE(work_stops());
+  EXPECT_EQ(admission().paused_meshes(), 0U);
+  EXPECT_EQ(admission().running_meshes(), 0U);
+}
+
+TEST_F(AdmissionServiceTest, APlanThatTakesLongLeavesItsPlaceToOthers) {
+  config_.max_queued = 0;
+  restart();
+  HeldPlan held(*meshes_);
+  ASSERT_TRUE(eventually([&] { return admission().paused_meshes() == 1; }));
+  grpc::ClientContext context;
+  const grpc::Status beside = estimate(uniform_ball(8), context);
+  EXPECT_TRUE(beside.ok()) << beside.error_message();
+  EXPECT_EQ(held.let_go(), grpc::StatusCode::CANCELLED);
   EXPECT_TRUE(work_stops());
   EXPECT_EQ(admission().paused_meshes(), 0U);
   EXPECT_EQ(admission().running_meshes(), 0U);

@@ -12,7 +12,7 @@
 
 #include "proto/convert/reasons.h"
 #include "proto/convert/status.h"
-#include "tests/server/held_plan.h"
+#include "tests/server/held_place.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/status_text.h"
@@ -314,9 +314,7 @@ void ErrorsTest::busy_server() {
   config_.max_queued = 0;
   config_.max_client_uploads = 1;
   restart();
-  HeldPlan held(*meshes_);
-  ASSERT_TRUE(
-      eventually([&] { return server_->engine().calls.admission().running_meshes() == 1; }));
+  HeldPlace held(*server_);
   tell("a mesh beside as many as may be", estimate(ball_));
   held.let_go();
 }

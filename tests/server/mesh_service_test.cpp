@@ -6,7 +6,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "proto/wire/checksum.h"
-#include "tests/server/held_plan.h"
+#include "tests/server/held_place.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
@@ -345,9 +345,7 @@ TEST_F(MeshServiceTest, TellsOneStreamTooManyToRetry) {
   config_.max_queued = 0;
   restart();
   const v1::MeshRequest ball = uniform_ball(28);
-  HeldPlan first(*meshes_);
-  ASSERT_TRUE(
-      eventually([&] { return server_->engine().calls.admission().running_meshes() == 1; }));
+  HeldPlace first(*server_);
   const Received second = receive(stream_of(ball));
   EXPECT_EQ(second.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   google::rpc::Status rpc;

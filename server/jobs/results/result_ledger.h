@@ -27,7 +27,7 @@ class ResultLedger {
   /// The account, which nobody else has meanwhile: for a short time.
   class Turn {
    public:
-    /// Nothing where nobody has counted yet, or the file is damaged.
+    /// Returns nothing where nobody has counted, or the file is damaged.
     std::optional<std::uint64_t> total() const;
     absl::Status set(std::uint64_t total);
 
