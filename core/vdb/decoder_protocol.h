@@ -32,7 +32,7 @@ enum class DecodeTask : std::uint32_t {
   kVolume = 1,    ///< one grid, as a flat volume
   kGridList = 2,  ///< what the file holds, as a flat grid list
   kField = 3,     ///< one component of one grid's values, as a flat volume
-  kLabels = 4,    ///< one image's labels, as a flat label volume
+  kLabels = 4,    ///< one image's or grid's labels, as a flat label volume
 };
 
 /// What a decoder may take.

@@ -33,6 +33,17 @@ constexpr int kClockFactor = 10;
 constexpr std::uint64_t kFileBytesPerSecond = 10'000'000;
 constexpr std::uint64_t kMemoryBytesPerSecond = 50'000'000;
 
+GridUse use_of(DecodeTask task) {
+  switch (task) {
+    case DecodeTask::kField:
+      return GridUse::kField;
+    case DecodeTask::kLabels:
+      return GridUse::kLabels;
+    default:
+      return GridUse::kSurface;
+  }
+}
+
 /// What the file takes, if that is not too much.
 absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGridFile& file) {
   if (holds_image(file)) {
@@ -46,9 +57,7 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGri
     return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
   }
   const auto charge = [&](const VdbOutline& outline) {
-    return loading_charge(
-        outline, request.grid_name,
-        request.task == DecodeTask::kField ? GridUse::kField : GridUse::kSurface);
+    return loading_charge(outline, request.grid_name, use_of(request.task));
   };
   return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
 }

@@ -19,6 +19,7 @@
 #include "core/base/posix/file.h"
 #include "core/vdb/conversion_report.h"
 #include "core/vdb/copy_grid.h"
+#include "core/vdb/copy_labels.h"
 #include "core/vdb/image_file.h"
 #include "core/vdb/load_image_file.h"
 #include "core/vdb/surface_grid.h"
@@ -179,8 +180,12 @@ struct Reading {
   GridUse use = GridUse::kSurface;
   std::uint32_t component = 0;  ///< of a field
 
-  const char* verb() const { return use == GridUse::kSurface ? "be meshed" : "be a field"; }
+  const char* verb() const {
+    if (use == GridUse::kLabels) return "be a segmentation";
+    return use == GridUse::kSurface ? "be meshed" : "be a field";
+  }
   absl::Status check(const openvdb::GridBase& grid) const {
+    if (use == GridUse::kLabels) return check_labels(grid);
     return use == GridUse::kSurface ? check_meshable(grid) : check_field(grid);
   }
   absl::StatusOr<Volume> copy(const openvdb::GridBase& grid) const {
@@ -189,7 +194,7 @@ struct Reading {
   /// Why the grid will not do, its values apart; empty when it will.
   std::string refusal(VdbFile& file, std::size_t i) const {
     if (use == GridUse::kSurface) return describe(file, i).not_meshable;
-    return std::string(check_field(file.grid(i)).message());
+    return std::string(check(file.grid(i)).message());
   }
 };
 
@@ -229,11 +234,34 @@ absl::StatusOr<std::size_t> find_grid(VdbFile& file,
   return name.empty() ? find_only(file, reading) : find_named(file, name);
 }
 
-absl::StatusOr<Volume> load_grid(VdbFile& file, std::size_t i, const Reading& reading) {
-  if (absl::Status s = reading.check(file.grid(i)); !s.ok()) return s;
-  file.read_topology(i);
-  file.read_values(i);
-  return reading.copy(file.grid(i));
+/// Calls `copy(grid)` of the grid that is meant, its values read.
+template <class Copy, class Made = std::invoke_result_t<Copy, const openvdb::GridBase&>>
+Made load_grid(const OpenGridFile& source,
+               const std::string& grid_name,
+               const Reading& reading,
+               const LoadLimits& limits,
+               const Copy& copy) {
+  const auto charge = [&](const VdbOutline& o) {
+    return loading_charge(o, grid_name, reading.use);
+  };
+  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
+  return with_file(source, [&](VdbFile& file) -> Made {
+    const absl::StatusOr<std::size_t> i = find_grid(file, grid_name, reading);
+    if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
+    const auto made = [&]() -> Made {
+      if (absl::Status s = reading.check(file.grid(*i)); !s.ok()) return s;
+      file.read_topology(*i);
+      file.read_values(*i);
+      return copy(file.grid(*i));
+    };
+    Made volume = made();
+    if (volume.ok()) {
+      volume->name = file.grid_name(*i);
+      return volume;
+    }
+    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), source.name),
+                   volume.status());
+  });
 }
 
 absl::Status check_triangles(const OpenGridFile& file, const LoadLimits& limits) {
@@ -276,21 +304,8 @@ absl::StatusOr<Volume> load(const OpenGridFile& source,
     if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
     return load_image_file(source, grid_name, reading.use, reading.component);
   }
-  const auto charge = [&](const VdbOutline& o) {
-    return loading_charge(o, grid_name, reading.use);
-  };
-  if (absl::Status s = check_bytes(source, limits, charge); !s.ok()) return s;
-  return with_file(source, [&](VdbFile& file) -> absl::StatusOr<Volume> {
-    const absl::StatusOr<std::size_t> i = find_grid(file, grid_name, reading);
-    if (!i.ok()) return told_of(absl::StrFormat("'%s'", source.name), i.status());
-    absl::StatusOr<Volume> volume = load_grid(file, *i, reading);
-    if (volume.ok()) {
-      volume->name = file.grid_name(*i);
-      return volume;
-    }
-    return told_of(absl::StrFormat("grid '%s' of '%s'", file.grid_name(*i), source.name),
-                   volume.status());
-  });
+  return load_grid(source, grid_name, reading, limits,
+                   [&](const openvdb::GridBase& grid) { return reading.copy(grid); });
 }
 
 }  // namespace
@@ -358,8 +373,7 @@ absl::StatusOr<LabelVolume> load_labels(const OpenGridFile& source,
                                         const std::string& grid_name,
                                         const LoadLimits& limits) {
   if (!holds_image(source)) {
-    return absl::FailedPreconditionError(
-        absl::StrFormat("'%s' is no image, and only images have labels", source.name));
+    return load_grid(source, grid_name, {GridUse::kLabels}, limits, copy_labels);
   }
   if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
   return load_label_file(source, grid_name);

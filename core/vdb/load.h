@@ -60,8 +60,9 @@ absl::StatusOr<Volume> load_field(const OpenGridFile& file,
                                   std::uint32_t component,
                                   const LoadLimits& limits = {});
 
-/// Reads the labels of an image. An empty `grid_name` takes its only array. Errors: those of
-/// load_volume; kFailedPrecondition (values that are no labels, or no image).
+/// Reads the labels of an image, or of a grid of int32, int64, bool or mask: 0 and 1. An empty
+/// `grid_name` takes the only such array or grid. Errors: those of load_volume;
+/// kFailedPrecondition (values that are no labels).
 absl::StatusOr<LabelVolume> load_labels(const std::string& path,
                                         const std::string& grid_name,
                                         const LoadLimits& limits = {});

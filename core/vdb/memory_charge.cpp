@@ -62,7 +62,13 @@ bool is_vector(const GridOutline& grid) {
   return grid.tree_type == "Tree_vec3s_5_4_3" || grid.tree_type == "Tree_vec3d_5_4_3";
 }
 
+bool has_whole_values(const GridOutline& grid) {
+  return is_scalar(grid) && grid.tree_type != "Tree_float_5_4_3" &&
+         grid.tree_type != "Tree_double_5_4_3";
+}
+
 bool will_do(const GridOutline& grid, GridUse use) {
+  if (use == GridUse::kLabels) return has_whole_values(grid);
   return is_scalar(grid) || (use == GridUse::kField && is_vector(grid));
 }
 
@@ -96,6 +102,10 @@ MemoryCharge loading_charge(const VdbOutline& outline,
     if (!will_do(grid, use) || (!grid_name.empty() && grid.name != grid_name)) continue;
     charge.volume = std::max(charge.volume, grid.tree.volume_bytes);
     charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + grid.tree.volume_bytes);
+  }
+  if (use == GridUse::kLabels && charge.reading > 0) {
+    charge.volume += kLabelTableBytes;
+    charge.reading += kGrowth * kLabelTableBytes;
   }
   if (lists) charge.reading += listing_charge(outline).reading;
   return charge;

@@ -5,6 +5,7 @@
 
 import gzip
 import json
+import pathlib
 import unittest
 
 import meshio
@@ -17,6 +18,7 @@ from image_files import CENTRE, SEMI_AXES, ellipsoid, meta, nifti, nrrd, oblique
 CT = (0.5, 0.5, 1.25)
 TISSUES = {1: "marrow", 4: "bone", 7: "skin"}
 SHARES = {1: 0.5, 4: 0.75, 7: 1.0}  # of the ellipsoid's radius, from one shell to the next
+WHOLE_NUMBERS = pathlib.Path(__file__).resolve().parents[1] / "data/whole_numbers"
 WHOLE = 4 / 3 * numpy.pi * numpy.prod(SEMI_AXES)
 VOLUMES = {1: WHOLE * 0.5**3, 4: WHOLE * (0.75**3 - 0.5**3), 7: WHOLE * (1 - 0.75**3)}
 
@@ -255,6 +257,20 @@ class LabelsServed(LabelCase, ServerTest):
         for how in ((), ("--packed",)):
             with self.subTest(how):
                 self.mesh_labels(*options, "--server", self.address, *how)
+                self.assertEqual((self.out / "mesh.vtu").read_bytes(), here)
+
+    def test_of_a_vdb_file_are_the_same_bytes_as_here(self):
+        for kind in ("int32", "mask"):
+            with self.subTest(kind):
+                path = WHOLE_NUMBERS / f"{kind}.vdb"
+                options = ("--labels", "1", "--background", "meshed", "--report", self.out / "report.json")
+                self.mesh_labels(*options, path=path)
+                here = (self.out / "mesh.vtu").read_bytes()
+                report = json.loads((self.out / "report.json").read_text())
+                # 24 x 29 x 36 voxels, but for one
+                self.assertAlmostEqual(report["labels"][0]["voxel_volume"], 25055, delta=1)
+                self.assertAlmostEqual(report["labels"][0]["volume"], 25055, delta=600)
+                self.mesh_labels(*options, "--server", self.address, path=path)
                 self.assertEqual((self.out / "mesh.vtu").read_bytes(), here)
 
     def test_have_the_same_faces_as_here(self):

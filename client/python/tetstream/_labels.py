@@ -79,9 +79,10 @@ class Labels:
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], name: str = "", *, trusted: bool = False) -> Labels:
-        """Reads an image: NIfTI, NRRD, MetaImage, VTK or NumPy (docs/images.md).
+        """Reads an image: NIfTI, NRRD, MetaImage, VTK or NumPy (docs/images.md); or a .vdb file's grid of int32,
+        int64, bool or mask.
 
-        name      of one of several arrays
+        name      of one of several arrays or grids
         trusted   read it in this process; else the program tetstream-decoder does, as is right for files of others
 
         Errors: those of `Volume.from_vdb`; FailedPreconditionError (values that are no whole numbers).

@@ -82,7 +82,8 @@ class Header:
     id                from a server: the same id is the same bytes; else empty
     face_labels       with `faces=True` the names that faces have; else empty
     face_count        boundary faces
-    labels            of a segmentation's mesh: what its tets are of, by ascending value; else empty
+    labels            of a segmentation's mesh: what its tets are of, by ascending value, and last the background
+                      where it is meshed; else empty
     """
 
     vertex_count: int

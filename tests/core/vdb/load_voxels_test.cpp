@@ -50,6 +50,55 @@ TEST_F(LoadVoxels, ReadsWholeNumbersBoolsAndMasks) {
   }
 }
 
+TEST_F(LoadVoxels, ReadsWholeNumbersBoolsAndMasksAsLabels) {
+  for (const std::string kind : {"int32", "int64", "bool", "mask"}) {
+    SCOPED_TRACE(kind);
+    const absl::StatusOr<LabelVolume> labels =
+        load_labels(std::string(WHOLE_NUMBERS_PATH) + "/" + kind + ".vdb", "");
+    ASSERT_TRUE(labels.ok()) << labels.status();
+    EXPECT_EQ(labels->labels, (std::vector<std::int64_t>{0, 1}));
+    EXPECT_EQ(labels->voxel_counts, (std::vector<std::uint64_t>{1, 24 * 29 * 36 - 1}));
+    EXPECT_EQ(labels->at({-3, 2, 5}), 1);
+    EXPECT_EQ(labels->at({9, 17, 17}), 1);
+    EXPECT_EQ(labels->at({0, 10, 10}), 0);
+    EXPECT_EQ(labels->at({21, 30, 40}), LabelVolume::kNoLabel);
+  }
+}
+
+TEST_F(LoadVoxels, KeepsEveryBitOfALabel) {
+  const auto grid = openvdb::Int32Grid::create(-7);
+  grid->setName("atlas");
+  grid->fill({{0, 0, 0}, {15, 7, 7}}, 2'000'000'001);
+  grid->tree().setValue({3, 3, 3}, 2'000'000'002);
+  grid->tree().setValue({20, 3, 3}, 5);
+  test::write_vdb(path_, {grid, ball(4)});
+  const absl::StatusOr<LabelVolume> labels = load_labels(path_, "");
+  ASSERT_TRUE(labels.ok()) << labels.status();
+  EXPECT_EQ(labels->name, "atlas");
+  EXPECT_EQ(labels->labels, (std::vector<std::int64_t>{-7, 5, 2'000'000'001, 2'000'000'002}));
+  EXPECT_EQ(labels->voxel_counts, (std::vector<std::uint64_t>{5 * 64 - 1, 1, 16 * 64 - 1, 1}));
+}
+
+TEST_F(LoadVoxels, RefusesWhatIsNoSegmentation) {
+  const auto said = [&](const openvdb::GridCPtrVec& grids) {
+    test::write_vdb(path_, grids);
+    return std::string(load_labels(path_, "").status().message());
+  };
+  EXPECT_THAT(said({ball(4)}), HasSubstr("its values are float, and labels are whole numbers"));
+  const auto empty = openvdb::Int32Grid::create();
+  EXPECT_THAT(said({empty}), HasSubstr("it is empty: no voxel is active"));
+  const auto far = openvdb::Int32Grid::create();
+  far->tree().setValue({0, 0, 0}, 1);
+  far->tree().setValue({1 << 20, 1 << 20, 1 << 20}, 1);
+  EXPECT_THAT(said({far}), HasSubstr("more than 16777216 bricks of 8 x 8 x 8 voxels: crop it"));
+  const auto one = openvdb::Int32Grid::create(), other = openvdb::Int32Grid::create();
+  one->tree().setValue({0, 0, 0}, 1);
+  other->tree().setValue({0, 0, 0}, 1);
+  one->setName("one");
+  other->setName("other");
+  EXPECT_THAT(said({one, other}), HasSubstr("name one of them: 'one', 'other'"));
+}
+
 TEST_F(LoadVoxels, KeepsVoxelsThatAreNoCubes) {
   const FloatGrid::Ptr grid = ball(8);
   openvdb::Mat4d rhombus = openvdb::Mat4d::identity();

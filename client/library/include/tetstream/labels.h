@@ -53,8 +53,9 @@ class TETSTREAM_API Labels {
   /// a label beyond 63 bits), kFailedPrecondition (steps that leave a voxel no volume, more
   /// than 65,535 labels).
   static Result<Labels> from_voxels(const LabelArray& labels);
-  /// Reads an image: docs/images.md. Errors: those of Volume::from_vdb; kFailedPrecondition
-  /// (values that are no whole numbers, more than 65,535 labels).
+  /// Reads an image (docs/images.md), or a grid of whole numbers of a .vdb file. Errors: those
+  /// of Volume::from_vdb; kFailedPrecondition (values that are no whole numbers, more than
+  /// 65,535 labels).
   static Result<Labels> from_file(const std::string& path, const VdbOptions& options = {});
 
   /// By ascending value.
@@ -62,7 +63,8 @@ class TETSTREAM_API Labels {
   /// Lengths of a voxel's edges along the image's axes, world units.
   std::array<double, 3> voxel_edges() const noexcept;
 
-  /// Writes an image of the NRRD format, whole or not at all. Errors: kUnavailable,
+  /// Writes an image of the NRRD format, whole or not at all: of the box of voxels that there
+  /// are, so that a .vdb file's is meshed on another lattice. Errors: kUnavailable,
   /// kResourceExhausted (the disk).
   Status write_nrrd(const std::string& path) const;
 

@@ -77,7 +77,8 @@ struct MeshHeader {
   /// Where the request asks for faces: their names, whether or not a face has them.
   std::vector<FaceLabel> face_labels = {};
   std::uint64_t face_count = 0;
-  /// What the tets of a segmentation's mesh are of, by ascending value; else empty.
+  /// What the tets of a segmentation's mesh are of, by ascending value, and last the
+  /// background where it is meshed; else empty.
   std::vector<MeshLabel> labels = {};
 };
 
