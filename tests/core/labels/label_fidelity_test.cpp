@@ -1,0 +1,145 @@
+// How far interfaces and the curves where three meet are from where indicators have them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/tet_geometry.h"
+#include "tests/core/labels/label_meshing.h"
+
+namespace tet {
+namespace {
+
+using test::LabelFunctions;
+using test::mesh_of;
+
+constexpr int kGrainEdge = 40;  // spacings, of five bricks
+
+/// Voronoi cells: an affine function for each, and the largest wins. Two are equal on a plane.
+class Grains {
+ public:
+  Grains(std::uint32_t seed, std::size_t count) {
+    std::mt19937 random(seed);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto coordinate = [&] {
+        return kGrainEdge * static_cast<double>(random()) / 0x1p32;
+      };
+      seeds_.push_back({coordinate(), coordinate(), coordinate()});
+    }
+  }
+
+  double at(std::size_t label, const WorldPoint& p) const {
+    const Vector& s = seeds_[label];
+    return 2 * (s.x * p.x + s.y * p.y + s.z * p.z) - dot(s, s);
+  }
+  Label label(const WorldPoint& p) const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < seeds_.size(); ++i) {
+      if (at(i, p) > at(best, p)) best = i;
+    }
+    return static_cast<Label>(best);
+  }
+  /// From a point to the plane between two, and the plane's normal of length 1.
+  double signed_distance(std::size_t a, std::size_t b, const WorldPoint& p, Vector& n) const {
+    n = {2 * (seeds_[a].x - seeds_[b].x), 2 * (seeds_[a].y - seeds_[b].y),
+         2 * (seeds_[a].z - seeds_[b].z)};
+    const double length = std::sqrt(dot(n, n));
+    n = {n.x / length, n.y / length, n.z / length};
+    return (at(a, p) - at(b, p)) / length;
+  }
+
+  LabelFunctions functions() const {
+    return {[this](LatticeCoord node) { return label(place_of(node)); },
+            [this](LatticeCoord low, int direction) {
+              const WorldPoint from = place_of(low);
+              const WorldPoint to =
+                  place_of(low + kDirection[static_cast<std::size_t>(direction)]);
+              const Label a = label(from), b = label(to);
+              const double here = at(a, from) - at(b, from), there = at(b, to) - at(a, to);
+              return static_cast<float>(here / (here + there));
+            }};
+  }
+
+ private:
+  static WorldPoint place_of(LatticeCoord node) {
+    return {0.5 * node.x, 0.5 * node.y, 0.5 * node.z};
+  }
+  std::vector<Vector> seeds_;
+};
+
+/// The labels around each vertex.
+std::vector<std::set<Label>> labels_around(const TetMesh& mesh) {
+  std::vector<std::set<Label>> around(mesh.header.vertex_count);
+  for (std::uint64_t t = 0; t < mesh.header.tet_count; ++t) {
+    for (const std::uint64_t v : mesh.tet(t)) around[v].insert(mesh.label(t));
+  }
+  return around;
+}
+
+/// Nodes of the box's faces do not move as others do.
+bool is_well_within(const WorldPoint& p) {
+  const auto [low, high] = std::minmax({p.x, p.y, p.z});
+  return low > 2 && high < kGrainEdge - 2;
+}
+
+struct Rms {
+  double squares = 0;
+  std::size_t count = 0;
+  void add(double distance) {
+    squares += distance * distance;
+    ++count;
+  }
+  double value() const { return std::sqrt(squares / static_cast<double>(count)); }
+};
+
+/// From a point to the line where two planes meet, by their distances and normals.
+double distance_to_line(double d, const Vector& n, double e, const Vector& m) {
+  const double c = dot(n, m);
+  return std::sqrt((d * d + e * e - 2 * c * d * e) / (1 - c * c));
+}
+
+struct Fidelity {
+  Rms interfaces, curves;
+};
+
+void measure(std::uint32_t seed, Fidelity& fidelity) {
+  const Grains grains(seed, 20);
+  const TetMesh mesh =
+      mesh_of(grains.functions(), {.domain = {{0, 0, 0}, {4, 4, 4}}, .labels = 20}).mesh;
+  const std::vector<std::set<Label>> around = labels_around(mesh);
+  for (std::uint64_t v = 0; v < around.size(); ++v) {
+    const WorldPoint p = mesh.vertex(v);
+    if (!is_well_within(p) || around[v].size() < 2 || around[v].size() > 3) continue;
+    const std::vector<Label> label(around[v].begin(), around[v].end());
+    Vector n, m;
+    const double d = grains.signed_distance(label[0], label[1], p, n);
+    if (label.size() == 2) {
+      fidelity.interfaces.add(d);
+    } else {
+      const double e = grains.signed_distance(label[0], label[2], p, m);
+      fidelity.curves.add(distance_to_line(d, n, e, m));
+    }
+  }
+}
+
+// Curves are piecewise straight from one face of the lattice to the next.
+TEST(LabelFidelity, InterfacesAndCurvesOfExactFieldsAreWhereTheyBelong) {
+  Fidelity all;
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) measure(seed, all);
+  std::printf("interfaces: %zu vertices, rms %.4f spacings; curves: %zu, rms %.4f\n",
+              all.interfaces.count, all.interfaces.value(), all.curves.count,
+              all.curves.value());
+  EXPECT_GT(all.interfaces.count, 40'000U);
+  EXPECT_GT(all.curves.count, 2'000U);
+  EXPECT_LE(all.interfaces.value(), 0.05);
+  EXPECT_LE(all.curves.value(), 0.25);
+}
+
+}  // namespace
+}  // namespace tet
