@@ -10,6 +10,18 @@ import { it } from "node:test";
 import { axeSource, binary, difference, drawn, makeFixture, meshIs, until } from "./browser_case.mjs";
 import { chooseBall, makeBunny, mesh, part, setSpacing, stage, triangles } from "./page_steps.mjs";
 
+/** A box from the origin to `high` as binary STL, without its first triangles. */
+function stl(high, missing = 0) {
+  const corners = [...Array(8).keys()].map((i) => [i & 4 ? high[0] : 0, i & 2 ? high[1] : 0, i & 1 ? high[2] : 0]);
+  const quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+  const triangles = quads.flatMap(([a, b, c, d]) => [[a, b, c], [a, c, d]]).slice(missing);
+  const file = Buffer.alloc(84 + 50 * triangles.length);
+  file.writeUInt32LE(triangles.length, 80);
+  triangles.forEach((triangle, i) => triangle.flatMap((corner) => corners[corner]).forEach((value, j) =>
+    file.writeFloatLE(value, 84 + 50 * i + 12 + 4 * j)));
+  return file;
+}
+
 part("Meshes", () => {
   const held = stage();
 
@@ -43,6 +55,20 @@ part("Meshes", () => {
     assert.match(await page.inputValue("#command"), /^tetstream mesh ball\.vdb -o mesh\.vtu --grid \S+ --spacing 0\.02/);
     for (const url of page.requested) assert.ok(url.startsWith(held.server.url) || url.startsWith("blob:"), url);
     assert.deepEqual(page.errors, []);
+  });
+
+  it("makes a solid of a dropped surface, or says why not", async () => {
+    const page = await held.browser.open(held.server.url);
+    const block = stl([4, 2, 1]), drop = (name, buffer) =>
+      page.setInputFiles("#file", { name, mimeType: "model/stl", buffer });
+    await drop("open.stl", stl([1, 1, 1], 2));
+    await until(page, () => /the surface is not closed/.test(document.body.textContent));
+    await drop("block.STL", block);
+    await until(page, () => /of a surface: 8 vertices, 12 triangles/.test(document.getElementById("info").textContent));
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await mesh(page);
+    assert.ok((await triangles(page)) > 1000);
+    assert.match(await page.inputValue("#command"), /^tetstream mesh block\.STL -o mesh\.vtu --spacing/);
   });
 
   it("meshes a scene, and has it all again after a reload", async () => {

@@ -133,6 +133,7 @@ export class MeshView {
       this.grids = answer.grids;
       element("info").textContent = this.grids.map((g) =>
         `${g.name || "(no name)"}: ${g.gridClass}, ${count(g.activeVoxelCount)} voxels of ${short(g.voxelSize)}` +
+        (g.madeOf ? `; of a surface: ${g.madeOf}` : "") +
         (g.notMeshableReason ? `; cannot be meshed: ${g.notMeshableReason}` : "")).join("\n");
     }
     const meshable = this.grids.filter((g) => !g.notMeshableReason);

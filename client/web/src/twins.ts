@@ -45,7 +45,8 @@ export function twinsOf(request: MeshRequest, setting: TwinSetting): { command: 
   const output = `mesh.${setting.ending}`, spacing = short(request.spacing!);
   const flags = [`--spacing ${spacing}`, `--levels ${request.levels}`];
   const named = [`spacing=${spacing}`, `levels=${request.levels}`];
-  if (request.gridName) {
+  // The command makes a volume of a surface by itself, and that has no name.
+  if (request.gridName && !/\.(stl|obj|ply)$/i.test(input)) {
     flags.unshift(`--grid ${quoted(request.gridName)}`);
     named.unshift(`grid=${JSON.stringify(request.gridName)}`);
   }
