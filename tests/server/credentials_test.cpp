@@ -144,13 +144,13 @@ class CredentialsTest : public ServiceTest {
 
 TEST_F(CredentialsTest, DecideOnEachMethodInPlain) {
   start_with_tokens({});
-  EXPECT_EQ(expect_matrix({}), 10 * 19);
+  EXPECT_EQ(expect_matrix({}), 10 * 20);
 }
 
 TEST_F(CredentialsTest, DecideOnEachMethodOverTls) {
   use_tls(authority_.sign("server"));
   start_with_tokens(trusting(authority_));
-  EXPECT_EQ(expect_matrix(trusting(authority_)), 10 * 19);
+  EXPECT_EQ(expect_matrix(trusting(authority_)), 10 * 20);
   expect_no_connection({});
   expect_no_connection(trusting(strangers_));
 }
@@ -160,7 +160,7 @@ TEST_F(CredentialsTest, DecideOnEachMethodWithClientCertificates) {
   config_.tls_client_ca = authority_.cert();
   const ChannelOptions right = presenting(authority_.sign("client"));
   start_with_tokens(right);
-  EXPECT_EQ(expect_matrix(right), 10 * 19);
+  EXPECT_EQ(expect_matrix(right), 10 * 20);
   expect_no_connection({});
   expect_no_connection(trusting(authority_));
   expect_no_connection(presenting(strangers_.sign("stranger")));
@@ -265,9 +265,9 @@ TEST_F(CredentialsTest, OfTheServerChangeWhileAStreamRuns) {
   std::filesystem::rename(renewed.key, config_.tls_key);
   std::filesystem::rename(renewed.cert, config_.tls_cert);
   expect_no_connection(trusting(authority_));
-  EXPECT_EQ(expect_matrix(trusting(strangers_)), 10 * 19);
+  EXPECT_EQ(expect_matrix(trusting(strangers_)), 10 * 20);
   folder_.write("server.pem", "-----BEGIN CERTIFICATE-----\nbroken\n");
-  EXPECT_EQ(expect_matrix(trusting(strangers_)), 10 * 19);
+  EXPECT_EQ(expect_matrix(trusting(strangers_)), 10 * 20);
   while (reader->Read(&event)) {
   }
   EXPECT_TRUE(event.has_trailer());
