@@ -20,6 +20,7 @@ OPTIONS = {
     "scene": (),
     "iso": ("--iso", "0.1"),
     "inside": ("--inside", "above"),
+    "face_regions": ("--face", "top=facing:0,0,1,30"),
     "labels": ("--labels", "all"),
     "preset both-sides": ("--preset", "both-sides"),
     "box": ("--box", "0", "0", "0", "1", "1", "1"),
@@ -31,7 +32,7 @@ OPTIONS = {
     "fields": ("--field", "velocity"),
     "encoding ENCODING_COMPACT": ("--compact", "--server", "127.0.0.1:1"),
 }
-NOT_OPTIONS = {"name", "base_name", "a session", "a job"}
+NOT_OPTIONS = {"name", "base_name", "points", "a session", "a job"}
 
 
 class Rules(CommandTest):
