@@ -1,5 +1,6 @@
 // Frames of sessions: in several messages, and such as cannot be meshed.
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -61,13 +62,17 @@ TEST_F(SessionFramesTest, MakesTheSameOfAFrameHoweverItIsDivided) {
     *(i < 10 ? first : second).mutable_part()->add_leaves() = leaf;
   }
   rest.mutable_frame();
-  const auto at_once = events_after({begin, whole});
-  const auto in_parts = events_after({begin, first, second, rest});
-  ASSERT_EQ(at_once.size(), in_parts.size());
-  for (std::size_t i = 0; i < at_once.size(); ++i) {
-    if (at_once[i].has_progress()) continue;
-    EXPECT_EQ(at_once[i].SerializeAsString(), in_parts[i].SerializeAsString()) << i;
-  }
+  // How often progress is told depends on how long it takes.
+  const auto meshes_after = [&](std::vector<v1::RemeshRequest> messages) {
+    std::vector<std::string> said;
+    for (const v1::MeshEvent& event : events_after(std::move(messages))) {
+      if (!event.has_progress()) said.push_back(event.SerializeAsString());
+    }
+    return said;
+  };
+  const auto at_once = meshes_after({begin, whole});
+  EXPECT_GT(at_once.size(), 5U);
+  EXPECT_TRUE(at_once == meshes_after({begin, first, second, rest}));
 }
 
 TEST_F(SessionFramesTest, AnswersFramesAfterOneThatCannotBeMeshed) {
