@@ -187,6 +187,8 @@ class Draining(ServerTest):
         self.assertEqual(server.tetstream("health").returncode, 0)
         server.process.send_signal(signal.SIGTERM)
         wait_until(lambda: server.log("lame_duck"))
+        for stop in (signal.SIGSTOP, signal.SIGCONT):  # as a debugger does: that is no second signal
+            server.process.send_signal(stop)
         self.assertNotEqual(server.tetstream("health").returncode, 0)
         self.assertEqual(server.tetstream("health", "--service", "liveness").returncode, 0)
         self.assertEqual(fetch(server.metrics, "/readyz"), (503, "not ready\n"))
