@@ -5,122 +5,17 @@
 
 import base64
 import hashlib
-import http.client
 import json
 import os
 import pathlib
 import re
 import socket
-import ssl
 import struct
 import subprocess
-import tempfile
 import unittest
 
-from running_server import GENEROUS_END, RunningServer, binaries, wait_until
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-GRPC_WEB = {"Content-Type": "application/grpc-web+proto"}
-# StreamMeshRequest { mesh { name } }: written by hand, as this is a stock client of the wire.
-MESH_NAME = 1
-
-
-def field(number, data):
-    """A length-delimited field of protobuf."""
-    size, length = len(data), b""
-    while size > 127:
-        length += bytes([size & 127 | 128])
-        size >>= 7
-    return bytes([number << 3 | 2]) + length + bytes([size]) + data
-
-
-def framed(message):
-    return b"\0" + struct.pack(">I", len(message)) + message
-
-
-def frames(body):
-    """(messages, trailers) of an answer."""
-    messages, trailers = [], {}
-    while body:
-        size = struct.unpack(">I", body[1:5])[0]
-        content = body[5:5 + size]
-        if body[0] & 0x80:
-            trailers = dict(line.split(": ", 1) for line in content.decode().splitlines())
-        else:
-            messages.append(content)
-        body = body[5 + size:]
-    return messages, trailers
-
-
-class HttpTest(unittest.TestCase):
-    options = ()
-    listen = "127.0.0.1:0"
-    host = "127.0.0.1"
-
-    @classmethod
-    def setUpClass(cls):
-        scratch = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(scratch.cleanup)
-        cls.folder = pathlib.Path(scratch.name)
-        cls.prepare()
-        cls.ball = cls.folder / "ball.vdb"
-        subprocess.run([binaries() / "make_fixture", "sphere", "0.05", cls.ball], check=True)
-        cls.bytes = cls.ball.read_bytes()
-        cls.digest = hashlib.sha256(cls.bytes).hexdigest()
-        cls.server = cls.enterClassContext(RunningServer(
-            cls.folder / "store", "--http-listen", "127.0.0.1:0", *cls.options, listen=cls.listen))
-        cls.port = int(cls.server.ready["http"].rsplit(":", 1)[1])
-
-    @classmethod
-    def prepare(cls):
-        """Makes the files that the options name."""
-
-    def connection(self):
-        connection = http.client.HTTPConnection(self.host, self.port, timeout=GENEROUS_END)
-        self.addCleanup(connection.close)
-        return connection
-
-    def ask(self, method, path, body=None, headers=None):
-        """(status, headers, body)."""
-        connection = self.connection()
-        connection.request(method, path, body, headers or {})
-        answer = connection.getresponse()
-        return answer.status, answer.headers, answer.read()
-
-    def json(self, method, path, body=None, headers=None):
-        """(status, what the answer says)."""
-        more = {"Content-Type": "application/json", **(headers or {})}
-        text = None if body is None else json.dumps(body)
-        status, _, answer = self.ask(method, path, text, more)
-        return status, json.loads(answer)
-
-    def call(self, method, message=b"", headers=None):
-        """(messages, trailers) of a call over gRPC-Web."""
-        status, _, body = self.ask("POST", f"/tetstream.v1.{method}", framed(message),
-                                   {**GRPC_WEB, **(headers or {})})
-        self.assertEqual(status, 200, body)
-        return frames(body)
-
-    def put(self, data, headers=None):
-        status, _, body = self.ask("PUT", f"/v1/grids/{self.digest}", data, headers)
-        return status, json.loads(body)
-
-    def mesh_request(self):
-        return field(MESH_NAME, field(1, f"grids/{self.digest}".encode()))
-
-    def raw(self, data, until_closed=True):
-        """What comes back for these bytes, until the server closes."""
-        with socket.create_connection((self.host, self.port), GENEROUS_END) as connection:
-            connection.sendall(data)
-            said = b""
-            while piece := connection.recv(65536):
-                said += piece
-                if not until_closed and b"\r\n\r\n" in said:
-                    break
-            return said
-
-    def samples(self):
-        return self.server.samples()
+from http_case import GRPC_WEB, HttpTest, MESH_NAME, ROOT, field, framed, frames
+from running_server import GENEROUS_END, binaries, wait_until
 
 
 class GrpcWeb(HttpTest):
@@ -282,6 +177,16 @@ class ListensEverywhere(HttpTest):
                          {"host": "", "port": port, "tls": False})
 
 
+def speaks_six():
+    try:
+        with socket.socket(socket.AF_INET6) as tried:
+            tried.bind(("::1", 0))
+    except OSError:
+        return False
+    return True
+
+
+@unittest.skipUnless(speaks_six(), "this machine has no IPv6")
 class ListensEverywhereBySix(ListensEverywhere):
     listen = "[::]:0"
 
@@ -455,78 +360,6 @@ class OtherOrigins(HttpTest):
         self.assertEqual((status, headers["Access-Control-Allow-Origin"]),
                          (200, "http://other.example:8080"))
         self.assertEqual(self.ask("GET", "/healthz", None, {"Origin": "http://farm.example"})[0], 403)
-
-
-class TokensAndTls(HttpTest):
-    """The rules of gRPC's port, with the same files."""
-
-    options = ("--tls-cert", "server.pem", "--tls-key", "server.key", "--tokens", "tokens.toml")
-
-    @classmethod
-    def prepare(cls):
-        subprocess.run(
-            "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=ours "
-            "-addext subjectAltName=IP:127.0.0.1 -keyout server.key -out server.pem".split(),
-            cwd=cls.folder, check=True, capture_output=True)
-        made = subprocess.run([binaries() / "tetstreamd", "--new-token", "alice"],
-                              capture_output=True, text=True, check=True)
-        cls.token = made.stderr.splitlines()[-1]
-        (cls.folder / "tokens.toml").write_text(made.stdout)
-        (cls.folder / "tokens.toml").chmod(0o600)
-        cls.options = tuple(str(cls.folder / option) if "." in option else option
-                            for option in cls.options)
-
-    def connection(self):
-        context = ssl.create_default_context(cafile=self.folder / "server.pem")
-        connection = http.client.HTTPSConnection(self.host, self.port, timeout=GENEROUS_END,
-                                                 context=context)
-        self.addCleanup(connection.close)
-        return connection
-
-    def bearer(self, token=None):
-        return {"Authorization": f"Bearer {token or self.token}"}
-
-    def test_a_token_is_asked_for(self):
-        status, said = self.json("GET", "/v1/grids")
-        self.assertEqual((status, said["error"]["reason"]), (401, "TOKEN_MISSING"))
-        status, said = self.json("GET", "/v1/grids", headers=self.bearer("wrong"))
-        self.assertEqual((status, said["error"]["reason"]), (401, "TOKEN_UNKNOWN"))
-        self.assertEqual(self.json("GET", "/v1/grids", headers=self.bearer())[0], 200)
-        self.assertEqual(self.ask("GET", "/metrics")[0], 401)
-        status, _, body = self.ask("GET", "/metrics", None, self.bearer())
-        self.assertEqual(status, 200)
-        self.assertIn(b"tetstream_http_connections", body)
-
-    def test_says_that_grpc_has_tls(self):
-        port = int(self.server.address.rsplit(":", 1)[1])
-        self.assertEqual(self.json("GET", "/v1/grpc.json"),
-                         (200, {"host": "127.0.0.1", "port": port, "tls": True}))
-
-    def test_a_file_and_its_mesh_go_over_tls(self):
-        self.assertEqual(self.put(self.bytes, self.bearer())[0], 200)
-        messages, trailers = self.call("MeshService/StreamMesh", self.mesh_request(), self.bearer())
-        self.assertEqual(trailers["grpc-status"], "0")
-        self.assertEqual(messages[-1][0], 4 << 3 | 2)
-        line = next(line for line in self.server.log("call") if line["method"] == "StreamMesh")
-        self.assertEqual(line["client"], "alice")
-
-    def test_plain_http_and_broken_handshakes_end(self):
-        for data in (b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\x16\x03\x01\xff\xff" + b"a" * 999):
-            try:
-                self.assertNotIn(b"HTTP", self.raw(data))
-            except ConnectionResetError:
-                pass  # without an answer, too
-        self.assertEqual(self.json("GET", "/v1/grids", headers=self.bearer())[0], 200)
-
-    def test_a_replaced_certificate_is_taken(self):
-        before = ssl.get_server_certificate((self.host, self.port))
-        for old in ("server.key", "server.pem"):
-            (self.folder / old).unlink()
-        subprocess.run(
-            "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=ours "
-            "-addext subjectAltName=IP:127.0.0.1 -keyout server.key -out server.pem".split(),
-            cwd=self.folder, check=True, capture_output=True)
-        wait_until(lambda: ssl.get_server_certificate((self.host, self.port)) != before)
 
 
 class HttpDraining(HttpTest):

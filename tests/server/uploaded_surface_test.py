@@ -8,7 +8,7 @@ import itertools
 import struct
 import unittest
 
-import http_test
+from http_case import HttpTest, field
 
 
 def box(low, high):
@@ -24,7 +24,7 @@ def binary_stl(triangles):
     return struct.pack("<80sI", b"solid by a test", len(triangles)) + body
 
 
-class UploadedSurfaces(http_test.HttpTest):
+class UploadedSurfaces(HttpTest):
     def upload(self, data):
         """The grid's path over HTTP."""
         digest = hashlib.sha256(data).hexdigest()
@@ -43,7 +43,7 @@ class UploadedSurfaces(http_test.HttpTest):
         status, header = self.json("POST", "/v1/meshes:estimate", {"mesh": {"name": name}})
         self.assertEqual(status, 200, header)
         self.assertGreater(int(header["tetCount"]), 10_000)
-        messages, trailers = self.call("MeshService/StreamMesh", http_test.field(1, http_test.field(1, name.encode())))
+        messages, trailers = self.call("MeshService/StreamMesh", field(1, field(1, name.encode())))
         self.assertEqual(trailers["grpc-status"], "0", trailers)
         self.assertGreater(len(messages), 2)
 
