@@ -10,6 +10,7 @@
 
 #include "core/base/parallel.h"
 #include "core/vdb/vdb_transform.h"
+#include "core/vdb/visit_grid.h"
 #include "core/volume/inside.h"
 #include "core/volume/volume_builder.h"
 
@@ -156,32 +157,6 @@ absl::Status wrong_type(const openvdb::GridBase& grid) {
       absl::StrFormat("its values are %s, and only float, double, int32, int64, bool and mask "
                       "grids can be meshed: write a level set or a density",
                       grid.valueType()));
-}
-
-/// Calls `visit` with a grid of numbers as what it is; `otherwise()` where it is none.
-template <class Visit, class Otherwise>
-auto visit_scalar(const openvdb::GridBase& grid,
-                  const Visit& visit,
-                  const Otherwise& otherwise) {
-  if (grid.isType<openvdb::FloatGrid>()) {
-    return visit(static_cast<const openvdb::FloatGrid&>(grid));
-  }
-  if (grid.isType<openvdb::DoubleGrid>()) {
-    return visit(static_cast<const openvdb::DoubleGrid&>(grid));
-  }
-  if (grid.isType<openvdb::Int32Grid>()) {
-    return visit(static_cast<const openvdb::Int32Grid&>(grid));
-  }
-  if (grid.isType<openvdb::Int64Grid>()) {
-    return visit(static_cast<const openvdb::Int64Grid&>(grid));
-  }
-  if (grid.isType<openvdb::BoolGrid>()) {
-    return visit(static_cast<const openvdb::BoolGrid&>(grid));
-  }
-  if (grid.isType<openvdb::MaskGrid>()) {
-    return visit(static_cast<const openvdb::MaskGrid&>(grid));
-  }
-  return otherwise();
 }
 
 bool is_scalar(const openvdb::GridBase& grid) {

@@ -11,6 +11,7 @@
 
 #include "core/vdb/memory_charge.h"
 #include "core/vdb/vdb_transform.h"
+#include "core/vdb/visit_grid.h"
 
 namespace tet {
 namespace {
@@ -22,26 +23,6 @@ absl::Status no_labels(const openvdb::GridBase& grid) {
       "its values are %s, and labels are whole numbers, of an int32, int64, bool "
       "or mask grid: mesh it at an iso value (--iso)",
       grid.valueType()));
-}
-
-/// Calls `visit` with a grid of whole numbers as what it is; `otherwise()` where it is none.
-template <class Visit, class Otherwise>
-auto visit_whole(const openvdb::GridBase& grid,
-                 const Visit& visit,
-                 const Otherwise& otherwise) {
-  if (grid.isType<openvdb::Int32Grid>()) {
-    return visit(static_cast<const openvdb::Int32Grid&>(grid));
-  }
-  if (grid.isType<openvdb::Int64Grid>()) {
-    return visit(static_cast<const openvdb::Int64Grid&>(grid));
-  }
-  if (grid.isType<openvdb::BoolGrid>()) {
-    return visit(static_cast<const openvdb::BoolGrid&>(grid));
-  }
-  if (grid.isType<openvdb::MaskGrid>()) {
-    return visit(static_cast<const openvdb::MaskGrid&>(grid));
-  }
-  return otherwise();
 }
 
 /// The box around active voxels, if a segmentation has a table of so many bricks.

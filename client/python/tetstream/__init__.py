@@ -36,8 +36,9 @@ from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceed
                       ResourceExhaustedError, StatusCode, UnavailableError)
 from ._jobs import Job, JobEvent, JobProgress, Jobs, JobWatch
 from ._labels import Labels
-from ._mesh import (Boundary, Chunk, FaceLabel, FieldArray, Header, Improvement, Mesh, MeshLabel, MeshPart,
-                    Quality, Statistics, ThinWalls)
+from ._header import (Boundary, FaceLabel, FieldArray, Header, Improvement,
+                      MeshLabel, MeshPart, Quality, Statistics, ThinWalls)
+from ._mesh import Chunk, Mesh
 from ._request import Request, StoredVolume
 from ._samples import Samples
 from ._session import Session

@@ -14,7 +14,8 @@ from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 from . import _tetstream
 from ._client import LOCAL, Client
 from ._jobs import JobEvent, Jobs, JobWatch
-from ._mesh import Chunk, Header, Mesh, Statistics
+from ._header import Header, Statistics
+from ._mesh import Chunk, Mesh
 from ._request import stop_of_context
 from ._session import Session
 from ._share import Share

@@ -9,7 +9,8 @@ from types import TracebackType
 from typing import Literal, Protocol
 
 from ._errors import Error
-from ._mesh import Header, Mesh
+from ._header import Header
+from ._mesh import Mesh
 from ._names import member
 from ._request import Progress, Request, VolumeLike
 from ._stream import MeshStream

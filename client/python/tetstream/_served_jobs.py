@@ -9,7 +9,8 @@ from . import _tetstream
 from ._backends import Served
 from ._errors import error_of
 from ._jobs import EventSource, Job, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
-from ._mesh import Header, Mesh
+from ._header import Header
+from ._mesh import Mesh
 from ._request import Progress, Request, options_of
 from ._stream import MeshStream
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _convert
-from ._mesh import Chunk, Header, Statistics
+from ._header import Header, Statistics
+from ._mesh import Chunk
 from ._share import Share
 
 

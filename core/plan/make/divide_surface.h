@@ -11,9 +11,9 @@
 
 namespace tet {
 
-/// The same mesh with the faces of regions with creases in patches: see divide_regions. Chunks
-/// that have faces, and those whose vertices they have, are made for it once more, and nothing
-/// is kept of them but places, faces and labels.
+/// Returns a plan of the same mesh whose regions with creases are divided into patches: see
+/// divide_regions. Chunks that have faces, and those whose vertices they have, are made for it
+/// once more, and nothing is kept of them but places, faces and labels.
 ///
 /// Parallel; run it on a TaskPool. Errors: kResourceExhausted (over the limits),
 /// kInvalidArgument (that of divide_regions), kCancelled, kDeadlineExceeded.

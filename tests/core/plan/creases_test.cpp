@@ -13,6 +13,7 @@
 
 #include "core/mesh/face_counts.h"
 #include "core/scene/scene.h"
+#include "tests/core/plan/mesh_by_chunks.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/core/plan/some_face_regions.h"
 #include "tests/support/scenes.h"
@@ -22,6 +23,7 @@
 namespace tet {
 namespace {
 
+using test::mesh_by_chunks;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -47,25 +49,6 @@ TetMesh mesh_of(const Shape& shape, const MeshRequest& request, int threads = 2)
   auto made = try_to_mesh(shape, request, {}, threads);
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? std::move(made->mesh) : TetMesh();
-}
-
-/// The last chunk first.
-TetMesh mesh_backwards(const Shape& shape,
-                       const MeshRequest& request,
-                       std::size_t chunk_bytes) {
-  TaskPool pool(2);
-  TetMesh joined;
-  pool.run([&] {
-    const auto plan =
-        plan_mesh({.shape = shape, .request = request, .limits = {.chunk_bytes = chunk_bytes}});
-    ASSERT_TRUE(plan.ok()) << plan.status();
-    joined = TetMesh((*plan)->header());
-    MeshWorkspace workspace;
-    for (std::uint64_t i = (*plan)->header().chunk_count; i-- > 0;) {
-      (*plan)->fill_chunk(i, workspace, joined.columns_of((*plan)->chunk(i)));
-    }
-  });
-  return joined;
 }
 
 Shape scene_shape(const test::SceneWriter& writer) {
@@ -207,7 +190,7 @@ TEST(Creases, AreTheSameForAnyThreadsAndChunksAndLeaveAllElse) {
     request.levels = levels;
     TetMesh one = mesh_of(bored_plate(), request, 1);
     EXPECT_TRUE(test::same_bytes(one, mesh_of(bored_plate(), request, 3)));
-    const TetMesh in_chunks = mesh_backwards(bored_plate(), request, 1 << 14);
+    const TetMesh in_chunks = mesh_by_chunks(bored_plate(), request, 1 << 14);
     EXPECT_GT(in_chunks.header.chunk_count, 50U);
     EXPECT_TRUE(test::same_bytes(one, in_chunks));
     EXPECT_EQ(one.header.face_labels, in_chunks.header.face_labels);
@@ -230,12 +213,12 @@ TEST(Creases, GoWithCutsAndGradedSurfacesAndImprovementAndBothSides) {
   graded.sizing.coarsest = 0.1;
   const TetMesh of_graded = mesh_of(block(), graded);
   EXPECT_TRUE(counts_by_name(of_graded).contains("side.6"));
-  EXPECT_TRUE(test::same_bytes(of_graded, mesh_backwards(block(), graded, 1 << 14)));
+  EXPECT_TRUE(test::same_bytes(of_graded, mesh_by_chunks(block(), graded, 1 << 14)));
   MeshRequest improved = request_of({divided("side", 40)}, 0.1);
   improved.improve = true;
   const TetMesh of_improved = mesh_of(block(), improved);
   EXPECT_EQ(counts_by_name(of_improved).size(), 6U);
-  EXPECT_TRUE(test::same_bytes(of_improved, mesh_backwards(block(), improved, 1 << 14)));
+  EXPECT_TRUE(test::same_bytes(of_improved, mesh_by_chunks(block(), improved, 1 << 14)));
   MeshRequest both = request_of({divided("side", 40)}, 0.1);
   both.preset = Preset::kBothSides;
   const auto of_both = counts_by_name(mesh_of(block(), both));
@@ -259,7 +242,7 @@ TEST(Creases, OfSeveralGridsAreNamedByThem) {
                                           "joint_surface", "joint_near", "joint_skin.1"));
   EXPECT_EQ(made.header.face_labels.back().part, 2U);
   EXPECT_GT(counts_by_name(made).at("joint_skin.1"), 100U);
-  EXPECT_TRUE(test::same_bytes(made, mesh_backwards(grids, request, 1 << 14)));
+  EXPECT_TRUE(test::same_bytes(made, mesh_by_chunks(grids, request, 1 << 14)));
 }
 
 TEST(Creases, OfARegionWithoutFacesAreWarnedOf) {

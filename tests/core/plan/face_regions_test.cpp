@@ -15,6 +15,7 @@
 #include "core/mesh/face_counts.h"
 #include "core/mesh/find_faces.h"
 #include "core/scene/scene.h"
+#include "tests/core/plan/mesh_by_chunks.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/core/plan/some_face_regions.h"
 #include "tests/support/scenes.h"
@@ -24,6 +25,7 @@
 namespace tet {
 namespace {
 
+using test::mesh_by_chunks;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -47,24 +49,6 @@ TetMesh mesh(const Shape& shape, const MeshRequest& request, int threads = 2) {
   auto made = try_mesh(shape, request, threads);
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? std::move(made->mesh) : TetMesh();
-}
-
-TetMesh mesh_by_chunks(const Shape& shape,
-                       const MeshRequest& request,
-                       std::size_t chunk_bytes) {
-  TaskPool pool(2);
-  TetMesh joined;
-  pool.run([&] {
-    const auto plan =
-        plan_mesh({.shape = shape, .request = request, .limits = {.chunk_bytes = chunk_bytes}});
-    ASSERT_TRUE(plan.ok()) << plan.status();
-    joined = TetMesh((*plan)->header());
-    MeshWorkspace workspace;
-    for (std::uint64_t i = (*plan)->header().chunk_count; i-- > 0;) {
-      (*plan)->fill_chunk(i, workspace, joined.columns_of((*plan)->chunk(i)));
-    }
-  });
-  return joined;
 }
 
 Shape shape_of(Volume volume) { return std::make_shared<const Volume>(std::move(volume)); }

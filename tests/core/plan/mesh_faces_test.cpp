@@ -9,6 +9,7 @@
 
 #include "core/mesh/find_faces.h"
 #include "core/scene/scene.h"
+#include "tests/core/plan/mesh_by_chunks.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
@@ -17,6 +18,7 @@
 namespace tet {
 namespace {
 
+using test::mesh_by_chunks;
 using test::same_bytes;
 
 Shape shape_of(Volume volume) { return std::make_shared<const Volume>(std::move(volume)); }
@@ -42,30 +44,6 @@ TetMesh mesh(const Shape& shape, const MeshRequest& request, int threads = 2) {
   auto made = mesh_volume(pool, {.shape = shape, .request = request});
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? std::move(made->mesh) : TetMesh();
-}
-
-/// The mesh of a plan, chunk by chunk and the last one first.
-TetMesh mesh_by_chunks(const Shape& shape,
-                       const MeshRequest& request,
-                       std::size_t chunk_bytes = kChunkBytes) {
-  TaskPool pool(2);
-  TetMesh joined;
-  pool.run([&] {
-    const auto plan =
-        plan_mesh({.shape = shape, .request = request, .limits = {.chunk_bytes = chunk_bytes}});
-    ASSERT_TRUE(plan.ok()) << plan.status();
-    joined = TetMesh((*plan)->header());
-    MeshWorkspace workspace;
-    std::uint64_t faces = (*plan)->header().face_count;
-    for (std::uint64_t i = (*plan)->header().chunk_count; i-- > 0;) {
-      const ChunkExtent chunk = (*plan)->chunk(i);
-      EXPECT_EQ(chunk.first_face + chunk.face_count, faces) << "chunk " << i;
-      faces = chunk.first_face;
-      (*plan)->fill_chunk(i, workspace, joined.columns_of(chunk));
-    }
-    EXPECT_EQ(faces, 0U);
-  });
-  return joined;
 }
 
 std::map<std::string, std::uint64_t> count_by_label(const TetMesh& mesh) {
