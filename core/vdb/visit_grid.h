@@ -25,7 +25,7 @@ auto visit_whole(const openvdb::GridBase& grid,
   return otherwise();
 }
 
-/// The same of a grid of any numbers.
+/// Calls `visit` with a grid of any numbers as what it is; `otherwise()` where it is none.
 template <class Visit, class Otherwise>
 auto visit_scalar(const openvdb::GridBase& grid,
                   const Visit& visit,
