@@ -50,13 +50,19 @@ absl::StatusOr<const ChunkView*> LocalChunks::next() {
   if (!failure_.ok()) return failure_;
   const Made& made = batch_[next_ - batch_begin_];
   quality_.add(made.quality);
-  chunk_ = {next_, plan_->chunk(next_), std::as_const(made.columns).columns()};
+  chunk_ = {next_, plan_->chunk(next_), std::as_const(made.columns.mesh()).columns()};
   ++next_;
   if (work_.progress) {
     const std::uint64_t begin = work_.range.first;
     work_.progress(static_cast<double>(next_ - begin) / static_cast<double>(end_ - begin));
   }
   return &chunk_;
+}
+
+std::shared_ptr<const TetMesh> LocalChunks::keep() const {
+  return next_ > batch_begin_ && next_ <= batch_begin_ + batch_.size()
+             ? batch_[next_ - 1 - batch_begin_].columns.kept()
+             : nullptr;
 }
 
 absl::Status LocalChunks::make_batch() try {
@@ -77,8 +83,8 @@ absl::Status LocalChunks::make_batch() try {
 
 void LocalChunks::make(std::uint64_t index, Made& made) const {
   const ChunkExtent place = plan_->chunk(index);
-  made.columns = TetMesh(header_of_chunk(plan_->header(), place), std::move(made.columns));
-  made.quality = plan_->fill_chunk(index, made.workspace, made.columns.columns());
+  TetMesh& mesh = made.columns.make(header_of_chunk(plan_->header(), place));
+  made.quality = plan_->fill_chunk(index, made.workspace, mesh.columns());
 }
 
 void LocalChunks::finish() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/library/chunk_supply.h"
+#include "client/library/reused_chunk.h"
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
 #include "core/plan/make/fill_mesh.h"
@@ -44,12 +45,13 @@ class LocalChunks : public ChunkSupply {
 
   absl::StatusOr<const MeshHeader*> header() override;
   absl::StatusOr<const ChunkView*> next() override;
+  std::shared_ptr<const TetMesh> keep() const override;
   const TrailerFacts& facts() const override { return facts_; }
 
  private:
   /// A chunk, its memory and its thread's, which the next batch uses again.
   struct Made {
-    TetMesh columns;
+    ReusedChunk columns;
     MeshWorkspace workspace;
     QualityStats quality;
   };

@@ -32,7 +32,7 @@ absl::Status PartReceiver::take(grpc::ByteBuffer& event) {
   if (const auto chunk = read_chunk(event)) {
     absl::Status status = size_part(chunk->numbers, sizes_of(*chunk));
     if (!status.ok()) return status;
-    return hand_on(chunk->numbers, copy_columns(event, *chunk, part_.columns()));
+    return hand_on(chunk->numbers, copy_columns(event, *chunk, part_.mesh().columns()));
   }
   v1::MeshEvent message;
   if (!deserialize(event, message)) return bad_stream("a message that is no MeshEvent");
@@ -50,7 +50,7 @@ absl::Status PartReceiver::take_chunk(const v1::MeshChunk& chunk) {
   const auto received = columns_of(chunk);
   absl::Status status = size_part(numbers, sizes_of(received));
   if (!status.ok()) return status;
-  copy_columns(received, part_.columns());
+  copy_columns(received, part_.mesh().columns());
   return hand_on(numbers, chunk_checksum(received));
 }
 
@@ -77,7 +77,7 @@ absl::Status PartReceiver::size_part(const ChunkNumbers& chunk, const ColumnByte
   if (columns != ChunkSizes(header_, extent).all()) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has columns of a wrong size"));
   }
-  part_ = TetMesh(header_of_chunk(header_, extent), std::move(part_));
+  part_.make(header_of_chunk(header_, extent));
   return absl::OkStatus();
 }
 
@@ -85,19 +85,20 @@ absl::Status PartReceiver::hand_on(const ChunkNumbers& chunk, std::uint32_t chec
   if (checksum != chunk.checksum) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has a wrong checksum"));
   }
-  if (!ids_are_within(part_.tets.bytes(), header_)) {
+  const TetMesh& part = part_.mesh();
+  if (!ids_are_within(part.tets.bytes(), header_)) {
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
   }
-  if (!labels_are_within(part_.regions.bytes(), header_)) {
+  if (!labels_are_within(part.regions.bytes(), header_)) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " has labels that do not exist"));
   }
   const ChunkExtent place = extent_of(chunk);
-  if (!faces_are_of_tets(header_, place, part_.columns())) {
+  if (!faces_are_of_tets(header_, place, part.columns())) {
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " has faces that are not of its tets"));
   }
-  if (absl::Status status = sink_(part_, place); !status.ok()) return status;
+  if (absl::Status status = sink_(part, place); !status.ok()) return status;
   if (!std::exchange(any_, true)) {
     covered_ = {place.first_vertex, 0, place.first_tet, 0, place.first_face, 0};
   }

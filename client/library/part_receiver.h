@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include <absl/status/status.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "client/library/reused_chunk.h"
 #include "core/mesh/tet_mesh.h"
 #include "proto/wire/chunk_frame.h"
 #include "tetstream/v1/meshes.pb.h"
@@ -40,6 +42,9 @@ class PartReceiver {
   std::uint64_t end_chunk() const noexcept { return end_; }
   bool complete() const noexcept { return next_ == end_; }
 
+  /// The chunk that was handed on last: it stays as it is while the result lives.
+  std::shared_ptr<const TetMesh> kept() const noexcept { return part_.kept(); }
+
   /// What the chunks that came cover, without gaps.
   const ChunkExtent& covered() const noexcept { return covered_; }
 
@@ -58,7 +63,7 @@ class PartReceiver {
   const std::uint64_t end_;
   const PartSink sink_;
   std::uint64_t next_;
-  TetMesh part_;  ///< of the chunk that is being taken; its memory is used again
+  ReusedChunk part_;  ///< of the chunk that is being taken
   ChunkExtent covered_;
   bool any_ = false;  ///< a chunk has come
 };

@@ -46,11 +46,11 @@ absl::StatusOr<const MeshHeader*> ServedChunks::header() {
 absl::StatusOr<const ChunkView*> ServedChunks::next() {
   if (!failure_.ok()) return failure_;
   while (!std::exchange(has_chunk_, false)) {
-    const absl::StatusOr<bool> more = is_gathered_ ? absl::StatusOr<bool>(false) : step();
+    const absl::StatusOr<bool> more = gathered_ ? absl::StatusOr<bool>(false) : step();
     if (!more.ok()) return more.status();
     if (*more) continue;
     if (!reader_.compact()) return note_facts(), nullptr;
-    if (!is_gathered_) failure_ = gather();
+    if (!gathered_) failure_ = gather();
     if (!failure_.ok()) return failure_;
     return gathered_chunk();
   }
@@ -82,16 +82,15 @@ absl::Status ServedChunks::make_room(const MeshHeader& /*header*/, const KeptPar
 absl::StatusOr<ChunkColumns> ServedChunks::place(const ChunkExtent& chunk) {
   const MeshHeader& header = reader_.told().mesh.header;
   try {
-    columns_ = TetMesh(header_of_chunk(header, chunk), std::move(columns_));
+    return memory_.make(header_of_chunk(header, chunk)).columns();
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(
         absl::StrCat("no memory for a chunk of ", chunk.tet_count, " tets"));
   }
-  return columns_.columns();
 }
 
 absl::Status ServedChunks::take(const ChunkExtent& chunk) {
-  chunk_ = {reader_.next_chunk() - 1, chunk, std::as_const(columns_).columns()};
+  chunk_ = {reader_.next_chunk() - 1, chunk, std::as_const(memory_.mesh()).columns()};
   has_chunk_ = true;
   return absl::OkStatus();
 }
@@ -102,10 +101,9 @@ absl::Status ServedChunks::gather() {
   absl::StatusOr<FilledMesh> filled =
       std::move(*reader_.compact()).finish(header, cancellation_, {}, reader_.statistics());
   if (!filled.ok()) return filled.status();
-  columns_ = std::move(filled->mesh);
+  gathered_ = std::make_shared<TetMesh>(std::move(filled->mesh));
   note_facts();
   if (reader_.statistics() == Statistics::kMeasured) facts_.quality = filled->quality;
-  is_gathered_ = true;
   return absl::OkStatus();
 }
 
@@ -113,7 +111,7 @@ absl::Status ServedChunks::gather() {
 const ChunkView* ServedChunks::gathered_chunk() {
   if (handed_on_ == reader_.compact_chunks().size()) return nullptr;
   const ChunkExtent& place = reader_.compact_chunks()[handed_on_];
-  chunk_ = {handed_on_++, place, columns_.columns_of(place)};
+  chunk_ = {handed_on_++, place, gathered_->columns_of(place)};
   return &chunk_;
 }
 

@@ -9,6 +9,7 @@
 #include "client/library/chunk_supply.h"
 #include "client/library/connection.h"
 #include "client/library/event_stream.h"
+#include "client/library/reused_chunk.h"
 #include "client/library/stream_reader.h"
 #include "core/base/cancel.h"
 #include "tetstream/v1/meshes.pb.h"
@@ -28,6 +29,9 @@ class ServedChunks : public ChunkSupply, private ChunkConsumer {
   absl::StatusOr<const MeshHeader*> header() override;
   std::string mesh_id() const override { return reader_.told().mesh_id; }
   absl::StatusOr<const ChunkView*> next() override;
+  std::shared_ptr<const TetMesh> keep() const override {
+    return gathered_ ? gathered_ : memory_.kept();
+  }
   const TrailerFacts& facts() const override { return facts_; }
 
  private:
@@ -48,10 +52,10 @@ class ServedChunks : public ChunkSupply, private ChunkConsumer {
   const ClientProgress progress_;
   const Cancellation& cancellation_;
   StreamReader reader_{*this, StreamReader::Base::kNone};
-  TetMesh columns_;  ///< of the chunk that is being taken, or of all where they are compact
+  ReusedChunk memory_;                 ///< of the chunk that is being taken
+  std::shared_ptr<TetMesh> gathered_;  ///< the whole mesh, where its chunks are compact
   ChunkView chunk_;
   bool has_chunk_ = false;     ///< that nobody has been given yet
-  bool is_gathered_ = false;   ///< `columns_` is the whole mesh
   std::size_t handed_on_ = 0;  ///< of the compact chunks
   TrailerFacts facts_;
   absl::Status failure_;

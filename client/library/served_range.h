@@ -41,6 +41,9 @@ class ServedRange : public ChunkSupply {
   absl::StatusOr<const MeshHeader*> header() override;
   std::string mesh_id() const override { return mesh_id_; }
   absl::StatusOr<const ChunkView*> next() override;
+  std::shared_ptr<const TetMesh> keep() const override {
+    return receiver_ ? receiver_->kept() : nullptr;
+  }
   const TrailerFacts& facts() const override { return facts_; }
 
  private:

@@ -51,6 +51,10 @@ const Chunk* MeshStream::next() {
   return impl_->failure.ok() && !impl_->ended ? &impl_->chunk : nullptr;
 }
 
+std::shared_ptr<const void> MeshStream::keep_chunk() const noexcept {
+  return impl_->source ? impl_->source->keep() : nullptr;
+}
+
 Result<Statistics> MeshStream::finish() {
   if (!impl_->failure.ok()) return impl_->failure;
   if (impl_->ended) return to_public(impl_->source->facts());

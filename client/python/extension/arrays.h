@@ -1,6 +1,7 @@
 // The library's arrays as numpy's.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -19,17 +20,20 @@ inline std::vector<py::ssize_t> shape_of(std::size_t values, std::size_t width) 
   return {static_cast<py::ssize_t>(values / width), static_cast<py::ssize_t>(width)};
 }
 
-/// Makes numpy's arrays of spans. With an owner they are read-only views, which keep the owner
-/// alive; without one they are copies.
+/// Makes numpy's arrays of spans. With an owner they are views, which keep the owner alive, and
+/// are read-only where others see them, too; without one they are copies.
 class ArrayMaker {
  public:
-  explicit ArrayMaker(py::handle owner = {}) : owner_(owner) {}
+  enum class Owner : std::uint8_t { kShared, kAlone };
+
+  explicit ArrayMaker(py::handle owner = {}, Owner kind = Owner::kShared)
+      : owner_(owner), kind_(kind) {}
 
   template <class T>
   py::array make(std::span<const T> values, std::size_t width) const {
     if (!owner_) return py::array_t<T>(shape_of(values.size(), width), values.data());
     py::array view = py::array_t<T>(shape_of(values.size(), width), values.data(), owner_);
-    view.attr("setflags")(py::arg("write") = false);
+    if (kind_ == Owner::kShared) view.attr("setflags")(py::arg("write") = false);
     return view;
   }
 
@@ -72,6 +76,7 @@ class ArrayMaker {
 
  private:
   py::handle owner_;
+  Owner kind_;
 };
 
 }  // namespace tetstream::python

@@ -84,13 +84,13 @@ class SharedStream:
         vertices, tets = self._covered
         if vertices >= self.share.end_vertex and tets >= self.share.end_tet:
             return None
-        return self._stream.next()
+        return self._stream.next(alone=True)
 
     def _find_begin(self) -> tuple[Any, ...] | None:
         if self.share.vertex_count == 0 and self.share.tet_count == 0:
             return None
         while True:
-            chunk = self._stream.next()
+            chunk = self._stream.next(alone=True)
             if chunk is None or self._first == 0 or (
                     chunk[1] <= self.share.first_vertex and chunk[2] <= self.share.first_tet):
                 return chunk

@@ -143,6 +143,7 @@ class Stream:
     def header(self) -> dict[str, Any]: ...
     def next(
         self,
+        alone: bool = False,
     ) -> (
         tuple[
             int,

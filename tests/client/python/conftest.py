@@ -21,6 +21,10 @@ sys.path.insert(0, str(ROOT / "tests/server"))
 _installed = tempfile.mkdtemp()
 
 
+def pytest_addoption(parser):
+    parser.addoption("--meshes", type=int, default=1_000, help="of the test that looks for what stays in memory")
+
+
 def pytest_configure(config):
     """Installs the package; the tests, and the programs that they start, import it from there."""
     for component in ("python", "lib", "common"):

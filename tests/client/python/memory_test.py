@@ -59,8 +59,9 @@ def said_by(program, **given):
     return list(map(int, done.stdout.split()))
 
 
-def test_many_small_meshes_leave_nothing_behind(server):
-    grown, = said_by(SMALL, address=server.address, count=1_000)
+def test_many_small_meshes_leave_nothing_behind(server, pytestconfig):
+    grown, = said_by(SMALL, address=server.address, count=pytestconfig.getoption("meshes"))
+    print(f"resident memory grew by {grown / 2**20:.1f} MiB")
     assert grown < 16 << 20  # a reference that leaked would keep a mesh of 20 kB, a thousand times
 
 

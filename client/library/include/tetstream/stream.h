@@ -36,10 +36,16 @@ class TETSTREAM_API MeshStream {
   /// Waits until the mesh is counted. Errors: those of the call that made the stream.
   Result<MeshHeader> header();
 
-  /// The next chunk, which lives until the next call of this or until the stream ends; null
-  /// after the last, and after a failure. In a compact stream the first chunk comes when all
-  /// that a server sends of the mesh has come, and the whole mesh is held here.
+  /// The next chunk, which lives until the next call of this or until the stream ends, unless
+  /// it is kept; null after the last, and after a failure. In a compact stream the first chunk
+  /// comes when all that a server sends of the mesh has come, and the whole mesh is held here.
   const Chunk* next();
+
+  /// Keeps the chunk that `next` gave last: its spans live, with what they hold, as long as a
+  /// copy of the result does, and the stream takes other memory for the chunks that follow.
+  /// Keep chunks of a compact stream to read only: all are parts of one mesh. Null before the
+  /// first chunk.
+  std::shared_ptr<const void> keep_chunk() const noexcept;
 
   /// What is told of the mesh, once `next` has returned null after the last chunk; or the
   /// failure that ended the stream. kFailedPrecondition while there are chunks to come.
