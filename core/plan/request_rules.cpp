@@ -71,9 +71,6 @@ constexpr RequestRule kRules[] = {
     {F::kLabels, F::kImprove, kRefused, "$0 do not go with $1", "leave one of them out",
      "Vertices are improved along one surface, and not yet along curves where three labels "
      "meet."},
-    {F::kLabels, F::kFields, kRefused, "$0 do not go with $1",
-     "sample the fields on the mesh afterwards (`tetstream sample`)",
-     "Labels are made without the pass that samples."},
     {F::kFaceRegions, F::kLabels, kRefused, "$0 do not go with $1",
      "leave one of them out; faces are named by the labels on their two sides",
      "Regions are pieces of one surface, and labels have one for each two that meet."},

@@ -12,6 +12,7 @@
 #include "core/plan/labelled/fill_labelled_brick.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/mesh_workspace.h"
+#include "core/plan/sample_fields.h"
 
 namespace tet {
 namespace {
@@ -35,6 +36,7 @@ MeshHeader header_of_labels(const CountedLabels& mesh, const LabelJob& job) {
   header.tet_count = mesh.first_tet(mesh.brick_count());
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.labels = job.labels;
+  header.fields = arrays_of(job.request.fields);
   if (job.request.box) header.box = world_box_of(job.domain, job.lattice);
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
   header.index_type =
@@ -91,10 +93,12 @@ std::vector<std::size_t> cut_labels_into_chunks(const CountedLabels& mesh,
 
 LabelPlan::LabelPlan(MeshFacts facts,
                      const LatticeToWorld& to_world,
+                     std::vector<VertexField> fields,
                      CountedLabels mesh,
                      std::vector<std::size_t> first_brick)
     : MeshPlan(std::move(facts)),
       to_world_(to_world),
+      fields_(std::move(fields)),
       mesh_(std::move(mesh)),
       first_brick_(std::move(first_brick)) {}
 
@@ -110,6 +114,8 @@ ChunkExtent LabelPlan::chunk(std::uint64_t index) const noexcept {
 QualityStats LabelPlan::fill_chunk(std::uint64_t index,
                                    MeshWorkspace& workspace,
                                    ChunkColumns columns) const noexcept {
+  const std::span<const std::byte> positions = columns.positions;
+  const std::span<std::byte> fields = columns.fields;
   LabelledBrickFiller filler(mesh_, header(), to_world_, statistics(),
                              workspace.get<LabelledScratch>());
   for (std::size_t brick = first_brick_[index]; brick < first_brick_[index + 1]; ++brick) {
@@ -121,6 +127,7 @@ QualityStats LabelPlan::fill_chunk(std::uint64_t index,
                columns.regions.subspan(size.regions)};
   }
   TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
+  if (!fields_.empty()) sample_fields(fields_, header(), positions, fields);
   return filler.stats();
 }
 
@@ -153,7 +160,8 @@ absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_labels(const LabelJob& job
   return std::make_shared<const LabelPlan>(MeshFacts{.shape = job.shape,
                                                      .header = std::move(header),
                                                      .statistics = statistics_of(job.request)},
-                                           *to_world, std::move(mesh), std::move(first_brick));
+                                           *to_world, job.request.fields, std::move(mesh),
+                                           std::move(first_brick));
 }
 
 }  // namespace tet

@@ -27,8 +27,8 @@ struct LabelJob {
   BrickBox domain;                ///< finest bricks
   std::vector<MeshLabel> labels;  ///< by number: those that the source has
   KeptLabels kept = {};
-  /// Its `levels`, `origin`, `coordinates`, `indices` and `skip_statistics`; others are not
-  /// looked at.
+  /// Its `levels`, `origin`, `coordinates`, `indices`, `fields` and `skip_statistics`; others
+  /// are not looked at.
   MeshRequest request = {};
   MeshLimits limits = {};
   MeshProgress* progress = nullptr;  ///< may be null
@@ -39,6 +39,7 @@ class LabelPlan final : public MeshPlan {
  public:
   LabelPlan(MeshFacts facts,
             const LatticeToWorld& to_world,
+            std::vector<VertexField> fields,
             CountedLabels mesh,
             std::vector<std::size_t> first_brick);
 
@@ -55,6 +56,7 @@ class LabelPlan final : public MeshPlan {
   ChunkExtent bricks(std::size_t begin, std::size_t end) const noexcept;
 
   const LatticeToWorld to_world_;
+  const std::vector<VertexField> fields_;
   const CountedLabels mesh_;
   const std::vector<std::size_t> first_brick_;  // of each chunk, and the number of bricks
 };

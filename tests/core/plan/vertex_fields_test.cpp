@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "core/plan/make/mesher.h"
+#include "core/volume/label_volume.h"
 #include "core/volume/volume_builder.h"
+#include "tests/core/plan/mesh_by_chunks.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -113,6 +115,44 @@ TEST(VertexFields, AreThoseOfWhereVerticesLieInTheEnd) {
   const MeshResult both = mesh(test::ball(8), request);
   expect_linear_values(both.mesh);
   EXPECT_TRUE(both.mesh.header.has_regions);
+}
+
+/// Four labels that meet along curves, in 14 x 14 x 14 voxels around the origin.
+Shape quarters() {
+  constexpr int kSide = 14;
+  std::vector<std::int64_t> values;
+  for (int z = 0; z < kSide; ++z) {
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x)
+        values.push_back(1 + (x + z > 13 ? 1 : 0) + (y > 6 ? 2 : 0));
+    }
+  }
+  auto volume = make_label_volume({.name = "quarters",
+                                   .transform = {},
+                                   .size = {kSide, kSide, kSide},
+                                   .min = {-7, -7, -7},
+                                   .values = values});
+  EXPECT_TRUE(volume.ok()) << volume.status();
+  return std::make_shared<const LabelVolume>(*std::move(volume));
+}
+
+TEST(VertexFields, GoWithSegmentations) {
+  MeshRequest request;
+  request.labels.emplace();
+  request.faces = true;
+  TaskPool pool(2);
+  const auto plain = mesh_volume(pool, {.shape = quarters(), .request = request});
+  const auto rich = mesh_volume(pool, {.shape = quarters(), .request = with_fields(request)});
+  ASSERT_TRUE(plain.ok() && rich.ok()) << plain.status() << rich.status();
+  EXPECT_EQ(rich->mesh.header.labels.size(), 4U);
+  expect_linear_values(rich->mesh);
+  EXPECT_TRUE(
+      same_bytes(test::mesh_by_chunks(quarters(), with_fields(request), 4000), rich->mesh));
+  const auto same_columns = [&](auto column) {
+    return std::ranges::equal((plain->mesh.*column).bytes(), (rich->mesh.*column).bytes());
+  };
+  EXPECT_TRUE(same_columns(&TetMesh::positions) && same_columns(&TetMesh::tets));
+  EXPECT_TRUE(same_columns(&TetMesh::regions) && same_columns(&TetMesh::faces));
 }
 
 TEST(VertexFields, ChangeNothingElse) {
