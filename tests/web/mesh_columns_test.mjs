@@ -11,7 +11,6 @@ import { pathToFileURL } from "node:url";
 
 const modules = process.env.PAGE_MODULES;
 const here = import.meta.dirname ?? new URL(".", import.meta.url).pathname;
-const kFormats = ["vtu", "msh", "inp", "mesh", "stl", "obj", "ply"];
 const folder = mkdtempSync(join(tmpdir(), "tetstream-columns-"));
 let page;
 
@@ -28,6 +27,10 @@ before(async () => {
       export { FaceSet } from "./face_set";
       export { Tally } from "./tally";
       export { fileOf } from "./save";
+      export { fileNameOf, kFormats } from "./formats";
+      export { FileParts } from "./file_parts";
+      export { Hdf5Group, writeHdf5 } from "./hdf5";
+      export { NetcdfFile } from "./netcdf";
       export { shortFloat32, textOf } from "./file_parts";
       export { namesInFile } from "./file_names";
       export { bytesOf } from "./drawing";` },
@@ -168,13 +171,61 @@ describe("a mesh in the worker", () => {
   for (const kind of ["plain", "regions", "labels"]) {
     it(`saves files that others read: ${kind}`, async () => {
       const mesh = meshOf(kind);
-      for (const ending of kFormats) {
-        const blob = page.fileOf(mesh, ending);
-        writeFileSync(join(folder, `${kind}.${ending}`), Buffer.from(await blob.arrayBuffer()));
+      for (const format of page.kFormats) {
+        const blob = page.fileOf(mesh, format.ending);
+        const name = page.fileNameOf(format).replace("mesh", kind);
+        writeFileSync(join(folder, name), Buffer.from(await blob.arrayBuffer()));
       }
       execFileSync("/usr/bin/python3", [join(here, "saved_cube.py"), folder, kind], { stdio: ["ignore", "ignore", "inherit"] });
     });
   }
+});
+
+describe("a file of columns", () => {
+  const bytesOfFile = async (write) => {
+    const file = new page.FileParts();
+    write(file);
+    return Buffer.from(await file.blob().arrayBuffer());
+  };
+
+  it("of HDF5 has as many members and groups as there are", async () => {
+    const root = new page.Hdf5Group(), many = root.group("many"), deep = many.group("a group").group("in it");
+    for (let i = 0; i < 300; ++i) many.number(`größe ${i}`, i);
+    deep.integers("numbers", [-1, 2 ** 40]);
+    deep.text("text", "of a length");
+    for (const [type, array] of [["u8", Uint8Array], ["i32", Int32Array], ["f32", Float32Array], ["f64", Float64Array]]) {
+      deep.column(type, type, [3, 1], (file) => file.bytes(array.of(1, 2, 250)));
+    }
+    const path = join(folder, "many.h5");
+    writeFileSync(path, await bytesOfFile((file) => page.writeHdf5(file, root)));
+    execFileSync("/usr/bin/python3", ["-c", `
+import h5py, sys
+with h5py.File(sys.argv[1]) as file:
+    many = file["many"]
+    assert sorted(many) == sorted(["a group"] + [f"größe {i}" for i in range(300)])
+    assert all(many[f"größe {i}"][0] == i for i in range(300))
+    deep = many["a group/in it"]
+    assert list(deep.attrs["numbers"]) == [-1, 2**40] and deep.attrs["text"] == b"of a length"
+    for name, dtype in (("u8", "<u1"), ("i32", "<i4"), ("f32", "<f4"), ("f64", "<f8")):
+        assert deep[name].dtype == dtype and deep[name][()].tolist() == [[1], [2], [250]]
+`, path], { stdio: ["ignore", "ignore", "inherit"] });
+  });
+
+  it("of netCDF has room for columns beyond two gigabytes, and is refused where it is not whole", async () => {
+    const fileOf = (numbers, write) => bytesOfFile((file) => {
+      const made = new page.NetcdfFile();
+      made.variable("x", "double", [made.dimension("n", numbers)], write);
+      made.write(file);
+    });
+    await assert.rejects(fileOf(2, (file) => file.bytes(new Float64Array(1))), /x of a netCDF file is not whole/);
+    const small = await fileOf(1, (file) => file.bytes(new Float64Array(1)));
+    assert.equal(small.toString("latin1", 0, 4), "CDF\x02");
+    assert.equal(Number(small.readBigUInt64BE(small.length - 16)), small.length - 8);
+    // Its numbers are counted, not made.
+    const large = await fileOf(2 ** 29, (file) => (file.size += 2 ** 32));
+    assert.equal(large.toString("latin1", 0, 4), "CDF\x05");
+    assert.deepEqual([16, 8].map((back) => Number(large.readBigUInt64BE(large.length - back))), [2 ** 32, large.length]);
+  });
 });
 
 describe("a set of faces", () => {
@@ -211,7 +262,7 @@ describe("text in files", () => {
   });
 
   it("has names of letters, digits and underscores, no two alike", () => {
-    assert.deepEqual(page.namesInFile(["a/b", "a b", "1x", "A_B"], true), ["a_b", "a_b_2", "n1x", "A_B_3"]);
+    assert.deepEqual(page.namesInFile(["a/b", "a b", "1x", "A_B"], { ignoresCase: true }), ["a_b", "a_b_2", "n1x", "A_B_3"]);
     assert.deepEqual(page.namesInFile(["a", "A", "é"]), ["a", "A", "n_"]);
   });
 });

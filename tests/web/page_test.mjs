@@ -229,6 +229,29 @@ part("Lives", () => {
     await until(page, () => document.querySelectorAll("#job-rows tr").length === 0);
   });
 
+  it("names the workers, and the shards that they have leased", async () => {
+    // Counted for longer than the table takes to be drawn anew.
+    const grid = readFileSync(makeFixture(held.folder, "random-signs", 1));
+    const sha256 = createHash("sha256").update(grid).digest("hex");
+    const ask = async (path, options) => {
+      const answer = await fetch(`${held.server.url}v1/${path}`, options);
+      assert.ok(answer.ok, await answer.clone().text());
+      return answer.json();
+    };
+    await ask(`grids/${sha256}`, { method: "PUT", body: grid });
+    const job = await ask("jobs", { method: "POST", headers: { "Content-Type": "application/json" },
+      body: JSON.stringify({ job: { mesh: { name: `grids/${sha256}`, spacing: 0.075 } } }) });
+    const page = await held.browser.open(held.server.url + "#server");
+    await until(page, () => document.querySelector("#workers details"));
+    await page.locator("#workers summary").click();
+    const line = await page.textContent("#workers tr");
+    assert.match(line, new RegExp(`:${held.server.process.pid}\\d+works\\d+ s ago1, of your jobs 1`));
+    assert.ok(line.includes(`${job.name.slice(5)}: its count`), line);
+    await ask(`${job.name}:cancel`, { method: "POST" });
+    await until(page, () => !document.querySelector("#workers details"));
+    assert.deepEqual(page.errors, []);
+  });
+
   it("finds a server again that was killed", async () => {
     const page = await held.browser.open(held.server.url + "#jobs");
     await until(page, () => document.getElementById("watch-state").textContent === "live");
@@ -263,6 +286,8 @@ part("Refusals", () => {
     await until(page, () => document.body.dataset.server && !document.getElementById("alert").textContent);
     await chooseBall(page, held);
     await mesh(page);
+    await page.click('nav a[href="#server"]');
+    await until(page, () => /needs the scope workers\.read/.test(document.getElementById("workers").textContent));
     assert.equal((await page.context().cookies()).length, 0);
     assert.equal(await page.evaluate(() => localStorage.length + sessionStorage.length), 0);
   });

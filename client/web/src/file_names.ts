@@ -1,8 +1,11 @@
 // Names as formats take them: letters, digits and `_` alone, a letter first, no two alike.
 
-const kMostBytes = 80;
+interface NameRule {
+  mostBytes?: number;
+  ignoresCase?: boolean;
+}
 
-export function namesInFile(names: string[], ignoresCase = false): string[] {
+export function namesInFile(names: string[], { mostBytes = 80, ignoresCase = false }: NameRule = {}): string[] {
   const taken = new Set<string>();
   const take = (name: string): boolean => {
     const key = ignoresCase ? name.toLowerCase() : name;
@@ -11,11 +14,11 @@ export function namesInFile(names: string[], ignoresCase = false): string[] {
   return names.map((name) => {
     let plain = [...name].map((c) => (/[A-Za-z0-9_]/.test(c) ? c : "_")).join("");
     if (!/^[A-Za-z]/.test(plain)) plain = `n${plain}`;
-    plain = plain.slice(0, kMostBytes);
+    plain = plain.slice(0, mostBytes);
     let free = plain;
     for (let number = 2; !take(free); ++number) {
       const ending = `_${number}`;
-      free = plain.slice(0, kMostBytes - ending.length) + ending;
+      free = plain.slice(0, mostBytes - ending.length) + ending;
     }
     return free;
   });
@@ -24,4 +27,8 @@ export function namesInFile(names: string[], ignoresCase = false): string[] {
 /** A name as a comment has it, on one line. */
 export function inComment(name: string): string {
   return name.replace(/\p{C}/gu, "?");
+}
+
+export function xml(text: string): string {
+  return text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;").replace(/"/g, "&quot;");
 }

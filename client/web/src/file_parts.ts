@@ -1,17 +1,40 @@
 // A file as it is made: its parts go to the browser's blobs, which may lie on disk, before they are many.
+import { Crc32 } from "./crc32";
+
 const kMostHeld = 4 << 20;
+const kText = new TextEncoder();
 
 export class FileParts {
   private parts: BlobPart[] = [];
-  private readonly whole: Blob[] = [];
+  private readonly flushed: Blob[] = [];
   private held = 0;
+  /** Bytes so far. */
+  size = 0;
+
+  /** `sum` is kept of all bytes where somebody wants it. */
+  constructor(private readonly sum?: Crc32) {}
 
   text(text: string): void {
-    this.put(text, text.length);
+    this.bytes(kText.encode(text));
   }
 
+  /** They are not to be changed afterwards. */
   bytes(bytes: ArrayBufferView): void {
-    this.put(bytes as unknown as BlobPart, bytes.byteLength);
+    this.sum?.add(new Uint8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength));
+    this.parts.push(bytes as unknown as BlobPart);
+    this.size += bytes.byteLength;
+    if ((this.held += bytes.byteLength) > kMostHeld) this.flush();
+  }
+
+  /** What was made before, of which no sum is kept here. */
+  append(blob: Blob): void {
+    this.parts.push(blob);
+    this.size += blob.size;
+  }
+
+  /** Zero bytes up to a multiple of `unit`. */
+  pad(unit: number): void {
+    if (this.size % unit > 0) this.bytes(new Uint8Array(unit - (this.size % unit)));
   }
 
   /** A line for each of `count` rows. */
@@ -24,18 +47,14 @@ export class FileParts {
     }
   }
 
+  /** All of it. */
   blob(): Blob {
     this.flush();
-    return new Blob(this.whole, { type: "application/octet-stream" });
-  }
-
-  private put(part: BlobPart, bytes: number): void {
-    this.parts.push(part);
-    if ((this.held += bytes) > kMostHeld) this.flush();
+    return new Blob(this.flushed, { type: "application/octet-stream" });
   }
 
   private flush(): void {
-    this.whole.push(new Blob(this.parts));
+    this.flushed.push(new Blob(this.parts));
     this.parts = [];
     this.held = 0;
   }

@@ -1,31 +1,34 @@
-// The formats that a mesh is saved in: here, or by the command line alone.
-export type SavedFormat = "vtu" | "msh" | "inp" | "mesh" | "stl" | "obj" | "ply";
+// The formats that a mesh is saved in.
+export type SavedFormat =
+  "vtu" | "vtkhdf" | "msh" | "inp" | "xdmf" | "exo" | "polyMesh" | "mesh" | "usda" | "stl" | "obj" | "ply";
 
 interface Format {
-  ending: string;
+  ending: SavedFormat;
   what: string;
-  here: boolean;
+  /** What is in the .zip, where the format is several files. */
+  zipped?: string;
 }
 
 export const kFormats: Format[] = [
-  { ending: "vtu", what: "ParaView, VTK", here: true },
-  { ending: "msh", what: "Gmsh", here: true },
-  { ending: "inp", what: "Abaqus, CalculiX", here: true },
-  { ending: "mesh", what: "MFEM", here: true },
-  { ending: "stl", what: "the surface", here: true },
-  { ending: "obj", what: "the surface, with names", here: true },
-  { ending: "ply", what: "the surface, with labels and fields", here: true },
-  { ending: "vtkhdf", what: "ParaView, by the command line", here: false },
-  { ending: "xdmf", what: "ParaView, FEniCS, by the command line", here: false },
-  { ending: "exo", what: "Exodus II, by the command line", here: false },
-  { ending: "polyMesh", what: "OpenFOAM, by the command line", here: false },
-  { ending: "usda", what: "USD, by the command line", here: false },
+  { ending: "vtu", what: "ParaView, VTK" },
+  { ending: "vtkhdf", what: "ParaView, VTK" },
+  { ending: "msh", what: "Gmsh" },
+  { ending: "inp", what: "Abaqus, CalculiX" },
+  { ending: "xdmf", what: "FEniCS, ParaView", zipped: "mesh.xdmf and mesh.h5" },
+  { ending: "exo", what: "Exodus II: MOOSE, Sierra" },
+  { ending: "polyMesh", what: "OpenFOAM", zipped: "the folder polyMesh, to be unpacked in constant" },
+  { ending: "mesh", what: "MFEM" },
+  { ending: "usda", what: "USD" },
+  { ending: "stl", what: "the surface" },
+  { ending: "obj", what: "the surface, with names" },
+  { ending: "ply", what: "the surface, with labels and fields" },
 ];
 
 export function formatOf(ending: string): Format {
   return kFormats.find((format) => format.ending === ending) ?? kFormats[0]!;
 }
 
-export function isSavedHere(ending: string): ending is SavedFormat {
-  return formatOf(ending).here;
+/** What a file that the page saves is called. */
+export function fileNameOf({ ending, zipped }: Format): string {
+  return `mesh.${ending}${zipped ? ".zip" : ""}`;
 }

@@ -6,7 +6,7 @@ import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from ".
 import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, MeshRequestSchema, Preset, StreamMeshRequestSchema,
   type Box, type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
 import type { FromWorker, Holding, ToWorker } from "./mesh_worker";
-import { formatOf, isSavedHere, kFormats } from "./formats";
+import { fileNameOf, formatOf, kFormats, type SavedFormat } from "./formats";
 import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
 import { drawQuality, type Promised } from "./quality_view";
@@ -204,16 +204,15 @@ export class MeshView {
     element<HTMLTextAreaElement>("python").value = twins.python;
   }
 
-  private ending(): string {
-    return element<HTMLSelectElement>("format").value;
+  private ending(): SavedFormat {
+    return formatOf(element<HTMLSelectElement>("format").value).ending;
   }
 
   private chooseFormat(): void {
-    const here = isSavedHere(this.ending());
+    const { ending, zipped } = formatOf(this.ending());
     // A surface alone has no names.
-    element<HTMLButtonElement>("save").disabled = !here || !this.canSave || (!this.keepsTets && this.ending() !== "stl");
-    element("save-note").textContent = here ? "" : `.${formatOf(this.ending()).ending} takes libraries that a page has ` +
-      "not: the command line below writes it.";
+    element<HTMLButtonElement>("save").disabled = !this.canSave || (!this.keepsTets && ending !== "stl");
+    element("save-note").textContent = zipped ? `A .zip with ${zipped}.` : "";
     this.tellTwins();
   }
 
@@ -223,8 +222,7 @@ export class MeshView {
   }
 
   private save(): void {
-    const format = this.ending();
-    if (isSavedHere(format)) this.send({ kind: "save", format });
+    this.send({ kind: "save", format: this.ending() });
   }
 
   private start(): void {
@@ -322,7 +320,7 @@ export class MeshView {
       case "saved": {
         const link = document.createElement("a");
         link.href = URL.createObjectURL(message.blob);
-        link.download = `mesh.${message.format}`;
+        link.download = fileNameOf(formatOf(message.format));
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
       }

@@ -18,7 +18,8 @@ export function writeInp(mesh: TetMesh, file: FileParts): void {
   const wide = isWide(header);
   const groups = tetGroups(header), surfaces = faceGroups(mesh);
   const counts = countGroups(groups, (use) => store.forEach(use));
-  const sets = namesInFile(groups.names, true), names = namesInFile(surfaces.map(({ name }) => name), true);
+  const sets = namesInFile(groups.names, { ignoresCase: true }), names = namesInFile(surfaces.map(({ name }) => name),
+    { ignoresCase: true });
   file.text(`*HEADING\n${store.vertices} nodes, ${header.tetCount} elements, written by tetstream\n` +
     renamed("ELSET", sets, groups.names) + renamed("SURFACE", names, surfaces.map(({ name }) => name)));
   file.text("*NODE, NSET=Nall\n");

@@ -43,7 +43,7 @@ function writeNodes(mesh: TetMesh, file: FileParts, volume: number): void {
     for (let v = 0; v * 2 < numbers.length; ++v) numbers[v * 2] = first + v + 1;
     file.bytes(numbers);
   });
-  forEachPoints(header, store, (points) => file.bytes(Float64Array.from(points)));
+  forEachPoints(header, store, (points) => file.bytes(points), true);
   file.text("\n$EndNodes\n");
 }
 

@@ -1,7 +1,8 @@
 // VTK's unstructured grids, .vtu: all of the mesh.
+import { xml } from "./file_names";
 import type { FileParts } from "./file_parts";
+import { fieldsOf, kLabelBytes, tetLabels, valuesOf } from "./mesh_columns";
 import type { TetMesh } from "./tet_mesh";
-import { tetGroups } from "./tet_groups";
 import { forEachPoints, isWide } from "./world_points";
 
 interface Column {
@@ -10,48 +11,19 @@ interface Column {
   write: () => void;
 }
 
-const kLeastInt32 = -(2 ** 31), kMostInt32 = 2 ** 31 - 1;
-
-function xml(text: string): string {
-  return text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;").replace(/"/g, "&quot;");
-}
-
-/** What the tets are labelled with, if anything. */
 function labelColumn(mesh: TetMesh, file: FileParts): Column | undefined {
-  const { header, store } = mesh;
-  const tets = Number(header.tetCount);
-  const groups = tetGroups(header);
-  if (header.labels.length > 0) {
-    const values = header.labels.map((label) => label.value);
-    const narrow = values.every((value) => value >= kLeastInt32 && value <= kMostInt32);
-    return { attributes: `type="${narrow ? "Int32" : "Int64"}" Name="label"`, bytes: tets * (narrow ? 4 : 8),
-      write: () => store.forEach((columns) => {
-        const of = groups.of(columns);
-        file.bytes(narrow ? Int32Array.from({ length: columns.count }, (_, t) => Number(values[of(t)]!))
-          : BigInt64Array.from({ length: columns.count }, (_, t) => values[of(t)]!));
-      }) };
-  }
-  if (!header.hasRegions && header.parts.length === 0) return undefined;
-  return { attributes: `type="UInt8" Name="${header.hasRegions ? "region" : "part"}"`, bytes: tets,
-    write: () => store.forEach((columns) => {
-      const of = groups.of(columns);
-      file.bytes(Uint8Array.from({ length: columns.count }, (_, t) => of(t) + 1));
-    }) };
+  const labels = tetLabels(mesh.header);
+  return labels && { attributes: `type="${labels.type}" Name="${labels.name}"`,
+    bytes: Number(mesh.header.tetCount) * kLabelBytes[labels.type],
+    write: () => mesh.store.forEach((columns) => file.bytes(labels.of(columns))) };
 }
 
 function fieldColumns(mesh: TetMesh, file: FileParts): Column[] {
   const { header, store } = mesh;
-  const floats = header.fields.reduce((sum, field) => sum + field.components, 0);
-  let first = 0;
-  return header.fields.map(({ name, components }) => {
-    const at = first;
-    first += components;
-    return { attributes: `type="Float32" Name="${xml(name)}"${components === 3 ? ' NumberOfComponents="3"' : ""}`,
-      bytes: store.vertices * components * 4,
-      write: () => store.forEach(({ fields, vertices }) => file.bytes(Float32Array.from(
-        { length: vertices * components }, (_, i) =>
-          fields![Math.floor(i / components) * floats + at + (i % components)]!))) };
-  });
+  return fieldsOf(header).map((field) => ({
+    attributes: `type="Float32" Name="${xml(field.name)}"${field.components === 3 ? ' NumberOfComponents="3"' : ""}`,
+    bytes: store.vertices * field.components * 4,
+    write: () => store.forEach((columns) => file.bytes(valuesOf(field, columns))) }));
 }
 
 function fieldData(mesh: TetMesh): string {

@@ -13,11 +13,10 @@ export function isWide(header: MeshHeader): boolean {
 
 export type WorldPoints = Float32Array | Float64Array;
 
-/** Calls `use` with the world coordinates of each chunk's vertices, in the type that files have. */
+/** Calls `use` with the world coordinates of each chunk's vertices, in the type that files have unless it is told. */
 export function forEachPoints(header: MeshHeader, store: ChunkStore,
-    use: (points: WorldPoints, firstVertex: number) => void): void {
+    use: (points: WorldPoints, firstVertex: number) => void, wide = isWide(header)): void {
   const origin = [header.origin?.x ?? 0, header.origin?.y ?? 0, header.origin?.z ?? 0];
-  const wide = isWide(header);
   store.forEachPositions((first, positions) => {
     const points = wide ? new Float64Array(positions.length) : new Float32Array(positions.length);
     for (let i = 0; i < points.length; ++i) points[i] = positions[i]! + origin[i % 3]!;
