@@ -98,6 +98,18 @@ absl::StatusOr<std::vector<v1::DeadShard>> JobClient::dead_shards(
   return shards;
 }
 
+absl::StatusOr<v1::ListWorkersResponse> JobClient::workers(const Cancellation& cancellation) {
+  v1::ListWorkersResponse all;
+  v1::ListWorkersRequest request;
+  do {
+    const auto page = connection_->call(&Stub::ListWorkers, request, cancellation);
+    if (!page.ok()) return page.status();
+    all.MergeFrom(*page);
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return all;
+}
+
 absl::Status JobClient::watch(const std::string& name,
                               std::int64_t after_revision,
                               const std::function<bool(const v1::JobEvent&)>& see,

@@ -42,6 +42,9 @@ class JobClient {
   absl::StatusOr<std::vector<v1::DeadShard>> dead_shards(const std::string& name,
                                                          const Cancellation& cancellation);
 
+  /// All workers, by name. They are told as they were at the `read_time` of the last page.
+  absl::StatusOr<v1::ListWorkersResponse> workers(const Cancellation& cancellation);
+
   /// Calls `see` with each change after `after_revision`, of one job or (with an empty name) of
   /// all, once and in order, until it returns false or the watched job is deleted. A watch that
   /// breaks is taken up after the last change that came.

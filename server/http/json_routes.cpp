@@ -44,6 +44,7 @@ constexpr JsonRoute kRoutes[] = {
     {"POST", "/v1/jobs/{id}:retry", "tetstream.v1.JobService/RetryJob", "jobs/"},
     {"DELETE", "/v1/jobs/{id}", "tetstream.v1.JobService/DeleteJob", "jobs/"},
     {"GET", "/v1/jobs/{id}/deadShards", "tetstream.v1.JobService/ListDeadShards", "jobs/"},
+    {"GET", "/v1/workers", "tetstream.v1.JobService/ListWorkers"},
 };
 
 /// Returns what stands for {id}, "" for a path without; none where the path is another one.

@@ -41,7 +41,8 @@ const MethodScope kMethodScopes[] = {{"FindMissingGrids", Scope::kGridsRead},
                                      {"RetryJob", Scope::kJobsWrite},
                                      {"DeleteJob", Scope::kJobsWrite},
                                      {"ListDeadShards", Scope::kJobsRead},
-                                     {"ReadJobResult", Scope::kJobsRead}};
+                                     {"ReadJobResult", Scope::kJobsRead},
+                                     {"ListWorkers", Scope::kWorkersRead}};
 
 absl::Status unauthenticated(const char* message, const char* reason) {
   return with_reason(absl::UnauthenticatedError(message), reason);

@@ -131,6 +131,8 @@ std::string_view name_of(Scope scope) noexcept {
       return "jobs.read";
     case Scope::kJobsWrite:
       return "jobs.write";
+    case Scope::kWorkersRead:
+      return "workers.read";
   }
   return "";
 }

@@ -13,12 +13,13 @@
 namespace tet {
 
 /// What a token may be used for.
-enum class Scope { kGridsRead, kGridsWrite, kMesh, kJobsRead, kJobsWrite };
-inline constexpr std::array kScopes = {Scope::kGridsRead, Scope::kGridsWrite, Scope::kMesh,
-                                       Scope::kJobsRead, Scope::kJobsWrite};
+enum class Scope { kGridsRead, kGridsWrite, kMesh, kJobsRead, kJobsWrite, kWorkersRead };
+inline constexpr std::array kScopes = {Scope::kGridsRead, Scope::kGridsWrite,
+                                       Scope::kMesh,      Scope::kJobsRead,
+                                       Scope::kJobsWrite, Scope::kWorkersRead};
 
-/// "grids.read", "grids.write", "mesh", "jobs.read" or "jobs.write", as the file and error
-/// messages have it.
+/// "grids.read", "grids.write", "mesh", "jobs.read", "jobs.write" or "workers.read", as the
+/// file and error messages have it.
 std::string_view name_of(Scope scope) noexcept;
 
 /// One entry. The token itself is nowhere: only its digest is.

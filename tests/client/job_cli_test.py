@@ -27,7 +27,8 @@ class JobUsage(CommandTest):
                  "--max-attempts", "--skip-cache", "--improve", "--voxel", "again"),
                 ("list", "--state", "--since"), ("show",), ("watch", "--after"),
                 ("wait", "--patience", "Exits with 0"), ("cancel",), ("retry",),
-                ("fetch", "--into", "--format"), ("delete",)):
+                ("fetch", "--into", "--format"), ("delete",),
+                ("workers", "workers.read")):
             with self.subTest(command):
                 result = self.tetstream("job", command, "--help")
                 self.assert_done(result)
@@ -286,6 +287,15 @@ class JobResults(JobTest):
         self.assertEqual(result.returncode, REFUSED)
         self.assertIn("FAILED", result.stderr.upper())
         self.assert_nothing_written()
+
+    def test_lists_the_workers_and_what_keeps_them(self):
+        wait_until(lambda: self.objects(self.job("workers", "--json")))  # it says so before it claims
+        worker, = self.objects(self.job("workers", "--json"))
+        self.assertTrue(worker["name"].endswith(f":{self.server.pid}"), worker)
+        self.assertEqual((worker["state"], worker["leased_shards"], worker["shards"]), ("WORKING", 0, []))
+        header, line = self.job("workers").stdout.splitlines()
+        self.assertIn("last seen", header)
+        self.assertRegex(line, rf":{self.server.pid} +{worker['algorithm_version']} +WORKING +\d+s +0$")
 
     def test_watch_tells_a_jobs_whole_story_and_ends(self):
         name, = self.submit(self.inputs / "torus.vdb")

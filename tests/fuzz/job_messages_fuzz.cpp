@@ -70,6 +70,7 @@ class Calls {
       case 3:
         return watch(bytes);
       case 4:
+        workers(bytes);
         return dead_shards(bytes);
       default:
         return row(bytes);
@@ -144,6 +145,17 @@ class Calls {
     if (!size.ok()) return check_refusal(size.status());
     if (!first.ok()) return check_refusal(first.status());
     require(*size >= 1 && *size <= 1000 && *first >= 0 && *first + *size > *first);
+  }
+
+  void workers(const std::string& bytes) {
+    v1::ListWorkersRequest message;
+    if (!message.ParseFromString(bytes)) return;
+    const auto size = parse_page_size(message.page_size());
+    const auto after = parse_worker_token(message.page_token());
+    if (!size.ok()) return check_refusal(size.status());
+    if (!after.ok()) return check_refusal(after.status());
+    const auto page = jobs_->workers({kSpace, *size, *after});
+    require(page.ok() && page->is_last && page->workers.empty());
   }
 
   /// A row whose numbers nobody of ours has written, in the order of select_jobs.

@@ -19,7 +19,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr char kAllScopes[] =
-    "\"grids.read\", \"grids.write\", \"mesh\", \"jobs.read\", \"jobs.write\"";
+    "\"grids.read\", \"grids.write\", \"mesh\", \"jobs.read\", \"jobs.write\", "
+    "\"workers.read\"";
 
 /// What a call says of its caller, and how it ends unless the token is good for the method.
 struct Credential {
@@ -54,7 +55,7 @@ class CredentialsTest : public ServiceTest {
     refused("Basic secret-of-all", "TOKEN_UNKNOWN");
     refused(bearer(tokens_.add("late", kAllScopes, "ours", far_past)), "TOKEN_EXPIRED");
     for (const std::string name :
-         {"grids.read", "grids.write", "mesh", "jobs.read", "jobs.write"}) {
+         {"grids.read", "grids.write", "mesh", "jobs.read", "jobs.write", "workers.read"}) {
       const std::string scope = '"' + name + '"';
       const std::string token =
           tokens_.add("only-" + std::to_string(credentials_.size()), scope, "ours");
@@ -144,13 +145,13 @@ class CredentialsTest : public ServiceTest {
 
 TEST_F(CredentialsTest, DecideOnEachMethodInPlain) {
   start_with_tokens({});
-  EXPECT_EQ(expect_matrix({}), 10 * 20);
+  EXPECT_EQ(expect_matrix({}), 11 * 21);
 }
 
 TEST_F(CredentialsTest, DecideOnEachMethodOverTls) {
   use_tls(authority_.sign("server"));
   start_with_tokens(trusting(authority_));
-  EXPECT_EQ(expect_matrix(trusting(authority_)), 10 * 20);
+  EXPECT_EQ(expect_matrix(trusting(authority_)), 11 * 21);
   expect_no_connection({});
   expect_no_connection(trusting(strangers_));
 }
@@ -160,7 +161,7 @@ TEST_F(CredentialsTest, DecideOnEachMethodWithClientCertificates) {
   config_.tls_client_ca = authority_.cert();
   const ChannelOptions right = presenting(authority_.sign("client"));
   start_with_tokens(right);
-  EXPECT_EQ(expect_matrix(right), 10 * 20);
+  EXPECT_EQ(expect_matrix(right), 11 * 21);
   expect_no_connection({});
   expect_no_connection(trusting(authority_));
   expect_no_connection(presenting(strangers_.sign("stranger")));
@@ -265,9 +266,9 @@ TEST_F(CredentialsTest, OfTheServerChangeWhileAStreamRuns) {
   std::filesystem::rename(renewed.key, config_.tls_key);
   std::filesystem::rename(renewed.cert, config_.tls_cert);
   expect_no_connection(trusting(authority_));
-  EXPECT_EQ(expect_matrix(trusting(strangers_)), 10 * 20);
+  EXPECT_EQ(expect_matrix(trusting(strangers_)), 11 * 21);
   folder_.write("server.pem", "-----BEGIN CERTIFICATE-----\nbroken\n");
-  EXPECT_EQ(expect_matrix(trusting(strangers_)), 10 * 20);
+  EXPECT_EQ(expect_matrix(trusting(strangers_)), 11 * 21);
   while (reader->Read(&event)) {
   }
   EXPECT_TRUE(event.has_trailer());

@@ -129,6 +129,9 @@ inline void add_job_calls(const v1::MeshRequest& mesh, std::vector<EveryCall>& c
   add("CancelJob", write, &JobService::Stub::CancelJob, v1::CancelJobRequest());
   add("RetryJob", write, &JobService::Stub::RetryJob, v1::RetryJobRequest());
   add("DeleteJob", write, &JobService::Stub::DeleteJob, v1::DeleteJobRequest());
+  calls.push_back(
+      {"ListWorkers", "\"workers.read\"",
+       unary<JobService>(&JobService::Stub::ListWorkers, v1::ListWorkersRequest())});
   add("ListDeadShards", read, &JobService::Stub::ListDeadShards, v1::ListDeadShardsRequest());
   calls.push_back(
       {"WatchJobs", read,

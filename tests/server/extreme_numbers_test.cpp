@@ -94,6 +94,8 @@ class ExtremeNumbers : public testing::Test {
         {"WaitJob", unary<JobService>(server_.jobs, &JobService::Stub::WaitJob, wait)},
         {"ListDeadShards",
          unary<JobService>(server_.jobs, &JobService::Stub::ListDeadShards, dead)},
+        {"ListWorkers", unary<JobService>(server_.jobs, &JobService::Stub::ListWorkers,
+                                          v1::ListWorkersRequest())},
         {"WatchJobs", watch()},
         {"ReadJobResult",
          reader<JobService>(server_.jobs, &JobService::Stub::ReadJobResult, read)},

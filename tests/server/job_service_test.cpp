@@ -248,6 +248,45 @@ TEST_F(JobServiceTest, SaysWhyAMeshCannotBeMade) {
   EXPECT_EQ(dead.shards(0).attempts(), 1);
 }
 
+TEST_F(JobServiceTest, TellsOfItsWorkersAndWhatTheyHold) {
+  server_.start({"--job-workers", "1"});
+  const v1::Job job = server_.create(server_.slow_to_count());
+  v1::ListWorkersResponse workers;
+  const auto is_held = [&] {
+    grpc::ClientContext context;
+    workers.Clear();
+    EXPECT_TRUE(server_.jobs->ListWorkers(&context, {}, &workers).ok());
+    return workers.workers_size() == 1 && workers.workers(0).shards_size() > 0;
+  };
+  ASSERT_TRUE(eventually(is_held));
+  const v1::Worker& worker = workers.workers(0);
+  EXPECT_THAT(worker.name(), testing::EndsWith(":" + std::to_string(server_.process->pid())));
+  EXPECT_EQ(worker.algorithm_version(),
+            server_.client->capabilities(Cancellation())->algorithm_version());
+  EXPECT_FALSE(worker.lost());
+  EXPECT_FALSE(worker.has_trouble());
+  EXPECT_GE(worker.leased_shards(), 1);
+  EXPECT_EQ(worker.shards(0).job(), job.name());
+  EXPECT_EQ(worker.shards(0).attempt(), 1);
+  EXPECT_GT(worker.shards(0).lease_end_time().seconds(), worker.seen_time().seconds() - 60);
+  EXPECT_EQ(workers.next_page_token(), "");
+  server_.cancel(job);
+}
+
+TEST_F(JobServiceTest, RefusesAPageOfWorkersThatItDidNotName) {
+  server_.start({"--job-workers", "0"});
+  // No Base64, a zero byte, no UTF-8, and too long for a name.
+  for (const std::string& token :
+       {std::string("?"), std::string("AA"), std::string("_w"), std::string(200, 'A')}) {
+    grpc::ClientContext context;
+    v1::ListWorkersRequest request;
+    request.set_page_token(token);
+    v1::ListWorkersResponse workers;
+    const grpc::Status refused = server_.jobs->ListWorkers(&context, request, &workers);
+    EXPECT_EQ(reason_of(refused), "tetstream/INVALID_FIELD") << token;
+  }
+}
+
 TEST_F(JobServiceTest, TellsEachChangeOnceAlsoToWhoeverComesBack) {
   server_.start();
   const v1::Job job = server_.create(server_.ball(8));

@@ -47,6 +47,7 @@ Command add_job_command(CLI::App& app) {
   add("retry", "Try again what failed or was stopped", add_retry_command);
   add("fetch", "Write the meshes of jobs that succeeded", add_fetch_command);
   add("delete", "Forget jobs and their results", add_delete_command);
+  add("workers", "List who does the jobs, for whoever runs the servers", add_workers_command);
   return [commands](const Cancellation& interruption) {
     for (const NamedCommand& command : *commands) {
       if (command.app->parsed()) return command.run(interruption);

@@ -14,5 +14,6 @@ Command add_cancel_command(CLI::App& app);
 Command add_retry_command(CLI::App& app);
 Command add_fetch_command(CLI::App& app);
 Command add_delete_command(CLI::App& app);
+Command add_workers_command(CLI::App& app);
 
 }  // namespace tet

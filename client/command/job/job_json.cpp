@@ -125,6 +125,29 @@ Json as_json(const v1::DeadShard& shard) {
           {"time", text_of(shard.time())}};
 }
 
+std::string state_of(const v1::Worker& worker) {
+  if (worker.lost()) return "LOST";
+  return worker.has_trouble() ? "QUARANTINED" : "WORKING";
+}
+
+Json as_json(const v1::Worker& worker) {
+  Json json{{"name", worker.name()},
+            {"algorithm_version", worker.algorithm_version()},
+            {"state", state_of(worker)},
+            {"seen_time", text_of(worker.seen_time())},
+            {"leased_shards", worker.leased_shards()}};
+  if (worker.has_trouble()) json["trouble"] = as_json(to_absl(worker.trouble()));
+  json["shards"] = Json::array();
+  for (const v1::LeasedShard& shard : worker.shards()) {
+    json["shards"].push_back({{"job", shard.job()},
+                              {"first_chunk", shard.first_chunk()},
+                              {"end_chunk", shard.end_chunk()},
+                              {"attempt", shard.attempt()},
+                              {"lease_end_time", text_of(shard.lease_end_time())}});
+  }
+  return json;
+}
+
 std::string line_of(const Json& json) {
   constexpr bool kAscii = true;  // for a terminal: nothing in it acts
   return json.dump(-1, ' ', kAscii, Json::error_handler_t::replace);

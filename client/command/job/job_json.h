@@ -14,12 +14,16 @@ std::string name_of(v1::JobState state);
 /// "CREATED", "SHARD_DONE", ...
 std::string name_of(v1::JobChange change);
 
+/// "WORKING", "QUARANTINED" or "LOST".
+std::string state_of(const v1::Worker& worker);
+
 bool is_final(v1::JobState state);
 
 /// docs/jobs.md lists the keys.
 nlohmann::ordered_json as_json(const v1::Job& job);
 nlohmann::ordered_json as_json(const v1::JobEvent& event);
 nlohmann::ordered_json as_json(const v1::DeadShard& shard);
+nlohmann::ordered_json as_json(const v1::Worker& worker);
 /// `code`, `reason`, `message`.
 nlohmann::ordered_json as_json(const absl::Status& error);
 

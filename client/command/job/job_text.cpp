@@ -1,7 +1,9 @@
 #include "client/command/job/job_text.h"
 
 #include <map>
+#include <set>
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
@@ -127,6 +129,24 @@ std::string table_line(const v1::Job& job) {
   return absl::StrFormat("%-29s  %-9s  %-18s  %9s  %s  %s", for_terminal(job.name()),
                          name_of(job.state()), show(job.progress()), age_of(job),
                          for_terminal(job.display_name()), show_labels(job));
+}
+
+std::string workers_header() {
+  return absl::StrFormat("%-29s  %-7s  %-11s  %9s  %7s  %s", "worker", "version", "state",
+                         "last seen", "shards", "of your jobs");
+}
+
+std::string table_line(const v1::Worker& worker, const google::protobuf::Timestamp& now) {
+  const absl::Duration unseen = time_of(now) - time_of(worker.seen_time());
+  std::set<std::string> jobs;
+  for (const v1::LeasedShard& shard : worker.shards()) jobs.insert(for_terminal(shard.job()));
+  std::string line =
+      absl::StrFormat("%-29s  %-7s  %-11s  %9s  %7d  %s", for_terminal(worker.name()),
+                      for_terminal(worker.algorithm_version()), state_of(worker),
+                      absl::FormatDuration(absl::Trunc(unseen, absl::Seconds(1))),
+                      worker.leased_shards(), absl::StrJoin(jobs, " "));
+  if (worker.has_trouble()) absl::StrAppend(&line, "\n  ", show(worker.trouble()));
+  return std::string(absl::StripTrailingAsciiWhitespace(line));
 }
 
 std::string description_of(const v1::Job& job, const std::vector<v1::DeadShard>& dead_shards) {

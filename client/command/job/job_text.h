@@ -11,6 +11,11 @@ namespace tet {
 std::string table_line(const v1::Job& job);
 std::string table_header();
 
+/// "HOST:PROCESS  6  WORKING  3 s ago  2  jobs/ID ..."; the header of such lines. Why a worker
+/// is in quarantine comes on a line of its own.
+std::string table_line(const v1::Worker& worker, const google::protobuf::Timestamp& now);
+std::string workers_header();
+
 /// A few lines, all that is known.
 std::string description_of(const v1::Job& job, const std::vector<v1::DeadShard>& dead_shards);
 

@@ -29,9 +29,14 @@ interface Variable {
 
 /** The same numbers, their bytes turned around in place. */
 export function bigEndian<T extends Int32Array | Float32Array | Float64Array>(numbers: T): T {
-  const { buffer, byteOffset, byteLength } = numbers, size = numbers.BYTES_PER_ELEMENT;
-  const bytes = new Uint8Array(buffer, byteOffset, byteLength);
-  for (let at = 0; at < byteLength; at += size) bytes.subarray(at, at + size).reverse();
+  const words = new Uint32Array(numbers.buffer, numbers.byteOffset, numbers.byteLength / 4);
+  for (let i = 0; i < words.length; ++i) {
+    const word = words[i]!;
+    words[i] = (word << 24) | ((word & 0xff00) << 8) | ((word >>> 8) & 0xff00) | (word >>> 24);
+  }
+  if (numbers.BYTES_PER_ELEMENT === 8) {
+    for (let i = 0; i < words.length; i += 2) [words[i], words[i + 1]] = [words[i + 1]!, words[i]!];
+  }
   return numbers;
 }
 

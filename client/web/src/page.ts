@@ -38,6 +38,12 @@ export function explain(error: unknown): string {
   return `${error.message}${error.reason ? ` [${error.reason}]` : ""}${request}`;
 }
 
+/** A line of a table. */
+export function row(table: Element, ...cells: (string | Element)[]): void {
+  const line = made("tr", "", table);
+  for (const cell of cells) made("td", "", line).append(cell);
+}
+
 export function count(n: number | bigint): string {
   return Number(n).toLocaleString("en-US");
 }

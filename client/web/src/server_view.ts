@@ -1,6 +1,7 @@
 // The view of the server: its own metrics, asked for every few seconds, the last hour as plots.
 import uPlot from "uplot";
-import { element, explain, made, options, sizeOf } from "./page";
+import { element, explain, made, options, row, sizeOf } from "./page";
+import { drawWorkers } from "./workers_view";
 
 const kEveryMs = 5000;
 const kMostPoints = 3600_000 / kEveryMs;
@@ -61,11 +62,6 @@ function byLabel(samples: Samples, name: string, label: string): [string, number
     .map(([key, value]) => [new RegExp(`${label}="([^"]*)"`).exec(key)?.[1] ?? "", value]);
 }
 
-function row(table: Element, ...cells: (string | Element)[]): void {
-  const line = made("tr", "", table);
-  for (const cell of cells) made("td", "", line).append(cell);
-}
-
 /** A colour of the style sheet as a canvas takes it. */
 function resolved(name: string, beside: HTMLElement): string {
   const probe = made("span", "", beside);
@@ -114,6 +110,7 @@ export class ServerView {
       const answer = await fetch("/metrics", { headers: token ? { Authorization: `Bearer ${token}` } : {} });
       if (!answer.ok) throw new Error((await answer.json()).error?.message ?? `HTTP ${answer.status}`);
       this.take(parseMetrics(await answer.text()));
+      await drawWorkers();
     } catch (error) {
       element("server-info").textContent = explain(error);
     }
@@ -135,7 +132,7 @@ export class ServerView {
     element("server-info").textContent = `Calls so far: ${sum(samples, "tetstream_calls_total")}. ` +
       (since ? `Up since ${new Date(since * 1000).toLocaleString()}.` : "");
     this.drawBudgets(samples);
-    this.drawWorkers(samples);
+    this.countWorkers(samples);
     this.drawCache(samples);
     element("refusals").replaceChildren(...[...samples]
       .filter(([name, value]) => name.startsWith("tetstream_refusals_total{") && value > 0)
@@ -169,8 +166,8 @@ export class ServerView {
     }
   }
 
-  private drawWorkers(samples: Samples): void {
-    const table = element("workers");
+  private countWorkers(samples: Samples): void {
+    const table = element("worker-counts");
     table.replaceChildren();
     for (const [state, count] of byLabel(samples, "tetstream_workers", "state")) row(table, `workers ${state}`, String(count));
     for (const [state, count] of byLabel(samples, "tetstream_job_shards", "state")) {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include <absl/strings/escaping.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 
 #include "core/base/printable.h"
+#include "core/base/utf8.h"
 #include "proto/convert/status.h"
 #include "proto/convert/times.h"
 #include "server/jobs/store/store_errors.h"
@@ -18,6 +20,7 @@ namespace {
 constexpr char kPrefix[] = "jobs/";
 constexpr std::size_t kIdDigits = 24;
 constexpr std::size_t kMaxQuoted = 60;
+constexpr std::size_t kMostWorkerBytes = 128;
 constexpr int kDefaultJobs = 100, kMaxJobs = 1000;
 constexpr std::int64_t kMostShards = 1'000'000;  ///< more than a job has
 constexpr absl::Duration kMaxWait = absl::Hours(1);
@@ -194,6 +197,17 @@ absl::StatusOr<std::int64_t> parse_shard_token(const std::string& token) {
                    "\" was not given by this server: begin at the first page"));
 }
 
+absl::StatusOr<std::string> parse_worker_token(const std::string& token) {
+  std::string name;
+  const bool known = absl::WebSafeBase64Unescape(token, &name) &&
+                     name.size() <= kMostWorkerBytes && is_utf8(name) &&
+                     name.find('\0') == std::string::npos;
+  if (known) return name;
+  return invalid_field(
+      absl::StrCat("page_token \"", printable(token, kMaxQuoted),
+                   "\" was not given by this server: begin at the first page"));
+}
+
 std::string name_of_job(const std::string& id) { return kPrefix + id; }
 
 void to_proto(const Job& job, bool with_header, v1::Job& message) {
@@ -238,6 +252,25 @@ void to_proto(const DeadLetter& letter, v1::DeadShard& message) {
   message.set_worker(letter.worker);
   message.mutable_error()->ParseFromString(encode_status(letter.error));
   *message.mutable_time() = to_proto(letter.time);
+}
+
+void to_proto(const KnownWorker& worker, absl::Time read_time, v1::Worker& message) {
+  message.set_name(worker.report.name);
+  message.set_algorithm_version(worker.report.algorithm);
+  *message.mutable_seen_time() = to_proto(worker.seen);
+  message.set_lost(read_time - worker.seen > kWorkerAlive);
+  if (!worker.report.trouble.ok()) {
+    message.mutable_trouble()->ParseFromString(encode_status(worker.report.trouble));
+  }
+  message.set_leased_shards(worker.leased_shards);
+  for (const HeldShard& held : worker.shards) {
+    v1::LeasedShard& shard = *message.add_shards();
+    shard.set_job(name_of_job(held.shard.job));
+    shard.set_first_chunk(held.chunks.first);
+    shard.set_end_chunk(held.chunks.end);
+    shard.set_attempt(static_cast<int>(held.attempt));
+    *shard.mutable_lease_end_time() = to_proto(held.expires);
+  }
 }
 
 }  // namespace tet

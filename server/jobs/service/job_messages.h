@@ -30,10 +30,15 @@ absl::StatusOr<std::int64_t> parse_shard_token(const std::string& token);
 /// 1 to 1000.
 absl::StatusOr<std::int64_t> parse_page_size(std::int32_t page_size);
 
+/// The name of the last worker of the page before.
+absl::StatusOr<std::string> parse_worker_token(const std::string& token);
+
 std::string name_of_job(const std::string& id);
 /// What is damaged of the job's opaque parts stays out. `with_header` as lists are without.
 void to_proto(const Job& job, bool with_header, v1::Job& message);
 void to_proto(const JobEvent& event, v1::JobEvent& message);
 void to_proto(const DeadLetter& letter, v1::DeadShard& message);
+/// As the store knew it at `read_time`.
+void to_proto(const KnownWorker& worker, absl::Time read_time, v1::Worker& message);
 
 }  // namespace tet

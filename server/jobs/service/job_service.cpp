@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 
@@ -123,6 +124,26 @@ absl::Status list_dead(JobContext& shared,
   return absl::OkStatus();
 }
 
+absl::Status list_workers(JobContext& shared,
+                          const std::string& space,
+                          const v1::ListWorkersRequest& request,
+                          v1::ListWorkersResponse& response) {
+  const auto size = parse_page_size(request.page_size());
+  if (!size.ok()) return size.status();
+  const auto after = parse_worker_token(request.page_token());
+  if (!after.ok()) return after.status();
+  const auto page = shared.jobs.workers({space, *size, *after});
+  if (!page.ok()) return page.status();
+  for (const KnownWorker& worker : page->workers) {
+    to_proto(worker, page->read_time, *response.add_workers());
+  }
+  if (!page->is_last) {
+    response.set_next_page_token(absl::WebSafeBase64Escape(page->workers.back().report.name));
+  }
+  *response.mutable_read_time() = to_proto(page->read_time);
+  return absl::OkStatus();
+}
+
 /// What the methods that take a job's name have in common: `act` on it if it is the caller's.
 template <class Act>
 grpc::ServerUnaryReactor* with_job(JobContext& shared,
@@ -207,6 +228,15 @@ grpc::ServerUnaryReactor* JobService::ListDeadShards(grpc::CallbackServerContext
   return answer(shared_.engine.calls, shared_.threads, *context, "ListDeadShards",
                 [this, request, response](const Call& call) {
                   return list_dead(shared_, call.space(), *request, *response);
+                });
+}
+
+grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* context,
+                                                  const v1::ListWorkersRequest* request,
+                                                  v1::ListWorkersResponse* response) {
+  return answer(shared_.engine.calls, shared_.threads, *context, "ListWorkers",
+                [this, request, response](const Call& call) {
+                  return list_workers(shared_, call.space(), *request, *response);
                 });
 }
 

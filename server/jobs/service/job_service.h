@@ -16,8 +16,9 @@ using RawJobService = v1::JobService::WithCallbackMethod_CreateJob<
                 v1::JobService::WithCallbackMethod_RetryJob<
                     v1::JobService::WithCallbackMethod_DeleteJob<
                         v1::JobService::WithCallbackMethod_ListDeadShards<
-                            v1::JobService::WithRawCallbackMethod_ReadJobResult<
-                                v1::JobService::Service>>>>>>>>>>;
+                            v1::JobService::WithCallbackMethod_ListWorkers<
+                                v1::JobService::WithRawCallbackMethod_ReadJobResult<
+                                    v1::JobService::Service>>>>>>>>>>>;
 
 /// gRPC's side of the jobs. Thread-safe. All that asks the job store runs on the context's
 /// threads. What it refers to outlives the service and its calls.
@@ -51,6 +52,9 @@ class JobService final : public RawJobService {
   grpc::ServerUnaryReactor* ListDeadShards(grpc::CallbackServerContext* context,
                                            const v1::ListDeadShardsRequest* request,
                                            v1::ListDeadShardsResponse* response) override;
+  grpc::ServerUnaryReactor* ListWorkers(grpc::CallbackServerContext* context,
+                                        const v1::ListWorkersRequest* request,
+                                        v1::ListWorkersResponse* response) override;
   grpc::ServerWriteReactor<grpc::ByteBuffer>* ReadJobResult(
       grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
 

@@ -144,6 +144,22 @@ struct WorkerReport {
   absl::Status trouble;   ///< why it takes nothing at present; OK: it works
 };
 
+/// A shard that a worker holds.
+struct HeldShard {
+  ShardKey shard;
+  ChunkRange chunks;
+  std::int64_t attempt = 0;
+  absl::Time expires;
+};
+
+/// A worker as the store knows it.
+struct KnownWorker {
+  WorkerReport report;
+  absl::Time seen;                     ///< when it reported last
+  std::int64_t leased_shards = 0;      ///< of all namespaces
+  std::vector<HeldShard> shards = {};  ///< of one namespace, the first of them
+};
+
 /// SHA-256 of a chunk's bytes, raw: 32 bytes.
 using ChunkDigest = std::string;
 

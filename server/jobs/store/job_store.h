@@ -65,6 +65,18 @@ struct ClaimShards {
   std::set<std::string> not_of = {};  ///< namespaces whose shards are left to others
 };
 
+struct ListWorkers {
+  std::string space = {};        ///< whose shards are named
+  std::int64_t page_size = 100;  ///< 1 to 1000
+  std::string after = {};        ///< the last worker of the page before
+};
+
+struct WorkerPage {
+  std::vector<KnownWorker> workers;
+  bool is_last = true;
+  absl::Time read_time;
+};
+
 /// How a shard is given back that the worker did not do.
 struct GiveBack {
   absl::Status why = {};                        ///< what the job says of it; OK: nothing
@@ -88,6 +100,10 @@ struct StoreCounts {
 
 /// A worker that did not report for so long is taken for dead.
 inline constexpr absl::Duration kWorkerAlive = absl::Minutes(1);
+/// And so long after that a janitor may forget it.
+inline constexpr absl::Duration kWorkerForgotten = absl::Hours(24);
+/// As many shards of a worker are named.
+inline constexpr std::int64_t kMostNamedShards = 100;
 
 /// Jobs, their shards, leases and events.
 ///
@@ -178,6 +194,8 @@ class JobStore {
   /// To be called every few seconds by whoever claims; `leave` when it ends.
   virtual absl::Status report(const WorkerReport& worker) = 0;
   virtual absl::Status leave(const std::string& worker) = 0;
+  /// Workers that reported within kWorkerForgotten, by name, with what they hold.
+  virtual absl::StatusOr<WorkerPage> workers(const ListWorkers& query) = 0;
   /// The identity of the store of files that the jobs belong to: `store`, unless another was
   /// named before. An empty `store` only asks, and the answer is empty while none was named.
   virtual absl::StatusOr<std::string> belongs_to(const std::string& store) = 0;

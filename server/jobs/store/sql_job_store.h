@@ -72,6 +72,7 @@ class SqlJobStore final : public JobStore {
   absl::Status plan_anew(const LeaseId& lease) override;
   absl::Status report(const WorkerReport& worker) override;
   absl::Status leave(const std::string& worker) override;
+  absl::StatusOr<WorkerPage> workers(const ListWorkers& query) override;
   absl::StatusOr<std::string> belongs_to(const std::string& store) override;
 
   absl::StatusOr<std::int64_t> rescue() override;

@@ -15,9 +15,6 @@ namespace {
 // Jobs ended by one look at the clock.
 constexpr std::int64_t kExpiredAtOnce = 500;
 
-// What died without leaving is of no interest any more.
-constexpr absl::Duration kWorkerForgotten = absl::Hours(24);
-
 /// What is left of the job becomes dead letters, so that it can be tried again.
 void stop(SqlTransaction& t, JobRow& row, JobState state, const absl::Status& why) {
   row.job.dead_shards += bury_rest(t, row.job.id, why);

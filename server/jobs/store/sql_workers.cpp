@@ -1,8 +1,10 @@
 // The store for what workers are: which of them are there, what store of files they need, and
 // the jobs that none of them can go on with.
+#include <map>
 #include <string>
 #include <vector>
 
+#include "server/jobs/store/new_job.h"
 #include "server/jobs/store/queue_rows.h"
 #include "server/jobs/store/sql_job_store.h"
 #include "server/jobs/store/store_errors.h"
@@ -66,6 +68,51 @@ bool adopt(SqlTransaction& t, const std::string& id, const std::string& own) {
   return true;
 }
 
+/// The page's workers, without what they hold.
+void read_workers(SqlTransaction& t, const ListWorkers& query, WorkerPage& page) {
+  const auto found = t.run(
+      "SELECT name, algorithm, trouble, seen_us FROM workers WHERE name > $1 AND seen_us >= $2 "
+      "ORDER BY name LIMIT $3",
+      {query.after, after_us(t.now_us(), -kWorkerForgotten), query.page_size + 1});
+  page.is_last = std::ssize(found.rows) <= query.page_size;
+  for (const SqlRow& row : found.rows) {
+    if (std::ssize(page.workers) == query.page_size) break;
+    page.workers.push_back(
+        {{row.text(0), row.text(1), decode_status(row.blob(2))}, from_us(row.integer(3))});
+  }
+}
+
+// The first shards of each worker in one namespace.
+constexpr char kNamedShards[] =
+    "SELECT worker, job_id, phase, number, first_chunk, end_chunk, attempt, lease_us FROM "
+    "(SELECT *, row_number() OVER (PARTITION BY worker ORDER BY job_id, phase, number) AS "
+    "place "
+    "FROM queue WHERE state = 1 AND space = $1) AS held WHERE place <= $2 "
+    "ORDER BY job_id, phase, number";
+
+/// What the page's workers hold. Leases are as few as there are threads, so all are looked at.
+void add_leases(SqlTransaction& t, const ListWorkers& query, WorkerPage& page) {
+  std::map<std::string, KnownWorker*> by_name;
+  for (KnownWorker& worker : page.workers) by_name[worker.report.name] = &worker;
+  const auto of = [&](const SqlRow& row) {
+    const auto found = by_name.find(row.text(0));
+    return found == by_name.end() ? nullptr : found->second;
+  };
+  const auto counts =
+      t.run("SELECT worker, count(*) FROM queue WHERE state = 1 GROUP BY worker");
+  for (const SqlRow& row : counts.rows) {
+    if (KnownWorker* worker = of(row)) worker->leased_shards = row.integer(1);
+  }
+  for (const SqlRow& row : t.run(kNamedShards, {query.space, kMostNamedShards}).rows) {
+    KnownWorker* worker = of(row);
+    if (worker == nullptr) continue;
+    worker->shards.push_back({{row.text(1), phase_from(row.integer(2)), row.integer(3)},
+                              range_from(row.integer(4), row.integer(5)),
+                              bounded(row.integer(6), 0, kMaxAttempts),
+                              from_us(row.integer(7))});
+  }
+}
+
 }  // namespace
 
 absl::Status SqlJobStore::plan_anew(const LeaseId& lease) {
@@ -112,6 +159,19 @@ absl::Status SqlJobStore::leave(const std::string& worker) {
     t.run("DELETE FROM workers WHERE name = $1", {worker});
     return absl::OkStatus();
   });
+}
+
+absl::StatusOr<WorkerPage> SqlJobStore::workers(const ListWorkers& query) {
+  WorkerPage page;
+  const absl::Status status = transact(*database_, [&](SqlTransaction& t) {
+    page = {};
+    page.read_time = from_us(t.now_us());
+    read_workers(t, query, page);
+    add_leases(t, query, page);
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return page;
 }
 
 absl::StatusOr<std::string> SqlJobStore::belongs_to(const std::string& store) {

@@ -87,6 +87,7 @@ class DamagedRows : public testing::Test {
     ask(&Stub::ListJobs, v1::ListJobsRequest(), what);
     ask(&Stub::GetJob, about(v1::GetJobRequest()), what);
     ask(&Stub::ListDeadShards, about(v1::ListDeadShardsRequest()), what);
+    ask(&Stub::ListWorkers, v1::ListWorkersRequest(), what);
     ask(&Stub::CancelJob, about(v1::CancelJobRequest()), what);
     ask(&Stub::RetryJob, about(v1::RetryJobRequest()), what);
     ask(&Stub::CancelJob, about(v1::CancelJobRequest()), what);

@@ -100,6 +100,54 @@ TEST_P(JobStoreTest, CountsWorkersThatLiveAndThoseInTrouble) {
   EXPECT_EQ(counts.troubled_workers, 1);
 }
 
+TEST_P(JobStoreTest, TellsWhatEachWorkerHolds) {
+  const Job ours = create_planned(3);
+  report(*store_, "4");
+  EXPECT_EQ(store_->report({"ill", "5", absl::InternalError("no disk")}), absl::OkStatus());
+  EXPECT_THAT(claim(2, "of 4"), SizeIs(2));
+  create(wanted("bob"));
+  EXPECT_THAT(claim(2, "of 4"), SizeIs(2));
+  const WorkerPage page = store_->workers({.space = "ana"}).value();
+  ASSERT_THAT(page.workers, SizeIs(2));
+  EXPECT_TRUE(page.is_last);
+  const KnownWorker &ill = page.workers[0], &well = page.workers[1];
+  EXPECT_EQ(ill.report.name, "ill");
+  EXPECT_THAT(std::string(ill.report.trouble.message()), HasSubstr("no disk"));
+  EXPECT_THAT(ill.shards, IsEmpty());
+  EXPECT_EQ(well.report.name, "of 4");
+  EXPECT_EQ(well.report.algorithm, "4");
+  EXPECT_EQ(well.report.trouble, absl::OkStatus());
+  EXPECT_LE(well.seen, page.read_time);
+  EXPECT_GT(well.seen, page.read_time - kWorkerAlive);
+  EXPECT_EQ(well.leased_shards, 4) << "another namespace's shard counts";
+  ASSERT_THAT(well.shards, SizeIs(3)) << "and has no name";
+  EXPECT_EQ(well.shards[1].shard, (ShardKey{ours.id, Phase::kMesh, 1}));
+  EXPECT_EQ(well.shards[1].chunks.first, plan_of(3).shards[1].first);
+  EXPECT_EQ(well.shards[1].attempt, 1);
+  EXPECT_GT(well.shards[1].expires, page.read_time);
+}
+
+TEST_P(JobStoreTest, TellsOfWorkersPageByPage) {
+  for (const char* version : {"1", "2", "3"}) report(*store_, version);
+  const WorkerPage first = store_->workers({.page_size = 2}).value();
+  ASSERT_THAT(first.workers, SizeIs(2));
+  EXPECT_FALSE(first.is_last);
+  const std::string& last = first.workers.back().report.name;
+  const WorkerPage rest = store_->workers({.page_size = 2, .after = last}).value();
+  ASSERT_THAT(rest.workers, SizeIs(1));
+  EXPECT_TRUE(rest.is_last);
+  EXPECT_EQ(rest.workers[0].report.name, "of 3");
+}
+
+TEST_P(JobStoreTest, NamesSoManyShardsOfAWorkerAndCountsTheOthers) {
+  create_planned(kMostNamedShards + 5);
+  report(*store_, "4");
+  EXPECT_THAT(claim(kMostNamedShards + 5, "of 4"), SizeIs(kMostNamedShards + 5));
+  const WorkerPage page = store_->workers({.space = "ana"}).value();
+  EXPECT_EQ(page.workers.at(0).leased_shards, kMostNamedShards + 5);
+  EXPECT_THAT(page.workers.at(0).shards, SizeIs(kMostNamedShards));
+}
+
 TEST_P(JobStoreTest, TakesAShardBackWithoutAnAttemptAndSayWhy) {
   const Job job = create_planned(1);
   for (int i = 0; i < 5; ++i) {
