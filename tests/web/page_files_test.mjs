@@ -25,6 +25,7 @@ part("Saves", () => {
     it(`saves what the copied command line saves, in every format${both ? ", with both sides" : ""}`, async () => {
       const page = await held.browser.open(held.server.url);
       await chooseBall(page, held);
+      await setSpacing(page, both ? 2 : 1);  // enough for all there is to tell: readers of text take long
       if (both) await page.locator("#both").check();
       await mesh(page);
       const pairs = [];
@@ -41,7 +42,7 @@ part("Saves", () => {
       }
       assert.equal(pairs.length, 2 * 12);
       const told = execFileSync("/usr/bin/python3", [join(here, "compare_saved.py"), ...pairs], { encoding: "utf8" });
-      for (const line of told.trim().split("\n")) console.log(`# ${line}`);
+      for (const line of told.split("\n").filter(Boolean)) console.log(`# ${line}`);
       assert.deepEqual(page.errors, []);
     });
   }

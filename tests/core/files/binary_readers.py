@@ -163,7 +163,8 @@ def read_polymesh(path):
     inner = len(neighbour)
     pairs = list(zip(owner[:inner], neighbour))
     assert pairs == sorted(pairs) and (owner[:inner] < neighbour).all()
-    cells = [set() for _ in range(owner.max() + 1)]
+    # The last cell owns no face where it is not at the boundary.
+    cells = [set() for _ in range(max(owner.max(), neighbour.max(initial=0)) + 1)]
     for triangle, *sides in zip(triangles, owner, [*neighbour, *[None] * (len(owner) - inner)]):
         for cell in sides:
             if cell is not None:
