@@ -234,12 +234,13 @@ part("Lives", () => {
     const grid = readFileSync(makeFixture(held.folder, "random-signs", 1));
     const sha256 = createHash("sha256").update(grid).digest("hex");
     const ask = async (path, options) => {
-      const answer = await fetch(`${held.server.url}v1/${path}`, options);
+      const answer = await fetch(`${held.server.url}v1/${path}`,
+        { headers: { "Content-Type": "application/json" }, ...options });
       assert.ok(answer.ok, await answer.clone().text());
       return answer.json();
     };
-    await ask(`grids/${sha256}`, { method: "PUT", body: grid });
-    const job = await ask("jobs", { method: "POST", headers: { "Content-Type": "application/json" },
+    await ask(`grids/${sha256}`, { method: "PUT", body: grid, headers: {} });
+    const job = await ask("jobs", { method: "POST",
       body: JSON.stringify({ job: { mesh: { name: `grids/${sha256}`, spacing: 0.075 } } }) });
     const page = await held.browser.open(held.server.url + "#server");
     await until(page, () => document.querySelector("#workers details"));
@@ -247,6 +248,9 @@ part("Lives", () => {
     const line = await page.textContent("#workers tr");
     assert.match(line, new RegExp(`:${held.server.process.pid}\\d+works\\d+ s ago1, of your jobs 1`));
     assert.ok(line.includes(`${job.name.slice(5)}: its count`), line);
+    if (process.env.PAGE_SCREENSHOTS) {
+      writeFileSync(join(process.env.PAGE_SCREENSHOTS, "page_server.png"), await page.screenshot({ fullPage: true }));
+    }
     await ask(`${job.name}:cancel`, { method: "POST" });
     await until(page, () => !document.querySelector("#workers details"));
     assert.deepEqual(page.errors, []);
