@@ -248,9 +248,6 @@ part("Lives", () => {
     const line = await page.textContent("#workers tr");
     assert.match(line, new RegExp(`:${held.server.process.pid}\\d+works\\d+ s ago1, of your jobs 1`));
     assert.ok(line.includes(`${job.name.slice(5)}: its count`), line);
-    if (process.env.PAGE_SCREENSHOTS) {
-      writeFileSync(join(process.env.PAGE_SCREENSHOTS, "page_server.png"), await page.screenshot({ fullPage: true }));
-    }
     await ask(`${job.name}:cancel`, { method: "POST" });
     await until(page, () => !document.querySelector("#workers details"));
     assert.deepEqual(page.errors, []);

@@ -38,6 +38,15 @@ const kBudgets = [
   { what: "results of jobs", used: "tetstream_result_bytes", budget: "tetstream_result_budget_bytes" },
 ];
 
+// Of a page that was just opened a plot is so wide at least, so that its times are those of today.
+const kLeastSeconds = 300;
+
+/** From the first sample to the last, of which there may be none. */
+function rangeOf(times: number[]): [number, number] {
+  const end = times.at(-1) ?? Date.now() / 1000;
+  return [Math.min(times[0] ?? end, end - kLeastSeconds), end];
+}
+
 type Samples = Map<string, number>;
 
 export function parseMetrics(text: string): Samples {
@@ -99,6 +108,7 @@ export class ServerView {
       title: plot.title,
       width: Math.max(box.clientWidth - 16, 200),
       height: 180,
+      scales: { x: { range: () => rangeOf(this.times) } },
       axes: [axis, { ...axis, size: 70, values: plot.bytes ? (_, ticks) => ticks.map((t) => sizeOf(t)) : undefined }],
       series: [{}, ...plot.names.map((label, i) => ({ label, stroke: colours[i], width: 2 }))],
     }, [[], ...plot.metrics.map(() => [])] as uPlot.AlignedData, box);
