@@ -66,7 +66,7 @@ function cube() {
 
 const kChunks = 4;
 
-/** The cube as a mesh of some chunks: of one side, of both, or with labels. `each` is called after every chunk. */
+/** The cube as a mesh of some chunks: of one side, of both, with labels, or of two grids. `each` is called after every chunk. */
 function meshOf(kind, each = () => {}) {
   const { points, tets, halves } = cube();
   const vertices = points.length / 3, count = tets.length / 4;
@@ -76,6 +76,8 @@ function meshOf(kind, each = () => {}) {
     origin: { x: 10, y: 0, z: 0 }, spacing: 1 / kSide,
     bounds: { min: { x: 10, y: 0, z: 0 }, max: { x: 11, y: 1, z: 1 } }, hasRegions: kind === "regions",
     labels: kind === "labels" ? [{ value: 4n, name: "bone" }, { value: 7n, name: "" }] : [],
+    parts: kind !== "parts" ? [] : ["low", "high"].map((name, i) =>
+      ({ name, firstTet: BigInt((count / 2) * i), tetCount: BigInt(count / 2) })),
     fields: [{ name: "heat", components: 1 }, { name: "flow", components: 3 }] });
   const mesh = new page.TetMesh(header, Infinity);
   for (let c = 0; c < kChunks; ++c) {
@@ -168,7 +170,7 @@ describe("a mesh in the worker", () => {
     }
   });
 
-  for (const kind of ["plain", "regions", "labels"]) {
+  for (const kind of ["plain", "regions", "labels", "parts"]) {
     it(`saves files that others read: ${kind}`, async () => {
       const mesh = meshOf(kind);
       for (const format of page.kFormats) {

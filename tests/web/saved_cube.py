@@ -1,6 +1,6 @@
 """Whether the files that mesh_columns_test.mjs saved hold its cube: a volume of 1 between x = 10 and 11, in two halves.
 
-    saved_cube.py FOLDER plain|regions|labels
+    saved_cube.py FOLDER plain|regions|labels|parts
 """
 
 import pathlib
@@ -8,13 +8,15 @@ import sys
 
 import numpy
 from saved_readers import READERS, saved_name, unpacked
-from samples import volumes  # found by saved_readers
+from samples import LABELS as NUMBERS, volumes  # found by saved_readers
 
 BOX = {f"box_{axis}_{side}": 1 for axis in "xyz" for side in ("min", "max")}
 # Areas of faces by their names, and labels of the halves.
 FACES = {"plain": {"surface": 6}, "regions": {"interface": 1, **BOX},
-         "labels": {"bone_surface": 3, "label_7_surface": 3, "bone_label_7": 1}}
-LABELS = {"plain": None, "regions": (1, 2), "labels": (4, 7)}
+         "labels": {"bone_surface": 3, "label_7_surface": 3, "bone_label_7": 1},
+         "parts": {"low_surface": 3, "high_surface": 3}}
+LABELS = {"plain": None, "regions": (1, 2), "labels": (4, 7), "parts": (1, 2)}
+NUMBERS.update(low=1, high=2)
 WITH_FIELDS = {".vtu", ".vtkhdf", ".msh", ".xdmf", ".exo", ".usda", ".ply"}
 WITHOUT_FACES = {".vtu", ".vtkhdf", ".stl"}
 
@@ -32,7 +34,8 @@ def check(path, ending, kind):
         found = volumes(read.points, read.tets)
         # A polyMesh has cells by their faces, and no order of their corners.
         numpy.testing.assert_allclose(abs(found) if ending == ".polyMesh" else found, 1 / 6000, rtol=1e-3)
-        middles = read.points[read.tets, 0].mean(axis=1)
+        # Parts lie one above the other, the other halves side by side.
+        middles = read.points[read.tets, 2].mean(axis=1) + 10 if kind == "parts" else read.points[read.tets, 0].mean(axis=1)
         if LABELS[kind]:
             numpy.testing.assert_array_equal(read.labels, numpy.where(middles < 10.5, *LABELS[kind]))
         else:
