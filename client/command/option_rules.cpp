@@ -24,6 +24,7 @@ FeatureNames option_names(const MeshRequest& request) {
                       "--field",
                       "--faces",
                       "--face",
+                      "fidelity",
                       "--coordinates float64",
                       "--skip-statistics",
                       "a range of chunks",

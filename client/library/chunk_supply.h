@@ -12,6 +12,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/quality_stats.h"
+#include "core/fidelity/fidelity.h"
 #include "core/mesh/boundary_topology.h"
 #include "core/mesh/improvement.h"
 #include "core/mesh/tet_mesh.h"
@@ -32,6 +33,7 @@ struct TrailerFacts {
   std::optional<BoundaryTopology> boundary;
   std::optional<Improvement> improvement;
   ThinWalls thin_walls;
+  std::optional<MeshFidelity> fidelity = {};
 };
 
 /// Gives a mesh chunk by chunk, and between two calls ends only what was begun. Every failure

@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/failure_name.h"
+#include "core/fidelity/measure_plan.h"
 
 namespace tet {
 
@@ -45,7 +46,9 @@ absl::Status LocalChunks::plan() {
 
 absl::StatusOr<const ChunkView*> LocalChunks::next() {
   if (const auto counted = header(); !counted.ok()) return counted.status();
-  if (next_ == end_) return finish(), nullptr;
+  if (next_ == end_) failure_ = finish();
+  if (!failure_.ok()) return failure_;
+  if (next_ == end_) return nullptr;
   if (next_ == batch_end_) failure_ = make_batch();
   if (!failure_.ok()) return failure_;
   const Made& made = batch_[next_ - batch_begin_];
@@ -87,13 +90,23 @@ void LocalChunks::make(std::uint64_t index, Made& made) const {
   made.quality = plan_->fill_chunk(index, made.workspace, mesh.columns());
 }
 
-void LocalChunks::finish() {
+absl::Status LocalChunks::finish() {
   batch_.clear();
-  if (end_ - work_.range.first < plan_->header().chunk_count) return;  // told of whole meshes
+  // Facts are told of whole meshes, once.
+  if (end_ - work_.range.first < plan_->header().chunk_count || finished_) {
+    return absl::OkStatus();
+  }
+  finished_ = true;
   facts_.boundary = plan_->boundary();
   facts_.improvement = plan_->improvement();
   facts_.thin_walls = plan_->thin_walls();
   if (plan_->statistics() == Statistics::kMeasured) facts_.quality = quality_;
+  if (!work_.request.fidelity) return absl::OkStatus();
+  absl::StatusOr<MeshFidelity> fidelity = absl::UnknownError("not started");
+  pool_.run([&] { fidelity = fidelity_of(*plan_, work_.request, cancellation_); });
+  if (!fidelity.ok()) return fidelity.status();
+  facts_.fidelity = *std::move(fidelity);
+  return absl::OkStatus();
 }
 
 }  // namespace tet

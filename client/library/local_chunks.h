@@ -59,7 +59,7 @@ class LocalChunks : public ChunkSupply {
   absl::Status plan();
   absl::Status make_batch();
   void make(std::uint64_t index, Made& made) const;
-  void finish();
+  absl::Status finish();
 
   LocalWork work_;
   const Cancellation& cancellation_;
@@ -70,6 +70,7 @@ class LocalChunks : public ChunkSupply {
   QualityStats quality_;
   ChunkView chunk_;
   TrailerFacts facts_;
+  bool finished_ = false;
   absl::Status failure_;
 };
 

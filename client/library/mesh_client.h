@@ -13,6 +13,7 @@
 
 #include "client/library/channel.h"
 #include "core/base/cancel.h"
+#include "core/fidelity/fidelity.h"
 #include "core/mesh/boundary.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/quality.h"
@@ -46,6 +47,7 @@ struct StreamedMesh {
   std::optional<BoundaryTopology> boundary;  ///< of the inside, if the server told it
   std::optional<Improvement> improvement;    ///< where the request asked for it
   ThinWalls thin_walls;
+  std::optional<MeshFidelity> fidelity;  ///< where the request asked for it
   std::string mesh_id;
   v1::MeshRequest canonical_request;
   bool cached = false;  ///< the (last) stream of it was served from a job's stored result

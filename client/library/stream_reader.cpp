@@ -15,6 +15,7 @@
 #include "core/mesh/check_faces.h"
 #include "proto/convert/chunk_numbers.h"
 #include "proto/convert/counts.h"
+#include "proto/convert/fidelity.h"
 #include "proto/convert/mesh_parts.h"
 #include "proto/convert/statistics.h"
 #include "proto/wire/checksum.h"
@@ -254,6 +255,9 @@ absl::Status StreamReader::take_statistics(const v1::MeshTrailer& trailer) {
   absl::StatusOr<ThinWalls> walls = from_proto(trailer.thin_walls());
   if (!walls.ok()) return bad_part("thin walls", walls.status());
   told_.thin_walls = *std::move(walls);
+  auto fidelity = fidelity_of(trailer);
+  if (!fidelity.ok()) return bad_part("fidelity", fidelity.status());
+  told_.fidelity = *std::move(fidelity);
   return take_quality(trailer);
 }
 

@@ -8,13 +8,14 @@
 
 #include "core/base/parallel.h"
 #include "core/base/tet_geometry.h"
+#include "core/fidelity/measured_mesh.h"
 #include "core/fidelity/nearest_zero.h"
 #include "core/fidelity/surface_triangles.h"
+#include "core/fidelity/tet_sums.h"
 #include "core/fidelity/true_surface.h"
 #include "core/field/find_bricks.h"
 #include "core/mesh/box_tree.h"
-#include "core/mesh/quality.h"
-#include "core/mesh/regions.h"
+#include "core/mesh/tets_per_range.h"
 #include "core/mesh/triangle_distance.h"
 #include "core/plan/prepared_mesh.h"
 
@@ -93,14 +94,18 @@ struct MeshSurface {
   double area = 0;
 };
 
-MeshSurface mesh_surface(const TetMesh& mesh,
-                         const std::vector<Triangle>& triangles,
+MeshSurface mesh_surface(const MeasuredMesh& mesh,
                          std::uint64_t first_vertex,
                          std::uint64_t vertex_count) {
+  const WorldPoint& origin = mesh.header.origin;
+  const auto vertex = [&](std::uint64_t i) {
+    const WorldPoint stored = mesh.places.stored_position(i);
+    return WorldPoint{origin.x + stored.x, origin.y + stored.y, origin.z + stored.z};
+  };
   MeshSurface surface;
-  for (const Triangle& t : triangles) {
+  for (const Triangle& t : mesh.surface) {
     if (t[0] < first_vertex || t[0] - first_vertex >= vertex_count) continue;
-    surface.triangles.push_back({mesh.vertex(t[0]), mesh.vertex(t[1]), mesh.vertex(t[2])});
+    surface.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
     surface.area += area_of(surface.triangles.back());
   }
   return surface;
@@ -159,10 +164,12 @@ class FromMesh {
   FromMesh(const PhiField& field, double spacing, const TrueSurface& truth)
       : field_(field), spacing_(spacing), truth_(truth), tree_(tree_of(truth.points)) {}
 
-  SurfaceDistance measure(const MeshSurface& surface) const {
+  /// What is found is of no use once it is cancelled.
+  SurfaceDistance measure(const MeshSurface& surface, const Cancellation& cancellation) const {
     const auto [even, suspects] = choose(surface, field_, spacing_);
     std::vector<Found> found(even.size() + suspects.size());
     for_each_range(found.size(), kPerRange, [&](std::size_t begin, std::size_t end) {
+      if (cancellation.requested()) return;
       NearestZero zero(field_, spacing_);
       for (std::size_t i = begin; i < end; ++i) {
         const bool counts = i < even.size();
@@ -203,19 +210,21 @@ class FromMesh {
   BoxTree tree_;
 };
 
-SurfaceDistance measure_to_mesh(const TrueSurface& truth, const MeshSurface& surface) {
+SurfaceDistance measure_to_mesh(const TrueSurface& truth,
+                                const MeshSurface& surface,
+                                const Cancellation& cancellation) {
   const BoxTree tree = tree_of(surface.triangles);
   if (tree.size() == 0) return {};
   std::vector<Found> found(truth.points.size());
-  for_each_index(
-      found.size(),
-      [&](std::size_t i) {
-        const auto& [at, area] = truth.points[i];
-        const BoxTree::Nearest near = tree.nearest(
-            at, [&](std::uint32_t t) { return squared_distance(at, surface.triangles[t]); });
-        found[i].add(std::sqrt(near.squared_distance), area, at);
-      },
-      kPerRange);
+  for_each_range(found.size(), kPerRange, [&](std::size_t begin, std::size_t end) {
+    if (cancellation.requested()) return;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& [at, area] = truth.points[i];
+      const BoxTree::Nearest near = tree.nearest(
+          at, [&](std::uint32_t t) { return squared_distance(at, surface.triangles[t]); });
+      found[i].add(std::sqrt(near.squared_distance), area, at);
+    }
+  });
   return distance_of(found, found.size());
 }
 
@@ -245,8 +254,7 @@ struct MeasuredPart {
   double volume = 0;
 };
 
-absl::StatusOr<Fidelity> measure_part(const TetMesh& mesh,
-                                      const std::vector<Triangle>& triangles,
+absl::StatusOr<Fidelity> measure_part(const MeasuredMesh& mesh,
                                       const MeasuredPart& part,
                                       const PreparedMesh& prepared,
                                       const Cancellation& cancellation) {
@@ -255,25 +263,43 @@ absl::StatusOr<Fidelity> measure_part(const TetMesh& mesh,
   const absl::StatusOr<TrueSurface> truth = find_true_surface(
       sampled->field, sampled->bricks, sampled->domain, kFidelitySamples, cancellation);
   if (!truth.ok()) return truth.status();
-  const MeshSurface surface =
-      mesh_surface(mesh, triangles, part.first_vertex, part.vertex_count);
+  const MeshSurface surface = mesh_surface(mesh, part.first_vertex, part.vertex_count);
   const double spacing = prepared.asked.spacing;
-  Fidelity fidelity{.spacing = spacing,
-                    .to_surface = FromMesh(sampled->field, spacing, *truth).measure(surface),
-                    .from_surface = measure_to_mesh(*truth, surface),
-                    .mesh_area = surface.area,
-                    .surface_area = truth->area,
-                    .mesh_volume = part.volume,
-                    .enclosed_volume = truth->enclosed_volume};
+  Fidelity fidelity{
+      .spacing = spacing,
+      .to_surface = FromMesh(sampled->field, spacing, *truth).measure(surface, cancellation),
+      .from_surface = measure_to_mesh(*truth, surface, cancellation),
+      .mesh_area = surface.area,
+      .surface_area = truth->area,
+      .mesh_volume = part.volume,
+      .enclosed_volume = truth->enclosed_volume};
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return fidelity;
 }
 
-MeasuredPart part_of(const MeshPart& part, const TetMesh& mesh) {
-  MeshView view = mesh.view();
-  view.tets = view.tets.subspan(ChunkSizes(mesh.header, 0, part.first_tet).tets,
-                                ChunkSizes(mesh.header, 0, part.tet_count).tets);
-  return {part.first_vertex, part.vertex_count, measure_tets(view).volume};
+/// What of a request says where phi is zero: what says how the mesh is made needs grids that may
+/// not be loaded any more.
+MeshRequest request_for_phi(MeshRequest request) {
+  request.sizing = {};
+  request.fields.clear();
+  request.face_regions.clear();
+  return request;
+}
+
+/// In ranges of tets: sums do not depend on how they are cut.
+TetSums sums_of(const TetMesh& mesh) {
+  const MeshView view = mesh.view();
+  const std::uint64_t tets = mesh.header.tet_count;
+  std::vector<TetSums> ranges((tets + kTetsPerRange - 1) / kTetsPerRange, TetSums(mesh.header));
+  for_each_index(ranges.size(), [&](std::size_t r) {
+    const std::uint64_t begin = r * kTetsPerRange;
+    for (std::uint64_t i = begin; i < std::min(begin + kTetsPerRange, tets); ++i) {
+      ranges[r].add(i, view.stored_places(i), mesh.region(i));
+    }
+  });
+  TetSums all(mesh.header);
+  for (const TetSums& range : ranges) all.add(range);
+  return all;
 }
 
 }  // namespace
@@ -282,38 +308,59 @@ double Fidelity::hausdorff() const noexcept {
   return std::max(to_surface.max, from_surface.max);
 }
 
-absl::StatusOr<std::vector<Fidelity>> measure_fidelity(const TetMesh& mesh,
-                                                       const Shape& shape,
-                                                       const MeshRequest& request,
-                                                       const Cancellation& cancellation) {
-  const std::vector<Triangle> triangles = surface_triangles(mesh);
-  const MeshHeader& header = mesh.header;
+absl::StatusOr<std::vector<Fidelity>> measure_surface(const MeasuredMesh& mesh,
+                                                      const Shape& shape,
+                                                      const MeshRequest& request,
+                                                      const Cancellation& cancellation) {
+  const MeshRequest asked = request_for_phi(request);
   std::vector<Fidelity> all;
   const auto measure = [&](const Shape& one, const MeasuredPart& part) {
-    const auto prepared = prepare_mesh(one, request, MeshLimits{}, cancellation);
+    const auto prepared = prepare_mesh(one, asked, MeshLimits{}, cancellation);
     if (!prepared.ok()) return prepared.status();
-    auto fidelity = measure_part(mesh, triangles, part, *prepared, cancellation);
+    auto fidelity = measure_part(mesh, part, *prepared, cancellation);
     if (!fidelity.ok()) return fidelity.status();
     if (request.box) fidelity->enclosed_volume.reset();
     all.push_back(*fidelity);
     return absl::OkStatus();
   };
+  const MeshHeader& header = mesh.header;
   if (const GridList* grids = grids_of(shape)) {
     if (grids->size() != header.parts.size()) {
       return absl::InvalidArgumentError("the mesh is of other grids");
     }
     for (std::size_t i = 0; i < grids->size(); ++i) {
-      if (auto status = measure((*grids)[i], part_of(header.parts[i], mesh)); !status.ok()) {
-        return status;
-      }
+      const MeshPart& part = header.parts[i];
+      const absl::Status status = measure(
+          (*grids)[i], {part.first_vertex, part.vertex_count, mesh.volumes[i]});
+      if (!status.ok()) return status;
     }
     return all;
   }
-  const double volume = measure_volume(mesh, MeshRegion::kInside);
-  if (auto status = measure(shape, {0, header.vertex_count, volume}); !status.ok()) {
-    return status;
-  }
+  const absl::Status status =
+      measure(shape, {0, header.vertex_count, mesh.volumes.front()});
+  if (!status.ok()) return status;
   return all;
+}
+
+absl::StatusOr<MeshFidelity> fidelity_of(const TetMesh& mesh,
+                                         const Shape& shape,
+                                         const MeshRequest& request,
+                                         const Cancellation& cancellation) {
+  const std::vector<Triangle> surface = surface_triangles(mesh);
+  const TetSums sums = sums_of(mesh);
+  auto parts = measure_surface({mesh.header, mesh.view(), surface, sums.volumes()}, shape,
+                               request, cancellation);
+  if (!parts.ok()) return parts.status();
+  return MeshFidelity{*std::move(parts), summary_of(sums.shapes())};
+}
+
+absl::StatusOr<std::vector<Fidelity>> measure_fidelity(const TetMesh& mesh,
+                                                       const Shape& shape,
+                                                       const MeshRequest& request,
+                                                       const Cancellation& cancellation) {
+  auto all = fidelity_of(mesh, shape, request, cancellation);
+  if (!all.ok()) return all.status();
+  return std::move(all->parts);
 }
 
 }  // namespace tet

@@ -10,6 +10,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/types.h"
+#include "core/fidelity/shape_summary.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/mesh_request.h"
 #include "core/plan/shape.h"
@@ -21,6 +22,8 @@ struct SurfaceDistance {
   double max = 0, rms = 0;
   WorldPoint at;  ///< where it is the largest
   std::uint64_t samples = 0;
+
+  friend bool operator==(const SurfaceDistance&, const SurfaceDistance&) = default;
 };
 
 struct Fidelity {
@@ -33,6 +36,15 @@ struct Fidelity {
   std::optional<double> enclosed_volume;
 
   double hausdorff() const noexcept;
+  friend bool operator==(const Fidelity&, const Fidelity&) = default;
+};
+
+/// What a request that asks for fidelity is told of its mesh.
+struct MeshFidelity {
+  std::vector<Fidelity> parts;  ///< one of one grid, or of several one a grid
+  ShapeSummary shapes;
+
+  friend bool operator==(const MeshFidelity&, const MeshFidelity&) = default;
 };
 
 /// Points at which distances are sampled each way, beside those that are looked at because they
@@ -46,5 +58,11 @@ absl::StatusOr<std::vector<Fidelity>> measure_fidelity(const TetMesh& mesh,
                                                        const Shape& shape,
                                                        const MeshRequest& request,
                                                        const Cancellation& cancellation = {});
+
+/// Does so, and measures the shapes of all tets.
+absl::StatusOr<MeshFidelity> fidelity_of(const TetMesh& mesh,
+                                         const Shape& shape,
+                                         const MeshRequest& request,
+                                         const Cancellation& cancellation = {});
 
 }  // namespace tet

@@ -55,18 +55,7 @@ ShapeStats measure_range(const TetMesh& mesh, std::uint64_t begin, std::uint64_t
   const MeshView view = mesh.view();
   ShapeStats stats;
   for (std::uint64_t tet = begin; tet < end; ++tet) {
-    const std::array<WorldPoint, 4> place = view.stored_places(tet);
-    const ShapeRatios shape = shape_of(place);
-    stats.scaled_jacobian.add(shape.scaled_jacobian);
-    stats.radius_ratio.add(shape.radius_ratio);
-    stats.edge_ratio.add(shape.edge_ratio);
-    for (const double edge : shape.edges) stats.edges.add(edge, mesh.header.spacing);
-    if (!(shape.scaled_jacobian > 0)) ++stats.not_positive;
-    const bool full = stats.worst.size() == ShapeStats::kWorst;
-    const WorstTet one{tet, shape, middle_of(place, mesh.header.origin)};
-    if (full && !is_worse(one, stats.worst.back())) continue;
-    if (full) stats.worst.pop_back();
-    stats.worst.insert(std::ranges::upper_bound(stats.worst, one, is_worse), one);
+    stats.add(tet, view.stored_places(tet), mesh.header);
   }
   return stats;
 }
@@ -99,7 +88,7 @@ ShapeRatios shape_of(const std::array<WorldPoint, 4>& place) noexcept {
 void RatioStats::add(double ratio) noexcept {
   min = std::min(min, ratio);
   max = std::max(max, ratio);
-  sum += ratio;
+  sum_units += std::llrint(ratio / kUnit);
   ++count;
   const double bin = std::clamp(ratio, 0.0, 1.0) * kBins;
   ++histogram[std::min(static_cast<std::size_t>(bin), kBins - 1)];
@@ -108,7 +97,7 @@ void RatioStats::add(double ratio) noexcept {
 void RatioStats::add(const RatioStats& other) noexcept {
   min = std::min(min, other.min);
   max = std::max(max, other.max);
-  sum += other.sum;
+  sum_units += other.sum_units;
   count += other.count;
   for (std::size_t b = 0; b < kBins; ++b) histogram[b] += other.histogram[b];
 }
@@ -128,6 +117,22 @@ void LengthStats::add(const LengthStats& other) noexcept {
   max = empty_ ? other.max : std::max(max, other.max);
   empty_ = false;
   for (std::size_t b = 0; b < kBins; ++b) histogram[b] += other.histogram[b];
+}
+
+void ShapeStats::add(std::uint64_t tet,
+                     const std::array<WorldPoint, 4>& place,
+                     const MeshHeader& header) {
+  const ShapeRatios shape = shape_of(place);
+  scaled_jacobian.add(shape.scaled_jacobian);
+  radius_ratio.add(shape.radius_ratio);
+  edge_ratio.add(shape.edge_ratio);
+  for (const double edge : shape.edges) edges.add(edge, header.spacing);
+  if (!(shape.scaled_jacobian > 0)) ++not_positive;
+  const bool full = worst.size() == kWorst;
+  const WorstTet one{tet, shape, middle_of(place, header.origin)};
+  if (full && !is_worse(one, worst.back())) return;
+  if (full) worst.pop_back();
+  worst.insert(std::ranges::upper_bound(worst, one, is_worse), one);
 }
 
 void ShapeStats::add(const ShapeStats& other) {

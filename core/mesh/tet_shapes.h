@@ -26,11 +26,18 @@ ShapeRatios shape_of(const std::array<WorldPoint, 4>& place) noexcept;
 /// Values of a ratio by fiftieths of [0, 1]; what is below counts in the first bin.
 struct RatioStats {
   static constexpr std::size_t kBins = 50;
-  double min = 1, max = -1, sum = 0;
+  /// Small beside what a mean is told with, and large enough for 2^33 ratios.
+  static constexpr double kUnit = 0x1p-30;
+  double min = 1, max = -1;
+  /// Of all ratios, each rounded to a multiple of kUnit: the same in any order.
+  std::int64_t sum_units = 0;
   std::uint64_t count = 0;
   std::array<std::uint64_t, kBins> histogram{};
 
-  double mean() const noexcept { return count == 0 ? 0 : sum / static_cast<double>(count); }
+  double mean() const noexcept {
+    if (count == 0) return 0;
+    return kUnit * static_cast<double>(sum_units) / static_cast<double>(count);
+  }
   void add(double ratio) noexcept;
   void add(const RatioStats& other) noexcept;
 };
@@ -57,6 +64,7 @@ struct WorstTet {
   WorldPoint at;  ///< the mean of its corners
 };
 
+/// Of tets in any order: what is told of them does not depend on it.
 struct ShapeStats {
   static constexpr std::size_t kWorst = 16;
   RatioStats scaled_jacobian, radius_ratio, edge_ratio;
@@ -65,6 +73,8 @@ struct ShapeStats {
   /// Those with the smallest scaled Jacobian, the worst first; at most kWorst.
   std::vector<WorstTet> worst;
 
+  /// Adds tet number `tet` of a mesh, whose corners are stored at `place`.
+  void add(std::uint64_t tet, const std::array<WorldPoint, 4>& place, const MeshHeader& header);
   void add(const ShapeStats& other);
 };
 

@@ -60,6 +60,10 @@ absl::Status check_regions_of(const MeshRequest& request, const Shape& shape) {
     return absl::InvalidArgumentError(absl::StrCat(
         kFaceRegionsField, " is set without faces, which they are pieces of: set faces"));
   }
+  if (request.fidelity && !request.faces) {
+    return absl::InvalidArgumentError(
+        "fidelity is set without faces, which are what is measured: set faces");
+  }
   const Scene* const scene = scene_of(shape);
   return check_face_nodes(request.face_regions,
                           scene != nullptr ? scene->node_names : std::vector<std::string>());

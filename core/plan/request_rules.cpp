@@ -74,6 +74,9 @@ constexpr RequestRule kRules[] = {
     {F::kFaceRegions, F::kLabels, kRefused, "$0 do not go with $1",
      "leave one of them out; faces are named by the labels on their two sides",
      "Regions are pieces of one surface, and labels have one for each two that meet."},
+    {F::kFidelity, F::kLabels, kRefused, "$0 is of one surface, and $1 have many",
+     "leave it out; a report tells how much of each label there is",
+     "Fidelity is how far a mesh is from where phi is zero, and labels have no phi."},
     {F::kSeveralGrids, F::kBothSides, kRefused,
      "$0 are for the inside alone, as with $1 the outsides of several grids would overlap",
      "mesh one grid, or the inside alone",
@@ -137,6 +140,12 @@ constexpr RequestRule kRules[] = {
     {F::kSession, F::kFields, kSentWhole, "", "", kValuesChange},
     {F::kSession, F::kFaces, kSentWhole, "", "", kFacesChange},
     {F::kSession, F::kFaceRegions, kSentWhole, "", "", kNamesChange},
+    {F::kFidelity, F::kSession, kRefused, "$0 does not go with $1",
+     "stream the mesh of the frame that is to be measured",
+     "Measuring takes longer than the next frame is away."},
+    {F::kFidelity, F::kJob, kRefused, "$0 does not go with $1",
+     "stream the mesh, or hold the result against its grid with `--report`",
+     "A result is made by many workers, chunk by chunk, and none of them has its surface."},
     {F::kSkipStatistics, F::kJob, Outcome::kIgnored, "", "",
      "A result is stored once for all readers, and some may want its statistics."},
 };
@@ -189,6 +198,7 @@ FeatureNames field_names() {
                        "fields",
                        "faces",
                        "face_regions",
+                       "fidelity",
                        "coordinate_type COORDINATE_TYPE_FLOAT64",
                        "skip_statistics",
                        "start_chunk",
@@ -222,6 +232,7 @@ Features features_of(const MeshRequest& request) {
       .add(F::kFields, !request.fields.empty())
       .add(F::kFaces, request.faces)
       .add(F::kFaceRegions, !request.face_regions.empty())
+      .add(F::kFidelity, request.fidelity)
       .add(F::kFloat64, request.coordinates == CoordinateType::kFloat64)
       .add(F::kSkipStatistics, request.skip_statistics);
 }

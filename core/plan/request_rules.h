@@ -39,6 +39,7 @@ enum class Feature : std::uint8_t {
   kFields,
   kFaces,
   kFaceRegions,
+  kFidelity,
   kFloat64,
   kSkipStatistics,
   // How the mesh is asked for, and how it comes.

@@ -108,11 +108,12 @@ absl::Status parse_input(const v1::MeshRequest& request, MeshOrder& order) {
   return absl::OkStatus();
 }
 
-/// Regions ask for the faces that they are pieces of.
+/// Regions ask for the faces that they are pieces of, and fidelity for those that it measures.
 absl::Status parse_faces(const v1::MeshRequest& request, MeshRequest& out) {
   auto regions = face_regions_of(request.face_regions());
   if (!regions.ok()) return invalid_field(std::string(regions.status().message()));
-  out.faces = request.faces() || !regions->empty();
+  out.fidelity = request.fidelity();
+  out.faces = request.faces() || out.fidelity || !regions->empty();
   out.face_regions = *std::move(regions);
   return absl::OkStatus();
 }
@@ -193,6 +194,7 @@ void to_proto(const MeshRequest& request, v1::MeshRequest& message) {
   message.set_manifold(request.manifold);
   message.set_improve(request.improve);
   message.set_faces(request.faces);
+  message.set_fidelity(request.fidelity);
   to_proto(request.face_regions, message);
   message.set_skip_statistics(request.skip_statistics);
   if (request.labels) *message.mutable_labels() = message_of_labels(*request.labels);
@@ -229,7 +231,9 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
   if (request.base_name().empty()) {
     const bool encoded =
         request.encoding() == v1::ENCODING_PACKED || request.encoding() == v1::ENCODING_COMPACT;
-    if (!encoded && !request.skip_cache()) order.stored_name = name_of_request(request.mesh());
+    // What a job has stored was never measured.
+    const bool measured = request.mesh().fidelity();
+    if (!encoded && !measured && !request.skip_cache()) order.stored_name = name_of_request(request.mesh());
     return order;
   }
   absl::StatusOr<std::string> base = parse_grid_name(request.base_name());
@@ -286,6 +290,7 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   canonical.set_manifold(order.request.manifold);
   canonical.set_improve(order.request.improve);
   canonical.set_faces(order.request.faces);
+  canonical.set_fidelity(order.request.fidelity);
   to_proto(order.request.face_regions, canonical);
   canonical.set_skip_statistics(order.request.skip_statistics);
   const auto coordinates =

@@ -18,6 +18,8 @@ absl::Status as_invalid_field(const absl::Status& status) {
 Features features_of(const v1::MeshRequest& request) {
   const bool both_sides = request.preset() == v1::PRESET_BOTH_SIDES;
   const bool has_cut = request.has_box() && !request.has_labels() && !both_sides;
+  const bool has_faces =
+      request.faces() || !request.face_regions().empty() || request.fidelity();
   return Features()
       .add(Feature::kStoredGrid, !request.name().empty())
       .add(Feature::kGridName, !request.grid_name().empty())
@@ -34,8 +36,9 @@ Features features_of(const v1::MeshRequest& request) {
       .add(Feature::kGradedSurface, request.sizing().grade_surface())
       .add(Feature::kImprove, request.improve())
       .add(Feature::kFields, !request.fields().empty())
-      .add(Feature::kFaces, request.faces() || !request.face_regions().empty())
+      .add(Feature::kFaces, has_faces)
       .add(Feature::kFaceRegions, !request.face_regions().empty())
+      .add(Feature::kFidelity, request.fidelity())
       .add(Feature::kFloat64, request.coordinate_type() == v1::COORDINATE_TYPE_FLOAT64)
       .add(Feature::kSkipStatistics, request.skip_statistics());
 }

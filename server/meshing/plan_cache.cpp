@@ -30,26 +30,42 @@ PlanCache::Plan PlanCache::recall(const std::string& name) {
 absl::StatusOr<PlanCache::Plan> PlanCache::remember(const std::string& name, Plan plan) {
   const std::lock_guard lock(mutex_);
   if (Plan made = find(name)) return made;
-  if (auto status = make_room(plan->bytes(), kRecentPlans - 1); !status.ok()) return status;
+  if (auto status = make_room(plan->bytes(), kRecentPlans - 1, kWhat); !status.ok()) return status;
   recent_.emplace_front(name, counted(std::move(plan)));
   return recent_.front().second;
 }
 
 absl::StatusOr<PlanCache::Plan> PlanCache::admit(Plan plan) {
   const std::lock_guard lock(mutex_);
-  if (auto status = make_room(plan->bytes(), kRecentPlans); !status.ok()) return status;
+  if (auto status = make_room(plan->bytes(), kRecentPlans, kWhat); !status.ok()) return status;
   return counted(std::move(plan));
 }
 
 /// Lets go of what is held, until there is room and no more than so many are left.
-absl::Status PlanCache::make_room(std::uint64_t bytes, std::size_t most_held) {
-  if (bytes > budget_bytes_) return over_limit(kWhat, bytes, budget_bytes_);
+absl::Status PlanCache::make_room(std::uint64_t bytes,
+                                  std::size_t most_held,
+                                  std::string_view what) {
+  if (bytes > budget_bytes_) return over_limit(what, bytes, budget_bytes_);
   while (!recent_.empty() && (*alive_ + bytes > budget_bytes_ || recent_.size() > most_held)) {
     recent_.pop_back();
   }
   if (*alive_ + bytes <= budget_bytes_) return absl::OkStatus();
-  return with_retry(over_limit(kWhat, *alive_ + bytes, budget_bytes_, "SERVER_BUSY"),
+  return with_retry(over_limit(what, *alive_ + bytes, budget_bytes_, "SERVER_BUSY"),
                     kRetryDelay);
+}
+
+absl::StatusOr<std::shared_ptr<const void>> PlanCache::reserve(std::uint64_t bytes,
+                                                               std::string_view what) {
+  struct Reserved {
+    std::uint64_t bytes;
+    std::shared_ptr<std::atomic<std::uint64_t>> total;
+    ~Reserved() { *total -= bytes; }
+  };
+  const std::lock_guard lock(mutex_);
+  if (auto status = make_room(bytes, kRecentPlans, what); !status.ok()) return status;
+  *alive_ += bytes;
+  return std::shared_ptr<const void>(new Reserved{bytes, alive_},
+                                     [](const Reserved* reserved) { delete reserved; });
 }
 
 void PlanCache::forget() {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <absl/status/statusor.h>
@@ -37,6 +38,11 @@ class PlanCache {
   /// Counts a plan that nobody else will ask for, and does not hold it. Errors: as above.
   absl::StatusOr<Plan> admit(Plan plan);
 
+  /// Counts memory that work on a plan takes, for as long as somebody has what is returned: to
+  /// be asked before it is taken. Errors: as above, about `what`.
+  absl::StatusOr<std::shared_ptr<const void>> reserve(std::uint64_t bytes,
+                                                      std::string_view what);
+
   void forget();
 
   std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
@@ -47,7 +53,7 @@ class PlanCache {
   using NamedPlan = std::pair<std::string, Plan>;
 
   Plan find(const std::string& name);
-  absl::Status make_room(std::uint64_t bytes, std::size_t most_held);
+  absl::Status make_room(std::uint64_t bytes, std::size_t most_held, std::string_view what);
   Plan counted(Plan plan);
 
   const std::uint64_t budget_bytes_;

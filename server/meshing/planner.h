@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -101,6 +102,12 @@ class Planner {
             MeshOrder order,
             std::shared_ptr<PlanningWatch> watch,
             Loaded done);
+
+  /// Counts memory for work on a plan with that of plans. Errors: those of PlanCache::reserve.
+  absl::StatusOr<std::shared_ptr<const void>> reserve(std::uint64_t bytes,
+                                                      std::string_view what) {
+    return plans_.reserve(bytes, what);
+  }
 
   /// The limits that hold for each mesh.
   const MeshLimits& limits() const noexcept { return limits_; }

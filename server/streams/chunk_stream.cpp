@@ -139,6 +139,26 @@ void ChunkStream::begin_window() {
   const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
   slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
   post_chunks();
+  begin_work_for_trailer();
+}
+
+/// A stream that ends before the last chunk has no trailer.
+void ChunkStream::begin_work_for_trailer() {
+  if (end_ != chunk_count()) return;
+  std::function<absl::Status()> work = work_for_trailer();
+  if (work == nullptr) return;
+  trailer_waits_ = true;
+  turn_.begin();
+  engine_.longer.post(call_.client(), [self = self(), work = std::move(work)] {
+    const absl::Status status = guarded(self->call_.method().c_str(), work);
+    self->turn_.end();
+    {
+      const std::lock_guard lock(self->mutex_);
+      self->trailer_waits_ = false;
+      if (!status.ok()) self->end(status);
+    }
+    self->advance();
+  });
 }
 
 /// Settles which chunks to send.
@@ -224,6 +244,7 @@ bool ChunkStream::prepare_message() {
       outgoing_.Swap(&slot_of(next_).made.event);
       return true;
     case Phase::kTrailer:
+      if (trailer_waits_) return false;
       outgoing_ = serialized(trailer(first_, end_, quality_));
       return true;
     case Phase::kRefusal:

@@ -72,6 +72,9 @@ class ChunkStream : public StreamWriter {
   virtual v1::MeshEvent trailer(std::uint64_t first,
                                 std::uint64_t end,
                                 const QualityStats& quality) const = 0;
+  /// Work that the trailer waits for, or none. It is done while chunks are sent, on threads of
+  /// long work, and stops when the watch is cancelled; asked for with the lock.
+  virtual std::function<absl::Status()> work_for_trailer() { return nullptr; }
 
   /// What the client is told of what cannot be opened, where the call goes on all the same;
   /// nothing ends the call. With the lock.
@@ -112,6 +115,7 @@ class ChunkStream : public StreamWriter {
   void enter(absl::StatusOr<Ticket> ticket);
   void report_progress();
   void begin_window();
+  void begin_work_for_trailer();
   void begin_refusal(const absl::Status& why);
   absl::Status set_range(std::uint64_t start, std::uint64_t end);
   std::uint64_t window() const;
@@ -142,6 +146,7 @@ class ChunkStream : public StreamWriter {
   Phase phase_ = Phase::kOpening;
   Phase written_ = Phase::kOpening;  ///< phase of the message being written
   bool progress_due_ = false;
+  bool trailer_waits_ = false;  ///< for work that is not done
   grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
   grpc::ByteBuffer refusal_;   ///< the one that is written next, where there is nothing else
   std::vector<Slot> slots_;    ///< chunk i in slot i % size

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/fidelity/measure_plan.h"
 #include "core/plan/make/fill_estimate.h"
 #include "proto/convert/mesh_header.h"
 #include "proto/convert/request.h"
@@ -95,7 +96,12 @@ class Estimate final : public grpc::ServerUnaryReactor,
 
   void tell(const PlannedMesh& planned) {
     to_proto(planned.plan->header(), response_);
-    response_.set_fill_seconds(estimate_fill(*planned.plan, watch_->cancellation).seconds);
+    const double fill = estimate_fill(*planned.plan, watch_->cancellation).seconds;
+    const double check = order_.request.fidelity
+                             ? fidelity_seconds(planned.plan->header(), fill,
+                                                engine_.pool.threads())
+                             : 0;
+    response_.set_fill_seconds(fill + check);
     v1::MeshRequest& canonical = *response_.mutable_canonical_request();
     canonical = planned.canonical;
     canonical.set_improve(improve_);

@@ -4,7 +4,9 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/fidelity/measure_plan.h"
 #include "core/transfer/mesh_patch.h"
+#include "proto/convert/fidelity.h"
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
@@ -87,7 +89,34 @@ void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
     stored_ = StoredMesh::find(*engine_.results, order_.mesh.space, plan_of(planned_),
                                order_.start_chunk, order_.end_chunk);
   }
-  begin(check_mesh());
+  const absl::Status fits = reserve_for_fidelity();
+  begin(fits.ok() ? check_mesh() : fits);
+}
+
+/// Before the header: whoever cannot have it is told at once.
+absl::Status MeshStream::reserve_for_fidelity() {
+  if (!order_.mesh.request.fidelity) return absl::OkStatus();
+  auto reserved = engine_.planner.reserve(
+      fidelity_bytes(planned_.plan->header(), engine_.pool.threads()),
+      "bytes of counted meshes in memory, with what measures this one's fidelity (a larger "
+      "spacing takes fewer, and a request without fidelity none)");
+  if (!reserved.ok()) return reserved.status();
+  reserved_ = *std::move(reserved);
+  return absl::OkStatus();
+}
+
+/// The stream has not begun to be written when this is asked, and the trailer waits for it: what
+/// it measures has one writer, and then readers.
+std::function<absl::Status()> MeshStream::work_for_trailer() {
+  if (!order_.mesh.request.fidelity || stored_ != nullptr) return nullptr;
+  return [this] {
+    auto measured =
+        fidelity_of(*planned_.plan, order_.mesh.request, watch_->cancellation);
+    reserved_ = nullptr;
+    if (!measured.ok()) return measured.status();
+    fidelity_ = *std::move(measured);
+    return absl::OkStatus();
+  };
 }
 
 const std::string& MeshStream::mesh_id() const {
@@ -151,8 +180,10 @@ absl::StatusOr<ChunkMessage> MeshStream::read(std::uint64_t index, Block block) 
 v1::MeshEvent MeshStream::trailer(std::uint64_t first,
                                   std::uint64_t end,
                                   const QualityStats& quality) const {
-  return stored_ ? trailer_event(stored_->plan(), first, end, quality)
-                 : trailer_event(source_, first, end, quality);
+  if (stored_) return trailer_event(stored_->plan(), first, end, quality);
+  v1::MeshEvent event = trailer_event(source_, first, end, quality);
+  if (fidelity_) to_proto(*fidelity_, *event.mutable_trailer());
+  return event;
 }
 
 }  // namespace tet

@@ -1,6 +1,11 @@
 // One StreamMesh call: a mesh sent while it is made.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "core/fidelity/fidelity.h"
 #include "server/jobs/results/stored_mesh.h"
 #include "server/streams/chunk_stream.h"
 
@@ -29,9 +34,11 @@ class MeshStream final : public ChunkStream {
   v1::MeshEvent trailer(std::uint64_t first,
                         std::uint64_t end,
                         const QualityStats& quality) const override;
+  std::function<absl::Status()> work_for_trailer() override;
 
   bool find_stored();
   void plan();
+  absl::Status reserve_for_fidelity();
   void plan_mesh(std::shared_ptr<const MeshPlan> base);
   void find_patches(const std::shared_ptr<const MeshPlan>& base);
   const std::string& mesh_id() const;
@@ -48,6 +55,8 @@ class MeshStream final : public ChunkStream {
   std::shared_ptr<const StoredMesh> stored_;  ///< null: the chunks are made
   PlannedMesh planned_;
   ChunkSource source_;
+  std::shared_ptr<const void> reserved_;  ///< memory for measuring
+  std::optional<MeshFidelity> fidelity_;  ///< once it is measured: before the trailer
 };
 
 }  // namespace tet

@@ -77,6 +77,8 @@ class FeatureRequest {
         return mesh.set_faces(true);
       case Feature::kFaceRegions:
         return add_region(*mesh.add_face_regions());
+      case Feature::kFidelity:
+        return mesh.set_fidelity(true);
       case Feature::kFloat64:
         return mesh.set_coordinate_type(v1::COORDINATE_TYPE_FLOAT64);
       case Feature::kSkipStatistics:

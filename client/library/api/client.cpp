@@ -45,7 +45,8 @@ tet::StreamOptions stream_options(const StreamOptions& options) {
 }
 
 tet::TrailerFacts facts_of(const tet::StreamedMesh& mesh) {
-  tet::TrailerFacts facts{std::nullopt, mesh.boundary, mesh.improvement, mesh.thin_walls};
+  tet::TrailerFacts facts{std::nullopt, mesh.boundary, mesh.improvement, mesh.thin_walls,
+                          mesh.fidelity};
   if (!mesh.quality.empty()) facts.quality = mesh.quality;
   return facts;
 }

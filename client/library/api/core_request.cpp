@@ -116,7 +116,8 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   core.improve = request.improve;
   core.manifold = request.manifold;
   core.face_regions = *std::move(regions);
-  core.faces = request.faces || !core.face_regions.empty();
+  core.fidelity = request.fidelity;
+  core.faces = request.faces || request.fidelity || !core.face_regions.empty();
   core.skip_statistics = !request.statistics;
   core.coordinates = to_core(request.coordinates);
   for (const Field& field : request.fields) {

@@ -7,6 +7,7 @@
 #include "client/library/api/to_public.h"
 #include "core/base/parallel.h"
 #include "core/plan/make/mesher.h"
+#include "core/plan/request_rules.h"
 
 namespace tetstream {
 namespace {
@@ -64,6 +65,9 @@ Result<Session> begin(const Solid& solid,
   return guarded([&]() -> Result<Session> {
     absl::StatusOr<tet::MeshRequest> core = core_request(request);
     if (!core.ok()) return to_public(core.status());
+    const absl::Status fits = check_features(
+        features_of(*core) | tet::Features{tet::Feature::kSession}, tet::field_names(*core));
+    if (!fits.ok()) return to_public(fits);
     auto session = std::make_unique<Session::Impl>(options);
     auto frames =
         std::make_unique<LocalFrames>(*std::move(core), options, session->work.cancellation());

@@ -1,5 +1,6 @@
 #include "tetstream/mesher.h"
 
+#include <optional>
 #include <utility>
 
 #include "client/library/api/core_request.h"
@@ -8,6 +9,7 @@
 #include "client/library/api/to_public.h"
 #include "client/library/api/work.h"
 #include "client/library/local_chunks.h"
+#include "core/fidelity/measure_plan.h"
 #include "core/plan/make/fill_estimate.h"
 #include "core/plan/make/mesher.h"
 #include "core/plan/make/plan_mesh.h"
@@ -32,31 +34,52 @@ absl::StatusOr<Order> understand(const Solid& solid, const Request& request) {
   return Order{*std::move(shape), *std::move(core)};
 }
 
-absl::StatusOr<tet::MeshResult> make(Order order,
-                                     const WorkOptions& options,
-                                     const tet::Cancellation& cancellation) {
+/// A mesh, and what is measured of it on request.
+struct Made {
+  tet::MeshResult mesh;
+  std::optional<tet::MeshFidelity> fidelity;
+};
+
+absl::StatusOr<Made> make(const Order& order,
+                          const WorkOptions& options,
+                          const tet::Cancellation& cancellation) {
   tet::TaskPool pool(options.threads);
-  return tet::mesh_volume(pool,
-                          {.shape = std::move(order.shape),
-                           .request = std::move(order.request),
-                           .progress = options.progress},
-                          cancellation);
+  absl::StatusOr<tet::MeshResult> made = tet::mesh_volume(
+      pool,
+      {.shape = order.shape, .request = order.request, .progress = options.progress},
+      cancellation);
+  if (!made.ok()) return made.status();
+  Made result{*std::move(made), std::nullopt};
+  if (!order.request.fidelity) return result;
+  absl::StatusOr<tet::MeshFidelity> measured = absl::UnknownError("not started");
+  pool.run([&] {
+    measured = fidelity_of(result.mesh.mesh, order.shape, order.request, cancellation);
+  });
+  if (!measured.ok()) return measured.status();
+  result.fidelity = *std::move(measured);
+  return result;
 }
 
-absl::StatusOr<Estimate> count(Order order, const tet::Cancellation& cancellation) {
+absl::StatusOr<Estimate> count(Order order,
+                               int threads,
+                               const tet::Cancellation& cancellation) {
+  const bool fidelity = order.request.fidelity;
   ask_for_counts(order.request);
   const auto plan = tet::plan_mesh(
       {.shape = std::move(order.shape), .request = std::move(order.request)}, cancellation);
   if (!plan.ok()) return plan.status();
-  const tet::FillEstimate fill = tet::estimate_fill(**plan, cancellation);
+  tet::FillEstimate fill = tet::estimate_fill(**plan, cancellation);
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
   const tet::MeshHeader& header = (*plan)->header();
+  if (fidelity) fill.seconds += fidelity_seconds(header, fill.seconds, threads);
   return Estimate{header.vertex_count, header.tet_count, header.chunk_count, fill.bytes,
                   fill.seconds};
 }
 
-tet::TrailerFacts facts_of(const tet::MeshResult& result) {
-  tet::TrailerFacts facts{std::nullopt, result.boundary, result.improvement, result.thin_walls};
+tet::TrailerFacts facts_of(const Made& made) {
+  const tet::MeshResult& result = made.mesh;
+  tet::TrailerFacts facts{std::nullopt, result.boundary, result.improvement, result.thin_walls,
+                          made.fidelity};
   if (!result.quality.empty()) facts.quality = result.quality;
   return facts;
 }
@@ -67,10 +90,10 @@ Result<Mesh> mesh_of(const Solid& solid, const Request& request, const WorkOptio
     const Work work(options);
     absl::StatusOr<Order> order = understand(solid, request);
     if (!order.ok()) return to_public(order.status());
-    absl::StatusOr<tet::MeshResult> made =
-        make(*std::move(order), options, work.cancellation());
+    absl::StatusOr<Made> made = make(*order, options, work.cancellation());
     if (!made.ok()) return to_public(made.status());
-    return public_mesh(std::move(made->mesh), facts_of(*made));
+    const tet::TrailerFacts facts = facts_of(*made);
+    return public_mesh(std::move(made->mesh.mesh), facts);
   });
 }
 
@@ -84,7 +107,7 @@ Result<Estimate> estimate_of(const Solid& solid,
     if (!order.ok()) return to_public(order.status());
     absl::StatusOr<Estimate> counted = absl::UnknownError("not started");
     tet::TaskPool pool(options.threads);
-    pool.run([&] { counted = count(*std::move(order), work.cancellation()); });
+    pool.run([&] { counted = count(*std::move(order), pool.threads(), work.cancellation()); });
     if (!counted.ok()) return to_public(counted.status());
     return *counted;
   });

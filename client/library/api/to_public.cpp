@@ -60,6 +60,33 @@ Statistics::Improvement improvement_of(const tet::Improvement& improvement) {
           improvement.moved_vertices};
 }
 
+Statistics::SurfaceDistance distance_of(const tet::SurfaceDistance& distance) {
+  return {distance.max, distance.rms, point_of(distance.at), distance.samples};
+}
+
+Statistics::Fidelity fidelity_of(const tet::Fidelity& fidelity) {
+  return {fidelity.spacing,
+          distance_of(fidelity.to_surface),
+          distance_of(fidelity.from_surface),
+          fidelity.mesh_area,
+          fidelity.surface_area,
+          fidelity.mesh_volume,
+          fidelity.enclosed_volume};
+}
+
+Statistics::Ratio ratio_of(const tet::RatioSummary& ratio) {
+  return {ratio.min, ratio.mean, ratio.max, ratio.histogram};
+}
+
+Statistics::Shapes shapes_of(const tet::ShapeSummary& shapes) {
+  return {ratio_of(shapes.scaled_jacobian),
+          ratio_of(shapes.radius_ratio),
+          ratio_of(shapes.edge_ratio),
+          shapes.shortest_edge,
+          shapes.longest_edge,
+          shapes.not_positive};
+}
+
 std::optional<std::uint64_t> number_of(const std::string& text) {
   std::uint64_t number = 0;
   if (!absl::SimpleAtoi(text, &number)) return std::nullopt;
@@ -125,6 +152,11 @@ Statistics to_public(const tet::TrailerFacts& facts) {
   if (facts.improvement) statistics.improvement = improvement_of(*facts.improvement);
   statistics.thin_walls = {facts.thin_walls.inside, facts.thin_walls.outside,
                            facts.thin_walls.suggested_spacing};
+  if (!facts.fidelity) return statistics;
+  for (const tet::Fidelity& part : facts.fidelity->parts) {
+    statistics.fidelity.push_back(fidelity_of(part));
+  }
+  statistics.shapes = shapes_of(facts.fidelity->shapes);
   return statistics;
 }
 

@@ -73,6 +73,43 @@ py::object improvement_of(const std::optional<Statistics::Improvement>& improvem
                   py::arg("moved_vertices") = improvement->moved_vertices);
 }
 
+py::dict distance_of(const Statistics::SurfaceDistance& distance) {
+  return py::dict(py::arg("max") = distance.max, py::arg("rms") = distance.rms,
+                  py::arg("at") = py::tuple(py::cast(distance.at)),
+                  py::arg("samples") = distance.samples);
+}
+
+py::list fidelity_of(const Statistics& statistics) {
+  py::list parts;
+  for (const Statistics::Fidelity& part : statistics.fidelity) {
+    parts.append(py::dict(py::arg("spacing") = part.spacing,
+                          py::arg("mesh_to_surface") = distance_of(part.mesh_to_surface),
+                          py::arg("surface_to_mesh") = distance_of(part.surface_to_mesh),
+                          py::arg("mesh_area") = part.mesh_area,
+                          py::arg("surface_area") = part.surface_area,
+                          py::arg("mesh_volume") = part.mesh_volume,
+                          py::arg("enclosed_volume") = part.enclosed_volume));
+  }
+  return parts;
+}
+
+py::dict ratio_of(const Statistics::Ratio& ratio) {
+  const std::span<const std::uint64_t> histogram(ratio.histogram);
+  return py::dict(py::arg("min") = ratio.min, py::arg("mean") = ratio.mean,
+                  py::arg("max") = ratio.max,
+                  py::arg("histogram") = ArrayMaker().make(histogram, 0));
+}
+
+py::object shapes_of(const std::optional<Statistics::Shapes>& shapes) {
+  if (!shapes) return py::none();
+  return py::dict(py::arg("scaled_jacobian") = ratio_of(shapes->scaled_jacobian),
+                  py::arg("radius_ratio") = ratio_of(shapes->radius_ratio),
+                  py::arg("edge_ratio") = ratio_of(shapes->edge_ratio),
+                  py::arg("shortest_edge") = shapes->shortest_edge,
+                  py::arg("longest_edge") = shapes->longest_edge,
+                  py::arg("not_positive") = shapes->not_positive);
+}
+
 void write(const Mesh& mesh,
            const std::string& path,
            const std::string& format,
@@ -117,7 +154,9 @@ py::dict to_python(const Statistics& statistics) {
       py::arg("boundary") = boundary_of(statistics.boundary),
       py::arg("improvement") = improvement_of(statistics.improvement),
       py::arg("thin_walls") = py::make_tuple(thin.inside, thin.outside, thin.suggested_spacing),
-      py::arg("empty_face_regions") = py::tuple(py::cast(statistics.empty_face_regions)));
+      py::arg("empty_face_regions") = py::tuple(py::cast(statistics.empty_face_regions)),
+      py::arg("fidelity") = fidelity_of(statistics),
+      py::arg("shapes") = shapes_of(statistics.shapes));
 }
 
 void bind_mesh(py::module_& module) {

@@ -50,6 +50,7 @@ void bind_request(py::module_& module) {
       .def_readwrite("manifold", &Request::manifold)
       .def_readwrite("statistics", &Request::statistics)
       .def_readwrite("faces", &Request::faces)
+      .def_readwrite("fidelity", &Request::fidelity)
       .def_readwrite("face_regions", &Request::face_regions)
       .def_readwrite("coordinates", &Request::coordinates)
       .def_readwrite("labels", &Request::labels)

@@ -36,8 +36,8 @@ from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceed
                       ResourceExhaustedError, StatusCode, UnavailableError)
 from ._jobs import Job, JobEvent, JobProgress, Jobs, JobWatch
 from ._labels import Labels
-from ._header import (Boundary, FaceLabel, FieldArray, Header, Improvement,
-                      MeshLabel, MeshPart, Quality, Statistics, ThinWalls)
+from ._header import (Boundary, FaceLabel, Fidelity, FieldArray, Header, Improvement, MeshLabel, MeshPart, Quality,
+                      Ratio, Shapes, Statistics, SurfaceDistance, ThinWalls)
 from ._mesh import Chunk, Mesh
 from ._request import Request, StoredVolume
 from ._samples import Samples
@@ -52,13 +52,14 @@ from ._volume import Volume
 __all__ = [
     "AccessError", "AsyncClient", "AsyncJobWatch", "AsyncJobs", "AsyncMeshStream", "AsyncSession", "Boundary",
     "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError", "DeadlineExceededError", "Error",
-    "Estimate", "FaceLabel", "FailedPreconditionError", "FieldArray", "Header", "Improvement", "InternalError",
-    "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Labels", "Mesh", "MeshLabel",
-    "MeshPart", "MeshStream", "NotFoundError", "Quality", "Request", "ResourceExhaustedError", "Samples", "Session",
-    "Share", "Solid", "Statistics", "StatusCode", "StoredVolume", "ThinWalls", "UnavailableError", "Volume", "box",
-    "capsule", "cone", "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
-    "intersection", "mesh", "read_scene", "sample", "schwarz_p", "session", "sphere", "stream", "torus", "union",
-    "version",
+    "Estimate", "FaceLabel", "FailedPreconditionError", "Fidelity", "FieldArray", "Header", "Improvement",
+    "InternalError", "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Labels",
+    "Mesh", "MeshLabel", "MeshPart", "MeshStream", "NotFoundError", "Quality", "Ratio", "Request",
+    "ResourceExhaustedError", "Samples", "Session", "Shapes", "Share", "Solid", "Statistics", "StatusCode",
+    "StoredVolume", "SurfaceDistance", "ThinWalls", "UnavailableError", "Volume", "box", "capsule", "cone",
+    "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
+    "intersection", "mesh", "read_scene", "sample", "schwarz_p", "session", "sphere", "stream", "torus",
+    "union", "version",
 ]
 
 __version__ = version()

@@ -111,6 +111,7 @@ class Client:
         manifold: bool = False,
         statistics: bool = True,
         faces: bool = False,
+        fidelity: bool = False,
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
@@ -148,6 +149,8 @@ class Client:
         manifold     the boundary touches itself nowhere, whatever the field
         statistics   measure angles and boundary: a little slower
         faces        boundary triangles beside the tets, with names: docs/faces.md
+        fidelity     hold the mesh's surface against the one that is meshed, and measure the shapes of tets:
+                     `statistics` has both. About as long as meshing takes; asks for `faces`, too: docs/report.md
         face_regions   names of pieces of the surface, and where each lies; they ask for `faces`, too:
                      {"bore": {"cylinder": {"start": [0, 0, 0], "end": [0, 0, 1], "radius": 0.3}}}. Several
                      places are a list; a list of {"name": ..., ...} or JSON will do, too: docs/faces.md. A
@@ -178,7 +181,7 @@ class Client:
         """
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, faces=faces,
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces, fidelity=fidelity,
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
             label_names=label_names, smooth=smooth)
@@ -206,6 +209,7 @@ class Client:
         manifold: bool = False,
         statistics: bool = True,
         faces: bool = False,
+        fidelity: bool = False,
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
@@ -234,7 +238,7 @@ class Client:
         """
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, faces=faces,
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces, fidelity=fidelity,
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
             label_names=label_names, smooth=smooth)
@@ -262,6 +266,7 @@ class Client:
         manifold: bool = False,
         statistics: bool = True,
         faces: bool = False,
+        fidelity: bool = False,
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
         fields: Mapping[str, Volume] | None = None,
@@ -277,7 +282,7 @@ class Client:
         """Counts a mesh without making it. Options and errors are those of `mesh`."""
         request = Request._of(
             volume, spacing=spacing, iso=iso, inside=inside, levels=levels, preset=preset, box=box, sizing=sizing,
-            improve=improve, manifold=manifold, statistics=statistics, faces=faces,
+            improve=improve, manifold=manifold, statistics=statistics, faces=faces, fidelity=fidelity,
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
             label_names=label_names, smooth=smooth)

@@ -155,10 +155,88 @@ class ThinWalls:
 
 
 @dataclasses.dataclass(frozen=True)
+class SurfaceDistance:
+    """Distances from points on one surface to another one, world units.
+
+    at        where the largest was found
+    samples   how many points were looked at
+    """
+
+    max: float
+    rms: float
+    at: tuple[float, float, float]
+    samples: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Fidelity:
+    """How far a mesh's surface is from the surface that was meshed, and back; world units. docs/report.md
+    tells what is measured.
+
+    spacing           of the finest leaves
+    mesh_volume       of the tets inside
+    enclosed_volume   what the true surface encloses; None where a box was given
+    """
+
+    spacing: float
+    mesh_to_surface: SurfaceDistance
+    surface_to_mesh: SurfaceDistance
+    mesh_area: float
+    surface_area: float
+    mesh_volume: float
+    enclosed_volume: float | None
+
+    @property
+    def hausdorff(self) -> float:
+        """The larger of the two largest distances."""
+        return max(self.mesh_to_surface.max, self.surface_to_mesh.max)
+
+    @classmethod
+    def _of(cls, told: dict[str, Any]) -> Fidelity:
+        ways = {name: SurfaceDistance(**told.pop(name)) for name in ("mesh_to_surface", "surface_to_mesh")}
+        return cls(**told, **ways)
+
+
+@dataclasses.dataclass(frozen=True)
+class Ratio:
+    """A ratio that is 1 for the regular tet, of all tets.
+
+    histogram   shape (50,): how many lie in each fiftieth of 0 to 1; what is below counts in the first
+    """
+
+    min: float
+    mean: float
+    max: float
+    histogram: NDArray[np.uint64] = dataclasses.field(repr=False, compare=False)
+
+
+@dataclasses.dataclass(frozen=True)
+class Shapes:
+    """Shapes of all tets, as docs/report.md defines them; edges in world units.
+
+    not_positive   tets whose volume is zero or less
+    """
+
+    scaled_jacobian: Ratio
+    radius_ratio: Ratio
+    edge_ratio: Ratio
+    shortest_edge: float
+    longest_edge: float
+    not_positive: int
+
+    @classmethod
+    def _of(cls, told: dict[str, Any]) -> Shapes:
+        ratios = {name: Ratio(**told.pop(name)) for name in ("scaled_jacobian", "radius_ratio", "edge_ratio")}
+        return cls(**told, **ratios)
+
+
+@dataclasses.dataclass(frozen=True)
 class Statistics:
     """What is told of a whole mesh beside itself. None: left out (`statistics=False`), or not told, as
     the quality of a stream that was taken up again after its connection broke.
 
+    fidelity, shapes     with `fidelity=True`, else empty and None: one fidelity of a mesh, or of several grids one
+                         a part; and the shapes of all tets
     empty_face_regions   names among `face_regions` that no face has; not told of a stream
     """
 
@@ -167,6 +245,8 @@ class Statistics:
     improvement: Improvement | None
     thin_walls: ThinWalls
     empty_face_regions: tuple[str, ...] = ()
+    fidelity: tuple[Fidelity, ...] = ()
+    shapes: Shapes | None = None
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Statistics:
@@ -174,4 +254,6 @@ class Statistics:
             "quality": Quality, "boundary": Boundary, "improvement": Improvement}
         parts = {name: kind(**told[name]) if told[name] else None for name, kind in kinds.items()}
         return cls(**parts, thin_walls=ThinWalls(*told["thin_walls"]),
-                   empty_face_regions=told["empty_face_regions"])
+                   empty_face_regions=told["empty_face_regions"],
+                   fidelity=tuple(Fidelity._of(part) for part in told["fidelity"]),
+                   shapes=Shapes._of(told["shapes"]) if told["shapes"] else None)

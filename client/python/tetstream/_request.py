@@ -79,6 +79,7 @@ class Request:
     manifold: bool = False
     statistics: bool = True
     faces: bool = False
+    fidelity: bool = False
     face_regions: FaceRegions | None = None
     coordinates: Coordinates = "automatic"
     fields: Mapping[str, Volume] | None = None
@@ -117,6 +118,7 @@ class Request:
         request.manifold = self.manifold
         request.statistics = self.statistics
         request.faces = self.faces
+        request.fidelity = self.fidelity
         if self.face_regions is not None:
             request.face_regions = _json_of_regions(self.face_regions)
         request.coordinates = member("coordinates", self.coordinates, _COORDINATES)

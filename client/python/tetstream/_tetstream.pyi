@@ -101,6 +101,7 @@ class Request:
     manifold: bool
     statistics: bool
     faces: bool
+    fidelity: bool
     face_regions: str
     coordinates: Coordinates
     labels: LabelChoice | None

@@ -9,6 +9,7 @@
 
 #include "core/base/printable.h"
 #include "core/base/utf8.h"
+#include "proto/convert/request_rules.h"
 #include "proto/convert/status.h"
 #include "proto/convert/times.h"
 #include "server/jobs/store/store_errors.h"
@@ -53,6 +54,8 @@ absl::Status check_unset(const v1::Job& job) {
 absl::StatusOr<NewJob> parse_job(const v1::Job& job) {
   if (auto status = check_unset(job); !status.ok()) return status;
   const auto mesh = parse_mesh_request(job.mesh());
+  const absl::Status fits = check_rules(job.mesh(), {Feature::kJob});
+  if (!fits.ok()) return within_field("mesh", fits);
   if (!mesh.ok()) return within_field("mesh", mesh.status());
   const auto ttl = parse_end(job.has_ttl(), job.ttl(), "ttl");
   if (!ttl.ok()) return ttl.status();

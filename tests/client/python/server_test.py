@@ -26,6 +26,21 @@ def test_is_the_same_in_every_encoding(client, ball, mesh, encoding):
     assert_same(Gathered(client.stream(ball, encoding=encoding)), mesh)
 
 
+@pytest.mark.parametrize("encoding", ["plain", "compact"])
+def test_tells_the_same_fidelity_as_here(client, ball, encoding):
+    here = ts.mesh(ball, fidelity=True)
+    there = client.mesh(ball, fidelity=True, encoding=encoding)
+    (fidelity,) = here.statistics.fidelity
+    assert 0 < fidelity.hausdorff < 0.1 * fidelity.spacing
+    assert abs(fidelity.enclosed_volume - 4.18879) < 0.02
+    assert there.statistics.fidelity == here.statistics.fidelity
+    assert there.statistics.shapes == here.statistics.shapes
+    assert here.statistics.shapes.scaled_jacobian.histogram.sum() == len(here.tets)
+    assert (there.statistics.shapes.edge_ratio.histogram == here.statistics.shapes.edge_ratio.histogram).all()
+    assert here.faces is not None
+    assert client.mesh(ball, encoding=encoding).statistics.shapes is None
+
+
 def test_is_sent_a_volume_once(server, client, ball):
     client.mesh(ball)
     brought = server.samples()["tetstream_upload_bytes_total"]

@@ -85,7 +85,7 @@ TEST(MeshShapes, AreTheSameForAnyNumberOfThreads) {
   ShapeStats one, many;
   TaskPool(1).run([&] { one = measure_shapes(mesh); });
   TaskPool(5).run([&] { many = measure_shapes(mesh); });
-  EXPECT_EQ(one.radius_ratio.sum, many.radius_ratio.sum);
+  EXPECT_EQ(one.radius_ratio.sum_units, many.radius_ratio.sum_units);
   EXPECT_EQ(one.worst.front().tet, many.worst.front().tet);
 }
 

@@ -1,5 +1,6 @@
 #include "server/meshing/plan_cache.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/plan/make/plan_mesh.h"
@@ -43,6 +44,23 @@ TEST(PlanCache, CountsPlansThatAreInUseAndLetsGoOfOthersFirst) {
   EXPECT_EQ(cache.recall("idle"), nullptr);
   const absl::Status busy = cache.remember("third", plan).status();
   EXPECT_EQ(reason_of(busy), "SERVER_BUSY") << busy;
+}
+
+TEST(PlanCache, CountsMemoryForWorkOnPlansForAsLongAsItIsHeld) {
+  const PlanCache::Plan plan = ball_plan();
+  PlanCache cache(2 * plan->bytes());
+  ASSERT_TRUE(cache.remember("idle", plan).ok());
+  auto reserved = cache.reserve(2 * plan->bytes(), "bytes of work");
+  ASSERT_TRUE(reserved.ok()) << reserved.status();
+  EXPECT_EQ(cache.recall("idle"), nullptr);
+  EXPECT_EQ(cache.bytes(), 2 * plan->bytes());
+  const absl::Status busy = cache.reserve(1, "bytes of work").status();
+  EXPECT_EQ(reason_of(busy), "SERVER_BUSY") << busy;
+  EXPECT_THAT(busy.message(), testing::HasSubstr("bytes of work"));
+  const absl::Status never = cache.reserve(3 * plan->bytes(), "bytes of work").status();
+  EXPECT_EQ(reason_of(never), "LIMIT_EXCEEDED") << never;
+  *reserved = nullptr;
+  EXPECT_EQ(cache.bytes(), 0U);
 }
 
 TEST(PlanCache, RefusesForGoodWhatHasNoRoomAlone) {

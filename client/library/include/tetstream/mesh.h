@@ -108,6 +108,39 @@ struct Statistics {
     double suggested_spacing = 0;  ///< that would resolve them; 0 where none is known
   };
 
+  /// Distances from points on one surface to another one, world units.
+  struct SurfaceDistance {
+    double max = 0, rms = 0;
+    Point at{};  ///< where the largest was found
+    std::uint64_t samples = 0;
+  };
+  /// How far the mesh's surface is from the zero surface, and back: docs/report.md.
+  struct Fidelity {
+    double spacing = 0;  ///< of the finest leaves
+    SurfaceDistance mesh_to_surface, surface_to_mesh;
+    double mesh_area = 0, surface_area = 0;
+    double mesh_volume = 0;  ///< of the tets inside
+    /// What the zero surface encloses; nothing where the request has a box.
+    std::optional<double> enclosed_volume = {};
+
+    double hausdorff() const noexcept {
+      return mesh_to_surface.max < surface_to_mesh.max ? surface_to_mesh.max
+                                                       : mesh_to_surface.max;
+    }
+  };
+  /// A ratio that is 1 for the regular tet, of all tets.
+  struct Ratio {
+    double min = 0, mean = 0, max = 0;
+    /// Tets in each fiftieth of 0 to 1; what is below counts in the first.
+    std::array<std::uint64_t, 50> histogram{};
+  };
+  /// Shapes of all tets: docs/report.md has the formulas.
+  struct Shapes {
+    Ratio scaled_jacobian, radius_ratio, edge_ratio;
+    double shortest_edge = 0, longest_edge = 0;
+    std::uint64_t not_positive = 0;  ///< tets whose volume is zero or less
+  };
+
   std::optional<Quality> quality;
   std::optional<Boundary> boundary;
   std::optional<Improvement> improvement;
@@ -115,6 +148,9 @@ struct Statistics {
   /// Names of the request's face regions that took no face: nothing is there, or those before
   /// them took it. Not of a stream of chunks.
   std::vector<std::string> empty_face_regions = {};
+  /// Where the request asks for it: one of a mesh of one grid, or of several one a part.
+  std::vector<Fidelity> fidelity = {};
+  std::optional<Shapes> shapes = {};  ///< where the request asks for fidelity
 };
 
 /// Vertices, tets and faces as arrays that somebody else holds. Of `points32` and `points64`

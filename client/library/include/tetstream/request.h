@@ -63,6 +63,10 @@ struct Request {
   /// They ask for faces, too. Which took none is told by Statistics::empty_face_regions; one
   /// with creases has its patches named after it.
   std::string face_regions = {};
+  /// Hold the mesh's surface against the zero surface, and measure the shapes of all tets:
+  /// Statistics has `fidelity` and `shapes`. Takes about as long as meshing, and asks for
+  /// faces, too. Not of labels, in sessions, or for jobs: docs/report.md.
+  bool fidelity = false;
   Coordinates coordinates = Coordinates::kAutomatic;
   std::vector<Field> fields = {};  ///< at most 16
   /// Which labels of a segmentation are meshed, and how; all of them unless given. Of what a

@@ -1,0 +1,116 @@
+// What is measured of a plan's chunks, beside the same of the mesh that they make.
+#include "core/fidelity/measure_plan.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/parallel.h"
+#include "core/plan/make/mesher.h"
+#include "core/plan/make/plan_mesh.h"
+#include "tests/support/scenes.h"
+#include "tests/support/solids.h"
+
+namespace tet {
+namespace {
+
+struct Case {
+  std::string name;
+  Shape shape;
+  MeshRequest request;
+};
+
+Shape grid_of(double radius) { return std::make_shared<const Volume>(test::ball(radius)); }
+
+Shape scene() {
+  test::SceneWriter writer;
+  writer.add(scene::Sphere{1});
+  return std::make_shared<const Scene>(writer.scene());
+}
+
+std::vector<Case> cases() {
+  MeshRequest plain, both, cut, improved, graded, wide;
+  for (MeshRequest* request : {&plain, &both, &cut, &improved, &graded, &wide}) {
+    request->faces = request->fidelity = true;
+  }
+  both.preset = Preset::kBothSides;
+  both.improve = improved.improve = true;
+  cut.box = WorldBox{{-2, -2, -2}, {2, 2, 0.3}};
+  cut.spacing = both.spacing = 0.1;
+  both.box = WorldBox{{-2, -2, -2}, {2, 2, 2}};
+  graded.sizing.grade_surface = true;
+  graded.sizing.coarsest = 4;
+  wide.coordinates = CoordinateType::kFloat64;
+  wide.indices = IndexType::kUint64;
+  return {{"plain", grid_of(9.3), plain},   {"both sides", scene(), both},
+          {"cut", scene(), cut},            {"improved", grid_of(9.3), improved},
+          {"graded", grid_of(9.3), graded}, {"wide", grid_of(9.3), wide},
+          {"several",
+           GridList{std::get<std::shared_ptr<const Volume>>(grid_of(6)),
+                    std::get<std::shared_ptr<const Volume>>(grid_of(9.3))},
+           plain}};
+}
+
+MeshFidelity of_plan(const Case& one, int threads, std::size_t chunk_bytes) {
+  absl::StatusOr<MeshFidelity> measured = absl::UnknownError("not measured");
+  TaskPool(threads).run([&] {
+    MeshLimits limits;
+    limits.chunk_bytes = chunk_bytes;
+    const auto plan =
+        plan_mesh({.shape = one.shape, .request = one.request, .limits = limits});
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    measured = fidelity_of(**plan, one.request, {});
+  });
+  EXPECT_TRUE(measured.ok()) << measured.status();
+  return measured.ok() ? *measured : MeshFidelity{};
+}
+
+MeshFidelity of_mesh(const Case& one) {
+  TaskPool pool(2);
+  const auto made = mesh_volume(pool, {.shape = one.shape, .request = one.request});
+  EXPECT_TRUE(made.ok()) << made.status();
+  absl::StatusOr<MeshFidelity> measured = absl::UnknownError("not measured");
+  pool.run([&] { measured = fidelity_of(made->mesh, one.shape, one.request); });
+  EXPECT_TRUE(measured.ok()) << measured.status();
+  return measured.ok() ? *measured : MeshFidelity{};
+}
+
+TEST(PlanFidelity, IsThatOfTheMeshToTheLastBitHoweverItIsCut) {
+  for (const Case& one : cases()) {
+    SCOPED_TRACE(one.name);
+    const MeshFidelity whole = of_mesh(one);
+    ASSERT_FALSE(whole.parts.empty());
+    EXPECT_GT(whole.shapes.scaled_jacobian.min, 0);
+    EXPECT_GT(whole.parts.front().to_surface.max, 0);
+    EXPECT_EQ(of_plan(one, 1, kChunkBytes), whole);
+    EXPECT_EQ(of_plan(one, 3, std::size_t{1} << 15), whole);
+  }
+}
+
+TEST(PlanFidelity, StopsWhenItIsCancelled) {
+  const Case one = cases().front();
+  TaskPool(2).run([&] {
+    const auto plan = plan_mesh({.shape = one.shape, .request = one.request});
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    Cancellation cancelled, late(Cancellation::Clock::now());
+    cancelled.cancel();
+    EXPECT_TRUE(absl::IsCancelled(fidelity_of(**plan, one.request, cancelled).status()));
+    EXPECT_TRUE(absl::IsDeadlineExceeded(fidelity_of(**plan, one.request, late).status()));
+  });
+}
+
+TEST(PlanFidelity, IsOfMeshesThatHaveFaces) {
+  MeshRequest request;
+  request.fidelity = true;
+  TaskPool(1).run([&] {
+    const auto plan = plan_mesh({.shape = grid_of(6), .request = request});
+    EXPECT_EQ(plan.status().message(),
+              "fidelity is set without faces, which are what is measured: set faces");
+  });
+}
+
+}  // namespace
+}  // namespace tet
