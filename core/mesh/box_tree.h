@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/sse.h"
 #include "core/base/types.h"
 
 namespace tet {
@@ -50,6 +52,17 @@ class BoxTree {
   struct Node {
     std::array<std::array<float, kWidth>, 3> min, max;
   };
+  /// The boxes of a node, as bits, that touch what lies from `low` to `high`.
+  static unsigned touching(const Node& node,
+                           const std::array<float, 3>& low,
+                           const std::array<float, 3>& high) noexcept;
+  /// How far each box of a node is from a place, squared; and, as bits, which are nearer than
+  /// `below`.
+  static unsigned nearer(const Node& node,
+                         const std::array<double, 3>& at,
+                         double below,
+                         std::array<double, kWidth>& squares) noexcept;
+
   struct Place {
     std::uint32_t level = 0, node = 0;
   };
@@ -63,6 +76,53 @@ class BoxTree {
   std::vector<std::uint32_t> order_;       // of the boxes along the curve
   std::vector<std::vector<Node>> levels_;  // the boxes themselves, then boxes around nodes
 };
+
+// Written out: compilers make branches of these loops, which go either way half the time.
+
+inline unsigned BoxTree::touching(const Node& node,
+                                  const std::array<float, 3>& low,
+                                  const std::array<float, 3>& high) noexcept {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < kWidth; i += 4) {
+    __m128 touches = _mm_cmple_ps(_mm_loadu_ps(&node.min[0][i]), _mm_set1_ps(high[0]));
+    touches = _mm_and_ps(
+        touches, _mm_cmpge_ps(_mm_loadu_ps(&node.max[0][i]), _mm_set1_ps(low[0])));
+    for (std::size_t axis = 1; axis < 3; ++axis) {
+      const __m128 begins =
+          _mm_cmple_ps(_mm_loadu_ps(&node.min[axis][i]), _mm_set1_ps(high[axis]));
+      const __m128 ends =
+          _mm_cmpge_ps(_mm_loadu_ps(&node.max[axis][i]), _mm_set1_ps(low[axis]));
+      touches = _mm_and_ps(touches, _mm_and_ps(begins, ends));
+    }
+    bits |= static_cast<unsigned>(_mm_movemask_ps(touches)) << i;
+  }
+  return bits;
+}
+
+inline unsigned BoxTree::nearer(const Node& node,
+                                const std::array<double, 3>& at,
+                                double below,
+                                std::array<double, kWidth>& squares) noexcept {
+  const auto pair_of = [](const float* numbers) {
+    return _mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(numbers))));
+  };
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < kWidth; i += 2) {
+    __m128d sum = _mm_setzero_pd();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const __m128d place = _mm_set1_pd(at[axis]);
+      const __m128d below_min = _mm_sub_pd(pair_of(&node.min[axis][i]), place);
+      const __m128d above_max = _mm_sub_pd(place, pair_of(&node.max[axis][i]));
+      const __m128d outside =
+          _mm_max_pd(_mm_max_pd(below_min, above_max), _mm_setzero_pd());
+      sum = _mm_add_pd(sum, _mm_mul_pd(outside, outside));
+    }
+    _mm_storeu_pd(&squares[i], sum);
+    const __m128d is_nearer = _mm_cmplt_pd(sum, _mm_set1_pd(below));
+    bits |= static_cast<unsigned>(_mm_movemask_pd(is_nearer)) << i;
+  }
+  return bits;
+}
 
 template <class Visit>
 void BoxTree::visit_touching(const WorldBox& box, const Visit& visit) const {
@@ -83,17 +143,8 @@ void BoxTree::visit_touching(const WorldBox& box, const Visit& visit) const {
   while (depth > 0) {
     const Place at = path[--depth];
     const Node& node = levels_[at.level][at.node];
-    // Without branches, so that compilers make vector instructions of it.
-    std::array<int, kWidth> touches;
-    touches.fill(1);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t i = 0; i < kWidth; ++i) {
-        touches[i] &= static_cast<int>(node.min[axis][i] <= high[axis]) &
-                      static_cast<int>(node.max[axis][i] >= low[axis]);
-      }
-    }
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      if (touches[i] == 0) continue;
+    for (unsigned bits = touching(node, low, high); bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(bits));
       const auto child = static_cast<std::uint32_t>(at.node * kWidth + i);
       if (at.level > 0) {
         path[depth++] = {at.level - 1, child};
@@ -123,20 +174,12 @@ BoxTree::Nearest BoxTree::nearest(const WorldPoint& p,
     if (step.squared >= best.squared_distance) continue;
     const Node& node = levels_[step.place.level][step.place.node];
     const std::size_t first = depth;
-    // Without branches, so that compilers make vector instructions of it.
-    std::array<double, kWidth> squares{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t i = 0; i < kWidth; ++i) {
-        const double below_min = static_cast<double>(node.min[axis][i]) - at[axis];
-        const double above_max = at[axis] - static_cast<double>(node.max[axis][i]);
-        const double off = below_min > above_max ? below_min : above_max;
-        const double outside = off > 0 ? off : 0;
-        squares[i] += outside * outside;
-      }
-    }
-    for (std::size_t i = 0; i < kWidth; ++i) {
+    std::array<double, kWidth> squares;
+    for (unsigned bits = nearer(node, at, best.squared_distance, squares); bits != 0;
+         bits &= bits - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(bits));
       const double squared = squares[i];
-      if (squared >= best.squared_distance) continue;  // nor is there one, where it is infinite
+      if (squared >= best.squared_distance) continue;  // what came before was nearer
       const auto child = static_cast<std::uint32_t>(step.place.node * kWidth + i);
       if (step.place.level == 0) {
         const double exact = squared_distance(order_[child]);

@@ -79,11 +79,10 @@ void add_faces_of_whole(const FinestBrick& brick,
   LocalFaces& faces = brick.faces->faces;
   const bool has_zeros = (whole & ~found.regular).any();
   if (has_zeros && brick.nodes.region == MeshRegion::kInside) {
-    const BrickMask open = tets_on_surface(brick.nodes, around, shape);
-    for_each_of_whole(whole, open, first, [&](std::size_t tet, int x, int y, int z) {
+    const TetsOnSurface open = tets_on_surface(brick.nodes, around, shape);
+    for_each_of_whole(whole, open.tets, first, [&](std::size_t tet, int x, int y, int z) {
       const LocalTet corners = moved_on(kShapeKeys[shape].whole, cell_slot(x, 8 * y + z));
-      faces.add_on_surface(tet, written_corner(of, plus_node(brick.nodes, shape, x, y, z)),
-                           corners);
+      faces.add_on_surface(tet, written_corner(of, open.plus_node(x, y, z)), corners);
     });
   }
   if (around.domain == nullptr) return;

@@ -15,9 +15,19 @@
 
 namespace tet {
 
-/// Tets `+000` of one shape whose three zeros are a triangle of the surface: the tet behind
-/// them is not inside, too. `inside` has the nodes as the inside sees them.
-BrickMask tets_on_surface(const CellNodes& inside,
+/// Tets `+000` of one shape, and which of their nodes is the `+`.
+struct TetsOnSurface {
+  BrickMask tets;
+  BrickMask plus_is_odd, plus_is_high;  ///< the `+` node's number as two bits
+
+  std::size_t plus_node(int x, int y, int z) const noexcept {
+    return (plus_is_odd.test(x, y, z) ? 1U : 0U) + (plus_is_high.test(x, y, z) ? 2U : 0U);
+  }
+};
+
+/// Those whose three zeros are a triangle of the surface: the tet behind them is not inside,
+/// too. `inside` has the nodes as the inside sees them.
+TetsOnSurface tets_on_surface(const CellNodes& inside,
                           const FacesAround& around,
                           std::size_t shape) noexcept;
 
@@ -26,9 +36,6 @@ BrickMask tets_on_surface(const CellNodes& inside,
 FinestCounts count_finest_with_faces(const CellNodes& inside,
                                      const FacesAround& around,
                                      const FanMasks* fans) noexcept;
-
-/// The `+` node of a tet `+000` of one shape.
-std::size_t plus_node(const CellNodes& nodes, std::size_t shape, int x, int y, int z) noexcept;
 
 /// The corner of a stencil's tet that is opposite a triangle of the surface, or 4: no stencil's
 /// tet has more than one. `zeros` has a bit for each node of the lattice tet that is zero.

@@ -144,8 +144,9 @@ void BrickFiller::write_faces(std::uint64_t first_tet, const ChunkColumns& colum
     *of_tet++ = static_cast<Index>(first_tet + face.tet);
   }
   auto* label = reinterpret_cast<std::uint16_t*>(columns.face_labels.data());
+  const bool has_regions = !labeller_.empty();
   for (const LocalFace& face : faces) {
-    const bool has_region = face.label == 0 && !labeller_.empty();
+    const bool has_region = face.label == 0 && has_regions;
     *label++ = has_region ? labeller_.label_of(place_of(face)) : face.label;
   }
 }

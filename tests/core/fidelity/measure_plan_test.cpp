@@ -23,7 +23,13 @@ struct Case {
   MeshRequest request;
 };
 
-Shape grid_of(double radius) { return std::make_shared<const Volume>(test::ball(radius)); }
+std::shared_ptr<const Volume> ball_of(double radius, const char* name = "ball") {
+  Volume volume = test::ball(radius);
+  volume.name = name;
+  return std::make_shared<const Volume>(std::move(volume));
+}
+
+Shape grid_of(double radius) { return ball_of(radius); }
 
 Shape scene() {
   test::SceneWriter writer;
@@ -49,9 +55,7 @@ std::vector<Case> cases() {
           {"cut", scene(), cut},            {"improved", grid_of(9.3), improved},
           {"graded", grid_of(9.3), graded}, {"wide", grid_of(9.3), wide},
           {"several",
-           GridList{std::get<std::shared_ptr<const Volume>>(grid_of(6)),
-                    std::get<std::shared_ptr<const Volume>>(grid_of(9.3))},
-           plain}};
+           GridList{ball_of(6, "small"), ball_of(9.3, "large")}, plain}};
 }
 
 MeshFidelity of_plan(const Case& one, int threads, std::size_t chunk_bytes) {
