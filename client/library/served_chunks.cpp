@@ -117,8 +117,7 @@ const ChunkView* ServedChunks::gathered_chunk() {
 
 void ServedChunks::note_facts() {
   const StreamedMesh& told = reader_.told();
-  facts_ = {std::nullopt, told.boundary, told.improvement, told.thin_walls,
-            told.fidelity};
+  facts_ = {std::nullopt, told.boundary, told.improvement, told.thin_walls, told.fidelity};
   if (reader_.has_quality() && !told.quality.empty()) facts_.quality = told.quality;
 }
 

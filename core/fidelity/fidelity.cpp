@@ -277,8 +277,8 @@ absl::StatusOr<Fidelity> measure_part(const MeasuredMesh& mesh,
   return fidelity;
 }
 
-/// What of a request says where phi is zero: what says how the mesh is made needs grids that may
-/// not be loaded any more.
+/// Keeps of a request what says where phi is zero: the rest may need grids that are not loaded
+/// any more.
 MeshRequest request_for_phi(MeshRequest request) {
   request.sizing = {};
   request.fields.clear();
@@ -330,14 +330,13 @@ absl::StatusOr<std::vector<Fidelity>> measure_surface(const MeasuredMesh& mesh,
     }
     for (std::size_t i = 0; i < grids->size(); ++i) {
       const MeshPart& part = header.parts[i];
-      const absl::Status status = measure(
-          (*grids)[i], {part.first_vertex, part.vertex_count, mesh.volumes[i]});
+      const absl::Status status =
+          measure((*grids)[i], {part.first_vertex, part.vertex_count, mesh.volumes[i]});
       if (!status.ok()) return status;
     }
     return all;
   }
-  const absl::Status status =
-      measure(shape, {0, header.vertex_count, mesh.volumes.front()});
+  const absl::Status status = measure(shape, {0, header.vertex_count, mesh.volumes.front()});
   if (!status.ok()) return status;
   return all;
 }

@@ -17,9 +17,9 @@
 namespace tet {
 namespace {
 
-/// Of a face: its vertices while they are sorted, where it lies, its box in a tree with what
-/// sorts it, its middle's phi; and of phi's surface there as much again. Measured, and rounded
-/// up.
+/// What is kept of a face: its vertices while they are sorted, where it lies, its box in a tree
+/// with what sorts it, its middle's phi; and of phi's surface there as much again. Measured,
+/// and rounded up.
 constexpr std::uint64_t kBytesPerFace = 448;
 /// Points on both surfaces, whatever the mesh.
 constexpr std::uint64_t kSampleBytes = std::uint64_t{16} << 20;

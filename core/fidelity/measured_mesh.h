@@ -14,9 +14,9 @@ namespace tet {
 
 struct MeasuredMesh {
   const MeshHeader& header;
-  MeshView places;                      ///< of its vertices; without tets
+  MeshView places;                       ///< of its vertices; without tets
   const std::vector<Triangle>& surface;  ///< as surface_triangles has it
-  std::vector<double> volumes;          ///< of the tets inside; of several grids one a grid
+  std::vector<double> volumes;           ///< of the tets inside; of several grids one a grid
 };
 
 /// Holds the surface against phi. Errors: those of measure_fidelity.

@@ -15,7 +15,7 @@ struct RatioSummary {
   friend bool operator==(const RatioSummary&, const RatioSummary&) = default;
 };
 
-/// Of all tets. A mesh without tets has 0 everywhere.
+/// What all tets are like. A mesh without tets has 0 everywhere.
 struct ShapeSummary {
   RatioSummary scaled_jacobian, radius_ratio, edge_ratio;
   double shortest_edge = 0, longest_edge = 0;  ///< world units

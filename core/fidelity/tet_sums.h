@@ -37,7 +37,7 @@ class TetSums {
   void add(std::uint64_t tet, const std::array<WorldPoint, 4>& place, MeshRegion region);
   void add(const TetSums& other);
 
-  /// Of the tets inside: of the mesh, or of each of its parts.
+  /// Tells the volume of the tets inside, or of several parts that of each.
   std::vector<double> volumes() const;
   const ShapeStats& shapes() const noexcept { return shapes_; }
 

@@ -85,8 +85,8 @@ inline unsigned BoxTree::touching(const Node& node,
   unsigned bits = 0;
   for (std::size_t i = 0; i < kWidth; i += 4) {
     __m128 touches = _mm_cmple_ps(_mm_loadu_ps(&node.min[0][i]), _mm_set1_ps(high[0]));
-    touches = _mm_and_ps(
-        touches, _mm_cmpge_ps(_mm_loadu_ps(&node.max[0][i]), _mm_set1_ps(low[0])));
+    touches =
+        _mm_and_ps(touches, _mm_cmpge_ps(_mm_loadu_ps(&node.max[0][i]), _mm_set1_ps(low[0])));
     for (std::size_t axis = 1; axis < 3; ++axis) {
       const __m128 begins =
           _mm_cmple_ps(_mm_loadu_ps(&node.min[axis][i]), _mm_set1_ps(high[axis]));
@@ -113,8 +113,7 @@ inline unsigned BoxTree::nearer(const Node& node,
       const __m128d place = _mm_set1_pd(at[axis]);
       const __m128d below_min = _mm_sub_pd(pair_of(&node.min[axis][i]), place);
       const __m128d above_max = _mm_sub_pd(place, pair_of(&node.max[axis][i]));
-      const __m128d outside =
-          _mm_max_pd(_mm_max_pd(below_min, above_max), _mm_setzero_pd());
+      const __m128d outside = _mm_max_pd(_mm_max_pd(below_min, above_max), _mm_setzero_pd());
       sum = _mm_add_pd(sum, _mm_mul_pd(outside, outside));
     }
     _mm_storeu_pd(&squares[i], sum);

@@ -29,7 +29,7 @@ struct RatioStats {
   /// Small beside what a mean is told with, and large enough for 2^33 ratios.
   static constexpr double kUnit = 0x1p-30;
   double min = 1, max = -1;
-  /// Of all ratios, each rounded to a multiple of kUnit: the same in any order.
+  /// Sums all ratios, each rounded to a multiple of kUnit: it is the same in any order.
   std::int64_t sum_units = 0;
   std::uint64_t count = 0;
   std::array<std::uint64_t, kBins> histogram{};
@@ -64,7 +64,7 @@ struct WorstTet {
   WorldPoint at;  ///< the mean of its corners
 };
 
-/// Of tets in any order: what is told of them does not depend on it.
+/// What is told of some tets does not depend on the order in which they are added.
 struct ShapeStats {
   static constexpr std::size_t kWorst = 16;
   RatioStats scaled_jacobian, radius_ratio, edge_ratio;

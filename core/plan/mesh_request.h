@@ -63,8 +63,8 @@ struct MeshRequest {
   bool faces = false;
   /// Pieces of the surface with names of their own; only of a mesh that has faces.
   std::vector<FaceRegion> face_regions = {};
-  /// The mesh's surface is held against that of phi, and its tets are measured, beside the other
-  /// statistics: core/fidelity. Only of a mesh that has faces.
+  /// The surface is held against that of phi, and tets are measured, beside other statistics:
+  /// core/fidelity. Only of a mesh that has faces.
   bool fidelity = false;
   /// A segmentation is meshed, all of its labels in one conforming mesh.
   std::optional<LabelChoice> labels = {};

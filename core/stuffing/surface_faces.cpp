@@ -74,8 +74,8 @@ class OpenTets {
         const std::uint64_t tets = left & plus_mask(plus).slice[x];
         left &= ~tets;
         if (tets == 0) continue;
-        open += static_cast<std::uint32_t>(
-            std::popcount(among(tets, plus, static_cast<int>(x))));
+        open +=
+            static_cast<std::uint32_t>(std::popcount(among(tets, plus, static_cast<int>(x))));
       }
     }
     return open;

@@ -28,8 +28,8 @@ struct TetsOnSurface {
 /// Those whose three zeros are a triangle of the surface: the tet behind them is not inside,
 /// too. `inside` has the nodes as the inside sees them.
 TetsOnSurface tets_on_surface(const CellNodes& inside,
-                          const FacesAround& around,
-                          std::size_t shape) noexcept;
+                              const FacesAround& around,
+                              std::size_t shape) noexcept;
 
 /// The brick's tets inside, as count_finest counts them, and triangles of the surface that
 /// bound them. `fans` is null where there are none.

@@ -98,7 +98,8 @@ absl::StatusOr<RatioSummary> ratio_of(const v1::RatioStats& message, std::string
   }
   if (message.histogram_size() != static_cast<int>(ratio.histogram.size()) ||
       !are_counts(message.histogram())) {
-    return wrong(field, absl::StrFormat("has no histogram of %d counts", ratio.histogram.size()));
+    return wrong(field,
+                 absl::StrFormat("has no histogram of %d counts", ratio.histogram.size()));
   }
   std::ranges::transform(message.histogram(), ratio.histogram.begin(), unsigned_count);
   return ratio;
@@ -136,8 +137,8 @@ absl::StatusOr<std::optional<MeshFidelity>> fidelity_of(const v1::MeshTrailer& t
   for (const v1::Fidelity& message : trailer.fidelity()) {
     const auto part = fidelity_of(message);
     if (!part.ok()) {
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "fidelity[%d]: %s", told.parts.size(), part.status().message()));
+      return absl::InvalidArgumentError(
+          absl::StrFormat("fidelity[%d]: %s", told.parts.size(), part.status().message()));
     }
     told.parts.push_back(*part);
   }

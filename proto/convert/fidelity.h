@@ -15,9 +15,9 @@ namespace v1 = ::tetstream::v1;
 /// Adds it to what a trailer tells.
 void to_proto(const MeshFidelity& fidelity, v1::MeshTrailer& trailer);
 
-/// Nothing where a trailer tells nothing. It is not trusted: counts are such that sums of them
-/// do not overflow, and numbers are finite. Errors: kInvalidArgument, which begins with the
-/// field.
+/// Returns what a trailer tells, if it does. It is not trusted: counts are such that sums of
+/// them do not overflow, and numbers are finite. Errors: kInvalidArgument, which begins with
+/// the field.
 absl::StatusOr<std::optional<MeshFidelity>> fidelity_of(const v1::MeshTrailer& trailer);
 
 }  // namespace tet

@@ -233,7 +233,8 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
         request.encoding() == v1::ENCODING_PACKED || request.encoding() == v1::ENCODING_COMPACT;
     // What a job has stored was never measured.
     const bool measured = request.mesh().fidelity();
-    if (!encoded && !measured && !request.skip_cache()) order.stored_name = name_of_request(request.mesh());
+    if (!encoded && !measured && !request.skip_cache())
+      order.stored_name = name_of_request(request.mesh());
     return order;
   }
   absl::StatusOr<std::string> base = parse_grid_name(request.base_name());

@@ -30,7 +30,8 @@ PlanCache::Plan PlanCache::recall(const std::string& name) {
 absl::StatusOr<PlanCache::Plan> PlanCache::remember(const std::string& name, Plan plan) {
   const std::lock_guard lock(mutex_);
   if (Plan made = find(name)) return made;
-  if (auto status = make_room(plan->bytes(), kRecentPlans - 1, kWhat); !status.ok()) return status;
+  if (auto status = make_room(plan->bytes(), kRecentPlans - 1, kWhat); !status.ok())
+    return status;
   recent_.emplace_front(name, counted(std::move(plan)));
   return recent_.front().second;
 }

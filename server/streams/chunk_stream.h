@@ -147,14 +147,14 @@ class ChunkStream : public StreamWriter {
   Phase written_ = Phase::kOpening;  ///< phase of the message being written
   bool progress_due_ = false;
   bool trailer_waits_ = false;  ///< for work that is not done
-  grpc::ByteBuffer outgoing_;  ///< the MeshEvent being written
-  grpc::ByteBuffer refusal_;   ///< the one that is written next, where there is nothing else
-  std::vector<Slot> slots_;    ///< chunk i in slot i % size
-  std::uint64_t first_ = 0;    ///< chunk that the stream begins with
-  std::uint64_t next_ = 0;     ///< chunk to be written next
-  std::uint64_t posted_ = 0;   ///< chunk to be posted next
-  std::uint64_t end_ = 0;      ///< one past the last chunk
-  QualityStats quality_;       ///< of the chunks written, in their order
+  grpc::ByteBuffer outgoing_;   ///< the MeshEvent being written
+  grpc::ByteBuffer refusal_;    ///< the one that is written next, where there is nothing else
+  std::vector<Slot> slots_;     ///< chunk i in slot i % size
+  std::uint64_t first_ = 0;     ///< chunk that the stream begins with
+  std::uint64_t next_ = 0;      ///< chunk to be written next
+  std::uint64_t posted_ = 0;    ///< chunk to be posted next
+  std::uint64_t end_ = 0;       ///< one past the last chunk
+  QualityStats quality_;        ///< of the chunks written, in their order
   std::uint64_t tets_written_ = 0, bytes_written_ = 0, chunks_written_ = 0;
   double opening_since_ = 0;  ///< seconds since the call arrived
 };

@@ -105,13 +105,12 @@ absl::Status MeshStream::reserve_for_fidelity() {
   return absl::OkStatus();
 }
 
-/// The stream has not begun to be written when this is asked, and the trailer waits for it: what
-/// it measures has one writer, and then readers.
+/// The stream has not begun to be written when this is asked, and the trailer waits for it:
+/// what it measures has one writer, and then readers.
 std::function<absl::Status()> MeshStream::work_for_trailer() {
   if (!order_.mesh.request.fidelity || stored_ != nullptr) return nullptr;
   return [this] {
-    auto measured =
-        fidelity_of(*planned_.plan, order_.mesh.request, watch_->cancellation);
+    auto measured = fidelity_of(*planned_.plan, order_.mesh.request, watch_->cancellation);
     reserved_ = nullptr;
     if (!measured.ok()) return measured.status();
     fidelity_ = *std::move(measured);

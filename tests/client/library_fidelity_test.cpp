@@ -84,7 +84,8 @@ TEST_F(FidelityOnAServer, IsRefusedToASessionHereAndThere) {
   const Volume ball = BallSamples(8).volume();
   const Request request{.fidelity = true};
   const std::string message =
-      "fidelity does not go with a session: stream the mesh of the frame that is to be measured";
+      "fidelity does not go with a session: stream the mesh of the frame that is to be "
+      "measured";
   EXPECT_EQ(begin_session(ball, request).status().message(), message);
 }
 

@@ -45,8 +45,7 @@ absl::StatusOr<Made> make(const Order& order,
                           const tet::Cancellation& cancellation) {
   tet::TaskPool pool(options.threads);
   absl::StatusOr<tet::MeshResult> made = tet::mesh_volume(
-      pool,
-      {.shape = order.shape, .request = order.request, .progress = options.progress},
+      pool, {.shape = order.shape, .request = order.request, .progress = options.progress},
       cancellation);
   if (!made.ok()) return made.status();
   Made result{*std::move(made), std::nullopt};
