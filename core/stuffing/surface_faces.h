@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -41,15 +42,10 @@ FinestCounts count_finest_with_faces(const CellNodes& inside,
 /// tet has more than one. `zeros` has a bit for each node of the lattice tet that is zero.
 constexpr std::size_t opposite_surface(const std::array<StencilVertex, 4>& tet,
                                        unsigned zeros) noexcept {
-  std::size_t opposite = 4;
-  std::size_t off = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const bool on_surface = tet[i] >= 4 || (zeros >> tet[i] & 1) != 0;
-    if (on_surface) continue;
-    ++off;
-    opposite = i;
-  }
-  return off == 1 ? opposite : 4;
+  const unsigned off_surface = ~zeros & 0xf;  // the nodes that are; all else is on it
+  unsigned off = 0;
+  for (unsigned i = 0; i < 4; ++i) off |= (off_surface >> tet[i] & 1) << i;
+  return std::has_single_bit(off) ? static_cast<std::size_t>(std::countr_zero(off)) : 4;
 }
 
 }  // namespace tet

@@ -139,15 +139,21 @@ void BrickFiller::write_faces(std::uint64_t first_tet, const ChunkColumns& colum
   auto* ids = reinterpret_cast<Index*>(columns.faces.data());
   auto* of_tet = reinterpret_cast<Index*>(columns.face_tets.data());
   for (const LocalFace& face : faces) {
-    const Index* const tet = tets + std::size_t{4} * face.tet;
-    for (const std::uint8_t corner : kFaceCorners[face.opposite]) *ids++ = tet[corner];
-    *of_tet++ = static_cast<Index>(first_tet + face.tet);
+    // Read before anything is written: compilers cannot know that nothing lies on top.
+    const std::size_t number = face.tet;
+    const auto& [a, b, c] = kFaceCorners[face.opposite];
+    const Index* const tet = tets + 4 * number;
+    const std::array<Index, 3> triangle{tet[a], tet[b], tet[c]};
+    ids = std::ranges::copy(triangle, ids).out;
+    *of_tet++ = static_cast<Index>(first_tet + number);
   }
   auto* label = reinterpret_cast<std::uint16_t*>(columns.face_labels.data());
-  const bool has_regions = !labeller_.empty();
+  if (labeller_.empty()) {
+    std::ranges::transform(faces, label, &LocalFace::label);
+    return;
+  }
   for (const LocalFace& face : faces) {
-    const bool has_region = face.label == 0 && has_regions;
-    *label++ = has_region ? labeller_.label_of(place_of(face)) : face.label;
+    *label++ = face.label == 0 ? labeller_.label_of(place_of(face)) : face.label;
   }
 }
 
