@@ -134,6 +134,7 @@ constexpr RequestRule kRules[] = {
     {F::kEarlierMesh, F::kFields, kSentWhole, "", "", kValuesChange},
     {F::kEarlierMesh, F::kFaces, kSentWhole, "", "", kFacesChange},
     {F::kEarlierMesh, F::kFaceRegions, kSentWhole, "", "", kNamesChange},
+    {F::kEarlierMesh, F::kFidelity, kSentWhole, "", "", kFacesChange},
     {F::kSession, F::kCut, kSentWhole, "", "", kWithoutBricks},
     {F::kSession, F::kGradedSurface, kSentWhole, "", "", kWithoutBricks},
     {F::kSession, F::kImprove, kSentWhole, "", "", kMovesOthers},
