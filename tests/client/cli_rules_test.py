@@ -32,7 +32,7 @@ OPTIONS = {
     "fields": ("--field", "velocity"),
     "encoding ENCODING_COMPACT": ("--compact", "--server", "127.0.0.1:1"),
 }
-NOT_OPTIONS = {"name", "base_name", "points", "a session", "a job"}
+NOT_OPTIONS = {"name", "base_name", "points", "a session", "a job", "fidelity"}
 
 
 class Rules(CommandTest):
