@@ -193,7 +193,8 @@ class Fidelity:
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Fidelity:
-        ways = {name: SurfaceDistance(**told.pop(name)) for name in ("mesh_to_surface", "surface_to_mesh")}
+        ways: dict[str, Any] = {
+            name: SurfaceDistance(**told.pop(name)) for name in ("mesh_to_surface", "surface_to_mesh")}
         return cls(**told, **ways)
 
 
@@ -226,7 +227,8 @@ class Shapes:
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Shapes:
-        ratios = {name: Ratio(**told.pop(name)) for name in ("scaled_jacobian", "radius_ratio", "edge_ratio")}
+        ratios: dict[str, Any] = {
+            name: Ratio(**told.pop(name)) for name in ("scaled_jacobian", "radius_ratio", "edge_ratio")}
         return cls(**told, **ratios)
 
 
