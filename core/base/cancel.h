@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <optional>
+#include <utility>
 
 #include <absl/status/status.h>
 
@@ -19,9 +21,15 @@ class WakeEvent;
 class Cancellation {
  public:
   using Clock = std::chrono::system_clock;
+  /// Whether the work has to stop for another reason: asked by whoever looks, on any thread.
+  /// Once true it stays so. Must not throw.
+  using Stop = std::function<bool()>;
 
   Cancellation() = default;
   explicit Cancellation(Clock::time_point deadline) : deadline_(deadline) {}
+  /// Nobody is called back when `stop` becomes true, and no descriptor shows it.
+  Cancellation(Clock::time_point deadline, Stop stop)
+      : deadline_(deadline), stop_(std::move(stop)) {}
   ~Cancellation();
   Cancellation(const Cancellation&) = delete;
   Cancellation& operator=(const Cancellation&) = delete;
@@ -30,7 +38,8 @@ class Cancellation {
 
   /// True once cancelled or past the deadline.
   bool requested() const noexcept {
-    return cancelled_.load(std::memory_order_relaxed) || deadline_passed();
+    return cancelled_.load(std::memory_order_relaxed) || deadline_passed() ||
+           (stop_ && stop_());
   }
   /// The end of time where there is none.
   Clock::time_point deadline() const noexcept {
@@ -45,6 +54,7 @@ class Cancellation {
  private:
   std::atomic<bool> cancelled_{false};
   std::optional<Clock::time_point> deadline_;
+  const Stop stop_;
   /// Made for the first who asks for it, as few cancellations are waited for.
   mutable std::atomic<WakeEvent*> wake_{nullptr};
 };

@@ -175,7 +175,8 @@ absl::StatusOr<CubeLevel> refine(const PhiField& field,
     if (cancellation.requested() || too_many()) return;
     CubeScan scan(field);
     const std::size_t begin = group * kCubesOfGroup;
-    for (std::size_t i = begin; i < std::min(begin + kCubesOfGroup, cubes); ++i) {
+    const std::size_t end = std::min(begin + kCubesOfGroup, cubes);
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       look_into(scan, level.cubes[i], level.edge, within, findings[group]);
     }
     kept += findings[group].to_look_into.size();

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <utility>
-#include <variant>
 
 #include <absl/strings/str_format.h>
 
 #include "core/lattice/bcc.h"
-#include "core/octree/sizing.h"
-#include "core/scene/scene.h"
 #include "core/stuffing/stuffed_brick.h"
 #include "core/stuffing/surface_topology.h"
-#include "core/volume/label_volume.h"
 
 namespace tet {
 namespace {
@@ -33,93 +28,7 @@ constexpr std::uint64_t kBytesPerFoundBrick = 128;
 /// And where its nodes' states are kept until none has to be restored.
 constexpr std::uint64_t kManifoldBytesPerFoundBrick = 640;
 
-/// Bricks near the surface, and bricks inside.
-struct BrickEstimate {
-  double surface = 0, inside = 0;
-};
-
-/// A scene has those of a box around it: nothing is known of what is in there.
-BrickEstimate estimate_bricks(const Scene& scene, const MeshRequest& request, double spacing) {
-  const auto& [min, max] = request.box ? *request.box : scene.extent;
-  const double brick = kBrickEdge * spacing;
-  const double x = (max.x - min.x) / brick + 1, y = (max.y - min.y) / brick + 1,
-               z = (max.z - min.z) / brick + 1;
-  return {2 * (x * y + y * z + z * x), x * y * z};
-}
-
-BrickEstimate estimate_bricks(const Volume& volume, double spacing) {
-  double surface = static_cast<double>(volume.bricks.size());
-  double inside = static_cast<double>(volume.regions.size()) * std::pow(Region::kEdgeBricks, 3);
-  for (const ConstantCube& cube : volume.cubes) {
-    const double edge = cube.edge / kBrickEdge;
-    surface += 6 * edge * edge;
-    inside += edge * edge * edge;
-  }
-  const double finer = std::max(1.0, volume.transform.voxel_size / spacing);
-  return {surface * finer * finer, inside * finer * finer * finer};
-}
-
-/// Labels meet in the bricks that have more than one; a lattice finer than the voxels has more
-/// bricks, and a coarser one fewer.
-double estimate_bricks(const LabelVolume& labels, double spacing) {
-  constexpr double kOneLabelCost = 1.0 / 64;
-  const double mixed = static_cast<double>(labels.values.size()) / kBrickCells;
-  const double finer = labels.transform.voxel_size / spacing;
-  return finer * finer * mixed +
-         kOneLabelCost * std::pow(finer, 3) * static_cast<double>(labels.bricks.size());
-}
-
-double contents_of(const std::monostate&) { return 0; }
-double contents_of(const ShellRegion&) { return 0; }  // depends on the surface
-double contents_of(const WorldBox& box) {
-  const auto& [min, max] = box;
-  return (max.x - min.x) * (max.y - min.y) * (max.z - min.z);
-}
-double contents_of(const CapsuleRegion& capsule) {
-  const auto& [start, end, radius] = capsule;
-  const double length = std::hypot(end.x - start.x, end.y - start.y, end.z - start.z);
-  return std::numbers::pi * radius * radius * (length + 4.0 / 3 * radius);
-}
-double contents_of(const BallRegion& ball) {
-  return contents_of(CapsuleRegion{ball.centre, ball.centre, ball.radius});
-}
-
-/// Bricks of leaves that a sizing makes smaller than they would be.
-double sized_bricks(const Sizing& sizing, double surface_bricks) {
-  double bricks = surface_bricks * (1 / sizing.growth - 1) / kBrickEdge;
-  for (const SizingRegion& region : sizing.regions) {
-    const double volume =
-        std::visit([](const auto& shape) { return contents_of(shape); }, region.shape);
-    bricks += volume / std::pow(region.size, 3) / kBrickCells;
-  }
-  return bricks;
-}
-
 }  // namespace
-
-double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request) {
-  // Counting a brick of the inside takes about this part of surveying one near the surface.
-  constexpr double kInsideCost = 1.0 / 32;
-  // Improving takes as long as so many surveys.
-  constexpr double kImprovement = 10;
-  // The mesh is made once more for its faces.
-  constexpr double kCreases = 3;
-  if (const GridList* grids = grids_of(shape)) {
-    double sum = 0;
-    for (const auto& grid : *grids) sum += estimate_bricks_to_plan(grid, request);
-    return sum;
-  }
-  const double spacing = request.spacing.value_or(default_spacing(shape));
-  if (const auto labels = labels_of(shape)) return estimate_bricks(*labels, spacing);
-  const Scene* scene = scene_of(shape);
-  const auto [surface, inside] = scene != nullptr ? estimate_bricks(*scene, request, spacing)
-                                                  : estimate_bricks(*volume_of(shape), spacing);
-  const double finest =
-      request.levels == 0 ? inside : std::min(inside, sized_bricks(request.sizing, surface));
-  const double bricks = surface + kInsideCost * finest;
-  return (request.improve ? kImprovement : 1) *
-         (have_creases(request.face_regions) ? kCreases : 1) * bricks;
-}
 
 absl::Status check_inside_budget(const FoundBricks& found,
                                  int levels,

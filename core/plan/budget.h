@@ -10,7 +10,6 @@
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/mesh_request.h"
 #include "core/plan/meshed_space.h"
-#include "core/plan/shape.h"
 #include "core/stuffing/stuffing_rules.h"
 
 namespace tet {
@@ -19,11 +18,6 @@ namespace tet {
 inline constexpr double kTetSlack = 8;
 /// Memory that an octree's brick takes with its nodes and counts, bytes.
 inline constexpr double kBytesPerBrick = 400;
-
-/// About how many bricks planning looks at, from a few of the shape's numbers: to tell long
-/// work from short before any is done. Bricks of the inside count as the few surface bricks
-/// that take as long.
-double estimate_bricks_to_plan(const Shape& shape, const MeshRequest& request);
 
 /// Bricks near the surface that can be kept while the mesh is counted.
 std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);

@@ -26,6 +26,9 @@ class SceneEvaluator {
   /// there are left out. At first everywhere is in focus.
   void focus(const WorldPoint& centre, double half_edge) noexcept;
 
+  /// The instructions that matter in the focus.
+  const std::vector<std::uint32_t>& in_focus() const noexcept { return active_; }
+
   /// True only if the two have the same values at every point that both are focused on.
   bool same_in_focus(const SceneEvaluator& other) const noexcept;
 

@@ -22,10 +22,13 @@ absl::Status corrupt(const std::string& digest, std::string_view why) {
                      "STORED_GRID_CORRUPT");
 }
 
-absl::StatusOr<std::string> digest_of(const File& file) {
+/// Looks at `cancelled` after every megabyte.
+absl::StatusOr<std::string> digest_of(const File& file,
+                                      const std::function<bool()>& cancelled) {
   Sha256 digest;
   std::vector<char> buffer(std::size_t{1} << 20);
   for (std::uint64_t offset = 0;;) {
+    if (cancelled()) return absl::CancelledError("nobody wants the grid any more");
     const auto count = file.read_at(offset, buffer);
     if (!count.ok()) return count.status();
     if (*count == 0) return digest.finish_hex();
@@ -36,12 +39,13 @@ absl::StatusOr<std::string> digest_of(const File& file) {
 
 }  // namespace
 
-absl::Status verify_stored(const std::filesystem::path& path) {
+absl::Status verify_stored(const std::filesystem::path& path,
+                           const std::function<bool()>& cancelled) {
   const std::string digest = path.filename().string();
   const auto file = open_file(path, O_RDONLY);
   if (absl::IsNotFound(file.status())) return corrupt(digest, "is gone");
   if (!file.ok()) return file.status();
-  const auto found = digest_of(*file);
+  const auto found = digest_of(*file, cancelled);
   if (!found.ok()) return found.status();
   if (*found == digest) return absl::OkStatus();
   return corrupt(digest, absl::StrCat("has other bytes, with the SHA-256 ", *found));

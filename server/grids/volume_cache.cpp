@@ -20,35 +20,34 @@ bool is_in_use(const GridInMemory& grid) {
 
 }  // namespace
 
-VolumeCache::VolumeCache(TaskPool& pool,
+VolumeCache::VolumeCache(FairTasks& tasks,
                          std::uint64_t budget_bytes,
                          Loader loader,
                          std::function<void()> release)
-    : pool_(pool),
+    : tasks_(tasks),
       budget_bytes_(budget_bytes),
       loader_(std::move(loader)),
       release_(std::move(release)) {}
 
-void VolumeCache::get(const VolumeKey& key,
-                      const std::string& path,
-                      Cancelled cancelled,
-                      Answer answer) {
+void VolumeCache::get(const VolumeKey& key, const std::string& path, Request request) {
   const std::lock_guard lock(mutex_);
   const auto [it, is_new] = entries_.try_emplace(key);
   Entry& entry = it->second;
   entry.last_use = ++clock_;
   if (entry.grid) {
-    pool_.post([answer = std::move(answer), grid = *entry.grid] { answer(grid); });
+    tasks_.post(request.client,
+                [answer = std::move(request.answer), grid = *entry.grid] { answer(grid); });
     return;
   }
-  entry.waiting.push_back({std::move(cancelled), std::move(answer)});
-  if (is_new) load(key, path);
+  const Load wanted{key, path, request.client};
+  entry.waiting.push_back(std::move(request));
+  if (is_new) load(wanted);
 }
 
-void VolumeCache::load(const VolumeKey& key, const std::string& path) {
+void VolumeCache::load(const Load& load) {
   loader_(
-      key, path, [this, key] { return is_abandoned(key); },
-      [this, key, path](Loaded read) { finish_load(key, path, std::move(read)); });
+      load, [this, key = load.key] { return is_abandoned(key); },
+      [this, load](Loaded read) { finish_load(load, std::move(read)); });
 }
 
 bool VolumeCache::is_abandoned(const VolumeKey& key) {
@@ -58,16 +57,18 @@ bool VolumeCache::is_abandoned(const VolumeKey& key) {
                      [](const Request& request) { return request.cancelled(); });
 }
 
-void VolumeCache::finish_load(const VolumeKey& key, const std::string& path, Loaded read) {
+void VolumeCache::finish_load(const Load& wanted, Loaded read) {
+  const VolumeKey& key = wanted.key;
   // Somebody may have come just when the others had gone.
-  if (absl::IsCancelled(read.status()) && !is_abandoned(key)) return load(key, path);
+  if (absl::IsCancelled(read.status()) && !is_abandoned(key)) return load(wanted);
   const Loaded loaded = read.ok() ? admit(key, *read) : read.status();
   read = absl::UnknownError("handed on");  // what nobody holds can be evicted
 
   const std::lock_guard lock(mutex_);
   const auto entry = entries_.find(key);
   for (Request& request : entry->second.waiting) {
-    pool_.post([answer = std::move(request.answer), loaded] { answer(loaded); });
+    tasks_.post(request.client,
+                [answer = std::move(request.answer), loaded] { answer(loaded); });
   }
   entry->second.waiting.clear();
   if (!loaded.ok()) entries_.erase(entry);

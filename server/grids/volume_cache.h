@@ -14,9 +14,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/base/parallel.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
+#include "server/rpc/fair_tasks.h"
 
 namespace tet {
 
@@ -43,51 +43,58 @@ struct CacheStats {
 
 /// Loads volumes once and keeps the most recently used under a byte budget.
 ///
-/// Nobody waits: an answer comes as a task on the pool. Thread safety: any thread may call
-/// `get`.
+/// Nobody waits: an answer comes as a task of the client who asked. Thread safety: any thread
+/// may call `get`.
 class VolumeCache {
  public:
   using Answer = std::function<void(const absl::StatusOr<GridInMemory>&)>;
   using Cancelled = std::function<bool()>;
-  /// Has the volume read elsewhere, until nobody wants it any more; calls `done` on the pool.
+  struct Request {
+    std::string client;
+    Cancelled cancelled;
+    Answer answer;
+  };
+
+  /// What is to be read, and in whose turn: whoever asked first.
+  struct Load {
+    VolumeKey key;
+    std::string path;
+    std::string client;
+  };
+  /// Has the volume read elsewhere, until nobody wants it any more; calls `done` on any thread.
   using LoadDone = std::function<void(absl::StatusOr<GridInMemory>)>;
-  using Loader = std::function<void(
-      const VolumeKey& key, const std::string& path, Cancelled abandoned, LoadDone done)>;
+  using Loader = std::function<void(const Load& load, Cancelled abandoned, LoadDone done)>;
 
   /// `release` is asked to let go of volumes held elsewhere before a request is refused for
   /// room.
-  VolumeCache(TaskPool& pool,
+  VolumeCache(FairTasks& tasks,
               std::uint64_t budget_bytes,
               Loader loader,
               std::function<void()> release);
 
-  /// Calls `answer` on the pool: with the volume, or the loader's error, or kResourceExhausted
-  /// when it does not fit beside the volumes in use. Requests that meet share one load, which
-  /// ends early once all of them are `cancelled`.
-  void get(const VolumeKey& key, const std::string& path, Cancelled cancelled, Answer answer);
+  /// Answers the request in one of its client's tasks: with the volume, or the loader's error,
+  /// or kResourceExhausted when it does not fit beside the volumes in use. Requests that meet
+  /// share one load, which ends early once all of them are `cancelled`.
+  void get(const VolumeKey& key, const std::string& path, Request request);
 
   CacheStats stats() const;
 
  private:
   using Loaded = absl::StatusOr<GridInMemory>;
-  struct Request {
-    Cancelled cancelled;
-    Answer answer;
-  };
   struct Entry {
     std::optional<GridInMemory> grid;  ///< nothing while it is loading
     std::uint64_t last_use = 0;
     std::vector<Request> waiting;
   };
 
-  void load(const VolumeKey& key, const std::string& path);
-  void finish_load(const VolumeKey& key, const std::string& path, Loaded read);
+  void load(const Load& load);
+  void finish_load(const Load& load, Loaded read);
   bool is_abandoned(const VolumeKey& key);
   Loaded admit(const VolumeKey& key, const GridInMemory& grid);
   std::uint64_t used_bytes() const;
   bool evict_oldest();
 
-  TaskPool& pool_;
+  FairTasks& tasks_;
   const std::uint64_t budget_bytes_;
   const Loader loader_;
   const std::function<void()> release_;

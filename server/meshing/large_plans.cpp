@@ -72,14 +72,18 @@ void LargePlans::start_waiting() {
     idle_.pop_back();
     ++running_[next->client];
     pool->post([this, pool, started = *std::move(next)] {
+      const auto begin = std::chrono::steady_clock::now();
       contain("work on a large mesh", started.work);
-      finished(pool, started.client);
+      finished(pool, started.client, std::chrono::steady_clock::now() - begin);
     });
   }
 }
 
-void LargePlans::finished(TaskPool* pool, const std::string& client) {
+void LargePlans::finished(TaskPool* pool,
+                          const std::string& client,
+                          std::chrono::nanoseconds use) {
   const std::lock_guard lock(mutex_);
+  waiting_.charge(client, use);
   idle_.push_back(pool);
   const auto own = running_.find(client);
   if (--own->second == 0) running_.erase(own);

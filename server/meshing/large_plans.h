@@ -1,6 +1,7 @@
 // Long work beside short work: each on threads of its own.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -18,8 +19,8 @@ namespace tet {
 
 /// Runs a few large plans at once, each on a pool of its own, so that neither small requests
 /// nor each other wait for their loops: the system shares the cores between the pools. More of
-/// them wait, and the clients take turns; all jobs together leave one pool to others, unless it
-/// is the only one.
+/// them wait, and the next is of the client who has had pools for the shortest time in all;
+/// see FairQueue. All jobs together leave one pool to others, unless it is the only one.
 ///
 /// Thread safety: any thread may call `post`. The destructor waits for all that was posted.
 class LargePlans {
@@ -33,7 +34,7 @@ class LargePlans {
  private:
   void start_waiting();
   bool may_start(const std::string& client) const;
-  void finished(TaskPool* pool, const std::string& client);
+  void finished(TaskPool* pool, const std::string& client, std::chrono::nanoseconds use);
 
   const std::size_t of_client_;
   std::mutex mutex_;  ///< guards what follows

@@ -7,8 +7,9 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/on_cancel.h"
-#include "core/plan/budget.h"
+#include "core/base/thread_time.h"
 #include "core/plan/make/plan_mesh.h"
+#include "core/plan/plan_price.h"
 #include "core/vdb/decode_file.h"
 #include "proto/convert/scene_request.h"
 #include "proto/convert/status.h"
@@ -40,23 +41,27 @@ absl::StatusOr<GridInMemory> grid_made_of(const absl::StatusOr<SealedBlock>& blo
   return std::make_shared<const Volume>(*std::move(volume));
 }
 
-/// Has a stored grid read by a decoder, and what it hands back checked by the pool.
-VolumeCache::Loader loader(TaskPool& pool, DecoderPool& decoders, std::uint64_t max_bytes) {
-  return [&pool, &decoders, max_bytes](const VolumeKey& key, const std::string& path,
-                                       VolumeCache::Cancelled abandoned,
-                                       VolumeCache::LoadDone done) {
-    const FileRequest request{task_of(key),  path,      name_of_grid(key.digest),
+/// Has a stored grid read by a decoder. The file and what is handed back are checked on threads
+/// for that: either takes as long as it is large.
+VolumeCache::Loader loader(LargePlans& loads, DecoderPool& decoders, std::uint64_t max_bytes) {
+  return [&loads, &decoders, max_bytes](const VolumeCache::Load& load,
+                                        VolumeCache::Cancelled abandoned,
+                                        VolumeCache::LoadDone done) {
+    const VolumeKey& key = load.key;
+    const FileRequest request{task_of(key),  load.path, name_of_grid(key.digest),
                               key.grid_name, max_bytes, key.component.value_or(0)};
-    pool.post([&pool, &decoders, request, abandoned = std::move(abandoned),
-               done = std::move(done)]() mutable {
+    loads.post(load.client, [&loads, &decoders, client = load.client, request,
+                             abandoned = std::move(abandoned),
+                             done = std::move(done)]() mutable {
       const absl::Status intact =
-          guarded("reading a grid", [&] { return verify_stored(request.path); });
+          guarded("reading a grid", [&] { return verify_stored(request.path, abandoned); });
       if (!intact.ok()) return done(intact);
       decoders.decode(
           request, std::move(abandoned),
-          [&pool, request, done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+          [&loads, client, request,
+           done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
             auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
-            pool.post([request, done, block] {
+            loads.post(client, [request, done, block] {
               done(guarded("reading a grid", [&] { return grid_made_of(*block, request); }));
             });
           });
@@ -111,9 +116,9 @@ Planner::Planner(const PlannerThreads& threads,
       store_(store),
       limits_(limits),
       plans_(memory.plan_bytes),
-      volumes_(threads.pool,
+      volumes_(threads.tasks,
                memory.volume_bytes,
-               loader(threads.pool, decoders, memory.volume_bytes),
+               loader(threads.loads, decoders, memory.volume_bytes),
                [this] { plans_.forget(); }) {}
 
 void Planner::plan(const std::string& client,
@@ -139,15 +144,20 @@ void Planner::load(const std::string& client,
   load_shape({client, std::move(order), std::move(watch), then});
 }
 
+/// In one of the client's tasks.
+void Planner::post(Job job, void (Planner::*step)(Job)) {
+  const std::string client = job.client;
+  threads_.tasks.post(
+      client, [this, job = std::move(job), step] { job.guard([&] { (this->*step)(job); }); });
+}
+
 void Planner::load_shape(Job job) {
   if (job.order.is_scene()) {
-    threads_.pool.post([this, job = std::move(job)] { job.guard([&] { load_scene(job); }); });
-    return;
+    return post(std::move(job), &Planner::load_scene);
   }
   if (job.order.volume != nullptr) {
     job.shape = job.order.volume;
-    threads_.pool.post([this, job = std::move(job)] { job.guard([&] { load_sizes(job); }); });
-    return;
+    return post(std::move(job), &Planner::load_sizes);
   }
   if (!job.order.grid_names.empty()) return load_several(std::move(job));
   if (job.order.request.labels) return load_labels(std::move(job));
@@ -196,20 +206,23 @@ void Planner::load_grid(Job job, const VolumeKey& key, GridLoaded then) {
 void Planner::load_any(Job job, const VolumeKey& key, AnyLoaded then) {
   auto lease = store_.acquire({key.space, key.digest});
   if (!lease.ok()) {
-    threads_.pool.post(
-        [job = std::move(job), key, status = lease.status()] { job.fail(key, status); });
+    const std::string client = job.client;
+    threads_.tasks.post(client, [job = std::move(job), key, status = lease.status()] {
+      job.fail(key, status);
+    });
     return;
   }
   const std::string path = (*lease)->path.string();
-  const auto cancelled = [watch = job.watch] { return watch->cancellation.requested(); };
-  volumes_.get(key, path, cancelled,
-               [this, job = std::move(job), key, grid = *std::move(lease),
-                then = std::move(then)](const auto& volume) mutable {
-                 if (volume.ok())
-                   return job.guard([&] { then(job, std::move(grid), *volume); });
-                 if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
-                 job.fail(key, explained(volume.status(), key, grid));
-               });
+  VolumeCache::Request request;
+  request.client = job.client;
+  request.cancelled = [watch = job.watch] { return watch->cancellation.requested(); };
+  request.answer = [this, job = std::move(job), key, grid = *std::move(lease),
+                    then = std::move(then)](const auto& volume) mutable {
+    if (volume.ok()) return job.guard([&] { then(job, std::move(grid), *volume); });
+    if (absl::IsDataLoss(volume.status())) store_.set_aside(grid);
+    job.fail(key, explained(volume.status(), key, grid));
+  };
+  volumes_.get(key, path, std::move(request));
 }
 
 void Planner::Job::fail(const VolumeKey& key, const absl::Status& status) const {
@@ -223,7 +236,7 @@ void Planner::Job::guard(const std::function<void()>& step) const {
   if (!status.ok()) then(*this, status);
 }
 
-/// On the pool; its grids one after another.
+/// In a task; its grids one after another.
 void Planner::load_scene(Job job) {
   if (job.order.made_scene != nullptr) {
     job.shape = job.order.made_scene;
@@ -246,7 +259,7 @@ void Planner::load_scene(Job job) {
             });
 }
 
-/// On the pool.
+/// In a task.
 void Planner::make_scene(Job job) {
   const auto scene = scene_of_order(job.order);
   if (!scene.ok()) return job.then(job, within_field("mesh", scene.status()));
@@ -254,7 +267,7 @@ void Planner::make_scene(Job job) {
   load_sizes(std::move(job));
 }
 
-/// On the pool.
+/// In a task.
 void Planner::load_sizes(Job job) {
   const auto& grid = job.order.request.sizing.grid;
   if (!grid) return load_fields(std::move(job));
@@ -267,7 +280,7 @@ void Planner::load_sizes(Job job) {
   });
 }
 
-/// On the pool. One component after the other: the first says how many there are.
+/// In a task. One component after the other: the first says how many there are.
 void Planner::load_fields(Job job) {
   const auto& fields = job.order.request.fields;
   while (job.field < fields.size() && has_all_components(fields[job.field])) ++job.field;
@@ -284,7 +297,7 @@ void Planner::load_fields(Job job) {
   });
 }
 
-/// On the pool.
+/// In a task.
 void Planner::plan_loaded(const Job& job, const SurveyedBefore& before, const Done& done) {
   const std::string mesh_id = mesh_id_of(canonical_request(job.order, job.shape, nullptr));
   std::string name = absl::StrCat(job.order.space, " ", mesh_id);
@@ -331,14 +344,20 @@ Planner::Attempt Planner::make_plan(const Job& job,
                              : plans_.remember(name, *std::move(made.plan))};
 }
 
-/// The turn's end stops the plan as its caller would.
+/// The turn's end stops the plan as its caller would. All turns but the last end by what the
+/// plan's thread has used, so that a busy machine cuts no plan short; the last is an end for
+/// everything.
 Planner::Attempt Planner::plan_in_turn(const Job& job,
                                        const SurveyedBefore& before,
                                        const PlanTurn& turn) const {
   using Clock = Cancellation::Clock;
   const Cancellation& callers = job.watch->cancellation;
   const auto begin = std::chrono::steady_clock::now();
-  Cancellation stopped(std::min(callers.deadline(), Clock::now() + turn.time));
+  const ThreadBudget use(turn.time);
+  Cancellation stopped(
+      turn.is_last ? std::min(callers.deadline(), Clock::now() + turn.time)
+                   : callers.deadline(),
+      turn.is_last ? Cancellation::Stop() : [&use] { return use.is_spent(); });
   const OnCancel link(callers, [&stopped] { stopped.cancel(); });
   MeshLimits limits = limits_;
   limits.max_plan_bytes = std::min(limits.max_plan_bytes, turn.bytes);

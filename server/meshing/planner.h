@@ -13,7 +13,6 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/base/parallel.h"
 #include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_progress.h"
 #include "core/plan/surveyed_blocks.h"
@@ -69,11 +68,14 @@ struct PlannerMemory {
 
 /// The threads that plans are made on.
 struct PlannerThreads {
-  TaskPool& pool;  ///< what comes before planning
+  FairTasks& tasks;   ///< what comes before planning
+  LargePlans& loads;  ///< what takes as long as a file is large
   PlanTurns& turns;
 };
 
 /// Plans meshes and remembers the last few, so that a resumed stream starts at once.
+///
+/// What it does for a client it does in that client's turns, from the first step on.
 ///
 /// Thread safety: any thread may call any member. The pools are not used before the first
 /// `plan`; their tasks must have ended before the planner is destroyed.
@@ -122,23 +124,24 @@ class Planner {
     std::string client;
     MeshOrder order;
     std::shared_ptr<PlanningWatch> watch;
-    std::function<void(Job, const absl::Status& loaded)> then;  ///< on the pool
+    std::function<void(Job, const absl::Status& loaded)> then;  ///< in one of its tasks
     std::vector<GridLease> grids = {};
     Shape shape = {};
     GridList several = {};  ///< loaded so far, of as many as the order names
     std::size_t field = 0;  ///< of the request's, that is loaded next
 
     PlannedMesh planned(std::shared_ptr<const MeshPlan> plan) const;
-    /// Ends it, on the pool: what `key` names cannot be had.
+    /// Ends it, in one of its tasks: what `key` names cannot be had.
     void fail(const VolumeKey& key, const absl::Status& status) const;
     /// Takes a step of it; what that throws ends it.
     void guard(const std::function<void()>& step) const;
   };
 
-  /// On the pool: the job, with what was loaded.
+  /// In one of the job's tasks: the job, with what was loaded.
   using GridLoaded = std::function<void(Job, GridLease, std::shared_ptr<const Volume>)>;
   using AnyLoaded = std::function<void(Job, GridLease, const GridInMemory&)>;
 
+  void post(Job job, void (Planner::*step)(Job));
   void load_shape(Job job);
   void load_several(Job job);
   void load_labels(Job job);

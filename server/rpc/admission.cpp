@@ -4,6 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/check.h"
 #include "proto/convert/status.h"
 
 namespace tet {
@@ -11,6 +12,7 @@ namespace tet {
 namespace {
 
 constexpr absl::Duration kBusyRetryDelay = absl::Seconds(1);
+constexpr char kWaitingMeshes[] = "meshes waiting for their turn";
 
 absl::Status busy(const std::string& what, std::uint64_t value, std::uint64_t limit) {
   return with_retry(over_limit(what, value, limit, "SERVER_BUSY"), kBusyRetryDelay);
@@ -43,11 +45,13 @@ void Tally::remove(const std::string& client) {
 }
 
 void Tally::pause() {
+  TET_CHECK(all_ > 0);
   --all_;
   ++paused_;
 }
 
 void Tally::resume() {
+  TET_CHECK(paused_ > 0);
   ++all_;
   --paused_;
 }
@@ -109,6 +113,8 @@ Admission::Place Admission::queue_mesh(const std::string& client,
                                        Clock::time_point deadline,
                                        Answer answer) {
   absl::StatusOr<Ticket> ticket = nullptr;
+  std::optional<Waiting> displaced;
+  Place place = 0;
   {
     const std::lock_guard lock(mutex_);
     absl::Status status = draining_ ? shutting_down() : meshes_.check(client);
@@ -116,24 +122,38 @@ Admission::Place Admission::queue_mesh(const std::string& client,
       ticket = ticket_for(meshes_, client);
       queue_.had_turn(client);
     } else {
-      if (!draining_ && limits_.queued_meshes.all > 0) status = check_queue(client);
-      if (status.ok()) {
-        return queue_.push(
-            client, {client, deadline, Clock::now() + limits_.queue_time, std::move(answer)});
+      if (!draining_ && limits_.queued_meshes.all > 0) {
+        displaced = make_room_for(client);
+        status = check_queue(client);
       }
-      ticket = std::move(status);
+      if (status.ok()) {
+        place = queue_.push(
+            client, {client, deadline, Clock::now() + limits_.queue_time, std::move(answer)});
+      } else {
+        ticket = std::move(status);
+      }
     }
   }
-  answer(std::move(ticket));
-  return 0;
+  if (displaced) {
+    const std::uint64_t all = limits_.queued_meshes.all;
+    displaced->answer(busy(kWaitingMeshes, all + 1, all));
+  }
+  if (place == 0) answer(std::move(ticket));
+  return place;
+}
+
+/// Takes out the last mesh of whoever has most waiting, if the queue is full and it is not this
+/// client.
+std::optional<Admission::Waiting> Admission::make_room_for(const std::string& client) {
+  if (queue_.size() < limits_.queued_meshes.all) return std::nullopt;
+  return queue_.take_last_beyond(queue_.size_of(client) + 1);
 }
 
 absl::Status Admission::check_queue(const std::string& client) const {
   const std::uint64_t own = queue_.size_of(client) + 1, all = queue_.size() + 1;
   const Share& limit = limits_.queued_meshes;
-  if (own > limit.client)
-    return over_quota(client, "meshes waiting for their turn", own, limit.client);
-  if (all > limit.all) return busy("meshes waiting for their turn", all, limit.all);
+  if (own > limit.client) return over_quota(client, kWaitingMeshes, own, limit.client);
+  if (all > limit.all) return busy(kWaitingMeshes, all, limit.all);
   return absl::OkStatus();
 }
 
@@ -144,14 +164,13 @@ bool Admission::leave(Place place) {
   return !gone.empty();
 }
 
-void Admission::pause_mesh() {
-  std::vector<Admitted> admitted;
-  {
-    const std::lock_guard lock(mutex_);
-    meshes_.pause();
-    admitted = admit_waiting();
-  }
-  for (Admitted& next : admitted) next.tell();
+std::function<void()> Admission::pause_mesh() {
+  const std::lock_guard lock(mutex_);
+  meshes_.pause();
+  auto admitted = std::make_shared<std::vector<Admitted>>(admit_waiting());
+  return [admitted] {
+    for (Admitted& next : *admitted) next.tell();
+  };
 }
 
 void Admission::resume_mesh() {

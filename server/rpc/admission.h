@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,16 +81,19 @@ class Admission {
   absl::StatusOr<Ticket> admit_upload(const std::string& client);
 
   /// Asks for a mesh to be made. `answer` is called once: here, if there is room or none to
-  /// wait in, else later and on any thread. Errors: kUnavailable (draining), kResourceExhausted
-  /// (the queue is full, the client's part of it is, or it took too long), kDeadlineExceeded
-  /// (in the queue).
+  /// wait in, else later and on any thread. Where the queue is full, whoever has most waiting
+  /// makes room for a client with less. Errors: kUnavailable (draining), kResourceExhausted
+  /// (the queue is full, or got full behind it, the client's part of it is, or it took too
+  /// long), kDeadlineExceeded (in the queue).
   Place queue_mesh(const std::string& client, Clock::time_point deadline, Answer answer);
   /// Gives up a place: its answer is not called any more. False when it was, or is being.
   bool leave(Place place);
 
   /// A mesh that was admitted has nothing to do for a while: its place goes to others, and only
   /// its client's share has it. Whoever holds its ticket comes back before giving that back.
-  void pause_mesh();
+  /// What is returned answers those who got the place: to be called once, without any lock,
+  /// also where the mesh came back meanwhile.
+  [[nodiscard]] std::function<void()> pause_mesh();
   void resume_mesh();
 
   /// Answers those who have waited for too long; to be called every now and then.
@@ -122,6 +126,7 @@ class Admission {
   absl::StatusOr<Ticket> admit(Tally& tally, const std::string& client);
   Ticket ticket_for(Tally& tally, const std::string& client);
   absl::Status check_queue(const std::string& client) const;
+  std::optional<Waiting> make_room_for(const std::string& client);
   absl::Status why_expired(const Waiting& waiting, Clock::time_point now) const;
   void give_back(Tally& tally, const std::string& client);
   std::vector<Admitted> admit_waiting();

@@ -1,25 +1,33 @@
 #include "server/rpc/fair_tasks.h"
 
+#include <chrono>
 #include <optional>
 #include <utility>
+
+#include "core/base/contain.h"
 
 namespace tet {
 
 void FairTasks::post(const std::string& client, std::function<void()> task) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push(client, std::move(task));
+    waiting_.push(client, {client, std::move(task)});
   }
   pool_.post([this] { run_next(); });
 }
 
 void FairTasks::run_next() {
-  std::optional<std::function<void()>> task;
+  std::optional<Task> task;
   {
     const std::lock_guard lock(mutex_);
     task = waiting_.take([](const std::string&) { return true; });
   }
-  (*task)();
+  const auto begin = std::chrono::steady_clock::now();
+  contain("a client's task", task->work);
+  const auto use = std::chrono::steady_clock::now() - begin;
+  task->work = nullptr;  // what it holds goes without the lock
+  const std::lock_guard lock(mutex_);
+  waiting_.charge(task->client, use);
 }
 
 }  // namespace tet

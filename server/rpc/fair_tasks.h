@@ -10,7 +10,10 @@
 
 namespace tet {
 
-/// Runs short tasks of many clients on one pool; the clients take turns, task by task.
+/// Runs short tasks of many clients on one pool. The next is a task of the client whose tasks
+/// have had its threads for the shortest time in all; see FairQueue. What is posted to the pool
+/// itself waits for all tasks that were posted before it, whosever they are: what a client has
+/// asked for comes here.
 ///
 /// Thread safety: any thread may call `post`. The pool's tasks must have ended before this is
 /// destroyed.
@@ -22,9 +25,14 @@ class FairTasks {
  private:
   void run_next();
 
+  struct Task {
+    std::string client;
+    std::function<void()> work;
+  };
+
   TaskPool& pool_;
   std::mutex mutex_;
-  FairQueue<std::function<void()>> waiting_;
+  FairQueue<Task> waiting_;
 };
 
 }  // namespace tet

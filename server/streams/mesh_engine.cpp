@@ -15,6 +15,9 @@ namespace {
 // for chunks; one; and two, so that one very large plan does not keep all others waiting.
 constexpr std::chrono::milliseconds kShortTurn{50}, kLongerTurn{500};
 
+/// Files that are verified and grids that are checked at once: their bytes come from a disk.
+constexpr std::size_t kLoadsAtOnce = 4, kLoadsOfClient = 2;
+
 constexpr std::size_t kBlockBytes = kChunkBytes + ChunkFrame::kMaxOverhead;
 // More than one stream, or a few, ever hold.
 constexpr std::size_t kIdleBlocks = kIdleBlockBytes / kBlockBytes;
@@ -59,7 +62,7 @@ MeshEngine::MeshEngine(const Config& server_config,
       blocks(kBlockBytes, kIdleBlocks),
       send_budget(config.send_bytes, kBlockBytes),
       turns({short_tasks, longer, large}, plan_turns(config)),
-      planner({pool, turns},
+      planner({short_tasks, loads, turns},
               decoders,
               store,
               {config.resident_bytes, config.plan_bytes},
@@ -67,6 +70,7 @@ MeshEngine::MeshEngine(const Config& server_config,
       pool(static_cast<int>(config.threads)),
       longer(static_cast<int>(config.threads), 1),
       large(static_cast<int>(config.threads), kLongPlansAtOnce, 1),
+      loads(static_cast<int>(config.threads), kLoadsAtOnce, kLoadsOfClient),
       decoders(decoder_settings(config)) {}
 
 Admission::Place MeshEngine::admit(const Call& call,

@@ -66,6 +66,7 @@ struct MeshEngine {
   // Each on as many threads again: the system shares the cores.
   LargePlans longer;  ///< plans in turns of half a second
   LargePlans large;
+  LargePlans loads;      ///< of grids: files are verified, and what was decoded
   DecoderPool decoders;  ///< what it decodes becomes tasks
 };
 

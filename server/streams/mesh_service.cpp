@@ -24,6 +24,9 @@ namespace tet {
 namespace {
 
 constexpr std::chrono::milliseconds kIdleEstimate{200};
+/// How long an estimate may make chunks to see what that takes: less than a short turn of
+/// plans.
+constexpr std::chrono::milliseconds kTrying{20};
 
 /// One EstimateMesh call. Lives until gRPC is done with it and the plan is made or given up.
 class Estimate final : public grpc::ServerUnaryReactor,
@@ -84,11 +87,18 @@ class Estimate final : public grpc::ServerUnaryReactor,
     if (!asked.ok()) end(asked);
   }
 
+  /// Chunks are tried in a turn of their own: a plan that was remembered took none.
   void finish(const absl::StatusOr<PlannedMesh>& planned) {
-    const absl::Status told = guarded("EstimateMesh", [&] {
-      if (planned.ok()) tell(*planned);
-      return planned.status();
+    if (!planned.ok()) return conclude(planned.status());
+    engine_.short_tasks.post(call_.client(), [self = shared_from_this(), planned = *planned] {
+      self->conclude(guarded("EstimateMesh", [&] {
+        self->tell(planned);
+        return absl::OkStatus();
+      }));
     });
+  }
+
+  void conclude(const absl::Status& told) {
     turn_.give_back();
     const absl::Status cut = call_.registry().cut_off();
     end(told.ok() || cut.ok() ? told : cut);
@@ -96,7 +106,7 @@ class Estimate final : public grpc::ServerUnaryReactor,
 
   void tell(const PlannedMesh& planned) {
     to_proto(planned.plan->header(), response_);
-    const double fill = estimate_fill(*planned.plan, watch_->cancellation).seconds;
+    const double fill = estimate_fill(*planned.plan, watch_->cancellation, kTrying).seconds;
     const double check =
         order_.request.fidelity
             ? fidelity_seconds(planned.plan->header(), fill, engine_.pool.threads())

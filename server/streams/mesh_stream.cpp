@@ -43,7 +43,7 @@ void MeshStream::admitted() {
 
 void MeshStream::open() {
   if (engine_.results == nullptr || order_.stored_name.empty()) return plan();
-  engine_.pool.post([self = self()] {
+  engine_.short_tasks.post(call_.client(), [self = self()] {
     self->guard([&] { self->find_stored() ? self->begin(self->check_mesh()) : self->plan(); });
   });
 }

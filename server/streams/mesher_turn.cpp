@@ -1,5 +1,6 @@
 #include "server/streams/mesher_turn.h"
 
+#include <functional>
 #include <utility>
 
 namespace tet {
@@ -45,14 +46,17 @@ void MesherTurn::end() {
 }
 
 void MesherTurn::lend_if_idle_since(Clock::time_point then) {
+  std::function<void()> tell_others;
   {
     const std::lock_guard lock(mutex_);
     const auto since = opened_ ? then : then - kOpening;
     const bool idle = running_ == 0 && idle_since_ <= since;
     if (place_ == nullptr || lent_ || !idle) return;
     lent_ = true;
+    // Within the lock: whoever finds it lent takes back what was given.
+    tell_others = admission_.pause_mesh();
   }
-  admission_.pause_mesh();
+  tell_others();
 }
 
 }  // namespace tet

@@ -36,7 +36,7 @@ class MesherTurn {
 
  private:
   Admission& admission_;
-  std::mutex mutex_;  ///< guards all below; never held while others are admitted
+  std::mutex mutex_;  ///< guards all below; never held while others are answered
   Ticket place_;
   bool opened_ = false, lent_ = false;
   int running_ = 0;

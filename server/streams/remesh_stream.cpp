@@ -80,7 +80,8 @@ void RemeshStream::read_done(bool ok) {
     read_start_.reset();
   }
   if (!ok) return close(why_unfinished());
-  engine_.pool.post([self = self()] { self->guard([&] { self->take_message(); }); });
+  engine_.short_tasks.post(call_.client(),
+                           [self = self()] { self->guard([&] { self->take_message(); }); });
 }
 
 /// OK where a session may end.
@@ -89,7 +90,7 @@ absl::Status RemeshStream::why_unfinished() const {
   return started_ ? absl::OkStatus() : out_of_order("it ended before `start`");
 }
 
-/// On the pool.
+/// In one of the client's tasks.
 void RemeshStream::take_message() {
   v1::RemeshRequest message;
   const absl::Status ordered = deserialize(incoming_message_, message)

@@ -108,12 +108,13 @@ void SampleStream::go_on() {
     is_last = !std::exchange(has_message_, false);
   }
   if (!is_last) {
-    return engine_.pool.post([self = self()] { self->guard([&] { self->take_message(); }); });
+    return engine_.short_tasks.post(
+        call_.client(), [self = self()] { self->guard([&] { self->take_message(); }); });
   }
   close(started_ ? absl::OkStatus() : sampling_order("it ended before `start`"));
 }
 
-/// On the pool.
+/// In one of the client's tasks.
 void SampleStream::take_message() {
   v1::SamplePointsRequest message;
   const absl::Status taken = deserialize(incoming_, message)
@@ -171,7 +172,8 @@ void SampleStream::load(absl::StatusOr<Ticket> ticket) {
                        });
 }
 
-/// On the pool. From here on this call is no mesh to others, and takes its turns with chunks.
+/// In one of the client's tasks. From here on this call is no mesh to others, and takes its
+/// turns with chunks.
 void SampleStream::loaded(absl::StatusOr<MeshInput> input) {
   if (!input.ok()) return close(input.status());
   auto sampler = ShapeSampler::make(std::move(input->shape), std::move(input->request));

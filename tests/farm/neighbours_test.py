@@ -11,6 +11,7 @@ the machine.
 import argparse
 import functools
 import hashlib
+import itertools
 import pathlib
 import statistics
 import struct
@@ -28,6 +29,10 @@ from running_server import RunningServer, binaries, wait_until  # noqa: E402
 CLIENTS = 10
 WIDE = 1 << 30
 MESHES, GRIDS, JOBS = (f"/tetstream.v1.{name}Service/" for name in ("Mesh", "Grid", "Job"))
+ELLIPSOIDS = (
+    "mesh { spacing: 0.24 scene { nodes { name: 'g' ellipsoid { semi_axes: 1 "
+    "semi_axes: 0.7 semi_axes: 0.5 } } nodes { repeat { of: 'g' count: 16 count: 16 count: 8 step: 1.9 "
+    "step: 1.3 step: 0.9 } } } }")
 SMALL_BALL = 'mesh { scene { nodes { sphere { radius: 1 } } } spacing: %.9f levels: 0 }'
 
 
@@ -41,10 +46,15 @@ def encoded(kind, text):
         input=text.encode(), stdout=subprocess.PIPE, check=True).stdout
 
 
+def at_spacing(kind, text, spacing, number):
+    """The message, whose spacing is `spacing` in the text: a little more, so that nobody remembers its mesh."""
+    changed = struct.pack("<d", spacing * (1 + 1e-5 * number))
+    return encoded(kind, text).replace(struct.pack("<d", spacing), changed)
+
+
 def small_ball(number):
-    """A mesh of some ten thousand tets that nobody remembers."""
-    spacing = struct.pack("<d", 0.1 + 1e-6 * number)
-    return encoded("StreamMeshRequest", SMALL_BALL % 0.1).replace(struct.pack("<d", 0.1), spacing)
+    """A mesh of some ten thousand tets."""
+    return at_spacing("StreamMeshRequest", SMALL_BALL % 0.1, 0.1, number)
 
 
 class Crowd:
@@ -53,6 +63,7 @@ class Crowd:
     def __init__(self, port):
         self.port = port
         self.calls = []
+        self.numbers = itertools.count()
 
     def call(self, client, method, **how):
         return RawCall(self.port, method, source=f"127.0.0.{2 + client}", **how)
@@ -67,29 +78,37 @@ class Crowd:
             call.listen(0)
 
     def asked(self, method, payload, **how):
+        """Begins calls with these bytes, or with those that `payload` makes of each call's number."""
         def begin(client):
             call = self.call(client, method, **how)
-            call.ask(payload)
+            call.ask(payload(next(self.numbers)) if callable(payload) else payload)
             return call
         return begin
+
+    def estimates(self, text, spacing):
+        return self.asked(MESHES + "EstimateMesh",
+                          lambda number: at_spacing("EstimateMeshRequest", text, spacing, number))
 
 
 class RepeatedEllipsoids(Crowd):
     """EstimateMesh, 10 each: 2048 ellipsoids that look cheap (132 bytes)"""
 
     def act(self):
-        self.again(10, self.asked(MESHES + "EstimateMesh", encoded(
-            "EstimateMeshRequest", "mesh { spacing: 0.24 scene { nodes { name: 'g' ellipsoid { semi_axes: 1 "
-            "semi_axes: 0.7 semi_axes: 0.5 } } nodes { repeat { of: 'g' count: 16 count: 16 count: 8 step: 1.9 "
-            "step: 1.3 step: 0.9 } } } }")))
+        self.again(10, self.estimates(ELLIPSOIDS, 0.24))
+
+
+class RememberedEllipsoids(Crowd):
+    """the same request again and again, whose plan is remembered"""
+
+    def act(self):
+        self.again(10, self.asked(MESHES + "EstimateMesh", encoded("EstimateMeshRequest", ELLIPSOIDS)))
 
 
 class HugePlans(Crowd):
     """EstimateMesh, 10 each: a sphere at 1/1000 of its radius (26 bytes)"""
 
     def act(self):
-        self.again(10, self.asked(MESHES + "EstimateMesh", encoded(
-            "EstimateMeshRequest", "mesh { scene { nodes { sphere { radius: 1 } } } spacing: 0.001 }")))
+        self.again(10, self.estimates("mesh { scene { nodes { sphere { radius: 1 } } } spacing: 0.001 }", 0.001))
 
 
 class FastStreams(Crowd):
@@ -162,7 +181,7 @@ class Sessions(Crowd):
                 call.send(message(encoded("RemeshRequest", frame)), seconds=1)
 
 
-KINDS = (RepeatedEllipsoids, HugePlans, FastStreams, SlowStreams, Uploads, Lists, Watches, HealthWatches,
+KINDS = (RepeatedEllipsoids, RememberedEllipsoids, HugePlans, FastStreams, SlowStreams, Uploads, Lists, Watches, HealthWatches,
          Sessions)
 
 

@@ -1,10 +1,12 @@
 // Clients beside one whose requests cost little to send and much to answer.
+#include <atomic>
 #include <future>
 #include <list>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "core/base/thread_time.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/token_book.h"
 
@@ -107,6 +109,31 @@ TEST_F(NeighboursTest, OfASmallGridAtASmallPartOfItsVoxels) {
   v1::MeshRequest request = mesh_of(ball_file(8));
   request.set_spacing(1.0 / 8 / 20);
   expect_room_beside(request);
+}
+
+// What came before its plan waited for all tasks that were posted before, whosever they were.
+TEST_F(NeighboursTest, OfThousandsOfShortTasksWaitsForAFewOfThem) {
+  constexpr int kTasks = 3000;
+  FairTasks& tasks = const_cast<MeshEngine&>(server_->engine()).short_tasks;
+  std::atomic<int> done{0};
+  std::atomic<bool> over{false};
+  for (int i = 0; i < kTasks; ++i) {
+    tasks.post("greedy", [&] {
+      const auto begin = thread_time();
+      while (!over && thread_time() - begin < 1ms) {
+      }
+      done.fetch_add(1);
+    });
+  }
+  v1::MeshRequest request;
+  request.mutable_scene()->add_nodes()->mutable_sphere()->set_radius(1);
+  request.set_spacing(0.2);
+  const auto made = client_->stream_mesh(request, {}, never_);
+  const int before = done;
+  over = true;
+  EXPECT_TRUE(made.ok()) << made.status();
+  EXPECT_LT(before, kTasks / 2);
+  EXPECT_TRUE(eventually([&] { return done == kTasks; }));
 }
 
 }  // namespace

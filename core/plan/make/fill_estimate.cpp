@@ -1,6 +1,7 @@
 #include "core/plan/make/fill_estimate.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <span>
@@ -17,11 +18,22 @@ namespace {
 /// 32 MiB of mesh at most: tens of milliseconds.
 constexpr std::uint64_t kMostChunks = 64;
 
-/// The chunks in the middle of equal parts of the mesh.
+/// The bits of a number below kMostChunks, the other way round.
+constexpr std::uint64_t reversed(std::uint64_t number) {
+  std::uint64_t turned = 0;
+  for (std::uint64_t bit = 1; bit < kMostChunks; bit *= 2) {
+    turned = 2 * turned + (number / bit) % 2;
+  }
+  return turned;
+}
+
+/// The chunks in the middle of equal parts of the mesh; the first few are spread over it, too.
 std::vector<std::uint64_t> chunks_to_try(std::uint64_t chunk_count) {
-  std::vector<std::uint64_t> chunks(std::min(chunk_count, kMostChunks));
-  for (std::uint64_t i = 0; i < chunks.size(); ++i) {
-    chunks[i] = (2 * i + 1) * chunk_count / (2 * chunks.size());
+  const std::uint64_t count = std::min(chunk_count, kMostChunks);
+  std::vector<std::uint64_t> chunks;
+  for (std::uint64_t i = 0; i < kMostChunks; ++i) {
+    const std::uint64_t part = reversed(i);
+    if (part < count) chunks.push_back((2 * part + 1) * chunk_count / (2 * count));
   }
   return chunks;
 }
@@ -57,22 +69,28 @@ void try_chunk(const MeshPlan& plan, std::uint64_t chunk, MeshWorkspace& workspa
 
 }  // namespace
 
-FillEstimate estimate_fill(const MeshPlan& plan, const Cancellation& cancellation) {
+FillEstimate estimate_fill(const MeshPlan& plan,
+                           const Cancellation& cancellation,
+                           std::chrono::nanoseconds most) {
   const MeshHeader& header = plan.header();
   FillEstimate estimate{ChunkSizes(header, whole_of(header)).total(), 0};
   const std::vector<std::uint64_t> chunks = chunks_to_try(header.chunk_count);
-  std::uint64_t tried = 0;
-  for (const std::uint64_t chunk : chunks) tried += sizes_of(plan, chunk).total();
-  if (tried == 0) return estimate;
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::uint64_t> tried{0};
   const auto start = std::chrono::steady_clock::now();
   ScratchPool<MeshWorkspace> workspaces;
-  for_each_index(chunks.size(), [&](std::size_t i) {
-    if (cancellation.requested()) return;
+  // Whichever thread has time takes the next one.
+  for_each_index(chunks.size(), [&](std::size_t /*any*/) {
+    const std::size_t i = next.fetch_add(1);
+    const bool is_over = i > 0 && std::chrono::steady_clock::now() - start > most;
+    if (is_over || cancellation.requested()) return;
     try_chunk(plan, chunks[i], *ScratchPool<MeshWorkspace>::Turn(workspaces));
+    tried.fetch_add(sizes_of(plan, chunks[i]).total());
   });
+  if (tried == 0) return estimate;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   estimate.seconds =
-      taken.count() * static_cast<double>(estimate.bytes) / static_cast<double>(tried);
+      taken.count() * static_cast<double>(estimate.bytes) / static_cast<double>(tried.load());
   return estimate;
 }
 

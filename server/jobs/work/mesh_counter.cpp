@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/plan/brick/divided_survey.h"
-#include "core/plan/budget.h"
+#include "core/plan/plan_price.h"
 #include "server/rpc/background.h"
 #include "server/rpc/explain.h"
 

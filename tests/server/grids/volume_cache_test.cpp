@@ -25,11 +25,12 @@ class CacheTest : public testing::Test {
  protected:
   VolumeCache& cache(std::uint64_t budget) {
     return caches_.emplace_back(
-        pool_, budget,
-        [this](const VolumeKey& key, const std::string&,
-               const VolumeCache::Cancelled& abandoned, const VolumeCache::LoadDone& done) {
+        tasks_, budget,
+        [this](const VolumeCache::Load& load, const VolumeCache::Cancelled& abandoned,
+               const VolumeCache::LoadDone& done) {
           ++loads_;
-          pool_.post([name = key.grid_name, abandoned, done] { done(read(name, abandoned)); });
+          pool_.post(
+              [name = load.key.grid_name, abandoned, done] { done(read(name, abandoned)); });
         },
         [this] { ++releases_; });
   }
@@ -49,8 +50,9 @@ class CacheTest : public testing::Test {
       const std::string& name,
       const VolumeCache::Cancelled& cancelled = [] { return false; }) {
     auto promise = std::make_shared<std::promise<Loaded>>();
-    cache.get({"default", "digest", name}, "path", cancelled,
-              [promise](const Loaded& loaded) { promise->set_value(loaded); });
+    cache.get(
+        {"default", "digest", name}, "path",
+        {"client", cancelled, [promise](const Loaded& loaded) { promise->set_value(loaded); }});
     return promise->get_future();
   }
 
@@ -63,6 +65,7 @@ class CacheTest : public testing::Test {
 
   std::atomic<int> loads_{0}, releases_{0};
   std::list<VolumeCache> caches_;
+  FairTasks tasks_{pool_};
   TaskPool pool_{2};  // ends first: the last task of a load refers to its cache
 };
 

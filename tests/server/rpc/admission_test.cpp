@@ -68,7 +68,7 @@ TEST(Admission, AMeshThatHasNothingToDoLendsItsPlaceAndKeepsItsClientsShare) {
   std::deque<Asked> all;
   Asked &idle = ask(admission, all, "a"), &own = ask(admission, all, "a"),
         &other = ask(admission, all, "b");
-  admission.pause_mesh();
+  admission.pause_mesh()();
   EXPECT_TRUE(other.runs());
   EXPECT_FALSE(own.runs()) << "its client has one already";
   EXPECT_EQ(admission.paused_meshes(), 1U);
@@ -112,6 +112,27 @@ TEST(Admission, AClientAtItsOwnLimitLeavesRoomToOthers) {
   EXPECT_EQ(admission.running_meshes(), 2U);
   EXPECT_TRUE(ask(admission, all, "modest").runs());
   admission.drain();
+}
+
+TEST(Admission, InAFullQueueWhoeverHasMostMakesRoomForWhoHasLess) {
+  AdmissionLimits limits = roomy();
+  limits.meshes = {1, 1};
+  limits.queued_meshes = {4, 4};
+  Admission admission(limits);
+  std::deque<Asked> all;
+  Asked& first = ask(admission, all, "greedy");
+  for (int i = 0; i < 4; ++i) ask(admission, all, i < 3 ? "greedy" : "other");
+  Asked &modest = ask(admission, all, "modest"), &displaced = all[3];
+  EXPECT_EQ(modest.answers, 0);
+  EXPECT_EQ(displaced.answer.status().message(),
+            "meshes waiting for their turn: 5 is over the limit of 4");
+  EXPECT_TRUE(displaced.answer.status().GetPayload(kRetryInfo));
+  EXPECT_EQ(admission.queued_meshes(), 4U);
+  Asked& more = ask(admission, all, "greedy");
+  EXPECT_EQ(more.answers, 1) << "nobody has more than it would";
+  first.end();
+  EXPECT_TRUE(all[4].runs() || modest.runs());
+  admission.drain();  // nobody is answered once it is gone
 }
 
 TEST(Admission, SaysWhoseLimitItIs) {

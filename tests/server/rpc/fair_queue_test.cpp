@@ -32,6 +32,52 @@ TEST(FairQueue, ALateOwnerWaitsForOneTurnOfEachOther) {
   EXPECT_EQ(queue.take(kAnyone), -1);
 }
 
+TEST(FairQueue, TheOwnerWhoHasUsedLeastComesNext) {
+  using namespace std::chrono_literals;
+  FairQueue<char> queue;
+  const auto take = [&queue](const std::string& owner, std::chrono::nanoseconds use) {
+    const char item = *queue.take(kAnyone);
+    queue.charge(owner, use);
+    return item;
+  };
+  for (int i = 0; i < 3; ++i) {
+    for (const auto& [owner, letter] : {std::pair("greedy", 'g'), {"large", 'l'}}) {
+      queue.push(owner, letter);
+    }
+  }
+  EXPECT_EQ(take("greedy", 10ms), 'g');
+  EXPECT_EQ(take("large", 50ms), 'l');
+  EXPECT_EQ(take("greedy", 10ms), 'g');
+  for (const char c : {'a', 'b'}) queue.push("modest", c);
+  EXPECT_EQ(take("modest", 5ms), 'a') << "it begins where the greedy one was, not at nothing";
+  EXPECT_EQ(take("modest", 10ms), 'b');
+  EXPECT_EQ(take_all(queue), "gll");
+}
+
+TEST(FairQueue, NobodySavesUpForLater) {
+  using namespace std::chrono_literals;
+  FairQueue<char> queue;
+  for (int i = 0; i < 100; ++i) {
+    queue.push("busy", 'b');
+    queue.take(kAnyone);
+    queue.charge("busy", 1s);
+  }
+  for (const char c : {'x', 'y'}) queue.push("idle", c);
+  for (const char c : {'b', 'c'}) queue.push("busy", c);
+  EXPECT_EQ(*queue.take(kAnyone), 'x');
+  queue.charge("idle", 2s);
+  EXPECT_EQ(take_all(queue), "bcy");
+}
+
+TEST(FairQueue, TheLastOfWhoeverHasMostMakesRoom) {
+  FairQueue<char> queue;
+  for (const char c : {'a', 'b', 'c'}) queue.push("many", c);
+  queue.push("one", 'x');
+  EXPECT_EQ(queue.take_last_beyond(2), 'c');
+  EXPECT_FALSE(queue.take_last_beyond(2));
+  EXPECT_EQ(take_all(queue), "axb");
+}
+
 TEST(FairQueue, PassesOverWhoMayNot) {
   FairQueue<int> queue;
   queue.push("a", 1);
