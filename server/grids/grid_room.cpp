@@ -134,14 +134,14 @@ absl::Status GridStore::check_disk(const GridKey& key,
 absl::Status GridStore::take_place(const GridKey& key,
                                    std::uint64_t size_bytes,
                                    const Uploader& by) {
-  parts_[key] = Part{size_bytes, absl::Now(), true, by.name};
+  parts_[key] = Part{size_bytes, grids_.time(), true, by.name};
   return absl::OkStatus();
 }
 
 /// Enough of them to make room for `bytes`, if there are.
 GridStore::Evictable GridStore::idle_grids(std::uint64_t bytes,
                                            const std::set<GridKey>& needed) const {
-  Evictable idle{{}, absl::Now(), leases_, /*all=*/true};
+  Evictable idle{{}, grids_.time(), leases_, /*all=*/true};
   std::uint64_t found_bytes = 0;
   grids_.oldest_first([&](const StoredGridEntry& entry) {
     if (entry.in_use() || needed.contains(entry.grid->key)) return true;

@@ -227,7 +227,7 @@ void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
     fs::remove(part_path(key), ignored);
     parts_.erase(key);
   } else {
-    parts_[key] = Part{committed_size, absl::Now(), false, parts_[key].sender};
+    parts_[key] = Part{committed_size, grids_.time(), false, parts_[key].sender};
   }
 }
 
@@ -238,7 +238,7 @@ absl::Status GridStore::keep(const GridKey& key, std::uint64_t size_bytes) {
   const std::lock_guard lock(mutex_);
   if (status.ok()) status = move_file(part_path(key), path);
   if (!status.ok()) return status;
-  grids_.put({key, path, size_bytes}, absl::Now());
+  grids_.put({key, path, size_bytes});
   parts_.erase(key);
   return absl::OkStatus();
 }

@@ -1,5 +1,7 @@
 #include "server/grids/stored_grids.h"
 
+#include <algorithm>
+
 #include <absl/time/clock.h>
 
 namespace tet {
@@ -18,6 +20,22 @@ void StoredGrids::put(StoredGrid grid, absl::Time last_use) {
   by_use_.emplace(last_use, &added->first);
 }
 
+void StoredGrids::put(StoredGrid grid) {
+  const absl::Time now = time_of_next_use();
+  put(std::move(grid), now);
+}
+
+absl::Time StoredGrids::time() const {
+  const absl::Time now = absl::Now();
+  return by_use_.empty() ? now : std::max(now, by_use_.rbegin()->first);
+}
+
+/// What is used now is used last, whatever the clock says.
+absl::Time StoredGrids::time_of_next_use() const {
+  const absl::Time now = absl::Now();
+  return by_use_.empty() ? now : std::max(now, by_use_.rbegin()->first + absl::Nanoseconds(1));
+}
+
 void StoredGrids::erase(const GridKey& key) {
   const auto found = by_key_.find(key);
   if (found == by_key_.end()) return;
@@ -28,8 +46,9 @@ void StoredGrids::erase(const GridKey& key) {
 
 void StoredGrids::use(const GridKey& key) {
   const auto found = by_key_.find(key);
+  const absl::Time now = time_of_next_use();
   by_use_.erase({found->second.last_use, &found->first});
-  found->second.last_use = absl::Now();
+  found->second.last_use = now;
   by_use_.emplace(found->second.last_use, &found->first);
 }
 

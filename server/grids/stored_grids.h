@@ -51,12 +51,16 @@ class StoredGrids {
   /// Null without one.
   const StoredGridEntry* find(const GridKey& key) const;
 
-  /// Takes the place of one that is there.
+  /// Takes the place of one that is there; without a time it was used just now.
   void put(StoredGrid grid, absl::Time last_use);
+  void put(StoredGrid grid);
   void erase(const GridKey& key);
   /// It was used just now. It must be there.
   void use(const GridKey& key);
   void lease(const GridKey& key, std::uint64_t number);
+
+  /// Now, and never before any use so far, as the clock may have been set back since.
+  absl::Time time() const;
 
   /// Calls `see` with one file after another, those first that were used least recently, until
   /// it returns false.
@@ -68,6 +72,8 @@ class StoredGrids {
   }
 
  private:
+  absl::Time time_of_next_use() const;
+
   ByKey by_key_;
   std::set<std::pair<absl::Time, const GridKey*>> by_use_;  ///< keys of by_key_
   std::uint64_t bytes_ = 0;
