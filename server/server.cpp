@@ -132,8 +132,9 @@ struct Server::Parts {
   Admission admission{admission_limits(config)};
   CallRegistry calls{*access, admission};
   TaskPool disk{kDiskThreads};
+  FairTasks disk_turns{disk};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk, engine.decoders, engine.stalls};
+  GridService grid_service{*store, calls, disk_turns, engine.decoders, engine.stalls};
   MeshService mesh_service{engine};
   HealthService health_service{{config.max_health_watches, config.max_client_health_watches}};
   Heartbeat heartbeat{kHeartbeat, [this] {

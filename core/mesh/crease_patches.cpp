@@ -21,20 +21,47 @@ using FaceNumber = std::uint32_t;  ///< among the faces of one label
 constexpr FaceNumber kNoFace = CreasePatches::kNone;
 constexpr std::size_t kFacesPerRange = 1024;
 
-std::vector<std::uint64_t> faces_of_label(const TetMesh& surface, std::uint16_t label) {
+/// Calls `body(i)` for the faces [0, count) one after the other, until work is to stop.
+template <class Body>
+void for_faces(std::uint64_t count, const Cancellation& cancellation, const Body& body) {
+  constexpr std::uint64_t kBetweenLooks = 1 << 16;
+  for (std::uint64_t begin = 0; begin < count && !cancellation.requested();) {
+    const std::uint64_t end = std::min(count, begin + kBetweenLooks);
+    for (; begin < end; ++begin) body(static_cast<FaceNumber>(begin));
+  }
+}
+
+/// The same in parallel.
+template <class Body>
+void for_faces_in_parallel(std::size_t count,
+                           const Cancellation& cancellation,
+                           const Body& body) {
+  for_each_range(count, kFacesPerRange, [&](std::size_t begin, std::size_t end) {
+    if (cancellation.requested()) return;
+    for (std::size_t i = begin; i < end; ++i) body(static_cast<FaceNumber>(i));
+  });
+}
+
+std::vector<std::uint64_t> faces_of_label(const TetMesh& surface,
+                                          std::uint16_t label,
+                                          const Cancellation& cancellation) {
+  constexpr std::uint64_t kBetweenLooks = 1 << 16;
   std::vector<std::uint64_t> faces;
   for (std::uint64_t i = 0; i < surface.header.face_count; ++i) {
+    if (i % kBetweenLooks == 0 && cancellation.requested()) break;
     if (surface.face_label(i) == label) faces.push_back(i);
   }
   return faces;
 }
 
 /// The vertices of some faces: they are numbered one after the other.
-RankMask vertices_of(const TetMesh& surface, std::span<const std::uint64_t> faces) {
+RankMask vertices_of(const TetMesh& surface,
+                     std::span<const std::uint64_t> faces,
+                     const Cancellation& cancellation) {
   RankMask vertices(surface.header.vertex_count);
-  for (const std::uint64_t face : faces) {
-    for (const std::uint64_t vertex : surface.face(face)) vertices.set(vertex);
-  }
+  for_faces(faces.size(), cancellation, [&](FaceNumber i) {
+    for (const std::uint64_t vertex : surface.face(faces[i])) vertices.set(vertex);
+  });
   vertices.count_ranks();
   return vertices;
 }
@@ -56,7 +83,9 @@ BasicVector<float> direction_of(const TetMesh& surface, const Triangle& triangle
 /// Faces with one label, and what lies around each.
 class FaceRings {
  public:
-  FaceRings(const TetMesh& surface, std::span<const std::uint64_t> faces);
+  FaceRings(const TetMesh& surface,
+            std::span<const std::uint64_t> faces,
+            const Cancellation& cancellation);
 
   FaceNumber size() const noexcept { return static_cast<FaceNumber>(direction_.size()); }
   /// Across each edge: kNoFace where there is none, or more than one.
@@ -77,7 +106,7 @@ class FaceRings {
     return std::span(at_).subspan(first_at_[vertex], first_at_[vertex + 1] - first_at_[vertex]);
   }
   FaceNumber find_beside(FaceNumber face, std::size_t side) const noexcept;
-  void sort_by_vertex(std::uint64_t vertices);
+  void sort_by_vertex(std::uint64_t vertices, const Cancellation& cancellation);
 
   std::vector<Corners> corners_;
   std::vector<BasicVector<float>> direction_;
@@ -86,42 +115,38 @@ class FaceRings {
   std::vector<FaceNumber> at_;
 };
 
-FaceRings::FaceRings(const TetMesh& surface, std::span<const std::uint64_t> faces)
+FaceRings::FaceRings(const TetMesh& surface,
+                     std::span<const std::uint64_t> faces,
+                     const Cancellation& cancellation)
     : corners_(faces.size()), direction_(faces.size()), beside_(faces.size()) {
-  const RankMask vertices = vertices_of(surface, faces);
-  for_each_index(
-      faces.size(),
-      [&](std::size_t i) {
-        const Triangle triangle = surface.face(faces[i]);
-        direction_[i] = direction_of(surface, triangle);
-        for (std::size_t k = 0; k < 3; ++k) {
-          corners_[i][k] = static_cast<std::uint32_t>(vertices.rank(triangle[k]));
-        }
-      },
-      kFacesPerRange);
-  sort_by_vertex(vertices.count());
-  for_each_index(
-      faces.size(),
-      [&](std::size_t i) {
-        for (std::size_t side = 0; side < 3; ++side) {
-          beside_[i][side] = find_beside(static_cast<FaceNumber>(i), side);
-        }
-      },
-      kFacesPerRange);
+  const RankMask vertices = vertices_of(surface, faces, cancellation);
+  for_faces_in_parallel(faces.size(), cancellation, [&](FaceNumber i) {
+    const Triangle triangle = surface.face(faces[i]);
+    direction_[i] = direction_of(surface, triangle);
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners_[i][k] = static_cast<std::uint32_t>(vertices.rank(triangle[k]));
+    }
+  });
+  if (cancellation.requested()) return;  // vertices are missing
+  sort_by_vertex(vertices.count(), cancellation);
+  for_faces_in_parallel(faces.size(), cancellation, [&](FaceNumber i) {
+    for (std::size_t side = 0; side < 3; ++side) beside_[i][side] = find_beside(i, side);
+  });
 }
 
 /// A counting sort.
-void FaceRings::sort_by_vertex(std::uint64_t vertices) {
+void FaceRings::sort_by_vertex(std::uint64_t vertices, const Cancellation& cancellation) {
   first_at_.resize(vertices + 1);
-  for (const Corners& corners : corners_) {
-    for (const std::uint32_t vertex : corners) ++first_at_[vertex + 1];
-  }
+  for_faces(size(), cancellation, [&](FaceNumber i) {
+    for (const std::uint32_t vertex : corners_[i]) ++first_at_[vertex + 1];
+  });
   for (std::size_t i = 1; i < first_at_.size(); ++i) first_at_[i] += first_at_[i - 1];
   at_.resize(first_at_.back());
   std::vector<std::uint64_t> next(first_at_.begin(), first_at_.end() - 1);
-  for (FaceNumber i = 0; i < size(); ++i) {
+  if (cancellation.requested()) return;  // there may be too little room
+  for_faces(size(), cancellation, [&](FaceNumber i) {
     for (const std::uint32_t vertex : corners_[i]) at_[next[vertex]++] = i;
-  }
+  });
 }
 
 FaceNumber FaceRings::find_beside(FaceNumber face, std::size_t side) const noexcept {
@@ -159,17 +184,15 @@ std::uint8_t FaceRings::calm_rings(FaceNumber face, float least_likeness) const 
 /// Finds patches; until they are numbered, each is known by one of its faces.
 class PatchFinder {
  public:
-  PatchFinder(const FaceRings& faces, float least_likeness)
+  PatchFinder(const FaceRings& faces, float least_likeness, const Cancellation& cancellation)
       : faces_(faces),
         least_likeness_(least_likeness),
+        cancellation_(cancellation),
         calm_(faces.size()),
         patch_(faces.size(), kNoFace) {
-    for_each_index(
-        calm_.size(),
-        [&](std::size_t i) {
-          calm_[i] = faces.calm_rings(static_cast<FaceNumber>(i), least_likeness);
-        },
-        kFacesPerRange);
+    for_faces_in_parallel(calm_.size(), cancellation, [&](FaceNumber i) {
+      calm_[i] = faces.calm_rings(i, least_likeness);
+    });
   }
 
   /// Faces that are calm within so many rings, and in no patch, are patches where they lie
@@ -196,8 +219,14 @@ class PatchFinder {
   std::uint32_t number(std::vector<std::uint32_t>& patch) const;
 
  private:
+  template <class Body>
+  void for_all_faces(const Body& body) const {
+    for_faces(faces_.size(), cancellation_, body);
+  }
+
   const FaceRings& faces_;
   const float least_likeness_;
+  const Cancellation& cancellation_;
   std::vector<std::uint8_t> calm_;  // rings
   std::vector<FaceNumber> patch_;
 };
@@ -208,33 +237,34 @@ void PatchFinder::begin_patches(std::uint8_t rings) {
     return patch_[face] == kNoFace && calm_[face] >= rings;
   };
   UnionFind beside(patch_.size());
-  for (FaceNumber i = 0; i < faces_.size(); ++i) {
-    if (!may_begin(i)) continue;
+  for_all_faces([&](FaceNumber i) {
+    if (!may_begin(i)) return;
     for (const FaceNumber other : faces_.beside(i)) {
       if (other != kNoFace && other < i && may_begin(other)) beside.unite(i, other);
     }
-  }
+  });
   std::vector<FaceNumber> first(patch_.size(), kNoFace), size(patch_.size());
-  for (FaceNumber i = 0; i < faces_.size(); ++i) {
-    if (!may_begin(i)) continue;
+  for_all_faces([&](FaceNumber i) {
+    if (!may_begin(i)) return;
     first[i] = static_cast<FaceNumber>(beside.find(i));
     ++size[first[i]];
-  }
-  for (FaceNumber i = 0; i < faces_.size(); ++i) {
+  });
+  for_all_faces([&](FaceNumber i) {
     if (first[i] != kNoFace && size[first[i]] >= kLeastFaces) patch_[i] = first[i];
-  }
+  });
 }
 
 template <class MayTake>
 void PatchFinder::grow(int rings, const MayTake& may_take) {
   std::vector<FaceNumber> left;
-  for (FaceNumber i = 0; i < faces_.size(); ++i) {
+  for_all_faces([&](FaceNumber i) {
     if (patch_[i] == kNoFace) left.push_back(i);
-  }
+  });
   std::vector<std::pair<FaceNumber, FaceNumber>> taken;  // a face and its patch
   for (int ring = 0; ring < rings; ++ring) {
     taken.clear();
-    for (const FaceNumber i : left) {
+    for_faces(left.size(), cancellation_, [&](FaceNumber at) {
+      const FaceNumber i = left[at];
       float most = -std::numeric_limits<float>::infinity();
       FaceNumber best = kNoFace;
       for (const FaceNumber other : faces_.beside(i)) {
@@ -245,8 +275,8 @@ void PatchFinder::grow(int rings, const MayTake& may_take) {
         best = patch_[other];
       }
       if (best != kNoFace) taken.emplace_back(i, best);
-    }
-    if (taken.empty()) return;
+    });
+    if (taken.empty() || cancellation_.requested()) return;
     for (const auto& [face, patch] : taken) patch_[face] = patch;
     std::erase_if(left, [&](FaceNumber i) { return patch_[i] != kNoFace; });
   }
@@ -260,14 +290,14 @@ void PatchFinder::join(float least_likeness) {
     auto patches() const noexcept { return std::pair(one, other); }
   };
   std::vector<BorderEdge> border;
-  for (FaceNumber i = 0; i < faces_.size(); ++i) {
+  for_all_faces([&](FaceNumber i) {
     for (const FaceNumber k : faces_.beside(i)) {
       if (k == kNoFace || k < i || patch_[i] == patch_[k]) continue;
       if (patch_[i] == kNoFace || patch_[k] == kNoFace) continue;
       const auto [one, other] = std::minmax(patch_[i], patch_[k]);
       border.push_back({one, other, faces_.likeness(i, k) >= least_likeness});
     }
-  }
+  });
   std::ranges::sort(border, {}, &BorderEdge::patches);
   UnionFind joined(patch_.size());
   for (std::size_t begin = 0, end = 0; begin < border.size(); begin = end) {
@@ -279,21 +309,19 @@ void PatchFinder::join(float least_likeness) {
       joined.unite(border[begin].one, border[begin].other);
     }
   }
-  for (FaceNumber& of : patch_) {
-    if (of != kNoFace) of = static_cast<FaceNumber>(joined.find(of));
-  }
+  for_all_faces([&](FaceNumber i) {
+    if (patch_[i] != kNoFace) patch_[i] = static_cast<FaceNumber>(joined.find(patch_[i]));
+  });
 }
 
 std::uint32_t PatchFinder::number(std::vector<std::uint32_t>& patch) const {
   std::vector<FaceNumber> size(patch_.size()), lowest(patch_.size(), kNoFace), patches;
-  for (FaceNumber i = 0; i < faces_.size(); ++i) {
+  for_all_faces([&](FaceNumber i) {
     const FaceNumber of = patch_[i];
-    if (of == kNoFace) continue;
-    if (size[of]++ == 0) {
-      lowest[of] = i;
-      patches.push_back(of);
-    }
-  }
+    if (of == kNoFace || size[of]++ > 0) return;
+    lowest[of] = i;
+    patches.push_back(of);
+  });
   std::ranges::sort(patches, [&](FaceNumber a, FaceNumber b) {
     return std::pair(size[b], lowest[a]) < std::pair(size[a], lowest[b]);
   });
@@ -310,16 +338,17 @@ std::uint32_t PatchFinder::number(std::vector<std::uint32_t>& patch) const {
 
 CreasePatches find_crease_patches(const TetMesh& surface,
                                   std::uint16_t label,
-                                  double angle_deg) {
-  CreasePatches found{.faces = faces_of_label(surface, label)};
-  const FaceRings faces(surface, found.faces);
+                                  double angle_deg,
+                                  const Cancellation& cancellation) {
+  CreasePatches found{.faces = faces_of_label(surface, label, cancellation)};
+  const FaceRings faces(surface, found.faces, cancellation);
   // Directions are floats: flat faces must be alike at any angle.
   constexpr double kRounding = 1e-6;
   const auto likeness_at = [&](double degrees) {
     return static_cast<float>(std::cos(degrees * std::numbers::pi / 180) - kRounding);
   };
   constexpr double kSmoothPart = 0.25;  // bevels turn by more from triangle to triangle
-  PatchFinder finder(faces, likeness_at(angle_deg));
+  PatchFinder finder(faces, likeness_at(angle_deg), cancellation);
   finder.begin_patches(2);
   finder.grow_over_calm();
   finder.begin_patches(1);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -27,7 +28,8 @@ inline constexpr std::uint64_t kMostPatchedFaces = CreasePatches::kNone - std::u
 
 /// Finds the patches of a label's faces, at most kMostPatchedFaces. `surface` is a mesh of
 /// which nothing but its faces, their labels and the positions of their vertices is looked at.
-/// Parallel; the patches depend on the mesh alone.
+/// Parallel; the patches depend on the mesh alone. Once `cancellation` is requested it ends
+/// soon, and what it returns means nothing.
 ///
 /// The lattice bevels a sharp edge in triangles of any direction, about a spacing wide. So a
 /// patch begins with calm faces: every face within two rings around one looks at most
@@ -40,6 +42,7 @@ inline constexpr std::uint64_t kMostPatchedFaces = CreasePatches::kNone - std::u
 /// none.
 CreasePatches find_crease_patches(const TetMesh& surface,
                                   std::uint16_t label,
-                                  double angle_deg);
+                                  double angle_deg,
+                                  const Cancellation& cancellation = {});
 
 }  // namespace tet

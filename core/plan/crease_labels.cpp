@@ -37,7 +37,8 @@ struct DividedLabel {
 /// Enters labels one after the other, patches among them.
 class RegionDivision {
  public:
-  explicit RegionDivision(const TetMesh& surface) : surface_(surface) {}
+  RegionDivision(const TetMesh& surface, const Cancellation& cancellation)
+      : surface_(surface), cancellation_(cancellation) {}
 
   absl::Status add(std::uint16_t label);
   /// Writes labels and their numbers: into the mesh that they are of.
@@ -48,6 +49,7 @@ class RegionDivision {
   absl::Status divide(std::uint16_t label, double angle_deg);
 
   const TetMesh& surface_;
+  const Cancellation& cancellation_;
   std::vector<FaceLabel> labels_;
   std::vector<std::uint16_t> renumbered_;  // of each label before
   std::vector<DividedLabel> divided_;
@@ -72,7 +74,8 @@ absl::Status RegionDivision::add(std::uint16_t label) {
 
 absl::Status RegionDivision::divide(std::uint16_t label, double angle_deg) {
   const auto& before = surface_.header.face_labels;
-  CreasePatches patches = find_crease_patches(surface_, label, angle_deg);
+  CreasePatches patches = find_crease_patches(surface_, label, angle_deg, cancellation_);
+  if (auto status = check_cancelled(cancellation_); !status.ok()) return status;
   // All labels that come behind, and this one itself, may stay.
   const std::size_t all = labels_.size() + patches.count + before.size() - label;
   if (all > kMaxFaceLabels) {
@@ -110,8 +113,8 @@ void RegionDivision::apply(TetMesh& surface) && {
 
 }  // namespace
 
-absl::Status divide_regions(TetMesh& surface) {
-  RegionDivision division(surface);
+absl::Status divide_regions(TetMesh& surface, const Cancellation& cancellation) {
+  RegionDivision division(surface, cancellation);
   const std::size_t labels = surface.header.face_labels.size();
   for (std::size_t label = 0; label < labels; ++label) {
     if (auto status = division.add(static_cast<std::uint16_t>(label)); !status.ok()) {

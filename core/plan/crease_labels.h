@@ -3,6 +3,7 @@
 
 #include <absl/status/status.h>
 
+#include "core/base/cancel.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -13,8 +14,8 @@ namespace tet {
 /// no face at all.
 ///
 /// `surface` is what find_crease_patches takes; all of its labels may get other numbers.
-/// Parallel. Error: kInvalidArgument (more patches than a mesh has labels for, or two labels
-/// with one name; begins with the field).
-absl::Status divide_regions(TetMesh& surface);
+/// Parallel. Errors: kInvalidArgument (more patches than a mesh has labels for, or two labels
+/// with one name; begins with the field), kCancelled, kDeadlineExceeded.
+absl::Status divide_regions(TetMesh& surface, const Cancellation& cancellation = {});
 
 }  // namespace tet

@@ -5,6 +5,7 @@
 #include "core/vdb/decoder_pool.h"
 #include "server/grids/grid_store.h"
 #include "server/rpc/calls.h"
+#include "server/rpc/fair_tasks.h"
 #include "server/rpc/stall_watch.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 
@@ -19,14 +20,14 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
             v1::GridService::WithCallbackMethod_ListGrids<
                 v1::GridService::WithCallbackMethod_GetGridInfo<v1::GridService::Service>>>>>;
 
-/// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, a pool of its own, so that
-/// uploads do not wait for meshes; files are read by `decoders`. The store and the others
-/// outlive the service and its calls.
+/// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, threads of its own, so that
+/// uploads do not wait for meshes, and nobody's for all of another's; files are read by
+/// `decoders`. The store and the others outlive the service and its calls.
 class GridService final : public RawUploadService {
  public:
   GridService(GridStore& store,
               CallRegistry& calls,
-              TaskPool& disk,
+              FairTasks& disk,
               DecoderPool& decoders,
               StallWatch& stalls)
       : store_(store), calls_(calls), disk_(disk), decoders_(decoders), stalls_(stalls) {}
@@ -49,7 +50,7 @@ class GridService final : public RawUploadService {
  private:
   GridStore& store_;
   CallRegistry& calls_;
-  TaskPool& disk_;
+  FairTasks& disk_;
   DecoderPool& decoders_;
   StallWatch& stalls_;
 };

@@ -78,7 +78,8 @@ void UploadStream::give_up(std::chrono::seconds waited) {
 void UploadStream::wait_for(int events) { awaited_.store(events); }
 
 void UploadStream::happened() {
-  if (awaited_.fetch_sub(1) == 1) disk_.post([self = self_] { self->go_on(); });
+  if (awaited_.fetch_sub(1) > 1) return;
+  disk_.post(call_.client(), [self = self_] { self->go_on(); });
 }
 
 void UploadStream::go_on() {
@@ -172,7 +173,7 @@ void UploadStream::begin_work() {
   wait_for((last ? 0 : 1) + (has_piece ? 2 : 0));
   if (!last) read();
   if (!has_piece) return;
-  disk_.post([self = self_] {
+  disk_.post(call_.client(), [self = self_] {
     self->upload_->digest(self->piece_.bytes);
     self->happened();
   });

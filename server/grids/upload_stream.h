@@ -33,7 +33,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   struct Place {
     GridStore& store;
     CallRegistry& calls;
-    TaskPool& disk;
+    FairTasks& disk;
     StallWatch& stalls;
   };
 
@@ -71,7 +71,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   void finish(const absl::Status& status);
 
   GridStore& store_;
-  TaskPool& disk_;
+  FairTasks& disk_;
   Admission& admission_;
   Call call_;
   absl::StatusOr<Ticket> ticket_;

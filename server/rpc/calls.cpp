@@ -141,52 +141,26 @@ absl::Status client_stalled(const char* did_what, std::chrono::seconds waited) {
                      "CLIENT_STALLED");
 }
 
-namespace {
-
-/// Answers the call by what `post` is given, unless it is not admitted.
-template <class Post>
-grpc::ServerUnaryReactor* answer_by(const std::shared_ptr<Call>& call,
-                                    grpc::CallbackServerContext& context,
-                                    std::function<absl::Status(Call&)> work,
-                                    const Post& post) {
-  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
-  if (const absl::Status admitted = call->admission(); !admitted.ok()) {
-    reactor->Finish(call->finish(admitted));
-  } else {
-    post([call, reactor, work = std::move(work)] {
-      reactor->Finish(
-          call->finish(guarded(call->method().c_str(), [&] { return work(*call); })));
-    });
-  }
-  return reactor;
-}
-
-}  // namespace
-
-grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 TaskPool& disk,
-                                 grpc::CallbackServerContext& context,
-                                 std::string method,
-                                 std::function<absl::Status(Call&)> work) {
-  const auto call = std::make_shared<Call>(registry, context, std::move(method));
-  return answer_by(call, context, std::move(work),
-                   [&](std::function<void()> task) { disk.post(std::move(task)); });
-}
-
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  FairTasks& threads,
                                  grpc::CallbackServerContext& context,
                                  std::string method,
                                  std::function<absl::Status(Call&)> work) {
   const auto call = std::make_shared<Call>(registry, context, std::move(method));
-  return answer_by(call, context, std::move(work), [&](std::function<void()> task) {
-    threads.post(call->client(), std::move(task));
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  if (const absl::Status admitted = call->admission(); !admitted.ok()) {
+    reactor->Finish(call->finish(admitted));
+    return reactor;
+  }
+  threads.post(call->client(), [call, reactor, work = std::move(work)] {
+    reactor->Finish(call->finish(guarded(call->method().c_str(), [&] { return work(*call); })));
   });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* answer_later(
     CallRegistry& registry,
-    TaskPool& disk,
+    FairTasks& threads,
     grpc::CallbackServerContext& context,
     std::string method,
     std::function<void(std::shared_ptr<PendingAnswer>)> begin) {
@@ -196,7 +170,7 @@ grpc::ServerUnaryReactor* answer_later(
   if (const absl::Status admitted = call->admission(); !admitted.ok()) {
     pending->finish(admitted);
   } else {
-    disk.post([pending, begin = std::move(begin)] {
+    threads.post(call->client(), [pending, begin = std::move(begin)] {
       pending->finish_unless_ok(
           guarded(pending->call().method().c_str(), [&] { begin(pending); }));
     });

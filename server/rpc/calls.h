@@ -122,14 +122,8 @@ absl::Status client_gone(const Cancellation& cancellation);
 /// kAborted with reason CLIENT_STALLED: the client `did_what` for so long.
 absl::Status client_stalled(const char* did_what, std::chrono::seconds waited);
 
-/// What the gRPC handlers of a unary method have in common: `work` runs on `disk`, never on
-/// gRPC's own threads, and its status ends the call.
-grpc::ServerUnaryReactor* answer(CallRegistry& registry,
-                                 TaskPool& disk,
-                                 grpc::CallbackServerContext& context,
-                                 std::string method,
-                                 std::function<absl::Status(Call&)> work);
-/// Runs `work` on threads that clients share in turns.
+/// What the gRPC handlers of a unary method have in common: `work` runs on threads that clients
+/// share in turns, never on gRPC's own, and its status ends the call.
 grpc::ServerUnaryReactor* answer(CallRegistry& registry,
                                  FairTasks& threads,
                                  grpc::CallbackServerContext& context,
@@ -161,11 +155,11 @@ class PendingAnswer {
   std::atomic<bool> finished_{false};
 };
 
-/// Answers a call whose work waits, unlike that of `answer`: `begin` runs on `disk` and sees to
-/// it that somebody finishes the call.
+/// Answers a call whose work waits, unlike that of `answer`: `begin` runs there and sees to it
+/// that somebody finishes the call.
 grpc::ServerUnaryReactor* answer_later(
     CallRegistry& registry,
-    TaskPool& disk,
+    FairTasks& threads,
     grpc::CallbackServerContext& context,
     std::string method,
     std::function<void(std::shared_ptr<PendingAnswer>)> begin);

@@ -132,7 +132,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> divide_surface(
   if (auto status = check_surface_budget(plan->header(), limits); !status.ok()) return status;
   TetMesh surface = SurfaceMaker(*plan, cancellation).make();
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  if (auto status = divide_regions(surface); !status.ok()) return status;
+  if (auto status = divide_regions(surface, cancellation); !status.ok()) return status;
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return std::make_shared<const CreasedPlan>(
       std::move(plan), std::move(surface.header.face_labels), std::move(surface.face_labels));

@@ -1,6 +1,5 @@
 // What the server takes plans for, before they are made, beside what they are.
 #include <algorithm>
-#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,9 +11,29 @@
 namespace tet::test {
 namespace {
 
-/// The worst request of each kind, by name, with what it costs. Both times are the processor's,
-/// and are compared with those of a plain ball of the same run: a slow machine, or one that is
-/// busy, makes all of them slower.
+constexpr double kMostUnder = 4, kMostOver = 8, kMostGap = 8;
+
+/// What another program takes from the processor's caches makes work dearer, never cheaper: the
+/// least of some measurements is what it costs.
+void keep_least(PlanCost& least, const PlanCost& again) {
+  least.taken = std::min(least.taken, again.taken);
+  least.pricing = std::min(least.pricing, again.pricing);
+  least.longest_gap = std::min(least.longest_gap, again.longest_gap);
+}
+
+/// How much more it took than it looked to take, beside the plain one.
+double excess_of(const PlanCost& cost, const PlanCost& plain) {
+  return (cost.taken / cost.price) / (plain.taken / plain.price);
+}
+
+bool is_as_it_should_be(const PlanCost& cost, const PlanCost& plain) {
+  return excess_of(cost, plain) < kMostUnder && cost.longest_gap < kMostGap * plain.taken &&
+         cost.pricing < cost.taken / 4 + plain.taken;
+}
+
+/// The worst request of each kind, by name, with what it costs. Times are the processor's, and
+/// are compared with those of a plain ball of the same run: a slow machine makes all of them
+/// slower.
 class PlanCosts : public testing::Test {
  protected:
   struct Measured {
@@ -24,14 +43,17 @@ class PlanCosts : public testing::Test {
 
   static const Measured& measured() {
     static const Measured once = [] {
-      Measured costs;
+      constexpr int kPlainTimes = 5, kMostTimes = 5;
       cost_of(plain_ball(40));  // whatever is made once, is made
-      std::array<PlanCost, 5> plain;
-      for (PlanCost& one : plain) one = cost_of(plain_ball(40));
-      std::ranges::nth_element(plain, plain.begin() + 2, {}, &PlanCost::taken);
-      costs.plain = plain[2];
-      for (const CostCase& one : cost_cases(1))
-        costs.others.emplace_back(one.name, cost_of(one));
+      Measured costs{.plain = cost_of(plain_ball(40)), .others = {}};
+      for (int i = 1; i < kPlainTimes; ++i) keep_least(costs.plain, cost_of(plain_ball(40)));
+      for (const CostCase& one : cost_cases(1)) {
+        PlanCost cost = cost_of(one);
+        for (int i = 1; i < kMostTimes && !is_as_it_should_be(cost, costs.plain); ++i) {
+          keep_least(cost, cost_of(one));
+        }
+        costs.others.emplace_back(one.name, cost);
+      }
       return costs;
     }();
     return once;
@@ -40,10 +62,9 @@ class PlanCosts : public testing::Test {
 
 TEST_F(PlanCosts, AreWhatPlansLookToCostToWithinAFactor) {
   // What looks dearer than it is waits for a longer turn; what looks cheaper is done twice.
-  constexpr double kMostUnder = 4, kMostOver = 8;
   const auto& [plain, others] = measured();
   for (const auto& [name, cost] : others) {
-    const double ratio = (cost.taken / cost.price) / (plain.taken / plain.price);
+    const double ratio = excess_of(cost, plain);
     EXPECT_LT(ratio, kMostUnder) << name << ": " << cost.taken << " ms";
     // What is refused once it is looked at takes less than it would.
     if (!cost.refusal.empty()) continue;
@@ -60,10 +81,10 @@ TEST_F(PlanCosts, AreNotThoseOfTheirPrice) {
 
 TEST_F(PlanCosts, AreLittleBetweenLooksAtWhetherTheyAreCancelled) {
   // A tenth of a second where a plain ball takes what it does on the machine of kBrickTime.
-  constexpr double kMost = 8;
   const auto& [plain, others] = measured();
   for (const auto& [name, cost] : others) {
-    EXPECT_LT(cost.longest_gap, kMost * plain.taken) << name << ", of " << cost.taken << " ms";
+    EXPECT_LT(cost.longest_gap, kMostGap * plain.taken)
+        << name << ", of " << cost.taken << " ms";
   }
 }
 
