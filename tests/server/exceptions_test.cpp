@@ -69,7 +69,8 @@ class Failing final : public v1::JobService::CallbackService {
   std::unique_ptr<Access> access_;
   Admission admission_{some_calls()};
   CallRegistry registry_{*access_, admission_};
-  TaskPool threads_{2};
+  TaskPool pool_{2};
+  FairTasks threads_{pool_};
 };
 
 class ExceptionsTest : public testing::Test {
