@@ -48,7 +48,7 @@ class ChunkSupply {
   virtual std::string mesh_id() const { return ""; }
   /// The next chunk, which lives until the next call; null after the last.
   virtual absl::StatusOr<const ChunkView*> next() = 0;
-  /// Of the chunk that `next` gave last: its columns stay as they are while the result lives.
+  /// Keeps the chunk that `next` gave last: its columns stay while the result lives.
   virtual std::shared_ptr<const TetMesh> keep() const = 0;
   /// What was told of the mesh. Call it once `next` has given null.
   virtual const TrailerFacts& facts() const = 0;

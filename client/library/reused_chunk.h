@@ -30,7 +30,7 @@ class ReusedChunk {
 
   /// The columns made last; `make` was called before.
   TetMesh& mesh() const noexcept { return *turns_[turn_]; }
-  /// The same, and it stays as it is while the result, or a copy of it, lives.
+  /// Keeps them: they stay as they are while the result, or a copy of it, lives.
   std::shared_ptr<const TetMesh> kept() const noexcept { return turns_[turn_]; }
 
  private:

@@ -31,7 +31,7 @@ void for_faces(std::uint64_t count, const Cancellation& cancellation, const Body
   }
 }
 
-/// The same in parallel.
+/// Does the same in parallel.
 template <class Body>
 void for_faces_in_parallel(std::size_t count,
                            const Cancellation& cancellation,
