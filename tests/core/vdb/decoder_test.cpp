@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <future>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -172,6 +173,17 @@ TEST_F(DecoderTest, CopiesItselfForOneFileAfterAnother) {
   }
   EXPECT_TRUE(decode_with(*original).ok());
   EXPECT_TRUE(absl::IsUnavailable(original->copy(nullptr).status()));
+}
+
+// The sandbox killed one that closed its files when it had answered.
+TEST_F(DecoderTest, EndsByItselfOnceItHasAnswered) {
+  absl::StatusOr<Decoder> decoder = Decoder::start({});
+  ASSERT_TRUE(decoder.ok()) << decoder.status();
+  ASSERT_EQ(decoder->wait_until_ready(nullptr), absl::OkStatus());
+  ASSERT_EQ(decode_with(*decoder), absl::OkStatus());
+  siginfo_t how{};
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(decoder->pid()), &how, WEXITED | WNOWAIT), 0);
+  EXPECT_EQ(how.si_code, CLD_EXITED) << "signal " << how.si_status;
 }
 
 TEST_F(DecoderTest, LeavesNoProcessBehind) {
