@@ -61,7 +61,7 @@ def test_changes_are_watched_until_the_end(client):
 
 
 def test_a_cancelled_job_is_tried_again(client):
-    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
     cancelled = client.jobs.cancel(long)
     assert client.jobs.wait(long).state == "cancelled"
     assert isinstance(client.jobs.get(cancelled).error, ts.CancelledError)
@@ -101,7 +101,7 @@ def test_what_is_wrong_with_an_order_is_said_at_once(client):
 
 
 def test_a_wait_ends_at_its_deadline(client):
-    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
     with pytest.raises(ts.DeadlineExceededError):
         client.jobs.wait(long, timeout=0.2)
     client.jobs.cancel(long)
@@ -109,7 +109,7 @@ def test_a_wait_ends_at_its_deadline(client):
 
 def test_jobs_of_this_process_are_made_in_their_order():
     with ts.Client() as here:
-        first = here.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+        first = here.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
         low = here.jobs.submit(PART, spacing=0.3, priority=-1)
         high = here.jobs.submit(PART, spacing=0.3, priority=1)
         assert here.jobs.get(high).queue_position in (0, 1)
