@@ -110,6 +110,7 @@ def test_a_wait_ends_at_its_deadline(client):
 def test_jobs_of_this_process_are_made_in_their_order():
     with ts.Client() as here:
         first = here.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
+        running_server.wait_until(lambda: here.jobs.get(first).state == "running")
         low = here.jobs.submit(PART, spacing=0.3, priority=-1)
         high = here.jobs.submit(PART, spacing=0.3, priority=1)
         assert here.jobs.get(high).queue_position in (0, 1)
