@@ -166,7 +166,9 @@ class FromMesh {
 
   /// What is found is of no use once it is cancelled.
   SurfaceDistance measure(const MeshSurface& surface, const Cancellation& cancellation) const {
-    const auto [even, suspects] = choose(surface, field_, spacing_);
+    const ChosenTriangles chosen = choose(surface, field_, spacing_);
+    const auto& even = chosen.even;
+    const auto& suspects = chosen.suspects;
     std::vector<Found> found(even.size() + suspects.size());
     for_each_range(found.size(), kPerRange, [&](std::size_t begin, std::size_t end) {
       if (cancellation.requested()) return;
@@ -219,10 +221,10 @@ SurfaceDistance measure_to_mesh(const TrueSurface& truth,
   for_each_range(found.size(), kPerRange, [&](std::size_t begin, std::size_t end) {
     if (cancellation.requested()) return;
     for (std::size_t i = begin; i < end; ++i) {
-      const auto& [at, area] = truth.points[i];
+      const WorldPoint& at = truth.points[i].at;
       const BoxTree::Nearest near = tree.nearest(
           at, [&](std::uint32_t t) { return squared_distance(at, surface.triangles[t]); });
-      found[i].add(std::sqrt(near.squared_distance), area, at);
+      found[i].add(std::sqrt(near.squared_distance), truth.points[i].area, at);
     }
   });
   return distance_of(found, found.size());
