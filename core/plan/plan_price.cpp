@@ -113,7 +113,7 @@ class SceneLook {
     }
   }
 
-  /// The same ones every time, spread as no lattice of a scene is.
+  /// Points are the same ones every time, and are spread as no lattice of a scene is.
   WorldPoint point_in(const WorldPoint& low, std::size_t i) const {
     const auto along = [i](double from, double edge, double step) {
       const double at = 0.5 + static_cast<double>(i) * step;
@@ -312,7 +312,7 @@ double times_plain(const MeshRequest& request) {
   return times;
 }
 
-/// Of a grid or a scene.
+/// Prices a grid or a scene.
 double price_solid(const Shape& shape, const MeshRequest& request, double spacing) {
   const Scene* scene = scene_of(shape);
   if (scene != nullptr && !has_extent(*scene, request)) return 0;  // refused at once
