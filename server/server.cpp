@@ -22,6 +22,7 @@
 #include "server/ops/latest_readings.h"
 #include "server/ops/logging.h"
 #include "server/ops/memory.h"
+#include "server/ops/metric_history.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
 #include "server/rpc/access.h"
@@ -146,10 +147,12 @@ struct Server::Parts {
   UnreadMessages unread;
   std::unique_ptr<grpc::Server> server;
   LatestReadings latest{[this] { return slow_readings(); }};
+  MetricHistory history;
   std::unique_ptr<MetricsPort> metrics;
   std::unique_ptr<HttpPort> http;                   ///< its calls are the server's
   std::atomic<const HttpPort*> open_port{nullptr};  ///< it, once it is open: for its own thread
   std::unique_ptr<Heartbeat> health;                ///< tells whoever asks
+  std::unique_ptr<Heartbeat> sampling;              ///< fills the history
   int port = 0;
   bool stopped = false;
 };
@@ -232,11 +235,17 @@ absl::Status Server::Parts::open_metrics() {
 
 absl::Status Server::Parts::open_http() {
   if (config.http_listen.empty()) return absl::OkStatus();
+  const auto tell = [this](absl::string_view families) {
+    return history.json(MetricHistory::Clock::now(), families);
+  };
   auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
-                                        [this] { return works(); }, grpc_address()});
+                                        tell, [this] { return works(); }, grpc_address()});
   if (!opened.ok()) return opened.status();
   http = *std::move(opened);
   open_port = http.get();
+  const auto sample = [this] { history.take(MetricHistory::Clock::now(), metrics_text()); };
+  sample();
+  sampling = std::make_unique<Heartbeat>(MetricHistory::kInterval, sample);
   return absl::OkStatus();
 }
 
@@ -345,6 +354,7 @@ void Server::stop(std::chrono::seconds drain) {
     parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kGoodbye);
   }
   parts_->metrics.reset();  // which reads the port that goes
+  parts_->sampling.reset();
   parts_->open_port = nullptr;
   parts_->http.reset();
   parts_->health_service.end();

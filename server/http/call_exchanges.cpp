@@ -9,6 +9,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 #include <absl/strings/string_view.h>
+#include <absl/strings/strip.h>
 
 #include "proto/convert/status.h"
 #include "server/http/forwarded_call.h"
@@ -279,7 +280,10 @@ class UploadExchange final : public CallExchange {
 
 class MetricsExchange final : public CallExchange {
  public:
-  using CallExchange::CallExchange;
+  MetricsExchange(const HttpPlace& place, const RequestHead& head, AnswerStream& stream)
+      : CallExchange(place, head, stream),
+        of_last_hour_(head.path != "/metrics"),
+        query_(head.query) {}
 
   void start(std::string /*body*/) override {
     if (!place_.needs_token) return send_metrics();
@@ -296,8 +300,20 @@ class MetricsExchange final : public CallExchange {
 
  private:
   void send_metrics() {
-    stream_.send({200, "text/plain; version=0.0.4; charset=utf-8", place_.metrics()});
+    if (!of_last_hour_) {
+      return stream_.send({200, "text/plain; version=0.0.4; charset=utf-8", place_.metrics()});
+    }
+    const auto query = decode_query(query_);
+    absl::string_view names = query ? absl::string_view(*query) : "";
+    if (!query || (!names.empty() && !absl::ConsumePrefix(&names, "names="))) {
+      return stream_.send(refusal_answer(
+          {400, "/metrics/history takes ?names=METRIC,METRIC and nothing else"}));
+    }
+    stream_.send({200, "application/json", place_.history(names)});
   }
+
+  const bool of_last_hour_;
+  const std::string query_;
 };
 
 MadeExchange made(std::shared_ptr<CallExchange> exchange) {

@@ -101,7 +101,9 @@ Made make_exchange(const HttpPlace& place, const RequestHead& head, AnswerStream
     return std::make_shared<ReadyAnswer>(stream, HttpAnswer{200, "text/plain", ""});
   }
   if (head.method == "GET" || head.method == "HEAD") {
-    if (head.path == "/metrics") return metrics_exchange(place, head, stream);
+    if (is_one_of(head.path, {"/metrics", "/metrics/history"})) {
+      return metrics_exchange(place, head, stream);
+    }
     HttpAnswer page = plain_page(place, head);
     if (page.status != 0) return std::make_shared<ReadyAnswer>(stream, std::move(page));
     if (!is_json_path(head.path)) return HttpRefusal{404, "there is nothing at this path"};

@@ -29,6 +29,8 @@ struct HttpPlace {
   std::string grpc_place;  ///< JSON: see grpc_place_json
   std::shared_ptr<grpc::GenericStub> stub;
   std::function<std::string()> metrics;
+  /// JSON, of the families of metrics whose names it is given: see MetricHistory.
+  std::function<std::string(absl::string_view)> history;
   std::function<bool()> ready;
   bool needs_token = false;
 };

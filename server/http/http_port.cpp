@@ -79,6 +79,7 @@ struct HttpPort::Impl {
               grpc_place_json(service.grpc_address, service.tls != nullptr),
               stub_of(service.server),
               std::move(service.metrics),
+              std::move(service.history),
               std::move(service.ready),
               !config.tokens.empty()},
         shared{place, limits_of(config), [this](int status) { refused(status); },

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <absl/status/statusor.h>
+#include <absl/strings/string_view.h>
 #include <grpcpp/server.h>
 
 #include "server/ops/config.h"
@@ -20,6 +21,7 @@ struct HttpService {
   grpc::Server& server;      ///< whose calls it makes
   ServerTls* tls = nullptr;  ///< null where the port is plain
   std::function<std::string()> metrics;
+  std::function<std::string(absl::string_view)> history;
   std::function<bool()> ready;
   std::string grpc_address;  ///< host:port that gRPC's port was opened as
 };

@@ -126,6 +126,27 @@ class Json(HttpTest):
         self.assertEqual(estimate[0], 200, estimate)
         self.assertGreater(int(estimate[1]["tetCount"]), 0)
 
+    def test_the_last_hours_metrics(self):
+        status, history = self.json("GET", "/metrics/history")
+        self.assertEqual(status, 200)
+        ages = history["seconds_ago"]
+        self.assertEqual(ages, sorted(ages, reverse=True))
+        self.assertGreaterEqual(len(ages), 1)
+        self.assertGreaterEqual(min(ages), 0)
+        for series, values in history["samples"].items():
+            self.assertEqual(len(values), len(ages), series)
+        now = self.samples()
+        kept = {s for s in now if "_bucket" not in s and s in history["samples"]}
+        self.assertIn("tetstream_sent_tets_total", kept)
+        self.assertIn("process_resident_memory_bytes", kept)
+        some = self.json("GET", "/metrics/history?names=tetstream_evictions_total,no_such")[1]
+        self.assertEqual({s.split("{")[0] for s in some["samples"]}, {"tetstream_evictions_total"})
+        encoded = self.json("GET", "/metrics/history?names=tetstream_evictions_total%2Cno_such")[1]
+        self.assertEqual(encoded["samples"].keys(), some["samples"].keys())
+        for query in ("name=x", "names", "names=%0a", "x&names=y"):
+            status, refused = self.json("GET", f"/metrics/history?{query}")
+            self.assertEqual((status, refused["error"]["code"] > 0), (400, True), query)
+
     def test_says_what_is_wrong_with_json(self):
         for body, status in (("{", 400), ('{"no": 1}', 400), ("[]", 400),
                              ("[" * 100 + "]" * 100, 400)):

@@ -48,6 +48,8 @@ class TokensAndTls(HttpTest):
         self.assertEqual((status, said["error"]["reason"]), (401, "TOKEN_UNKNOWN"))
         self.assertEqual(self.json("GET", "/v1/grids", headers=self.bearer())[0], 200)
         self.assertEqual(self.ask("GET", "/metrics")[0], 401)
+        self.assertEqual(self.ask("GET", "/metrics/history")[0], 401)
+        self.assertEqual(self.ask("GET", "/metrics/history", None, self.bearer())[0], 200)
         status, _, body = self.ask("GET", "/metrics", None, self.bearer())
         self.assertEqual(status, 200)
         self.assertIn(b"tetstream_http_connections", body)

@@ -254,6 +254,68 @@ part("Lives", () => {
     assert.deepEqual(page.errors, []);
   });
 
+  it("shows a job's shards as a bar: done, with a worker, waiting, and dropped once it is cancelled", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    await page.click('nav a[href="#jobs"]');
+    const name = await page.inputValue("#stored");
+    // Hundreds of millions of tets: it is far from its end when the first shards are.
+    const answer = await fetch(`${held.server.url}v1/jobs`, { method: "POST", headers: { "Content-Type": "application/json" },
+      body: JSON.stringify({ job: { displayName: "long", mesh: { name, spacing: 0.006, levels: 0 } } }) });
+    const job = await answer.json();
+    assert.ok(answer.ok, JSON.stringify(job));
+    const row = page.locator(`#job-rows tr[data-job="${job.name}"]`);
+    const kinds = () => row.locator(".shards > span").evaluateAll((parts) =>
+      Object.fromEntries(parts.map((part) => [part.className, Number(part.dataset.shards)])));
+    await until(page, (job) => {
+      const bar = document.querySelector(`#job-rows tr[data-job="${job}"] .shards`);
+      return bar?.querySelector(".done") && bar.querySelector(".waiting") && !/counting/.test(bar.parentElement.textContent);
+    }, job.name);
+    await row.getByRole("button", { name: /^Cancel/ }).click();
+    await page.waitForSelector(`#job-rows tr[data-job="${job.name}"][data-state="cancelled"]`);
+    const told = await (await fetch(`${held.server.url}v1/${job.name}`)).json();
+    await until(page, (job) => document.querySelector(`#job-rows tr[data-job="${job}"] .shards > .dropped`), job.name);
+    const shown = await kinds();
+    assert.equal(shown.done, Number(told.progress.doneShards));
+    assert.equal(Object.values(shown).reduce((sum, shards) => sum + shards, 0), Number(told.progress.shardCount));
+    const bar = row.locator(".shards");
+    assert.match(await bar.getAttribute("aria-label"), /^Shards of long: [\d,]+ done, .*[\d,]+ dropped$/);
+    const widths = await bar.locator("span").evaluateAll((parts) => parts.map((part) => part.getBoundingClientRect().width));
+    assert.ok(widths.every((width) => width > 0) && widths.at(-1) > widths[0], `${widths}`);
+    await row.getByRole("button", { name: /^Delete/ }).click();
+    await page.waitForSelector(`#job-rows tr[data-job="${job.name}"]`, { state: "detached" });
+    assert.deepEqual(page.errors, []);
+  });
+
+  it("plots the hour before anybody looked, as the server kept it", async () => {
+    const page = await held.browser.open(held.server.url);
+    const minutes = async () => Number(await page.getAttribute("#plots", "data-minutes"));
+    // What this server says of itself, as if it had said so for an hour.
+    let families;
+    await page.route("**/metrics/history**", async (route) => {
+      families = new URL(route.request().url()).searchParams.get("names");
+      const history = await (await route.fetch()).json();
+      assert.ok(history.seconds_ago.length > 0 && Object.keys(history.samples).length > 0, JSON.stringify(history));
+      const often = Array.from({ length: 240 }, (_, i) => i);
+      history.seconds_ago = often.map((i) => (240 - i) * 15);
+      for (const [name, values] of Object.entries(history.samples)) {
+        history.samples[name] = often.map((i) => name === "tetstream_sent_tets_total" ? i * 1500 : values.at(-1));
+      }
+      await route.fulfill({ json: history });
+    });
+    await page.click('nav a[href="#server"]');
+    await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));
+    assert.equal(await minutes(), 60);
+    assert.match(families, /(^|,)tetstream_job_shards(,|$)/);
+    assert.equal(await page.locator("#plots .uplot").count(), 9);
+    // Another view, and back: it is asked for anew, and nothing is there twice.
+    await page.unroute("**/metrics/history**");
+    await page.click('nav a[href="#jobs"]');
+    await page.click('nav a[href="#server"]');
+    await until(page, () => Number(document.getElementById("plots").dataset.minutes) < 60);
+    assert.deepEqual(page.errors, []);
+  });
+
   it("finds a server again that was killed", async () => {
     const page = await held.browser.open(held.server.url + "#jobs");
     await until(page, () => document.getElementById("watch-state").textContent === "live");

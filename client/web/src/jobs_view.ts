@@ -4,8 +4,9 @@ import { EmptySchema } from "@bufbuild/protobuf/wkt";
 import { CancelJobRequestSchema, DeleteJobRequestSchema, GetJobRequestSchema, JobChange, JobEventSchema, JobSchema,
   JobState, ListJobsRequestSchema, ListJobsResponseSchema, RetryJobRequestSchema, WatchJobsRequestSchema,
   type Job } from "../generated/tetstream/v1/jobs_pb";
-import { alertOf, element, explain, made, options } from "./page";
+import { alertOf, count, element, explain, made, options } from "./page";
 import { kOutOfRange, RpcError, stream, unary } from "./rpc";
+import { shardsOf } from "./shard_bar";
 
 // How long until a watch that broke is taken up; doubled each time, up to the second.
 const kRetryMs = 500, kMostRetryMs = 10_000;
@@ -96,13 +97,8 @@ export class JobsView {
     made("td", job.displayName || job.name.slice(5), row);
     const cell = made("td", job.cached ? `${state} (stored)` : state, row);
     if (job.error) made("span", job.error.message, cell).className = "error";
-    const chunks = made("td", "", row);
-    const done = Number(job.progress?.doneChunks ?? 0), all = Number(job.progress?.chunkCount ?? 0);
-    const bar = made("progress", "", chunks);
-    bar.max = Math.max(all, 1);
-    bar.value = done;
-    bar.setAttribute("aria-label", `Chunks of ${job.name}`);
-    made("span", ` ${done}/${all}`, chunks);
+    made("td", `${count(job.progress?.doneChunks ?? 0)}/${count(job.progress?.chunkCount ?? 0)}`, row);
+    made("td", "", row).append(...shardsOf(job));
     made("td", Object.entries(job.labels).map(([k, v]) => `${k}=${v}`).join(", "), row);
     this.addButtons(job, made("td", "", row));
     return row;

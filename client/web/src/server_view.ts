@@ -1,34 +1,10 @@
-// The view of the server: its own metrics, asked for every few seconds, the last hour as plots.
-import uPlot from "uplot";
+// The view of the server: its own metrics, asked for every few seconds, beside what it kept of the last hour.
+import { MetricPlots, kDrawn } from "./metric_plots";
+import { byLabel, parseMetrics, samplesOf, sum, type History, type Samples } from "./metrics";
 import { element, explain, made, options, row, sizeOf } from "./page";
 import { drawWorkers } from "./workers_view";
 
 const kEveryMs = 5000;
-const kMostPoints = 3600_000 / kEveryMs;
-
-interface Plot {
-  title: string;
-  metrics: string[];
-  names: string[];
-  rate?: boolean;
-  bytes?: boolean;
-}
-
-const kPlots: Plot[] = [
-  { title: "Meshes", metrics: ["tetstream_meshes_running", "tetstream_meshes_queued"], names: ["running", "queued"] },
-  { title: "Tets a second", metrics: ["tetstream_sent_tets_total"], names: ["sent"], rate: true },
-  { title: "Bytes a second", metrics: ["tetstream_sent_bytes_total", "tetstream_upload_bytes_total"],
-    names: ["sent", "received"], rate: true, bytes: true },
-  { title: "Memory", metrics: ["process_resident_memory_bytes", "tetstream_resident_bytes", "tetstream_plan_bytes"],
-    names: ["process", "grids", "plans"], bytes: true },
-  { title: "Store", metrics: ["tetstream_store_bytes", "tetstream_result_bytes"], names: ["grids", "results"], bytes: true },
-  { title: "Workers and shards", metrics: ['tetstream_workers{state="working"}', 'tetstream_job_shards{state="leased"}',
-    'tetstream_job_shards{state="ready"}'], names: ["workers", "leased", "waiting"] },
-  { title: "Cache, lookups a second", metrics: ['tetstream_plan_lookups_total{result="hit"}',
-    'tetstream_plan_lookups_total{result="miss"}'], names: ["hits", "misses"], rate: true },
-  { title: "Refusals a second", metrics: ["tetstream_refusals_total"], names: ["refused"], rate: true },
-  { title: "Connections over HTTP", metrics: ["tetstream_http_connections"], names: ["open"] },
-];
 
 /** What takes memory or disk, and how much it may. */
 const kBudgets = [
@@ -38,59 +14,22 @@ const kBudgets = [
   { what: "results of jobs", used: "tetstream_result_bytes", budget: "tetstream_result_budget_bytes" },
 ];
 
-// Of a page that was just opened a plot is so wide at least, so that its times are those of today.
-const kLeastSeconds = 300;
-
-/** From the first sample to the last, of which there may be none. */
-function rangeOf(times: number[]): [number, number] {
-  const end = times.at(-1) ?? Date.now() / 1000;
-  return [Math.min(times[0] ?? end, end - kLeastSeconds), end];
-}
-
-type Samples = Map<string, number>;
-
-export function parseMetrics(text: string): Samples {
-  const samples: Samples = new Map();
-  for (const line of text.split("\n")) {
-    const match = /^([^#\s]\S*) (\S+)$/.exec(line);
-    if (match) samples.set(match[1]!, Number(match[2]));
-  }
-  return samples;
-}
-
-/** The sum over all labels. */
-function sum(samples: Samples, name: string): number {
-  let total = 0;
-  for (const [key, value] of samples) if (key === name || key.startsWith(`${name}{`)) total += value;
-  return total;
-}
-
-/** The samples of a metric, by the value of one of its labels. */
-function byLabel(samples: Samples, name: string, label: string): [string, number][] {
-  return [...samples].filter(([key]) => key.startsWith(`${name}{`))
-    .map(([key, value]) => [new RegExp(`${label}="([^"]*)"`).exec(key)?.[1] ?? "", value]);
-}
-
-/** A colour of the style sheet as a canvas takes it. */
-function resolved(name: string, beside: HTMLElement): string {
-  const probe = made("span", "", beside);
-  probe.style.color = `var(${name})`;
-  const colour = getComputedStyle(probe).color;
-  probe.remove();
-  return colour;
+/** What the server answers to a GET with the token of this page. */
+async function get(path: string): Promise<Response> {
+  const token = options().token;
+  const answer = await fetch(path, { headers: token ? { Authorization: `Bearer ${token}` } : {} });
+  if (!answer.ok) throw new Error((await answer.json()).error?.message ?? `HTTP ${answer.status}`);
+  return answer;
 }
 
 export class ServerView {
-  private readonly times: number[] = [];
-  private readonly values = kPlots.map((plot) => plot.metrics.map(() => [] as (number | null)[]));
-  private plots: uPlot[] = [];
-  private previous?: Samples;
+  private readonly plots = new MetricPlots();
   private timer = 0;
 
   open(): void {
-    if (this.plots.length === 0) this.plots = kPlots.map((plot) => this.make(plot));
-    if (!this.timer) this.timer = window.setInterval(() => void this.ask(), kEveryMs);
-    void this.ask();
+    this.close();
+    this.timer = window.setInterval(() => void this.ask(), kEveryMs);
+    void this.begin();
   }
 
   close(): void {
@@ -98,28 +37,22 @@ export class ServerView {
     this.timer = 0;
   }
 
-  private make(plot: Plot): uPlot {
-    const box = made("div", "", element("plots"));
-    box.className = "plot";
-    const style = getComputedStyle(document.body);
-    const colours = ["--mark", "--bad", "--quiet"].map((name) => resolved(name, box));
-    const axis = { stroke: style.color, grid: { stroke: "#8884" }, ticks: { stroke: "#8884" } };
-    return new uPlot({
-      title: plot.title,
-      width: Math.max(box.clientWidth - 16, 200),
-      height: 180,
-      scales: { x: { range: () => rangeOf(this.times) } },
-      axes: [axis, { ...axis, size: 70, values: plot.bytes ? (_, ticks) => ticks.map((t) => sizeOf(t)) : undefined }],
-      series: [{}, ...plot.names.map((label, i) => ({ label, stroke: colours[i], width: 2 }))],
-    }, [[], ...plot.metrics.map(() => [])] as uPlot.AlignedData, box);
+  /** The hour until now comes from the server, so that nothing is missing of the time when nobody looked. */
+  private async begin(): Promise<void> {
+    this.plots.clear();
+    this.plots.draw();
+    try {
+      const history = (await (await get(`/metrics/history?names=${kDrawn.join(",")}`)).json()) as History;
+      for (const { time, samples } of samplesOf(history, Date.now() / 1000)) this.plots.take(time, samples);
+    } catch (error) {
+      element("server-info").textContent = explain(error);
+    }
+    await this.ask();
   }
 
   private async ask(): Promise<void> {
     try {
-      const token = options().token;
-      const answer = await fetch("/metrics", { headers: token ? { Authorization: `Bearer ${token}` } : {} });
-      if (!answer.ok) throw new Error((await answer.json()).error?.message ?? `HTTP ${answer.status}`);
-      this.take(parseMetrics(await answer.text()));
+      this.take(parseMetrics(await (await get("/metrics")).text()));
       await drawWorkers();
     } catch (error) {
       element("server-info").textContent = explain(error);
@@ -127,17 +60,8 @@ export class ServerView {
   }
 
   private take(samples: Samples): void {
-    this.times.push(Date.now() / 1000);
-    kPlots.forEach((plot, p) => plot.metrics.forEach((metric, m) => {
-      const column = this.values[p]![m]!;
-      const value = sum(samples, metric);
-      if (!plot.rate) column.push(value);
-      else column.push(this.previous ? (value - sum(this.previous, metric)) / this.secondsSinceLast() : null);
-      if (column.length > kMostPoints) column.shift();
-    }));
-    if (this.times.length > kMostPoints) this.times.shift();
-    this.plots.forEach((plot, p) => plot.setData([this.times, ...this.values[p]!] as uPlot.AlignedData));
-    this.previous = samples;
+    this.plots.take(Date.now() / 1000, samples);
+    this.plots.draw();
     const since = samples.get("process_start_time_seconds");
     element("server-info").textContent = `Calls so far: ${sum(samples, "tetstream_calls_total")}. ` +
       (since ? `Up since ${new Date(since * 1000).toLocaleString()}.` : "");
@@ -153,11 +77,6 @@ export class ServerView {
         made("td", String(value), row);
         return row;
       }));
-  }
-
-  private secondsSinceLast(): number {
-    const [before, now] = this.times.slice(-2);
-    return Math.max((now ?? 0) - (before ?? 0), 1e-3);
   }
 
   private drawBudgets(samples: Samples): void {
