@@ -172,15 +172,15 @@ std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zero
 }
 
 TET_VECTOR_CLONES
-BrickMask tets_on_three_zeros(const CellNodes& nodes, std::size_t number) noexcept {
-  const ShapeNodes shape(nodes, kTetShape[number]);
-  const BrickMask& pairs = nodes.pairs[number / 4];
-  BrickMask zeros;
-  for (std::size_t x = 0; x < 8; ++x) {
-    const ShapeBits bits = shape.slice(x);
-    zeros.slice[x] = pairs.slice[x] & bits.no_minus & bits.one();
+void find_three_zeros(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
+  for (std::size_t number = 0; number < kTetShapes; ++number) {
+    const ShapeNodes shape(nodes, kTetShape[number]);
+    const BrickMask& pairs = nodes.pairs[number / 4];
+    for (std::size_t x = 0; x < 8; ++x) {
+      const ShapeBits bits = shape.slice(x);
+      three_zeros[number].slice[x] = pairs.slice[x] & bits.no_minus & bits.one();
+    }
   }
-  return zeros;
 }
 
 }  // namespace tet

@@ -21,7 +21,7 @@ std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcep
 using ThreeZeros = std::array<BrickMask, kTetShapes>;
 
 /// Those of one shape.
-BrickMask tets_on_three_zeros(const CellNodes& nodes, std::size_t shape) noexcept;
+void find_three_zeros(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept;
 
 /// For each node of a shape, how far from the cell the node opposite it lies, across the face
 /// of the other three: the mirror image in the middle of the tet's other long edge.

@@ -1,6 +1,8 @@
 #include "core/stuffing/fill.h"
 
+#include <algorithm>
 #include <bit>
+#include <optional>
 #include <utility>
 
 #include "core/stuffing/cut_tet.h"
@@ -49,47 +51,66 @@ std::size_t written_corner(const TetShape& shape, std::size_t i) noexcept {
   return shape.negative && i >= 2 ? 5 - i : i;
 }
 
-/// Calls `visit(tet, x, y, z)` for some of the tets that are written whole, `first` the number
-/// of the first of those.
-template <class Visit>
+/// Calls `visit(tet, x, bit)` for some of the tets that are written whole, `first` the number
+/// of the first of those; `some(x)` are those of a slice.
+template <class Some, class Visit>
 void for_each_of_whole(const BrickMask& whole,
-                       const BrickMask& some,
+                       const Some& some,
                        std::size_t first,
                        const Visit& visit) noexcept {
-  for (int x = 0; x < 8; ++x) {
-    const std::uint64_t slice = whole.slice[static_cast<std::size_t>(x)];
-    for (std::uint64_t bits = some.slice[static_cast<std::size_t>(x)]; bits != 0;
-         bits &= bits - 1) {
-      const int bit = std::countr_zero(bits);
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t slice = whole.slice[x];
+    for (std::uint64_t bits = some(x); bits != 0; bits &= bits - 1) {
       const int before = std::popcount(slice & ((bits & -bits) - 1));
-      visit(first + static_cast<std::size_t>(before), x, bit >> 3, bit & 7);
+      visit(first + static_cast<std::size_t>(before), x, std::countr_zero(bits));
     }
     first += static_cast<std::size_t>(std::popcount(slice));
   }
 }
 
+/// The triangles of the surface on faces of a brick's whole tets.
+class WholeOnSurface {
+ public:
+  explicit WholeOnSurface(const FinestBrick& brick) noexcept {
+    if (brick.faces == nullptr || brick.nodes.region != MeshRegion::kInside) return;
+    ThreeZeros three_zeros;
+    find_three_zeros(brick.nodes, three_zeros);
+    if (std::ranges::none_of(three_zeros, &BrickMask::any)) return;
+    find_on_surface(three_zeros, brick.nodes, brick.faces->around, surface_.emplace());
+  }
+  /// Null where there are none.
+  const TetsOnSurface* of_shape(std::size_t shape) const noexcept {
+    return surface_ ? &(*surface_)[shape] : nullptr;
+  }
+
+ private:
+  std::optional<SurfaceOfBrick> surface_;
+};
+
 /// Notes faces of tets that are written whole, `first` the number of the first of them.
 void add_faces_of_whole(const FinestBrick& brick,
                         std::size_t shape,
-                        const ShapeTets& found,
+                        const BrickMask& whole,
+                        const TetsOnSurface* open,
                         std::size_t first) noexcept {
-  const BrickMask& whole = found.whole;
   const TetShape& of = kTetShape[shape];
   const FacesAround& around = brick.faces->around;
   LocalFaces& faces = brick.faces->faces;
-  const bool has_zeros = (whole & ~found.regular).any();
-  if (has_zeros && brick.nodes.region == MeshRegion::kInside) {
-    const TetsOnSurface open = tets_on_surface(brick.nodes, around, shape);
-    for_each_of_whole(whole, open.tets, first, [&](std::size_t tet, int x, int y, int z) {
-      const LocalTet corners = moved_on(kShapeKeys[shape].whole, cell_slot(x, 8 * y + z));
-      faces.add_on_surface(tet, written_corner(of, open.plus_node(x, y, z)), corners);
+  if (open != nullptr) {
+    const LocalTet at_first = kShapeKeys[shape].whole;
+    const auto tets = [&](std::size_t x) { return open->tets.slice[x]; };
+    for_each_of_whole(whole, tets, first, [&](std::size_t tet, std::size_t x, int bit) {
+      const LocalTet corners = moved_on(at_first, cell_slot(static_cast<int>(x), bit));
+      faces.add_on_surface(tet, written_corner(of, open->plus_node(x, bit)), corners);
     });
   }
   if (around.domain == nullptr) return;
   const std::uint8_t label = label_of_direction(DomainFaces::direction_of(shape));
   const BrickMask near = whole & around.domain->near_dents(brick.nodes, shape);
-  for_each_of_whole(whole, near, first, [&](std::size_t tet, int x, int y, int z) {
-    const unsigned behind = around.domain->behind_dents(shape, x, y, z);
+  const auto tets = [&](std::size_t x) { return near.slice[x]; };
+  for_each_of_whole(whole, tets, first, [&](std::size_t tet, std::size_t x, int bit) {
+    const unsigned behind =
+        around.domain->behind_dents(shape, static_cast<int>(x), bit >> 3, bit & 7);
     for (std::size_t k = 0; k < 4; ++k) {
       if ((behind >> k & 1) != 0) faces.add(tet, written_corner(of, k), label);
     }
@@ -193,8 +214,7 @@ class CutShape {
                 const LocalTet& corners) const noexcept {
     LocalFaces& faces = brick_.faces->faces;
     if (brick_.nodes.region == MeshRegion::kInside) {
-      const std::size_t opposite = opposite_surface(tet, zeros_);
-      if (opposite < 4) faces.add_on_surface(tets_, opposite, corners);
+      faces.add_if_on_surface(tets_, opposite_surface(tet, zeros_), corners);
     }
     for (std::size_t k = 0; k < 4 && behind_dents_ != 0; ++k) {
       if ((behind_dents_ >> k & 1) != 0) add_faces_on(k, tet, faces);
@@ -285,9 +305,12 @@ Index* fill_finest(const FinestBrick& brick,
   const Index* const begin = tets;
   const std::size_t first_tet = brick.faces == nullptr ? 0 : brick.faces->first_tet;
   const auto written = [&] { return first_tet + static_cast<std::size_t>(tets - begin) / 4; };
+  const WholeOnSurface surface(brick);
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
     const ShapeTets found = tets_of_shape(brick.nodes, shape);
-    if (brick.faces != nullptr) add_faces_of_whole(brick, shape, found, written());
+    if (brick.faces != nullptr) {
+      add_faces_of_whole(brick, shape, found.whole, surface.of_shape(shape), written());
+    }
     tets = write_rows(found.whole, kShapeKeys[shape].whole, ids.data(), tets, end);
     counts.bcc += found.regular.count();
     if (brick.statistics == Statistics::kMeasured) {

@@ -28,13 +28,19 @@ class LocalFaces {
   void clear() noexcept { count_ = 0; }
   /// Adds one in a face of the domain.
   void add(std::size_t tet, std::size_t opposite, std::uint8_t label) noexcept {
-    face_[count_++] = {static_cast<std::uint32_t>(tet), static_cast<std::uint8_t>(opposite),
-                       label};
+    note(tet, opposite, label, {});
   }
   /// Adds one of the surface.
   void add_on_surface(std::size_t tet, std::size_t opposite, const LocalTet& corners) noexcept {
-    face_[count_++] = {static_cast<std::uint32_t>(tet), static_cast<std::uint8_t>(opposite), 0,
-                       corners};
+    note(tet, opposite, 0, corners);
+  }
+  /// Adds one of the surface where `opposite` is a corner, and none where it is 4. It does not
+  /// branch: whether there is one changes from tet to tet.
+  void add_if_on_surface(std::size_t tet,
+                         std::size_t opposite,
+                         const LocalTet& corners) noexcept {
+    note(tet, opposite, 0, corners);
+    count_ -= opposite >> 2;
   }
   /// The last two corners of every tet have changed places.
   void mirror() noexcept {
@@ -52,9 +58,21 @@ class LocalFaces {
   /// domain's end at most; half pyramids, which need no cut tet beside them, have fewer.
   static constexpr std::size_t kMax = std::size_t{kBrickCells} * kTetShapes * 12;
   std::span<LocalFace> noted() noexcept { return std::span(face_).first(count_); }
+  /// Member by member: a whole face would be put together in memory and read back across the
+  /// parts it was written in, which waits for all of them.
+  void note(std::size_t tet,
+            std::size_t opposite,
+            std::uint8_t label,
+            const LocalTet& corners) noexcept {
+    LocalFace& face = face_[count_++];
+    face.tet = static_cast<std::uint32_t>(tet);
+    face.opposite = static_cast<std::uint8_t>(opposite);
+    face.label = label;
+    face.corners = corners;
+  }
 
   std::size_t count_ = 0;
-  std::array<LocalFace, kMax> face_;
+  std::array<LocalFace, kMax + 1> face_;  // one that was not to be added may be written
 };
 
 }  // namespace tet

@@ -1,133 +1,154 @@
 #include "core/stuffing/surface_faces.h"
 
-#include <bit>
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "core/base/vector_clones.h"
 
 namespace tet {
 namespace {
 
-/// Bits of a slice whose cells stay within it when they are moved by (y, z).
-constexpr std::uint64_t stay_within(int dy, int dz) noexcept {
-  std::uint64_t bits = 0;
-  for (int bit = 0; bit < 64; ++bit) {
-    const int y = (bit >> 3) + dy, z = (bit & 7) + dz;
-    if (y >= 0 && y < 8 && z >= 0 && z < 8) bits |= std::uint64_t{1} << bit;
-  }
-  return bits;
-}
+/// Where the nodes behind some cells of a slice lie: in one brick of those around, whose slice
+/// has them moved by some bits.
+struct View {
+  int y = 0, z = 0;         ///< the brick, from that of the cells
+  int bits = 0;             ///< the node behind a cell's bit is so much higher
+  std::uint64_t cells = 0;  ///< whose nodes lie there
+};
 
 /// Where the node behind a tet `+000` lies, from the tet's cell.
 struct Behind {
-  int x = 0, y = 0, z = 0;
-  std::uint64_t within = 0;  ///< see stay_within
-
-  /// What a slice says of the nodes behind those of its cells that stay within it.
-  constexpr std::uint64_t seen(std::uint64_t slice) const noexcept {
-    const int bits = 8 * y + z;
-    return bits < 0 ? slice << -bits : slice >> bits;
-  }
+  int x = 0;
+  std::size_t view_count = 0;
+  std::array<View, 4> view{};
 };
+
+constexpr View view_of(int dy, int dz, int brick_y, int brick_z) noexcept {
+  View view{brick_y, brick_z, 8 * (dy - 8 * brick_y) + dz - 8 * brick_z, 0};
+  for (int bit = 0; bit < 64; ++bit) {
+    const int y = (bit >> 3) + dy - 8 * brick_y, z = (bit & 7) + dz - 8 * brick_z;
+    if (y >= 0 && y < 8 && z >= 0 && z < 8) view.cells |= std::uint64_t{1} << bit;
+  }
+  return view;
+}
 
 /// By shape, and by which of its nodes is the `+`.
 constexpr auto kBehind = [] {
-  std::array<std::array<Behind, 4>, kTetShapes> behind{};
+  std::array<std::array<Behind, 4>, kTetShapes> all{};
   for (std::size_t s = 0; s < kTetShapes; ++s) {
     for (std::size_t k = 0; k < 4; ++k) {
       constexpr int kMiddle = 4;
       const Cell at(halo_index(kMiddle, kMiddle, kMiddle) + kMirrored[s][k]);
-      const int y = at.y - kMiddle, z = at.z - kMiddle;
-      behind[s][k] = {at.x - kMiddle, y, z, stay_within(y, z)};
+      Behind& behind = all[s][k];
+      behind.x = at.x - kMiddle;
+      for (int y = -1; y <= 1; ++y) {
+        for (int z = -1; z <= 1; ++z) {
+          const View view = view_of(at.y - kMiddle, at.z - kMiddle, y, z);
+          if (view.cells != 0) behind.view[behind.view_count++] = view;
+        }
+      }
     }
   }
-  return behind;
+  return all;
 }();
 
-/// Keeps of some tets `+000` those whose face of zeros has no tet of the inside behind it, and
-/// does not lie at the domain's end. Most tets have the node behind in the brick: these are
-/// looked at a slice at a time.
-class OpenTets {
+static_assert(std::ranges::all_of(kBehind, [](const auto& of_shape) {
+  return std::ranges::all_of(of_shape, [](const Behind& b) { return b.x >= -2 && b.x <= 2; });
+}));
+
+/// The `+` nodes of the bricks around: by kind, and by a brick's y and z, the slices that lie
+/// within two of the brick's own.
+class SlicesAround {
  public:
-  OpenTets(const CellNodes& inside, const FacesAround& around, std::size_t shape) noexcept
-      : inside_(inside), around_(around), nodes_(around.around), shape_(shape) {}
+  static constexpr int kFirst = 2;  ///< of the brick's own
+  using Row = std::array<std::uint64_t, kFirst + 8 + 2>;
 
-  TetsOnSurface among(const BrickMask& three_zeros) const noexcept {
-    TetsOnSurface open;
-    for (std::size_t x = 0; x < 8; ++x) {
-      std::uint64_t left = three_zeros.slice[x];
-      for (std::size_t plus = 0; left != 0 && plus < 4; ++plus) {
-        const std::uint64_t tets = left & plus_mask(plus).slice[x];
-        left &= ~tets;
-        if (tets == 0) continue;
-        const std::uint64_t found = among(tets, plus, static_cast<int>(x));
-        open.tets.slice[x] |= found;
-        if ((plus & 1) != 0) open.plus_is_odd.slice[x] |= found;
-        if ((plus & 2) != 0) open.plus_is_high.slice[x] |= found;
+  explicit SlicesAround(const BrickSurroundings& around) noexcept {
+    for (std::size_t b = 0; b < around.size(); ++b) {
+      const std::size_t x = b / 9, yz = b % 9;
+      for (std::size_t kind = 0; kind < kNodeKinds; ++kind) {
+        enter(x, around[b] == nullptr ? BrickMask{} : around[b]->plus[kind], rows_[kind][yz]);
       }
     }
-    return open;
   }
-
-  std::uint32_t count(const BrickMask& three_zeros) const noexcept {
-    std::uint32_t open = 0;
-    for (std::size_t x = 0; x < 8; ++x) {
-      std::uint64_t left = three_zeros.slice[x];
-      for (std::size_t plus = 0; left != 0 && plus < 4; ++plus) {
-        const std::uint64_t tets = left & plus_mask(plus).slice[x];
-        left &= ~tets;
-        if (tets == 0) continue;
-        open +=
-            static_cast<std::uint32_t>(std::popcount(among(tets, plus, static_cast<int>(x))));
-      }
-    }
-    return open;
+  const Row& at(std::size_t kind, int y, int z) const noexcept {
+    return rows_[kind][static_cast<std::size_t>(3 * (y + 1) + z + 1)];
   }
 
  private:
-  /// A tet that is asked for has one `+` node.
-  const BrickMask& plus_mask(std::size_t plus) const noexcept {
-    const TetShape& of = kTetShape[shape_];
-    return inside_.plus[of.kind[plus]][node_around_cell(of, plus)];
+  static void enter(std::size_t x, const BrickMask& plus, Row& row) noexcept {
+    const auto& slice = plus.slice;
+    if (x == 0) std::copy_n(slice.begin() + 6, 2, row.begin());
+    if (x == 1) std::ranges::copy(slice, row.begin() + kFirst);
+    if (x == 2) std::copy_n(slice.begin(), 2, row.begin() + kFirst + 8);
   }
 
-  std::uint64_t among(std::uint64_t tets, std::size_t plus, int x) const noexcept {
-    constexpr std::size_t kMiddle = 13;  // of the bricks around, the brick itself
-    const Behind& behind = kBehind[shape_][plus];
-    const StuffedBrick* const own = around_.around[kMiddle];
-    const int slice = x + behind.x;
-    const bool is_within =
-        own != nullptr && around_.domain == nullptr && slice >= 0 && slice < 8;
-    const std::uint64_t within = is_within ? tets & behind.within : 0;
-    std::uint64_t open = 0;
-    if (within != 0) {
-      const BrickMask& is_plus = own->plus[kTetShape[shape_].kind[plus]];
-      open = within & ~behind.seen(is_plus.slice[static_cast<std::size_t>(slice)]);
-    }
-    for (std::uint64_t bits = tets & ~within; bits != 0; bits &= bits - 1) {
-      const int bit = std::countr_zero(bits);
-      if (is_open(plus, x, bit >> 3, bit & 7)) open |= bits & -bits;
-    }
-    return open;
-  }
-
-  bool is_open(std::size_t plus, int x, int y, int z) const noexcept {
-    const bool at_end = around_.domain != nullptr &&
-                        (around_.domain->behind_dents(shape_, x, y, z) >> plus & 1) != 0;
-    const Behind& behind = kBehind[shape_][plus];
-    return !at_end && !nodes_.is_plus(kTetShape[shape_].kind[plus], x + behind.x, y + behind.y,
-                                      z + behind.z);
-  }
-
-  const CellNodes& inside_;
-  const FacesAround& around_;
-  NodesAround nodes_;
-  std::size_t shape_;
+  std::array<std::array<Row, 9>, kNodeKinds> rows_;
 };
+
+/// A brick's slices as one vector: of their loops of eight, compilers make eight of each.
+using Slices [[gnu::vector_size(64)]] = std::uint64_t;
+
+[[gnu::always_inline]] inline void load(const std::uint64_t* from, Slices& slices) noexcept {
+  std::memcpy(&slices, from, sizeof slices);
+}
+
+BrickMask mask_of(const Slices& slices) noexcept {
+  BrickMask mask;
+  std::memcpy(mask.slice.data(), &slices, sizeof slices);
+  return mask;
+}
+
+/// Of one shape's tets `+000` those whose face of zeros has no tet of the inside behind it.
+TET_VECTOR_CLONES
+TetsOnSurface find_open(const BrickMask& three_zeros,
+                        const CellNodes& inside,
+                        const SlicesAround& around,
+                        std::size_t number) noexcept {
+  const TetShape& shape = kTetShape[number];
+  Slices all, tets{}, odd{}, high{};
+  load(three_zeros.slice.data(), all);
+  for (std::size_t plus = 0; plus < 4; ++plus) {
+    const std::size_t kind = shape.kind[plus];
+    const Behind& behind = kBehind[number][plus];
+    Slices open;
+    load(inside.plus[kind][node_around_cell(shape, plus)].slice.data(), open);
+    open &= all;
+    for (std::size_t v = 0; v < behind.view_count; ++v) {
+      const View& view = behind.view[v];
+      Slices seen;
+      load(around.at(kind, view.y, view.z).data() + behind.x + SlicesAround::kFirst, seen);
+      seen = seen << std::max(-view.bits, 0) >> std::max(view.bits, 0);
+      open &= ~(seen & view.cells);
+    }
+    tets |= open;
+    if ((plus & 1) != 0) odd |= open;
+    if ((plus & 2) != 0) high |= open;
+  }
+  return {mask_of(tets), mask_of(odd), mask_of(high)};
+}
+
+/// Takes those out whose face lies at the domain's end.
+void remove_at_end(const DomainFaces& domain, std::size_t shape, TetsOnSurface& open) noexcept {
+  for_each_bit(open.tets, [&](int x, int y, int z) {
+    const std::size_t plus = open.plus_node(static_cast<std::size_t>(x), 8 * y + z);
+    if ((domain.behind_dents(shape, x, y, z) >> plus & 1) == 0) return;
+    open.tets.slice[static_cast<std::size_t>(x)] &= ~(std::uint64_t{1} << (8 * y + z));
+  });
+}
 
 }  // namespace
 
-TetsOnSurface tets_on_surface(const CellNodes& inside,
-                              const FacesAround& around,
-                              std::size_t shape) noexcept {
-  return OpenTets(inside, around, shape).among(tets_on_three_zeros(inside, shape));
+void find_on_surface(const ThreeZeros& three_zeros,
+                     const CellNodes& inside,
+                     const FacesAround& around,
+                     SurfaceOfBrick& surface) noexcept {
+  const SlicesAround slices(around.around);
+  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
+    surface[shape] = find_open(three_zeros[shape], inside, slices, shape);
+    if (around.domain != nullptr) remove_at_end(*around.domain, shape, surface[shape]);
+  }
 }
 
 FinestCounts count_finest_with_faces(const CellNodes& inside,
@@ -135,11 +156,11 @@ FinestCounts count_finest_with_faces(const CellNodes& inside,
                                      const FanMasks* fans) noexcept {
   ThreeZeros three_zeros;
   FinestCounts counts = count_finest_and_surface(inside, fans, three_zeros);
-  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    counts.triangles += OpenTets(inside, around, shape).count(three_zeros[shape]);
-    if (fans != nullptr)
-      counts.triangles += 2 * std::uint64_t{(*fans)[shape].count()};  // 4, not 2
-  }
+  SurfaceOfBrick surface;
+  find_on_surface(three_zeros, inside, around, surface);
+  for (const TetsOnSurface& of_shape : surface) counts.triangles += of_shape.tets.count();
+  if (fans == nullptr) return counts;
+  for (const BrickMask& fan : *fans) counts.triangles += 2 * std::uint64_t{fan.count()};  // 4
   return counts;
 }
 

@@ -21,16 +21,20 @@ struct TetsOnSurface {
   BrickMask tets;
   BrickMask plus_is_odd, plus_is_high;  ///< the `+` node's number as two bits
 
-  std::size_t plus_node(int x, int y, int z) const noexcept {
-    return (plus_is_odd.test(x, y, z) ? 1U : 0U) + (plus_is_high.test(x, y, z) ? 2U : 0U);
+  /// `bit` is the cell's in slice x.
+  std::size_t plus_node(std::size_t x, int bit) const noexcept {
+    return (plus_is_odd.slice[x] >> bit & 1) + 2 * (plus_is_high.slice[x] >> bit & 1);
   }
 };
+using SurfaceOfBrick = std::array<TetsOnSurface, kTetShapes>;
 
-/// Those whose three zeros are a triangle of the surface: the tet behind them is not inside,
-/// too. `inside` has the nodes as the inside sees them.
-TetsOnSurface tets_on_surface(const CellNodes& inside,
-                              const FacesAround& around,
-                              std::size_t shape) noexcept;
+/// Finds those whose three zeros are a triangle of the surface: the tet behind them is not
+/// inside, too, and they do not lie at the domain's end. `inside` has the nodes as the inside
+/// sees them, `three_zeros` its tets `+000`.
+void find_on_surface(const ThreeZeros& three_zeros,
+                     const CellNodes& inside,
+                     const FacesAround& around,
+                     SurfaceOfBrick& surface) noexcept;
 
 /// The brick's tets inside, as count_finest counts them, and triangles of the surface that
 /// bound them. `fans` is null where there are none.
@@ -43,9 +47,11 @@ FinestCounts count_finest_with_faces(const CellNodes& inside,
 constexpr std::size_t opposite_surface(const std::array<StencilVertex, 4>& tet,
                                        unsigned zeros) noexcept {
   const unsigned off_surface = ~zeros & 0xf;  // the nodes that are; all else is on it
+  constexpr std::array<std::uint8_t, 16> kOpposite{4, 0, 1, 4, 2, 4, 4, 4,
+                                                   3, 4, 4, 4, 4, 4, 4, 4};  // by bits
   unsigned off = 0;
   for (unsigned i = 0; i < 4; ++i) off |= (off_surface >> tet[i] & 1) << i;
-  return std::has_single_bit(off) ? static_cast<std::size_t>(std::countr_zero(off)) : 4;
+  return kOpposite[off];
 }
 
 }  // namespace tet
