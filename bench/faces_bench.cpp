@@ -37,7 +37,7 @@ class Meshes {
   }
   double tets() const { return static_cast<double>(tets_); }
   double faces() const { return static_cast<double>(faces_); }
-  /// Of one mesh: the median, or 0 where none was made.
+  /// Returns the median of one mesh, or 0 where none was made.
   double seconds() {
     if (seconds_.empty()) return 0;
     const auto middle = seconds_.begin() + static_cast<std::ptrdiff_t>(seconds_.size() / 2);

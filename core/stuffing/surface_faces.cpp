@@ -100,7 +100,8 @@ BrickMask mask_of(const Slices& slices) noexcept {
   return mask;
 }
 
-/// Of one shape's tets `+000` those whose face of zeros has no tet of the inside behind it.
+/// Returns, of one shape's tets `+000`, those whose face of zeros has no tet of the inside
+/// behind it.
 TET_VECTOR_CLONES
 TetsOnSurface find_open(const BrickMask& three_zeros,
                         const CellNodes& inside,
