@@ -6,10 +6,10 @@ import { count, made } from "./page";
 export function shardKinds({ progress, state }: Job): [string, number][] {
   const all = Number(progress?.shardCount ?? 0), done = Number(progress?.doneShards ?? 0);
   const dead = Number(progress?.deadShards ?? 0), running = Number(progress?.runningShards ?? 0);
-  const waits = state === JobState.QUEUED || state === JobState.RUNNING;
-  // What is left of a job that was cancelled or has failed waits for nobody.
-  return [["done", done], ["running", running], ["failed", dead],
-    [waits ? "waiting" : "dropped", Math.max(0, all - done - running - dead)]];
+  // Shards of a job that ended before they were made count as dead, whatever it ended by.
+  const dropped = state === JobState.CANCELLED || state === JobState.EXPIRED;
+  return [["done", done], ["running", running], [dropped ? "dropped" : "failed", dead],
+    ["waiting", Math.max(0, all - done - running - dead)]];
 }
 
 /** The bar, and the same in words. */
