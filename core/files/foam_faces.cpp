@@ -1,5 +1,6 @@
 #include "core/files/foam_faces.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tet {
@@ -83,8 +84,10 @@ void FoamFaces::find_zones(const FaceGroups& groups) {
           {numbers.number(std::min(tet, other), std::max(tet, other)), tet > other});
     }
     std::ranges::sort(faces);
-    const auto same = std::ranges::unique(faces, {}, &FoamZone::Face::number);
-    faces.erase(same.begin(), same.end());
+    const auto same = [](const FoamZone::Face& a, const FoamZone::Face& b) {
+      return a.number == b.number;
+    };
+    faces.erase(std::unique(faces.begin(), faces.end(), same), faces.end());
   }
   std::erase_if(zones, [](const FoamZone& zone) { return zone.faces.empty(); });
   zones_ = std::move(zones);

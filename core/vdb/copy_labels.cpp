@@ -32,7 +32,7 @@ absl::StatusOr<VoxelBox> box_of(const openvdb::GridBase& grid) {
     return absl::FailedPreconditionError("it is empty: no voxel is active");
   }
   std::uint64_t bricks = 1;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t low = active.min()[axis], high = active.max()[axis];
     if (low < -kMaxVoxelCoord || high > kMaxVoxelCoord) {
       return absl::FailedPreconditionError(absl::StrFormat(

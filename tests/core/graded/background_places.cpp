@@ -68,8 +68,7 @@ std::vector<std::vector<PlacedNode::Edge>> edges_of_nodes(const BackgroundMesh& 
   }
   for (auto& of_node : edges) {
     std::ranges::sort(of_node);
-    const auto rest = std::ranges::unique(of_node);
-    of_node.erase(rest.begin(), rest.end());
+    of_node.erase(std::unique(of_node.begin(), of_node.end()), of_node.end());
   }
   return edges;
 }

@@ -16,7 +16,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::both_sides_test {
 namespace {
 
 using test::mesh;
@@ -187,4 +187,4 @@ TEST(BothSides, RefuseABoxThatIsNone) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::both_sides_test

@@ -12,7 +12,7 @@
 
 #include "tests/core/plan/some_face_regions.h"
 
-namespace tet {
+namespace tet::check_face_regions_test {
 namespace {
 
 using testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(CheckFaceRegions, RefusesNamesThatPatchesMayHaveAndCreasesThatAreNotAlike) 
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::check_face_regions_test

@@ -17,7 +17,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::compact_mesh_test {
 namespace {
 
 using test::same_bytes;
@@ -209,4 +209,4 @@ TEST(CompactMesh, RefusesOrSurvivesAnyWrongByte) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::compact_mesh_test

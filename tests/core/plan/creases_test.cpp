@@ -20,7 +20,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::creases_test {
 namespace {
 
 using test::mesh_by_chunks;
@@ -296,4 +296,4 @@ TEST(Creases, AreRefusedWhereTheirMemoryIsOverTheLimit) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::creases_test

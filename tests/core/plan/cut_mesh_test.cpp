@@ -15,7 +15,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
 
-namespace tet {
+namespace tet::cut_mesh_test {
 namespace {
 
 using test::cut_faces;
@@ -238,4 +238,4 @@ TEST(CutMesh, IsRefusedWithItsReason) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::cut_mesh_test

@@ -15,7 +15,7 @@
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 
-namespace tet {
+namespace tet::divided_survey_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST(DividedSurvey, StopsWhenItIsCancelled) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::divided_survey_test

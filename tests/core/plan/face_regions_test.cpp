@@ -22,7 +22,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::face_regions_test {
 namespace {
 
 using test::mesh_by_chunks;
@@ -357,4 +357,4 @@ TEST(FaceRegions, AreRefusedWithoutFaces) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::face_regions_test

@@ -17,7 +17,7 @@
 #include "tests/support/grid_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace tet {
+namespace tet::grid_scene_mesh_test {
 namespace {
 
 using test::BallGrid;
@@ -190,4 +190,4 @@ TEST(GridSceneMesh, MeshesBothSidesInABox) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::grid_scene_mesh_test

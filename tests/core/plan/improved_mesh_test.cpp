@@ -16,7 +16,7 @@
 #include "tests/support/conformity.h"
 #include "tests/support/solids.h"
 
-namespace tet {
+namespace tet::improved_mesh_test {
 namespace {
 
 using test::distance_from_surface;
@@ -234,4 +234,4 @@ TEST(ImprovedMesh, IsRefusedAsAPlanThatCouldNotHoldIt) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::improved_mesh_test

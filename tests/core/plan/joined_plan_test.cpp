@@ -17,7 +17,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::joined_plan_test {
 namespace {
 
 using test::same_bytes;
@@ -356,4 +356,4 @@ TEST(JoinedPlan, TakesEachGridOnceAndTheInsideAlone) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::joined_plan_test

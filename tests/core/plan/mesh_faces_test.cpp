@@ -15,7 +15,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::mesh_faces_test {
 namespace {
 
 using test::mesh_by_chunks;
@@ -303,4 +303,4 @@ TEST(MeshFaces, OfSeveralGridsAreNamedByThem) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::mesh_faces_test

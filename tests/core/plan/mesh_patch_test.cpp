@@ -18,7 +18,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::mesh_patch_test {
 namespace {
 
 using test::same_bytes;
@@ -321,4 +321,4 @@ TEST(Splice, RefusesRunsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::mesh_patch_test

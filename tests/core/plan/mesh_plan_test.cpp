@@ -21,7 +21,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::mesh_plan_test {
 namespace {
 
 using test::mesh;
@@ -322,4 +322,4 @@ TEST(MeshPlan, TellsProgressInBricks) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::mesh_plan_test

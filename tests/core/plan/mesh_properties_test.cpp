@@ -19,7 +19,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::mesh_properties_test {
 namespace {
 
 using test::distance_from_surface;
@@ -227,4 +227,4 @@ TEST(Mesh, ResamplesAtAnySpacing) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::mesh_properties_test

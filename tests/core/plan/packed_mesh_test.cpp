@@ -12,7 +12,7 @@
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 
-namespace tet {
+namespace tet::packed_mesh_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -83,4 +83,4 @@ TEST(PackedMesh, TakesAtMostFourBytesATetWhereItIsGraded) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::packed_mesh_test

@@ -17,7 +17,7 @@
 #include "tests/core/plan/meshing.h"
 #include "tests/support/scenes.h"
 
-namespace tet {
+namespace tet::scene_mesh_test {
 namespace {
 
 using test::expect_sound;
@@ -188,4 +188,4 @@ TEST(SceneMesh, SaysWhereThereIsNothingInside) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::scene_mesh_test

@@ -10,7 +10,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
 
-namespace tet {
+namespace tet::sized_mesh_test {
 namespace {
 
 using test::expect_sound;
@@ -144,4 +144,4 @@ TEST(SizedMesh, IsRefusedWhereItWouldBeTooLarge) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::sized_mesh_test

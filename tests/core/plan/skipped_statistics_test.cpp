@@ -10,7 +10,7 @@
 #include "tests/core/plan/meshing.h"
 #include "tests/support/solids.h"
 
-namespace tet {
+namespace tet::skipped_statistics_test {
 namespace {
 
 using Plan = std::shared_ptr<const MeshPlan>;
@@ -135,4 +135,4 @@ TEST(SkippedStatistics, AreSkippedWhereCompactChunksAreMadeIntoAMesh) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::skipped_statistics_test

@@ -19,7 +19,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::surface_topology_test {
 namespace {
 
 using test::mesh;
@@ -232,4 +232,4 @@ TEST(ManifoldMesh, IsTheSameForOneThreadAndForSixteen) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::surface_topology_test

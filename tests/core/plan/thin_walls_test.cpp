@@ -18,7 +18,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::thin_walls_test {
 namespace {
 
 using test::Plate;
@@ -243,4 +243,4 @@ TEST(ThinWalls, AreTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::thin_walls_test

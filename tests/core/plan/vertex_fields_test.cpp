@@ -18,7 +18,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
-namespace tet {
+namespace tet::vertex_fields_test {
 namespace {
 
 using test::mesh;
@@ -257,4 +257,4 @@ TEST(VertexFields, TakeNamesThatEveryFormatTakes) {
 }
 
 }  // namespace
-}  // namespace tet
+}  // namespace tet::vertex_fields_test
