@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/base/vector_clones.h"
+#include "core/labels/convolve.h"
 #include "core/labels/kernel_taps.h"
 
 namespace tet {
@@ -15,103 +17,60 @@ namespace {
 
 constexpr int kFirstNode = -2;
 constexpr int kRowNodes = TapRow::kNodes;
-/// Rows of nodes are padded to whole vectors.
-constexpr std::size_t kRowStride = 16;
-constexpr std::size_t kFieldSize = std::size_t{kRowNodes} * kRowNodes * kRowStride;
+/// Of a slice of a halo: all rows of nodes, and what fills them up.
+constexpr std::size_t kSliceNodes = std::size_t{kRowNodes} * 16;
 
 /// With more labels than these around a brick, nodes are looked at one by one.
 constexpr std::size_t kFewLabels = 24;
 
-/// The voxels that matter to a brick and its halo.
-struct Window {
-  VoxelBox box;
-  std::array<std::size_t, 3> size{};
-
-  void go_to(const std::array<std::array<TapRow, 3>, kNodeKinds>& taps) noexcept {
-    std::array<std::int32_t, 3> low, high;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = INT32_MAX;
-      high[axis] = INT32_MIN;
-      for (const auto& rows : taps) {
-        for (const Taps& node : rows[axis].node) {
-          low[axis] = std::min(low[axis], node.first);
-          high[axis] =
-              std::max(high[axis], node.first + static_cast<std::int32_t>(node.count) - 1);
-        }
-      }
-      size[axis] = static_cast<std::size_t>(high[axis] - low[axis] + 1);
-    }
-    box = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-  }
-  std::size_t voxels() const noexcept { return size[0] * size[1] * size[2]; }
+/// The best of a brick's labels at each node, by halo index.
+struct BestLabels {
+  HaloField indicator;
+  std::array<std::uint16_t, kHaloNodes> place;  ///< among the labels of the brick
 };
 
-/// Sums rows along z for eight or more nodes at a time: out[z] += weight * in[z].
+/// A label that contends for nodes.
+struct Contender {
+  Label label;
+  std::uint16_t place;
+  const float* indicator;
+};
+
+/// Gives a contender all nodes of a slice where it is better than those before it.
 TET_VECTOR_CLONES
-void add_row(float weight, const float* in, std::size_t count, float* out) noexcept {
-  for (std::size_t z = 0; z < count; ++z) out[z] += weight * in[z];
+void contend(const Contender& with,
+             float* __restrict best,
+             std::uint16_t* __restrict place,
+             Label* __restrict label) noexcept {
+  const Contender by = with;
+  for (std::size_t i = 0; i < kSliceNodes; ++i) {
+    const float before = best[i], now = by.indicator[i];
+    const bool wins = now > before;
+    place[i] = wins ? by.place : place[i];
+    label[i] = wins ? by.label : label[i];
+    best[i] = wins ? now : before;
+  }
 }
 
-/// One label's indicator at the nodes of a brick and its halo, by separable sums: along x, then
-/// y, then z. The order is that of `at`, so the bits are the same.
-class Convolution {
- public:
-  void run(const std::vector<Label>& voxel,
-           const Window& window,
-           const std::array<TapRow, 3>& taps,
-           Label label,
-           float* out) {
-    const auto [nx, ny, nz] = window.size;
-    mask_.resize(window.voxels());
-    for (std::size_t i = 0; i < mask_.size(); ++i) mask_[i] = voxel[i] == label ? 1.0F : 0.0F;
-    const std::size_t slice = ny * nz;
-    along_x_.assign(slice, 0);
-    along_y_.resize(kRowNodes * nz);
-    for (int x = 0; x < kRowNodes; ++x) {
-      std::fill(along_x_.begin(), along_x_.end(), 0.0F);
-      const auto wx = taps[0].weights_of(x);
-      const std::size_t first_x =
-          offset_of(taps[0].node[static_cast<std::size_t>(x)].first, window.box.min.x);
-      for (std::size_t i = 0; i < wx.size(); ++i) {
-        add_row(wx[i], mask_.data() + (first_x + i) * slice, slice, along_x_.data());
-      }
-      std::fill(along_y_.begin(), along_y_.end(), 0.0F);
-      for (int y = 0; y < kRowNodes; ++y) {
-        const auto wy = taps[1].weights_of(y);
-        const std::size_t first_y =
-            offset_of(taps[1].node[static_cast<std::size_t>(y)].first, window.box.min.y);
-        float* const row = along_y_.data() + static_cast<std::size_t>(y) * nz;
-        for (std::size_t j = 0; j < wy.size(); ++j) {
-          add_row(wy[j], along_x_.data() + (first_y + j) * nz, nz, row);
-        }
-        sum_along_z(row, taps[2], window.box.min.z,
-                    out + static_cast<std::size_t>(x * kRowNodes + y) * kRowStride);
-      }
-    }
-    (void)nx;
-  }
+/// Voxels that are compared at once.
+using VoxelGroup = Label __attribute__((vector_size(64)));
+constexpr std::size_t kGroup = sizeof(VoxelGroup) / sizeof(Label);
 
- private:
-  static std::size_t offset_of(std::int32_t voxel, std::int32_t first) noexcept {
-    return static_cast<std::size_t>(voxel - first);
+/// How many whole groups of voxels from the first on have labels of a list alone.
+TET_VECTOR_CLONES
+std::size_t known_groups(std::span<const Label> voxel, std::span<const Label> known) noexcept {
+  for (std::size_t g = 0; g < voxel.size() / kGroup; ++g) {
+    VoxelGroup labels, unlike = ~VoxelGroup{};
+    std::memcpy(&labels, voxel.data() + g * kGroup, sizeof(labels));
+    for (const Label label : known) unlike &= static_cast<VoxelGroup>(labels != label);
+    std::array<std::uint64_t, sizeof(VoxelGroup) / 8> words;
+    std::memcpy(words.data(), &unlike, sizeof(unlike));
+    std::uint64_t any = 0;
+    for (const std::uint64_t word : words) any |= word;
+    if (any != 0) return g;
   }
-
-  static void sum_along_z(const float* row,
-                          const TapRow& taps,
-                          std::int32_t first,
-                          float* out) noexcept {
-    for (int z = 0; z < kRowNodes; ++z) {
-      const Taps& node = taps.node[static_cast<std::size_t>(z)];
-      const float* const at = row + offset_of(node.first, first);
-      const float* const weight = taps.weights.data() + node.begin;
-      float sum = 0;
-      for (std::size_t k = 0; k < node.count; ++k) sum += weight[k] * at[k];
-      out[z] = sum;
-    }
-  }
-
-  std::vector<float> mask_, along_x_, along_y_;
-};
+  return voxel.size() / kGroup;
+}
 
 class IndicatorSampler final : public LabelSampler {
  public:
@@ -148,14 +107,17 @@ class IndicatorSampler final : public LabelSampler {
       const NodeKind kind = family_kind(family);
       const NodeKind end = end_kind(kind, family_direction(family));
       const int offset = end_offset(kind, family_direction(family));
+      float* const out = samples.fraction[f].data();
+      if (label_.size() <= kFewLabels) {
+        find_fractions(kind, end, offset, changes[f], out);
+        continue;
+      }
       for_each_bit(changes[f], [&](int low) {
         const int high = low + offset;
         const Label a = samples.label[kind][static_cast<std::size_t>(low)];
         const Label b = samples.label[end][static_cast<std::size_t>(high)];
-        const float here = indicator(kind, low, a) - indicator(kind, low, b);
-        const float there = indicator(end, high, b) - indicator(end, high, a);
-        // Neither is negative, and as the lower label wins ties only one may be zero.
-        samples.fraction[f][static_cast<std::size_t>(low)] = here / (here + there);
+        out[low] = fraction(at(kind, low, a) - at(kind, low, b),
+                            at(end, high, b) - at(end, high, a));
       });
     }
   }
@@ -188,56 +150,74 @@ class IndicatorSampler final : public LabelSampler {
   /// The labels around the brick, ascending.
   void find_labels() {
     label_.clear();
-    Label last = kJoker;
-    for (const Label label : voxel_) {
-      if (label == last) continue;
-      last = label;
-      const auto at = std::ranges::lower_bound(label_, label);
-      if (at == label_.end() || *at != label) label_.insert(at, label);
+    std::span<const Label> rest(voxel_);
+    while (!rest.empty()) {
+      rest = rest.subspan(known_groups(rest, label_) * kGroup);
+      const std::size_t next = std::min(rest.size(), kGroup);
+      for (const Label label : rest.first(next)) {
+        const auto at = std::ranges::lower_bound(label_, label);
+        if (at == label_.end() || *at != label) label_.insert(at, label);
+      }
+      rest = rest.subspan(next);
     }
   }
 
-  float* field(NodeKind kind, std::size_t label) noexcept {
-    return field_.data() + (label * kNodeKinds + kind) * kFieldSize;
+  const HaloField& field(NodeKind kind, std::size_t label) const noexcept {
+    return field_[label * kNodeKinds + kind];
   }
 
   void convolve_all() {
-    field_.resize(label_.size() * kNodeKinds * kFieldSize);
+    const std::size_t fields = label_.size() * kNodeKinds;
+    if (field_.size() < fields) field_.resize(fields);
     for (std::size_t l = 0; l < label_.size(); ++l) {
+      convolution_.choose(voxel_, window_, label_[l]);
       for (const NodeKind kind : {kCorner, kCentre}) {
-        convolution_.run(voxel_, window_, taps_[kind], label_[l], field(kind, l));
+        convolution_.run(taps_[kind], field_[l * kNodeKinds + kind]);
       }
     }
   }
 
-  void pick_labels(NodeKind kind, LabelSamples& samples) {
-    std::array<float, kRowNodes> best;
-    for (int x = 0; x < kRowNodes; ++x) {
-      for (int y = 0; y < kRowNodes; ++y) {
-        const std::size_t row = static_cast<std::size_t>(x * kRowNodes + y) * kRowStride;
-        Label* const out =
-            samples.label[kind].data() + halo_index(x + kFirstNode, y + kFirstNode, kFirstNode);
-        std::copy_n(field(kind, 0) + row, kRowNodes, best.begin());
-        std::fill_n(out, kRowNodes, label_[0]);
-        for (std::size_t l = 1; l < label_.size(); ++l) {
-          const float* const value = field(kind, l) + row;
-          for (std::size_t z = 0; z < kRowNodes; ++z) {
-            out[z] = value[z] > best[z] ? label_[l] : out[z];
-            best[z] = std::max(best[z], value[z]);
-          }
-        }
+  /// Where an edge is cut, by how much its ends' labels win there. Neither is negative, and as
+  /// the lower label wins ties only one may be zero.
+  static float fraction(float here, float there) noexcept { return here / (here + there); }
+
+  /// For edges from nodes of one kind, `low`, to those that lie `offset` away.
+  void find_fractions(
+      NodeKind kind, NodeKind end, int offset, const HaloSet& edges, float* out) const noexcept {
+    const float* const indicator = best_[kind].indicator.data();
+    const std::uint16_t* const place = best_[kind].place.data();
+    const float* const end_indicator = best_[end].indicator.data() + offset;
+    const std::uint16_t* const end_place = best_[end].place.data() + offset;
+    const HaloField* const fields = field_.data();
+    for_each_bit(edges, [&](int node) {
+      const auto low = static_cast<std::size_t>(node),
+                 high = static_cast<std::size_t>(node + offset);
+      const float other_here = fields[std::size_t{end_place[node]} * kNodeKinds + kind][low],
+                  other_there = fields[std::size_t{place[node]} * kNodeKinds + end][high];
+      out[node] = fraction(indicator[node] - other_here, end_indicator[node] - other_there);
+    });
+  }
+
+  void pick_labels(NodeKind kind, LabelSamples& samples) noexcept {
+    BestLabels& best = best_[kind];
+    for (int x = kFirstNode; x < kFirstNode + kRowNodes; ++x) {
+      const auto slice = static_cast<std::size_t>(halo_index(x, kFirstNode, kFirstNode));
+      float* const indicator = best.indicator.data() + slice;
+      std::uint16_t* const place = best.place.data() + slice;
+      Label* const label = samples.label[kind].data() + slice;
+      std::copy_n(field(kind, 0).data() + slice, kSliceNodes, indicator);
+      std::fill_n(place, kSliceNodes, std::uint16_t{0});
+      std::fill_n(label, kSliceNodes, label_[0]);
+      for (std::size_t l = 1; l < label_.size(); ++l) {
+        contend({label_[l], static_cast<std::uint16_t>(l), field(kind, l).data() + slice},
+                indicator, place, label);
       }
     }
   }
 
   /// The indicator of a label at a node, by halo index.
-  float indicator(NodeKind kind, int node, Label label) {
-    const int x = node >> 8, y = node >> 4 & 15, z = node & 15;
-    if (label_.size() > kFewLabels) return at(kind, x, y, z, label);
-    const auto l =
-        static_cast<std::size_t>(std::ranges::lower_bound(label_, label) - label_.begin());
-    return field(kind, l)[static_cast<std::size_t>(x * kRowNodes + y) * kRowStride +
-                          static_cast<std::size_t>(z)];
+  float at(NodeKind kind, int node, Label label) const noexcept {
+    return at(kind, node >> 8, node >> 4 & 15, node & 15, label);
   }
 
   /// The voxels of a node, row by row: `visit(x weights' index, ...)` as `at` sums them.
@@ -312,11 +292,12 @@ class IndicatorSampler final : public LabelSampler {
   bool entered_ = false;
   std::array<std::int32_t, 3> at_{};
   std::array<std::array<TapRow, 3>, kNodeKinds> taps_;
-  Window window_;
+  VoxelWindow window_;
   std::vector<Label> voxel_;
   std::vector<Label> label_;  // around the brick, ascending
   std::vector<Label> near_;   // around a node
-  std::vector<float> field_;
+  std::vector<HaloField> field_;  // of each label, corners before centres
+  std::array<BestLabels, kNodeKinds> best_;
   Convolution convolution_;
 };
 

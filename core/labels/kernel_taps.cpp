@@ -38,6 +38,16 @@ struct AxisKernel {
   }
 };
 
+/// Whether each node's weights are those of the first, as many voxels further as it is.
+bool are_alike(const TapRow& row) noexcept {
+  const std::span<const float> first = row.weights_of(0);
+  for (int i = 1; i < TapRow::kNodes; ++i) {
+    if (row.node[static_cast<std::size_t>(i)].first != row.node[0].first + i) return false;
+    if (!std::ranges::equal(row.weights_of(i), first)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void find_taps(const IndicatorRules& rules, double spacing, double first, TapRow& row) {
@@ -64,6 +74,7 @@ void find_taps(const IndicatorRules& rules, double spacing, double first, TapRow
       row.weights.push_back(static_cast<float>(weights[w] / sum));
     }
   }
+  row.alike = are_alike(row);
 }
 
 }  // namespace tet

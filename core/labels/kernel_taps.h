@@ -23,6 +23,7 @@ struct TapRow {
   static constexpr int kNodes = 12;
   std::array<Taps, kNodes> node;
   std::vector<float> weights;
+  bool alike = false;  ///< each node's weights are those of the one before, one voxel further
 
   std::span<const float> weights_of(int i) const noexcept {
     const Taps& taps = node[static_cast<std::size_t>(i)];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace tet {
 namespace {
@@ -40,6 +41,13 @@ struct AxisBricks {
 
 }  // namespace
 
+VolumeLabels::VolumeLabels(std::shared_ptr<const LabelVolume> volume,
+                           std::vector<Label> label_of,
+                           Label beyond)
+    : volume_(std::move(volume)), label_of_(std::move(label_of)), beyond_(beyond) {
+  for (std::size_t n = 0; n < label_of_.size(); ++n) are_numbers_ &= label_of_[n] == n;
+}
+
 std::optional<Label> VolumeLabels::one_label(const VoxelBox& box) const {
   constexpr std::int64_t kMostBricks = 4096;  // of what is told at small cost
   const AxisBricks x(box.min.x, box.max.x, volume_->first_brick.x, volume_->brick_count[0]),
@@ -63,26 +71,62 @@ std::optional<Label> VolumeLabels::one_label(const VoxelBox& box) const {
   return one;
 }
 
-void VolumeLabels::copy(const VoxelBox& box, Label* out) const {
-  for (std::int32_t x = box.min.x; x <= box.max.x; ++x) {
-    for (std::int32_t y = box.min.y; y <= box.max.y; ++y) {
-      for (std::int32_t z = box.min.z; z <= box.max.z;) {
-        // Up to the end of the brick that the row passes.
-        const std::int32_t end = std::min(box.max.z, z | (kBrickEdge - 1)) + 1;
-        const auto brick =
-            brick_of_labels(*volume_, {x >> kBrickShift, y >> kBrickShift, z >> kBrickShift});
-        if (!brick || (*brick & LabelVolume::kConstant) != 0) {
-          out = std::fill_n(out, end - z, brick ? label_of_brick(*brick) : beyond_);
-          z = end;
-          continue;
-        }
-        const std::uint16_t* const row = volume_->values.data() +
-                                         std::size_t{*brick} * kBrickCells +
-                                         static_cast<std::size_t>((x & 7) * 64 + (y & 7) * 8);
-        for (; z < end; ++z) *out++ = label(row[z & 7]);
+/// Copies a row of labels that are the numbers of the volume: kCount of them, or for 0 any
+/// count.
+template <std::size_t kCount>
+void VolumeLabels::copy_numbers(const std::uint16_t* value,
+                                std::size_t count,
+                                Label* out) const noexcept {
+  const std::size_t labels = label_of_.size(), all = kCount != 0 ? kCount : count;
+  const Label beyond = beyond_;
+  for (std::size_t i = 0; i < all; ++i) out[i] = value[i] < labels ? value[i] : beyond;
+}
+
+/// Copies the part of a box that lies in one of the volume's bricks, whether there is one or
+/// not. `out` is for all of the box.
+void VolumeLabels::copy_brick(const BrickCoord& b, const VoxelBox& box, Label* out) const {
+  const auto from = [](std::int32_t brick, std::int32_t min) {
+    return std::max(brick * kBrickEdge, min);
+  };
+  const auto end = [](std::int32_t brick, std::int32_t max) {
+    return std::min(brick * kBrickEdge + kBrickEdge - 1, max) + 1;
+  };
+  const std::size_t ny = static_cast<std::size_t>(box.max.y - box.min.y + 1),
+                    nz = static_cast<std::size_t>(box.max.z - box.min.z + 1);
+  const std::int32_t first_z = from(b.z, box.min.z);
+  const auto count = static_cast<std::size_t>(end(b.z, box.max.z) - first_z);
+  const auto found = brick_of_labels(*volume_, b);
+  const bool constant = !found || (*found & LabelVolume::kConstant) != 0;
+  const Label one = found && constant ? label_of_brick(*found) : beyond_;
+  for (std::int32_t x = from(b.x, box.min.x); x < end(b.x, box.max.x); ++x) {
+    for (std::int32_t y = from(b.y, box.min.y); y < end(b.y, box.max.y); ++y) {
+      Label* const row = out + (static_cast<std::size_t>(x - box.min.x) * ny +
+                                static_cast<std::size_t>(y - box.min.y)) *
+                                   nz +
+                         static_cast<std::size_t>(first_z - box.min.z);
+      if (constant) {
+        std::fill_n(row, count, one);
+        continue;
+      }
+      const std::uint16_t* const value =
+          volume_->values.data() + std::size_t{*found} * kBrickCells +
+          static_cast<std::size_t>((x & 7) * 64 + (y & 7) * 8 + (first_z & 7));
+      if (!are_numbers_) {
+        for (std::size_t i = 0; i < count; ++i) row[i] = label(value[i]);
+      } else if (count == kBrickEdge) {
+        copy_numbers<kBrickEdge>(value, count, row);
+      } else {
+        copy_numbers<0>(value, count, row);
       }
     }
   }
+}
+
+void VolumeLabels::copy(const VoxelBox& box, Label* out) const {
+  const auto brick = [](std::int32_t voxel) { return voxel >> kBrickShift; };
+  for_each_brick({{brick(box.min.x), brick(box.min.y), brick(box.min.z)},
+                  {brick(box.max.x), brick(box.max.y), brick(box.max.z)}},
+                 [&](const BrickCoord& b) { copy_brick(b, box, out); });
 }
 
 VoxelCoord ResampledLabels::voxel_at(const VoxelCoord& voxel) const noexcept {

@@ -18,8 +18,7 @@ class VolumeLabels final : public LabelVoxels {
  public:
   VolumeLabels(std::shared_ptr<const LabelVolume> volume,
                std::vector<Label> label_of,
-               Label beyond)
-      : volume_(std::move(volume)), label_of_(std::move(label_of)), beyond_(beyond) {}
+               Label beyond);
 
   std::optional<Label> one_label(const VoxelBox& box) const override;
   void copy(const VoxelBox& box, Label* out) const override;
@@ -30,6 +29,9 @@ class VolumeLabels final : public LabelVoxels {
   Label label(std::uint16_t number) const noexcept {
     return number < label_of_.size() ? label_of_[number] : beyond_;
   }
+  template <std::size_t kCount>
+  void copy_numbers(const std::uint16_t* value, std::size_t count, Label* out) const noexcept;
+  void copy_brick(const BrickCoord& b, const VoxelBox& box, Label* out) const;
   Label label_of_brick(std::uint32_t constant) const noexcept {
     return label(static_cast<std::uint16_t>(constant & ~LabelVolume::kConstant));
   }
@@ -37,6 +39,7 @@ class VolumeLabels final : public LabelVoxels {
   const std::shared_ptr<const LabelVolume> volume_;
   const std::vector<Label> label_of_;
   const Label beyond_;
+  bool are_numbers_ = true;  ///< each label is the number that the volume has for it
 };
 
 /// Labels on voxels of another shape: each has the label of the voxel that its centre lies in.
