@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include "tests/certificate/interval.h"
 #include "tests/certificate/problem.h"
 
 namespace tet::certificate {
@@ -31,5 +32,20 @@ struct Certified {
 
 /// Bounds every angle of every tet of the problems. Deterministic.
 Certified certify(std::span<const Problem> problems, const Goal& goal);
+
+/// How far angles turn when all corners of their tets move by up to some displacement.
+struct CertifiedTurn {
+  double bound_deg = kInfinity;  ///< proven, whatever the angle is; infinite: nothing is
+  double attained_deg = 0;       ///< about the fastest that was seen at a single point
+  std::size_t boxes = 0;
+};
+
+/// Proves that no angle of any tet of the problems turns by more than `enough_deg`, wherever
+/// their parameters are: their orders are not looked at. `displacement` is in spacings. Gives
+/// up after `max_boxes` boxes. Deterministic.
+CertifiedTurn certify_turn(std::span<const Problem> problems,
+                           double displacement,
+                           double enough_deg,
+                           std::size_t max_boxes);
 
 }  // namespace tet::certificate

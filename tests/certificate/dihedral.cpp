@@ -8,16 +8,18 @@
 namespace tet::certificate {
 namespace {
 
-IntervalVector place_of(const Corner& corner, const Box& box, double blur) {
-  IntervalVector at;
+/// What leads from one corner to another: a parameter that moves both counts once.
+IntervalVector from_to(const Corner& from, const Corner& to, const Box& box, double blur) {
+  IntervalVector way;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    at[axis] = Interval(corner.base[axis]);
+    way[axis] = Interval(to.base[axis] - from.base[axis]);
     for (std::size_t k = 0; k < kParameters; ++k) {
-      if (corner.along[k][axis] != 0) at[axis] += Interval(corner.along[k][axis]) * box[k];
+      const int along = to.along[k][axis] - from.along[k][axis];
+      if (along != 0) way[axis] += Interval(along) * box[k];
     }
-    if (blur != 0) at[axis] += Interval(-blur, blur);
+    if (blur != 0) way[axis] += Interval(-blur, blur) - Interval(-blur, blur);
   }
-  return at;
+  return way;
 }
 
 /// The corners at an angle: its edge from a to b, then c and d, so that the tet a, b, c, d is
@@ -40,10 +42,9 @@ struct Hinge {
 
   Hinge(const Tet& tet, std::size_t angle, const Box& box, double blur) {
     const auto [a, b, c, d] = kAngleCorners[angle];
-    const IntervalVector from = place_of(tet[a], box, blur);
-    e = place_of(tet[b], box, blur) - from;
-    p = place_of(tet[c], box, blur) - from;
-    q = place_of(tet[d], box, blur) - from;
+    e = from_to(tet[a], tet[b], box, blur);
+    p = from_to(tet[a], tet[c], box, blur);
+    q = from_to(tet[a], tet[d], box, blur);
     u = cross(e, p);
     v = cross(e, q);
     six_volumes = dot(u, q);
@@ -115,6 +116,22 @@ Hinge sharp_hinge(const Tet& tet, std::size_t angle, const Box& box, double blur
 
 const Interval kAnything(-kInfinity, kInfinity);
 
+/// The sum of the lengths of an angle's four gradients. A corner c that moves by x turns the
+/// normal u of its face by |e| (x . u) / |u|^2; the ends of the edge count by their shares of
+/// the feet of c and d on it.
+Interval sensitivity_of(const Hinge& hinge) {
+  const Interval uu = squared_length(hinge.u), vv = squared_length(hinge.v);
+  const Interval ee = squared_length(hinge.e);
+  if (!(uu.lower() > 0 && vv.lower() > 0 && ee.lower() > 0)) return {0, kInfinity};
+  const Interval edge = sqrt(ee);
+  const Interval lambda = certificate::dot(hinge.p, hinge.e) / ee,
+                 mu = certificate::dot(hinge.q, hinge.e) / ee;
+  const IntervalVector by_c = scaled(hinge.u, edge / uu), by_d = scaled(hinge.v, edge / vv);
+  return edge / sqrt(uu) + edge / sqrt(vv) +
+         length(scaled(by_d, Interval(1) - mu) - scaled(by_c, Interval(1) - lambda)) +
+         length(scaled(by_d, mu) - scaled(by_c, lambda));
+}
+
 }  // namespace
 
 // The angle theta turns u into v about e: u x v = e (e . p x q), so with the volume's sign it
@@ -153,13 +170,12 @@ Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, dou
     add(tet[d].along[k], Interval(0), Interval(1));
     out.slope[k] = slope;
   }
-  if (blur != 0) {
-    const IntervalVector by_c = scaled(hinge.u, edge / uu), by_d = scaled(hinge.v, edge / vv);
-    out.sensitivity = edge / sqrt(uu) + edge / sqrt(vv) +
-                      length(scaled(by_d, rest_mu) - scaled(by_c, rest_lambda)) +
-                      length(scaled(by_d, mu) - scaled(by_c, lambda));
-  }
+  if (blur != 0) out.sensitivity = sensitivity_of(hinge);
   return out;
+}
+
+Interval enclose_sensitivity(const Tet& tet, std::size_t angle, const Box& box, double blur) {
+  return sensitivity_of(Hinge(tet, angle, box, blur));
 }
 
 Interval enclose_cotangent(const Tet& tet, std::size_t angle, const Box& box) {

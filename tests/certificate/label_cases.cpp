@@ -37,6 +37,7 @@ struct LabelledNodes {
   int direction;  ///< of the joker
   WarpLimits limits;
   LabelRule rule;
+  bool around_triples = false;  ///< a middle is the mean of the triple points, not of the nodes
 
   double alpha(int of_direction) const {
     return static_cast<double>(is_long(of_direction) ? limits.alpha_long : limits.alpha_short);
@@ -74,9 +75,24 @@ class LabelProblem {
     if (corner < 10) return cut(static_cast<std::size_t>(corner - 4));
     if (corner == kLabelMiddle) {
       if (nodes_.rule == LabelRule::kMiddleAtANode) return node(0);
-      return mean_of({node(0), node(1), node(2), node(3)});
+      if (!nodes_.around_triples) return mean_of({node(0), node(1), node(2), node(3)});
+      std::vector<Corner> triples;
+      for (std::size_t i = 0; i < kTetFaces; ++i) {
+        if (is_triple(i)) triples.push_back(triple(i));
+      }
+      return mean_of(triples);
     }
-    const auto [a, b, c] = nodes_of_face(static_cast<std::size_t>(corner - 10));
+    return triple(static_cast<std::size_t>(corner - 10));
+  }
+
+  bool is_triple(std::size_t opposite_node) const {
+    const auto [a, b, c] = nodes_of_face(opposite_node);
+    const auto& label = nodes_.label;
+    return label[a] != label[b] && label[b] != label[c] && label[a] != label[c];
+  }
+
+  Corner triple(std::size_t opposite_node) {
+    const auto [a, b, c] = nodes_of_face(opposite_node);
     if (nodes_.rule == LabelRule::kTripleAtACut) return cut(edge_between(a, b));
     return mean_of({cut(edge_between(a, b)), cut(edge_between(b, c)), cut(edge_between(a, c))});
   }
@@ -159,17 +175,25 @@ bool is_odd(const std::array<std::uint8_t, 4>& roles) {
   return inversions % 2 != 0;
 }
 
+/// A problem of one tet that is told in roles.
+LabelProblem problem_in_roles(const LabelledNodes& nodes,
+                              const LabelTetCorners& in_roles,
+                              const std::array<std::uint8_t, 4>& roles) {
+  LabelTetCorners corners;
+  for (std::size_t i = 0; i < 4; ++i) corners[i] = by_role(in_roles[i], roles);
+  if (is_odd(roles)) std::swap(corners[2], corners[3]);
+  LabelProblem problem(nodes, "AABC");
+  problem.add(corners);
+  return problem;
+}
+
 void add_three_labels(const LabelledNodes& nodes, std::vector<Problem>& problems) {
   const std::array<std::uint8_t, 4> roles = roles_of(nodes.label);
   for (std::size_t starts = 0; starts < 4; ++starts) {
     const bool second_at_b = (starts & 2) != 0, second_at_c = (starts & 1) != 0;
     const auto& fan = kLabelFans[second_at_b ? 1 : 0][second_at_c ? 1 : 0];
     for (std::size_t t = 0; t < fan.count; ++t) {
-      LabelTetCorners corners;
-      for (std::size_t i = 0; i < 4; ++i) corners[i] = by_role(fan.tet[t][i], roles);
-      if (is_odd(roles)) std::swap(corners[2], corners[3]);
-      LabelProblem problem(nodes, "AABC");
-      problem.add(corners);
+      LabelProblem problem = problem_in_roles(nodes, fan.tet[t], roles);
       const auto order = [&](bool second, std::size_t other) {
         problem.add_order(roles[second ? 1 : 0], roles[second ? 0 : 1], roles[other]);
       };
@@ -178,6 +202,23 @@ void add_three_labels(const LabelledNodes& nodes, std::vector<Problem>& problems
       problems.push_back(problem.problem());
     }
   }
+}
+
+/// The twelve tets by all choices of diagonals, and those around the mean of T1 and T2.
+void add_chosen_three(const LabelledNodes& nodes, std::vector<Problem>& problems) {
+  const std::array<std::uint8_t, 4> roles = roles_of(nodes.label);
+  const auto add = [&](const auto& tets) {
+    for (std::size_t t = 0; t < tets.count; ++t) {
+      problems.push_back(problem_in_roles(nodes, tets.tet[t], roles).problem());
+    }
+  };
+  for (const auto& part : kLabelParts) std::ranges::for_each(part, add);
+  for (const auto& side : kLabelHalves) {
+    for (const auto& starts : side) {
+      for (const auto& shared : starts) std::ranges::for_each(shared, add);
+    }
+  }
+  for (const auto& fans : kLabelFans) std::ranges::for_each(fans, add);
 }
 
 template <class Tets>
@@ -216,6 +257,25 @@ std::vector<Problem> label_problems_of(const TetShape& shape,
     add_tets(nodes, kFourLabels, "ABCD", problems);
   }
   return problems;
+}
+
+std::vector<Problem> chosen_label_cases(const WarpLimits& limits, LabelRule rule) {
+  std::vector<Problem> problems;
+  for (const TetShape& shape : kTetShape) {
+    LabelledNodes nodes{shape, {}, {1, 2, 3, 4}, 0, limits, rule, true};
+    for (std::size_t i = 0; i < 4; ++i) {
+      nodes.node[i] = node_coord(shape.kind[i], halo_index(0, 0, 0) + shape.offset[i]);
+    }
+    add_tets(nodes, kFourLabels, "ABCD", problems);
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        nodes.label = {1, 2, 3, 4};
+        nodes.label[j] = nodes.label[i];
+        add_chosen_three(nodes, problems);
+      }
+    }
+  }
+  return without_copies(problems);
 }
 
 std::vector<Problem> label_cases(const WarpLimits& limits, LabelRule rule) {

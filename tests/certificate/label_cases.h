@@ -27,6 +27,12 @@ enum class LabelRule {
 /// see kGoodLeast.
 std::vector<Problem> label_cases(const WarpLimits& limits, LabelRule rule = LabelRule::kAsItIs);
 
+/// All tets of three and four labels that are taken only where all angles of their division
+/// lie in kGoodLeast .. kGoodGreatest: parts, halves, and those around a middle amid the triple
+/// points; up to isometries. Nothing is said of where that is.
+std::vector<Problem> chosen_label_cases(const WarpLimits& limits,
+                                        LabelRule rule = LabelRule::kAsItIs);
+
 /// Those of one lattice tet of a shape whose nodes have these labels; kJoker, which moved in
 /// `direction`, at one of them at most.
 std::vector<Problem> label_problems_of(const TetShape& shape,

@@ -10,8 +10,8 @@
 
 namespace tet::certificate {
 
-/// One lattice tet has no more than four nodes that moved, or four cut points.
-inline constexpr std::size_t kParameters = 4;
+/// One lattice tet has no more than four nodes that moved, or six cut points.
+inline constexpr std::size_t kParameters = 6;
 
 /// A point, or the displacement of one, in twelfths of the doubled lattice coordinates: the
 /// mean of three or of four cut points has whole ones too. The lattice's spacing is 24.
