@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include "core/base/vector_clones.h"
 
@@ -52,13 +53,30 @@ template <std::size_t kTaps>
   }
 }
 
+/// Calls `sum` with the number of taps, where it is one of the usual, as a constant; else with
+/// 0.
+template <class Sum>
+[[gnu::always_inline]] inline void with_taps(std::size_t taps, const Sum& sum) noexcept {
+  switch (taps) {
+    case 2:
+      return sum(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return sum(std::integral_constant<std::size_t, 3>());
+    case 4:
+      return sum(std::integral_constant<std::size_t, 4>());
+    case 5:
+      return sum(std::integral_constant<std::size_t, 5>());
+    default:
+      return sum(std::integral_constant<std::size_t, 0>());
+  }
+}
+
 /// Sums whole groups of lanes.
 TET_VECTOR_CLONES
 void sum_rows(const Weighted& by, const float* in, std::size_t groups, float* out) noexcept {
-  const std::size_t taps = by.weight.size();
-  if (taps == 4) return sum_groups<4>(by, in, groups, out);
-  if (taps == 5) return sum_groups<5>(by, in, groups, out);
-  sum_groups<0>(by, in, groups, out);
+  with_taps(by.weight.size(), [&](auto taps) __attribute__((always_inline)) {
+    sum_groups<decltype(taps)::value>(by, in, groups, out);
+  });
 }
 
 /// The rows of a slice that has one group of voxels a row, each with zeros beyond.
@@ -89,10 +107,10 @@ void sum_slice(const Weighted& y,
                const float* in,
                std::size_t first_z,
                float* out) noexcept {
-  const std::size_t taps = y.weight.size() == z.weight.size() ? y.weight.size() : 0;
-  if (taps == 4) return sum_nodes_of_slice<4>(y, z, in, first_z, out);
-  if (taps == 5) return sum_nodes_of_slice<5>(y, z, in, first_z, out);
-  sum_nodes_of_slice<0>(y, z, in, first_z, out);
+  const std::size_t both = y.weight.size() == z.weight.size() ? y.weight.size() : 0;
+  with_taps(both, [&](auto taps) __attribute__((always_inline)) {
+    sum_nodes_of_slice<decltype(taps)::value>(y, z, in, first_z, out);
+  });
 }
 
 /// Sums one row along z where nodes have weights of their own.
