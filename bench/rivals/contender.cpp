@@ -1,8 +1,5 @@
 #include "bench/rivals/contender.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,6 +8,8 @@
 #include <ctime>
 #include <numbers>
 #include <set>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/base/tet_geometry.h"
 

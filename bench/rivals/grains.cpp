@@ -22,8 +22,8 @@ LabelCube make_grains(std::int32_t edge, int labels) {
       for (std::int32_t x = 0; x < edge; ++x) {
         std::uint8_t label = 0;
         double least = std::numeric_limits<double>::infinity();
-        const bool inside = square(x - middle) + square(y - middle) + square(z - middle) <
-                            square(radius);
+        const bool inside =
+            square(x - middle) + square(y - middle) + square(z - middle) < square(radius);
         for (std::size_t i = 0; inside && i < seeds.size(); ++i) {
           const auto& [a, b, c] = seeds[i];
           const double far = square(a - x) + square(b - y) + square(c - z);

@@ -48,8 +48,7 @@ void print_row(const char* name, const Result& result, const Result& ours) {
 void compare(std::int32_t edge, double spacing, int labels) {
   const LabelCube cube = make_grains(edge, labels);
   const Result ours = measure([&] { return mesh_with_tetstream(cube, spacing); });
-  const MatchedMesh3 plain =
-      match_mesh3(cube, static_cast<double>(ours.tets), 1.1 * spacing);
+  const MatchedMesh3 plain = match_mesh3(cube, static_cast<double>(ours.tets), 1.1 * spacing);
   const Result optimized =
       measure([&] { return mesh_with_mesh3(cube, {.cell_size = plain.cell_size}); });
   std::printf("%d^3 voxels, %d grains in a ball, a lattice of %g voxels\n\n", edge, labels,

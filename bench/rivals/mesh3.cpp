@@ -7,7 +7,6 @@
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/make_mesh_3.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <unordered_map>
@@ -26,8 +25,7 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 /// An image of bytes, which CGAL's image owns.
 CGAL::Image_3 image_of(const LabelCube& cube) {
   const auto edge = static_cast<std::size_t>(cube.edge);
-  _image* const image =
-      _createImage(edge, edge, edge, 1, 1, 1, 1, 1, WK_FIXED, SGN_UNSIGNED);
+  _image* const image = _createImage(edge, edge, edge, 1, 1, 1, 1, 1, WK_FIXED, SGN_UNSIGNED);
   std::ranges::copy(cube.label, static_cast<std::uint8_t*>(image->data));
   return CGAL::Image_3(image);
 }
@@ -37,8 +35,8 @@ Criteria criteria_of(double cell_size) {
   constexpr double kFacetSize = 6.0 / 8, kFacetDistance = 4.0 / 8;
   namespace p = CGAL::parameters;
   return Criteria(p::facet_angle = 30, p::facet_size = kFacetSize * cell_size,
-                  p::facet_distance = kFacetDistance * cell_size,
-                  p::cell_radius_edge_ratio = 3, p::cell_size = cell_size);
+                  p::facet_distance = kFacetDistance * cell_size, p::cell_radius_edge_ratio = 3,
+                  p::cell_size = cell_size);
 }
 
 PlainMesh plain(const Complex& complex) {

@@ -8,7 +8,7 @@ namespace tet::rivals {
 
 /// How Mesh_3 is asked for a mesh.
 struct Mesh3Request {
-  double cell_size = 0;  ///< bound of a tet's circumradius, voxels
+  double cell_size = 0;   ///< bound of a tet's circumradius, voxels
   bool optimized = true;  ///< by perturbation and exudation, as it is unless told otherwise
 };
 

@@ -74,9 +74,10 @@ template <class Sum>
 /// Sums whole groups of lanes.
 TET_VECTOR_CLONES
 void sum_rows(const Weighted& by, const float* in, std::size_t groups, float* out) noexcept {
-  with_taps(by.weight.size(), [&](auto taps) __attribute__((always_inline)) {
-    sum_groups<decltype(taps)::value>(by, in, groups, out);
-  });
+  with_taps(
+      by.weight.size(), [&](auto taps) __attribute__((always_inline)) {
+        sum_groups<decltype(taps)::value>(by, in, groups, out);
+      });
 }
 
 /// The rows of a slice that has one group of voxels a row, each with zeros beyond.
@@ -108,9 +109,10 @@ void sum_slice(const Weighted& y,
                std::size_t first_z,
                float* out) noexcept {
   const std::size_t both = y.weight.size() == z.weight.size() ? y.weight.size() : 0;
-  with_taps(both, [&](auto taps) __attribute__((always_inline)) {
-    sum_nodes_of_slice<decltype(taps)::value>(y, z, in, first_z, out);
-  });
+  with_taps(
+      both, [&](auto taps) __attribute__((always_inline)) {
+        sum_nodes_of_slice<decltype(taps)::value>(y, z, in, first_z, out);
+      });
 }
 
 /// Sums one row along z where nodes have weights of their own.
@@ -161,9 +163,7 @@ void VoxelWindow::go_to(const std::array<std::array<TapRow, 3>, kNodeKinds>& tap
   box = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-void Convolution::choose(std::span<const Label> voxel,
-                         const VoxelWindow& window,
-                         Label label) {
+void Convolution::choose(std::span<const Label> voxel, const VoxelWindow& window, Label label) {
   window_ = window;
   const auto [nx, ny, nz] = window.size;
   row_ = (nz + kLanes - 1) / kLanes * kLanes;

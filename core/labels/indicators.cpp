@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kFirstNode = -2;
 constexpr int kRowNodes = TapRow::kNodes;
-/// Of a slice of a halo: all rows of nodes, and what fills them up.
+/// A slice of a halo has so many nodes, with what fills its rows up.
 constexpr std::size_t kSliceNodes = std::size_t{kRowNodes} * 16;
 
 /// With more labels than these around a brick, nodes are looked at one by one.
@@ -116,8 +116,8 @@ class IndicatorSampler final : public LabelSampler {
         const int high = low + offset;
         const Label a = samples.label[kind][static_cast<std::size_t>(low)];
         const Label b = samples.label[end][static_cast<std::size_t>(high)];
-        out[low] = fraction(at(kind, low, a) - at(kind, low, b),
-                            at(end, high, b) - at(end, high, a));
+        out[low] =
+            fraction(at(kind, low, a) - at(kind, low, b), at(end, high, b) - at(end, high, a));
       });
     }
   }
@@ -182,8 +182,11 @@ class IndicatorSampler final : public LabelSampler {
   static float fraction(float here, float there) noexcept { return here / (here + there); }
 
   /// For edges from nodes of one kind, `low`, to those that lie `offset` away.
-  void find_fractions(
-      NodeKind kind, NodeKind end, int offset, const HaloSet& edges, float* out) const noexcept {
+  void find_fractions(NodeKind kind,
+                      NodeKind end,
+                      int offset,
+                      const HaloSet& edges,
+                      float* out) const noexcept {
     const float* const indicator = best_[kind].indicator.data();
     const std::uint16_t* const place = best_[kind].place.data();
     const float* const end_indicator = best_[end].indicator.data() + offset;
@@ -294,8 +297,8 @@ class IndicatorSampler final : public LabelSampler {
   std::array<std::array<TapRow, 3>, kNodeKinds> taps_;
   VoxelWindow window_;
   std::vector<Label> voxel_;
-  std::vector<Label> label_;  // around the brick, ascending
-  std::vector<Label> near_;   // around a node
+  std::vector<Label> label_;      // around the brick, ascending
+  std::vector<Label> near_;       // around a node
   std::vector<HaloField> field_;  // of each label, corners before centres
   std::array<BestLabels, kNodeKinds> best_;
   Convolution convolution_;

@@ -237,6 +237,7 @@ Octree build_octree(CellSet finest,
     finest = finest_cells(finest, refined, {field, is_inside, cover}, cancellation);
   }
   tree.levels.push_back(finest_level(std::move(finest.bricks), MaskColumn(finest.cells)));
+  bool any_finer = any_leaf(tree.levels[0]);
   for (int level = 1; level <= rules.max_levels && !cancellation.requested(); ++level) {
     CellSet above = refined_cells.above(refined, level);
     CellSet candidates =
@@ -245,10 +246,15 @@ Octree build_octree(CellSet finest,
             : all_cells_of(bricks_covering(cover.boxes, level, refined.bricks));
     OctreeLevel made = make_level({field, is_inside, cover}, level, std::move(candidates),
                                   refined, cancellation);
-    if (!any_leaf(made)) break;
+    // Where all of a domain is covered and nothing is finest, leaves begin at the level at
+    // which cells reach beyond it.
+    const bool any = any_leaf(made);
+    if (!any && (any_finer || is_inside)) break;
+    any_finer = any;
     tree.levels.push_back(std::move(made));
     refined = std::move(above);
   }
+  while (tree.levels.size() > 1 && !any_leaf(tree.levels.back())) tree.levels.pop_back();
   return tree;
 }
 

@@ -83,7 +83,7 @@ TEST(Dihedral, AgreesWithTheQualityOfMeshes) {
 TEST(Dihedral, KnowsItsSlopes) {
   const RoundUpward upward;
   Tet tet{{{{0, 0, 0}, {}}, {{8, 0, 0}, {}}, {{1, 7, 0}, {}}, {{2, 3, 5}, {}}}};
-  for (std::size_t k = 0; k < kParameters; ++k) {
+  for (std::size_t k = 0; k < tet.size(); ++k) {
     tet[k].along[k] = {4, static_cast<int>(k) - 2, -4};
   }
   constexpr double kStep = 0x1p-20;

@@ -28,8 +28,8 @@ Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, dou
 /// Its cotangent alone.
 Interval enclose_cotangent(const Tet& tet, std::size_t angle, const Box& box);
 
-/// The same sum as Dihedral::sensitivity, which hangs on the two faces at the angle and not on
-/// the volume; infinite where one of them may have no area.
+/// Dihedral::sensitivity alone. It hangs on the two faces at the angle and not on the volume;
+/// it is infinite where one of them may have no area.
 Interval enclose_sensitivity(const Tet& tet, std::size_t angle, const Box& box, double blur);
 
 }  // namespace tet::certificate

@@ -59,7 +59,8 @@ TEST(LabelCases, KeepTheBoundsOfBothSides) {
   }
 }
 
-/// How far rounding to float32 may turn the angles of a division that is taken where it is good.
+/// How far rounding to float32 may turn the angles of a division that is taken where it is
+/// good.
 double spare_turn() {
   return std::min(kGoodLeast - kStoredBounds.min_deg, kStoredBounds.max_deg - kGoodGreatest);
 }
@@ -76,8 +77,8 @@ TEST(ChosenLabelCases, AreThoseOfThreeAndFourLabels) {
 }
 
 TEST(ChosenLabelCases, KeepTheBoundsAsFloat32WhereTheyAreGood) {
-  const CertifiedTurn turn = certify_turn(chosen_label_cases(kLimits), kStoredDisplacement,
-                                          spare_turn(), 200'000'000);
+  const CertifiedTurn turn =
+      certify_turn(chosen_label_cases(kLimits), kStoredDisplacement, spare_turn(), 200'000'000);
   EXPECT_LE(turn.bound_deg, spare_turn());
   EXPECT_GT(turn.attained_deg, 0.5) << "which is not far from what a search finds: 1.6";
 }
@@ -128,8 +129,7 @@ TEST(LabelCasesFail, WhereTheMiddleIsANode) {
 
 /// Whether rounding was seen to turn an angle too far at a single point.
 bool turns_too_far(const std::vector<Problem>& problems) {
-  const CertifiedTurn turn =
-      certify_turn(problems, kStoredDisplacement, spare_turn(), 100'000);
+  const CertifiedTurn turn = certify_turn(problems, kStoredDisplacement, spare_turn(), 100'000);
   return turn.attained_deg > spare_turn();
 }
 

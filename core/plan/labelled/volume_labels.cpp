@@ -100,9 +100,10 @@ void VolumeLabels::copy_brick(const BrickCoord& b, const VoxelBox& box, Label* o
   const Label one = found && constant ? label_of_brick(*found) : beyond_;
   for (std::int32_t x = from(b.x, box.min.x); x < end(b.x, box.max.x); ++x) {
     for (std::int32_t y = from(b.y, box.min.y); y < end(b.y, box.max.y); ++y) {
-      Label* const row = out + (static_cast<std::size_t>(x - box.min.x) * ny +
-                                static_cast<std::size_t>(y - box.min.y)) *
-                                   nz +
+      Label* const row = out +
+                         (static_cast<std::size_t>(x - box.min.x) * ny +
+                          static_cast<std::size_t>(y - box.min.y)) *
+                             nz +
                          static_cast<std::size_t>(first_z - box.min.z);
       if (constant) {
         std::fill_n(row, count, one);

@@ -59,6 +59,24 @@ TEST(LabelMesh, FillsTheBoxWhereNothingMeetsItsFaces) {
   }
 }
 
+TEST(LabelMesh, FillsABoxOfOneLabelOnAnyLevels) {
+  const test::LabelFunctions one{[](LatticeCoord) { return Label{3}; },
+                                 [](LatticeCoord, int) { return 0.5F; }};
+  for (const BrickBox& box : {BrickBox{{2, 1, -2}, {2, 2, -1}}, BrickBox{{0, 0, 0}, {0, 0, 0}},
+                              BrickBox{{-1, -1, -1}, {0, 0, 0}}}) {
+    const double volume = 512.0 * (box.max.x - box.min.x + 1) * (box.max.y - box.min.y + 1) *
+                          (box.max.z - box.min.z + 1);
+    for (const int levels : {0, 1, 2, 3, 4, kMaxLevels}) {
+      SCOPED_TRACE(levels);
+      const TetMesh mesh = mesh_of(one, {.domain = box, .levels = levels}).mesh;
+      EXPECT_EQ(mesh.header.levels, std::min(levels, 3));
+      const ConformityReport report = check_conformity(mesh);
+      EXPECT_TRUE(report.conforming()) << report.describe();
+      EXPECT_NEAR(volume_of(mesh), volume, 1e-7);
+    }
+  }
+}
+
 TEST(LabelMesh, CountsWhatAnIndependentReadingOfTheRulesCounts) {
   constexpr BrickBox kSmall{{0, -1, 3}, {0, -1, 4}};
   for (const LabelCase& labels : label_cases(kSmall, 3)) {
