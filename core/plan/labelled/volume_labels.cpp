@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/brick_box.h"
+
 namespace tet {
 namespace {
 

@@ -63,17 +63,19 @@ Label anything(VoxelCoord v) {
   return static_cast<Label>(1 + (v.x * 7919 + v.y * 104729 + v.z * 1299709) % 997);
 }
 
-TEST(Indicators, AreTheSameWhicheverBrickSeesThem) {
+/// Checks that all bricks of a box see the same labels and fractions; returns how many nodes
+/// were seen again.
+std::size_t check_what_bricks_see(const IndicatorRules& rules, const BrickBox& box) {
   // A quarter has a few labels, the rest too many to convolve: the sums must be the same bits.
   const auto voxels = std::make_shared<const VoxelArray>(
       16, Label{0}, [](VoxelCoord v) { return v.x < 6 && v.y < 12 ? octant(v) : anything(v); });
-  const auto sampler = source(voxels)->sampler();
+  const auto sampler = source(voxels, rules)->sampler();
   std::map<std::tuple<int, int, int, int>, Label> label_of;
   std::map<std::tuple<int, int, int, int>, float> fraction_of;
   const auto samples = std::make_unique<LabelSamples>();
   EdgeSets changes;
   std::size_t again = 0;
-  for_each_brick({{-1, -1, -1}, {1, 1, 1}}, [&](BrickCoord brick) {
+  for_each_brick(box, [&](BrickCoord brick) {
     if (sampler->one_label(brick)) return;
     sampler->sample_labels(brick, *samples);
     find_label_changes(samples->label, changes);
@@ -101,7 +103,29 @@ TEST(Indicators, AreTheSameWhicheverBrickSeesThem) {
       });
     }
   });
-  EXPECT_GT(again, 10'000U);
+  return again;
+}
+
+TEST(Indicators, AreTheSameWhicheverBrickSeesThem) {
+  EXPECT_GT(check_what_bricks_see({}, {{-1, -1, -1}, {1, 1, 1}}), 10'000U);
+}
+
+TEST(Indicators, AreTheSameForEveryKernelAndSpacing) {
+  // The lower brick has few labels, the upper one too many.
+  constexpr BrickBox kTwo{{-1, 0, 0}, {0, 0, 0}};
+  for (const IndicatorRules& rules : {IndicatorRules{.kernel = LabelKernel::kTrilinear},
+                                      {.kernel = LabelKernel::kQuadratic},
+                                      {.smooth = 1},
+                                      {.spacing_voxels = {0.7, 1, 1}},
+                                      {.spacing_voxels = {1, 1.3, 1}},
+                                      {.spacing_voxels = {1, 1, 0.6}},
+                                      {.spacing_voxels = {1, 1, 2}}}) {
+    SCOPED_TRACE(testing::Message()
+                 << "kernel " << static_cast<int>(rules.kernel) << ", smooth " << rules.smooth
+                 << ", spacing " << rules.spacing_voxels[0] << " " << rules.spacing_voxels[1]
+                 << " " << rules.spacing_voxels[2]);
+    EXPECT_EQ(check_what_bricks_see(rules, kTwo), 2U * 4 * 12 * 12);
+  }
 }
 
 TEST(Indicators, GiveANodeTheLabelOfItsVoxelsAndOfEqualOnesTheLower) {
