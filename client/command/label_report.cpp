@@ -42,8 +42,8 @@ std::string title_of(const MeshLabel& label) {
 std::vector<double> voxel_volumes_of(const Shape& shape, const MeshRequest& request) {
   const auto labels = labels_of(shape);
   if (labels == nullptr || !request.labels) return {};
-  absl::StatusOr<LabelNumbers> numbers = number_labels(*labels, *request.labels);
-  return numbers.ok() ? std::move(numbers->voxel_volume) : std::vector<double>();
+  const auto numbers = number_labels({labels->labels}, *request.labels);
+  return numbers.ok() ? voxel_volumes_of(*labels, *numbers) : std::vector<double>();
 }
 
 nlohmann::ordered_json labels_json(const MadeMesh& made) {

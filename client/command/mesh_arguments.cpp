@@ -55,8 +55,10 @@ absl::Status check_option_rules(const MeshOptions& options) {
 
 absl::Status check_labels(const MeshOptions& options) {
   if (!options.request.labels || is_volume_file(options.input)) return absl::OkStatus();
+  if (is_scene_file(options.input)) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
-      "--labels are those of a segmentation in an image (.nii, .nrrd, .mha, .vti, .npy), and ",
+      "--labels are those of a segmentation in an image (.nii, .nrrd, .mha, .vti, .npy), of "
+      "level sets in a .vdb, or of a scene's parts, and ",
       options.input, " is none"));
 }
 

@@ -88,7 +88,14 @@ enum class LabelSmoothing : std::uint8_t {
   kNone,   ///< not at all: every stair is kept
 };
 
-/// What is asked of a segmentation.
+/// Leaves of labels from `first` to `last`, by the values that they have when all is merged, have
+/// edges of `size` at most; world units.
+struct LabelSize {
+  LabelRange labels = {};
+  double size = 0;
+};
+
+/// What is asked of a segmentation, or of solids that are labels.
 struct LabelChoice {
   /// The labels that are meshed, by the values that they have when all is merged; empty: all
   /// but the background.
@@ -102,6 +109,9 @@ struct LabelChoice {
   std::vector<MeshLabel> names = {};
   LabelSmoothing smoothing = LabelSmoothing::kGauss;
   double smooth = 0.7;  ///< the Gaussian's width, voxels; at most 4
+  /// How large leaves of some labels may be, none below the spacing; where two hold of a label,
+  /// the smaller one. With sizes, `Request::levels` is as many as there can be unless given.
+  std::vector<LabelSize> sizes = {};
 };
 
 /// Reads what labels are called: a table of ITK-SNAP, 3D Slicer or FreeSurfer, or JSON. Errors:
