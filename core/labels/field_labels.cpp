@@ -20,7 +20,7 @@
 namespace tet {
 namespace {
 
-constexpr int kFirstNode = -2, kEndNode = 10;  // labels are wanted at nodes between them
+constexpr int kFirstSampled = -2, kEndSampled = 10;  // labels are wanted at nodes between them
 constexpr std::uint16_t kNobody = 0xffff;
 
 /// Scenes are looked at in cubes of so many bricks along each axis before brick by brick.
@@ -56,7 +56,7 @@ PhiRange range_in(VolumeReader& reader, const PhiField& field, const BrickCoord&
   };
   // One voxel more on either side, for what lies between voxels.
   const double beyond = 1 / field.spacing_voxels;
-  const double low = kFirstNode - beyond, high = kEndNode + beyond;
+  const double low = kFirstSampled - beyond, high = kEndSampled + beyond;
   const BrickBox box{
       {voxel_brick(brick.x, low), voxel_brick(brick.y, low), voxel_brick(brick.z, low)},
       {voxel_brick(brick.x, high), voxel_brick(brick.y, high), voxel_brick(brick.z, high)}};
@@ -143,9 +143,9 @@ class FieldSampler final : public LabelSampler {
       solid(mine.near[k]).sampler.sample(brick, *mine.samples[k]);
     }
     for (const NodeKind kind : {kCorner, kCentre}) {
-      for (int x = kFirstNode; x < kEndNode; ++x) {
-        for (int y = kFirstNode; y < kEndNode; ++y) {
-          for (int z = kFirstNode; z < kEndNode; ++z) {
+      for (int x = kFirstSampled; x < kEndSampled; ++x) {
+        for (int y = kFirstSampled; y < kEndSampled; ++y) {
+          for (int z = kFirstSampled; z < kEndSampled; ++z) {
             const auto node = static_cast<std::size_t>(halo_index(x, y, z));
             const std::uint16_t winner = winner_at(kind, node);
             mine.winner[kind][node] = winner;

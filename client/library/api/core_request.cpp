@@ -144,6 +144,7 @@ absl::StatusOr<tet::Shape> shape_of(const Scene& scene) {
 }
 
 absl::StatusOr<tet::Shape> shape_of(const Labels& labels) {
+  if (labels.impl().volume == nullptr) return tet::Shape(labels.impl().level_sets);
   return tet::Shape(labels.impl().volume);
 }
 

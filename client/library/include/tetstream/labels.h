@@ -45,7 +45,7 @@ struct LabelCount {
   std::uint64_t voxels = 0;
 };
 
-/// A segmentation, ready to be meshed any number of times: docs/labels.md. Copies share it; it
+/// A segmentation, or level sets, ready to be meshed any number of times: docs/labels.md. Copies share it; it
 /// is never changed, so any thread may use it.
 class TETSTREAM_API Labels {
  public:
@@ -58,14 +58,20 @@ class TETSTREAM_API Labels {
   /// 65,535 labels).
   static Result<Labels> from_file(const std::string& path, const VdbOptions& options = {});
 
-  /// By ascending value.
+  /// Makes each of several volumes a label, 1, 2, ... in their order: droplets, or phases of a
+  /// fluid. Where several are below their iso values the lowest one's label is taken, of equal
+  /// ones the first. Errors: kInvalidArgument (no volumes, more than 64),
+  /// kFailedPrecondition (a volume without an inside).
+  static Result<Labels> from_level_sets(const std::vector<Volume>& volumes);
+
+  /// By ascending value; 0 voxels of level sets.
   std::vector<LabelCount> counts() const;
-  /// Lengths of a voxel's edges along the image's axes, world units.
+  /// Lengths of a voxel's edges along the image's axes, world units; of the first level set.
   std::array<double, 3> voxel_edges() const noexcept;
 
   /// Writes an image of the NRRD format, whole or not at all: of the box of voxels that there
   /// are, so that a .vdb file's is meshed on another lattice. Errors: kUnavailable,
-  /// kResourceExhausted (the disk).
+  /// kResourceExhausted (the disk), kFailedPrecondition (level sets).
   Status write_nrrd(const std::string& path) const;
 
   struct Impl;
