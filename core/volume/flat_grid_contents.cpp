@@ -5,9 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <string>
+#include <vector>
 
-#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 
 namespace tet {
@@ -15,7 +14,6 @@ namespace {
 
 constexpr std::array<char, 8> kContentsMagic{'t', 'e', 't', '-', 'v', 'a', 'l', '\n'};
 constexpr std::uint32_t kContentsVersion = 1;
-constexpr std::size_t kMostTextBytes = 1000;
 
 struct ContentsHeader {
   std::array<char, 8> magic = kContentsMagic;
@@ -23,7 +21,7 @@ struct ContentsHeader {
   std::uint32_t has_values = 0;
   float min = 0, max = 0, background = 0;
   std::uint32_t inside = 0, source = 0;
-  std::uint32_t text_bytes = 0;
+  std::uint32_t reserved = 0;
   std::uint64_t label_count = 0, listed = 0;
 };
 static_assert(sizeof(ContentsHeader) == 56);
@@ -84,8 +82,6 @@ absl::Status write_flat_contents(const GridContents& contents, const ByteSink& s
     header.inside = static_cast<std::uint32_t>(contents.values->inside);
     header.source = static_cast<std::uint32_t>(contents.values->source);
   }
-  const std::string text = contents.not_meshable.substr(0, kMostTextBytes);
-  header.text_bytes = static_cast<std::uint32_t>(text.size());
   header.label_count = contents.label_count;
   header.listed = contents.labels.size();
   std::vector<LabelRecord> records;
@@ -95,7 +91,6 @@ absl::Status write_flat_contents(const GridContents& contents, const ByteSink& s
   FlatWriter writer(sink);
   writer.add(std::span<const ContentsHeader>(&header, 1));
   writer.add(std::span<const LabelRecord>(records));
-  writer.add(std::span<const char>(text));
   return writer.status();
 }
 
@@ -107,14 +102,7 @@ absl::StatusOr<GridContents> read_flat_contents(std::span<const std::byte> block
   std::memcpy(&header, bytes->data(), sizeof(header));
   if (auto status = check_contents_header(header); !status.ok()) return status;
   const auto records = reader.column<LabelRecord>(header.listed);
-  if (!records) return wrong_contents("its labels do not fit in it");
-  const auto text = reader.column<char>(header.text_bytes);
-  if (!text || !reader.at_end() || text->size() > kMostTextBytes) {
-    return wrong_contents("its text does not fill it");
-  }
-  const bool is_printable = std::ranges::all_of(
-      *text, [](char c) { return absl::ascii_isprint(static_cast<unsigned char>(c)); });
-  if (!is_printable) return wrong_contents("its text is not printable");
+  if (!records || !reader.at_end()) return wrong_contents("its labels do not fill it");
   GridContents contents;
   if (header.has_values == 1) {
     contents.values = GridValues{{header.min, header.max},
@@ -122,7 +110,6 @@ absl::StatusOr<GridContents> read_flat_contents(std::span<const std::byte> block
                                  static_cast<InsideSide>(header.inside),
                                  static_cast<KindSource>(header.source)};
   }
-  contents.not_meshable = std::string(text->begin(), text->end());
   contents.label_count = header.label_count;
   if (auto status = add_labels(*records, contents); !status.ok()) return status;
   return contents;

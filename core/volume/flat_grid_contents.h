@@ -13,11 +13,12 @@
 
 namespace tet {
 
-/// Errors: those of the sink.
+/// Of its values and labels; that it cannot be meshed is a failure of whoever reads it. Errors:
+/// those of the sink.
 absl::Status write_flat_contents(const GridContents& contents, const ByteSink& sink);
 
-/// The contents of a block that anyone may have written: numbers are finite, labels ascend and
-/// have voxels in boxes that are none or ordered, and texts are printable.
+/// The contents of a block that anyone may have written: values are finite, and labels ascend
+/// and have voxels in a box.
 ///
 /// `block` is aligned to 64 bytes and does not change meanwhile. Errors: kInvalidArgument (says
 /// what is wrong with it).

@@ -68,6 +68,13 @@ GridValues values_of(const Volume& volume) noexcept {
   return {value_range(volume), volume.background, own_side(volume), volume.kind_source};
 }
 
+bool may_have_labels(const GridInfo& grid) {
+  const std::string& type = grid.value_type;
+  const bool is_whole =
+      type.find("int") != std::string::npos || type == "bool" || type == "mask";
+  return is_whole && grid.not_meshable.empty();
+}
+
 void set_labels_of(const LabelVolume& volume, GridContents& contents) {
   const std::vector<VoxelBox> boxes = boxes_of(volume);
   contents.label_count = volume.labels.size();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/volume/grid_info.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
 
@@ -49,6 +50,9 @@ struct GridContents {
 };
 
 GridValues values_of(const Volume& volume) noexcept;
+
+/// Whether reading it may show that it is a segmentation: one of whole numbers.
+bool may_have_labels(const GridInfo& grid);
 
 /// Fills in what a segmentation tells.
 void set_labels_of(const LabelVolume& volume, GridContents& contents);
