@@ -59,7 +59,7 @@ struct KnownGrid {
   GridInfo info;
   GridContents contents;  ///< if they are read
 
-  /// Of more labels than are listed it is no segmentation to show.
+  /// Where there are more labels than are listed it is no segmentation to show.
   bool shows_labels() const noexcept {
     return contents.label_count > 0 && contents.label_count == contents.labels.size();
   }
@@ -67,7 +67,8 @@ struct KnownGrid {
 
 std::string range_of(const KnownGrid& grid) {
   if (!grid.contents.values) return "";
-  return absl::StrFormat("%g to %g", grid.contents.values->range.min, grid.contents.values->range.max);
+  return absl::StrFormat("%g to %g", grid.contents.values->range.min,
+                         grid.contents.values->range.max);
 }
 
 std::string inside_of(const KnownGrid& grid) {
@@ -209,9 +210,8 @@ absl::StatusOr<std::vector<KnownGrid>> ask_for_grids(const InfoOptions& options,
   const UploadWatch nobody{[](std::uint64_t, std::uint64_t) {}, [](const auto&) {}};
   const auto name = upload_input(**client, input, nobody, interruption);
   if (!name.ok()) return name.status();
-  const auto file =
-      (*client)->grid_info(*name, interruption,
-                           options.no_values ? GridDetail::kHeader : GridDetail::kValues);
+  const auto file = (*client)->grid_info(
+      *name, interruption, options.no_values ? GridDetail::kHeader : GridDetail::kValues);
   if (!file.ok()) return file.status();
   std::vector<KnownGrid> grids;
   for (const v1::GridInfo& message : file->grids()) {

@@ -15,6 +15,7 @@
 #include "client/command/mesh_arguments.h"
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
+#include "client/command/placed_array.h"
 #include "client/command/stopwatch.h"
 #include "client/command/use_shape.h"
 #include "client/command/volume_file.h"
@@ -186,6 +187,8 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   absl::StatusOr<MeshOptions> options = understand_input(arguments);
   if (!options.ok()) return options.status();
   if (auto status = check_options(*options); !status.ok()) return status;
+  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options);
+  if (!placed.ok()) return placed.status();
 
   absl::StatusOr<MadeMesh> made = absl::UnknownError("not made");
   {

@@ -22,8 +22,8 @@ struct LabelArguments {
   std::vector<std::string> merges;
   std::string background;
   std::optional<std::int64_t> background_label;
-  std::string names;   ///< a file
-  std::string smooth;  ///< a number, or `thin`
+  std::string names;               ///< a file
+  std::string smooth;              ///< a number, or `thin`
   std::vector<std::string> sizes;  ///< `4,7:12=2.5`
 };
 

@@ -95,8 +95,8 @@ struct FieldLabels::Scratch {
   std::vector<std::unique_ptr<Solid>> solid;  // by the numbers of fields; null: not met yet
   bool entered = false;
   BrickCoord block;
-  std::vector<std::uint16_t> in_block;  // fields that may be inside in the block
-  std::vector<std::uint16_t> near;      // fields that may be inside in the brick
+  std::vector<std::uint16_t> in_block;                 // fields that may be inside in the block
+  std::vector<std::uint16_t> near;                     // fields that may be inside in the brick
   std::vector<std::unique_ptr<BrickSamples>> samples;  // of those
   std::array<std::array<std::uint16_t, kHaloNodes>, kNodeKinds> winner;  // place in `near`
 };
@@ -126,7 +126,7 @@ class FieldSampler final : public LabelSampler {
       if (range.low > touching()) continue;
       near.push_back(i);
       all_inside = range.high < -touching();
-      // None of those that follow can have any of it.
+      // Those that follow can have nothing of it.
       if (all_inside && overlap_ == Overlap::kFirst) break;
     }
     if (near.empty()) return background_;
@@ -268,8 +268,7 @@ class FieldSampler final : public LabelSampler {
   /// Where two solids are equally deep on an edge: not above 0 at its lower node, not below at
   /// the upper one.
   float zero_of_difference(const Edges& edges, int low) {
-    const std::uint16_t a = winner(edges.kind, low),
-                        b = winner(edges.end, low + edges.offset);
+    const std::uint16_t a = winner(edges.kind, low), b = winner(edges.end, low + edges.offset);
     const float at_low = difference(a, b, edges.kind, low),
                 at_high = difference(a, b, edges.end, low + edges.offset);
     if (at_low == 0 || at_high == 0) return at_low == 0 ? 0.0F : 1.0F;
@@ -282,10 +281,10 @@ class FieldSampler final : public LabelSampler {
       return 0.5 * (16.0 * brick + node + bracket.next * step);
     };
     for (int step = 0; step < kSteps && !bracket.done; ++step) {
-      bracket.narrow(difference_at(a, b,
-                                   {at(edges.brick.x, from.x, along.x),
-                                    at(edges.brick.y, from.y, along.y),
-                                    at(edges.brick.z, from.z, along.z)}));
+      bracket.narrow(
+          difference_at(a, b,
+                        {at(edges.brick.x, from.x, along.x), at(edges.brick.y, from.y, along.y),
+                         at(edges.brick.z, from.z, along.z)}));
     }
     return static_cast<float>(bracket.zero());
   }
@@ -299,8 +298,7 @@ class FieldSampler final : public LabelSampler {
             std::min(winner(edges.kind, low), winner(edges.end, low + edges.offset));
         if (first != k) return;
         const float at_low = phi(k, edges.kind, static_cast<std::size_t>(low)),
-                    at_high =
-                        phi(k, edges.end, static_cast<std::size_t>(low + edges.offset));
+                    at_high = phi(k, edges.end, static_cast<std::size_t>(low + edges.offset));
         if (at_low == 0 || at_high == 0) {
           fraction[static_cast<std::size_t>(low)] = at_low == 0 ? 0.0F : 1.0F;
           return;
@@ -315,16 +313,16 @@ class FieldSampler final : public LabelSampler {
     }
   }
 
-  /// Of the edges that were gathered.
+  /// Finds those of the edges that were gathered.
   void find_zeros_of(std::size_t k, const Edges& edges, std::span<float> fraction) {
     std::array<float, kSceneEdges> found;
     for (std::size_t begin = 0; begin < low_.size(); begin += kSceneEdges) {
       const std::size_t count = std::min(kSceneEdges, low_.size() - begin);
       const std::span<const std::uint16_t> low(low_.data() + begin, count);
-      find_scene_zeros(solid(scratch().near[k]).sampler,
-                       {edges.brick, edges.kind, edges.direction, low, &low_phi_[begin],
-                        &high_phi_[begin]},
-                       found.data());
+      find_scene_zeros(
+          solid(scratch().near[k]).sampler,
+          {edges.brick, edges.kind, edges.direction, low, &low_phi_[begin], &high_phi_[begin]},
+          found.data());
       for (std::size_t i = 0; i < count; ++i) fraction[low[i]] = found[i];
     }
   }
@@ -333,12 +331,12 @@ class FieldSampler final : public LabelSampler {
   const Label background_;
   const Overlap overlap_;
   ScratchPool<FieldLabels::Scratch>::Turn turn_;
-  float touching_ = 0;                // what is as near to zero is zero
-  std::vector<std::uint16_t> low_;    // edges of one solid, and its phi at their ends
+  float touching_ = 0;              // what is as near to zero is zero
+  std::vector<std::uint16_t> low_;  // edges of one solid, and its phi at their ends
   std::vector<float> low_phi_, high_phi_;
 };
 
-/// Of equal phi the first wins.
+/// Orders fields so that of equal phi the first wins.
 std::vector<LabelledField> in_order(std::vector<LabelledField> fields, Overlap overlap) {
   if (overlap == Overlap::kDeepest) {
     std::ranges::stable_sort(fields, {}, &LabelledField::label);

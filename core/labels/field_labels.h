@@ -26,10 +26,10 @@ struct LabelledField {
 
 /// Labels where phi is not above 0; everywhere else is `background`. An edge between two solids
 /// is cut where their phi are equal, or of kFirst where that of the earlier one is zero; one to
-/// the background where the solid's is zero: by secant steps on phi itself, and of kFirst within
-/// kZeroTolerance.
+/// the background where the solid's is zero: by secant steps on phi itself, and of kFirst
+/// within kZeroTolerance.
 ///
-/// Of kFirst, phi within a millionth of a spacing is zero: solids that touch share their nodes
+/// With kFirst, phi within a millionth of a spacing is zero: solids that touch share their nodes
 /// whatever rounding makes of them.
 class FieldLabels final : public LabelSource {
  public:

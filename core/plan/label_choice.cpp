@@ -81,7 +81,8 @@ absl::Status check_sizes(std::span<const LabelSize> sizes) {
   }
   constexpr double kLeast = 1e-15, kMost = 1e15;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    if (auto s = check_range(sizes[i].labels, absl::StrFormat("sizes[%d].labels", i)); !s.ok()) {
+    if (auto s = check_range(sizes[i].labels, absl::StrFormat("sizes[%d].labels", i));
+        !s.ok()) {
       return s;
     }
     if (sizes[i].size >= kLeast && sizes[i].size <= kMost) continue;

@@ -54,7 +54,7 @@ struct LabelChoice {
   /// As people call them; names of labels that the image does not have are not looked at.
   std::vector<LabelName> names = {};
   LabelKernel kernel = LabelKernel::kGauss;
-  double smooth = kDefaultSmooth;  ///< the Gaussian's width, voxels
+  double smooth = kDefaultSmooth;     ///< the Gaussian's width, voxels
   std::vector<LabelSize> sizes = {};  ///< where two hold of a label, the smaller one
   friend bool operator==(const LabelChoice&, const LabelChoice&) = default;
 };

@@ -17,15 +17,6 @@
 namespace tet {
 namespace {
 
-std::size_t deepest_stack(const std::vector<scene::Instruction>& program) {
-  std::size_t depth = 0, deepest = 0;
-  for (const scene::Instruction& op : program) {
-    if (is_leaf(op.op)) deepest = std::max(deepest, ++depth);
-    if (is_binary(op.op)) --depth;
-  }
-  return deepest;
-}
-
 bool is_infinite(const WorldBox& box) {
   const auto any = [](const WorldPoint& p) {
     return std::isinf(p.x) || std::isinf(p.y) || std::isinf(p.z);
@@ -111,7 +102,7 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
     return status;
   }
   made.inside_guess = scene::guessed_insides(description);
-  made.stack_depth = deepest_stack(made.program);
+  made.stack_depth = scene::deepest_stack(made.program);
   made.extent = scene::extent_of(made.program, made.grids);
   if (is_infinite(made.extent)) {
     made.endless = scene::path_of(description, scene::endless_node(made.program, made.grids));

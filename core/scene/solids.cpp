@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/scene/compile.h"
 #include "core/scene/extent.h"
 
 namespace tet {
@@ -25,7 +26,7 @@ Scene solid_of(const Scene& scene, const scene::NodeRun& run) {
     solid.program.push_back(op);
   }
   for (const std::uint32_t grid : kept) solid.grids.push_back(scene.grids[grid]);
-  solid.stack_depth = scene.stack_depth;
+  solid.stack_depth = scene::deepest_stack(solid.program);
   solid.extent = scene::extent_of(solid.program, solid.grids);
   solid.endless = scene.endless;
   return solid;

@@ -13,8 +13,8 @@
 
 namespace tet {
 
-/// Of its values and labels; that it cannot be meshed is a failure of whoever reads it. Errors:
-/// those of the sink.
+/// Writes values and labels; that a grid cannot be meshed is a failure of whoever reads it.
+/// Errors: those of the sink.
 absl::Status write_flat_contents(const GridContents& contents, const ByteSink& sink);
 
 /// The contents of a block that anyone may have written: values are finite, and labels ascend

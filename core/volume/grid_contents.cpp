@@ -23,8 +23,7 @@ VoxelBox part_of(const VoxelBox& image, const BrickCoord& brick) noexcept {
     return std::min(at * kBrickEdge + kBrickEdge - 1, max);
   };
   return {{low(brick.x, image.min.x), low(brick.y, image.min.y), low(brick.z, image.min.z)},
-          {high(brick.x, image.max.x), high(brick.y, image.max.y),
-           high(brick.z, image.max.z)}};
+          {high(brick.x, image.max.x), high(brick.y, image.max.y), high(brick.z, image.max.z)}};
 }
 
 /// Boxes around the voxels of each label, by number.
@@ -38,8 +37,7 @@ std::vector<VoxelBox> boxes_of(const LabelVolume& volume) {
     for (std::int32_t y = 0; y < ny; ++y) {
       for (std::int32_t z = 0; z < nz; ++z) {
         const BrickCoord& first = volume.first_brick;
-        const VoxelBox part =
-            part_of(volume.box, {first.x + x, first.y + y, first.z + z});
+        const VoxelBox part = part_of(volume.box, {first.x + x, first.y + y, first.z + z});
         const std::uint32_t brick = volume.bricks[next++];
         if ((brick & LabelVolume::kConstant) != 0) {
           add(part, boxes[brick & ~LabelVolume::kConstant]);

@@ -14,7 +14,7 @@
 
 namespace tet {
 
-/// Of a grid that can be meshed.
+/// Tells of a grid that can be meshed.
 struct GridValues {
   ValueRange range;      ///< of all values, the background among them
   float background = 0;  ///< of an image, what lies beyond it
@@ -44,8 +44,8 @@ inline constexpr std::size_t kMostListedLabels = 4096;
 
 struct GridContents {
   std::optional<GridValues> values = {};
-  std::string not_meshable = {};  ///< why not, where only the values tell
-  std::uint64_t label_count = 0;  ///< 0: it is no segmentation
+  std::string not_meshable = {};         ///< why not, where only the values tell
+  std::uint64_t label_count = 0;         ///< 0: it is no segmentation
   std::vector<LabelExtent> labels = {};  ///< the lowest values, kMostListedLabels at most
 };
 

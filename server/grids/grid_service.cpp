@@ -149,11 +149,11 @@ void grid_info(GridStore& store,
                             kInfoBytes};
   decoders.decode(
       request, [pending] { return pending->cancelled(); },
-      [request, pending, stored = *lease, &store, &decoders, &response,
-       values = asked.values(), resident_bytes](const absl::StatusOr<SealedBlock>& block) {
+      [request, pending, stored = *lease, &store, &decoders, &response, values = asked.values(),
+       resident_bytes](const absl::StatusOr<SealedBlock>& block) {
         auto grids = grid_list_of(block, request);
-        const absl::Status listed = guarded(
-            "GetGridInfo", [&] { return fill_info(store, grids, stored, response); });
+        const absl::Status listed =
+            guarded("GetGridInfo", [&] { return fill_info(store, grids, stored, response); });
         if (!listed.ok() || !values) return pending->finish(listed);
         add_values(store, decoders,
                    {request.path, request.file_name, *std::move(grids), resident_bytes}, stored,

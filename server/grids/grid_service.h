@@ -24,7 +24,8 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
 
 /// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, threads of its own, so that
 /// uploads do not wait for meshes, and nobody's for all of another's; files are read by
-/// `decoders`, of a grid no more than `resident_bytes`. The store and the others outlive the service and its calls.
+/// `decoders`, of a grid no more than `resident_bytes`. The store and the others outlive the
+/// service and its calls.
 class GridService final : public RawUploadService {
  public:
   GridService(GridStore& store,

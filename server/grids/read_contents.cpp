@@ -25,7 +25,8 @@ class ContentsReader : public std::enable_shared_from_this<ContentsReader> {
 
   void read_next() {
     while (grid_ < contents_.size() && !order_.grids[grid_].not_meshable.empty()) ++grid_;
-    if (grid_ == contents_.size() || read_ == kMostGridsRead) return done_(std::move(contents_));
+    if (grid_ == contents_.size() || read_ == kMostGridsRead)
+      return done_(std::move(contents_));
     decode(DecodeTask::kValues, [this](absl::StatusOr<GridContents> told) {
       if (absl::IsFailedPrecondition(told.status())) {
         contents_[grid_].not_meshable = std::string(told.status().message());
@@ -60,15 +61,15 @@ class ContentsReader : public std::enable_shared_from_this<ContentsReader> {
   void decode(DecodeTask task, const Then& then) {
     const FileRequest request{task, order_.path, order_.file_name, order_.grids[grid_].name,
                               order_.max_bytes};
-    decoders_.decode(request, cancelled_,
-                     [self = shared_from_this(), request,
-                      then](const absl::StatusOr<SealedBlock>& block) {
-                       const absl::Status status = guarded("reading a grid's values", [&] {
-                         then(contents_of(block, request));
-                         return absl::OkStatus();
-                       });
-                       if (!status.ok()) self->done_(status);
-                     });
+    decoders_.decode(
+        request, cancelled_,
+        [self = shared_from_this(), request, then](const absl::StatusOr<SealedBlock>& block) {
+          const absl::Status status = guarded("reading a grid's values", [&] {
+            then(contents_of(block, request));
+            return absl::OkStatus();
+          });
+          if (!status.ok()) self->done_(status);
+        });
   }
 
   DecoderPool& decoders_;

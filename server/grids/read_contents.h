@@ -13,7 +13,7 @@
 
 namespace tet {
 
-/// Of one file.
+/// A file and those of its grids that are wanted.
 struct ContentsOrder {
   std::string path;
   std::string file_name;  ///< what messages call it

@@ -51,10 +51,9 @@ Result<Labels> Labels::from_file(const std::string& path, const VdbOptions& opti
 
 Result<Labels> Labels::from_level_sets(const std::vector<Volume>& volumes) {
   if (volumes.empty() || volumes.size() > tet::kMaxMeshParts) {
-    return Status{StatusCode::kInvalidArgument,
-                  "there are " + std::to_string(volumes.size()) +
-                      " level sets; labels are made of 1 to " +
-                      std::to_string(tet::kMaxMeshParts)};
+    return Status{StatusCode::kInvalidArgument, "there are " + std::to_string(volumes.size()) +
+                                                    " level sets; labels are made of 1 to " +
+                                                    std::to_string(tet::kMaxMeshParts)};
   }
   Labels::Impl impl;
   for (const Volume& volume : volumes) {

@@ -35,8 +35,7 @@ struct LabelNumbers {
 
 /// Errors: kInvalidArgument (the choice names labels that there are not, or too many; the
 /// message lists what there is), kFailedPrecondition (nothing but background).
-absl::StatusOr<LabelNumbers> number_labels(const KnownLabels& known,
-                                           const LabelChoice& choice);
+absl::StatusOr<LabelNumbers> number_labels(const KnownLabels& known, const LabelChoice& choice);
 
 /// The volume that the voxels of each label have in all of the image, world units cubed.
 std::vector<double> voxel_volumes_of(const LabelVolume& volume, const LabelNumbers& numbers);

@@ -99,12 +99,26 @@ absl::StatusOr<Solids> solids_of_grids(const GridList& grids,
   return solids;
 }
 
+/// Each part keeps bounds of its own of each grid that it samples.
+absl::Status check_grids_of(const Scene& scene) {
+  constexpr std::size_t kMostSamples = 64;
+  std::size_t samples = 0;
+  for (const scene::Instruction& op : scene.program) {
+    samples += op.op == scene::Op::kGrid ? 1 : 0;
+  }
+  if (samples <= kMostSamples) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("scene has %d grids, every copy counted; as labels the limit is %d",
+                      samples, kMostSamples));
+}
+
 absl::StatusOr<Solids> solids_of_scene(const Scene& scene, double spacing) {
   if (!scene.blended.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(
         "scene.", scene.blended,
         " blends the parts that are to be labels: leave it out, and blend within parts"));
   }
+  if (auto s = check_grids_of(scene); !s.ok()) return s;
   Solids solids;
   solids.what = "scene";
   solids.overlap = Overlap::kFirst;
@@ -192,9 +206,9 @@ absl::StatusOr<LabelJob> make_solid_job(const PlanJob& job) {
   const auto asked = canonical(job.request, job.shape);
   if (!asked.ok()) return asked.status();
   const GridList* const grids = grids_of(job.shape);
-  absl::StatusOr<Solids> solids =
-      grids != nullptr ? solids_of_grids(*grids, job.request, asked->spacing)
-                       : solids_of_scene(*scene_of(job.shape), asked->spacing);
+  absl::StatusOr<Solids> solids = grids != nullptr
+                                      ? solids_of_grids(*grids, job.request, asked->spacing)
+                                      : solids_of_scene(*scene_of(job.shape), asked->spacing);
   if (!solids.ok()) return solids.status();
   std::vector<std::int64_t> values(solids->fields.size());
   std::iota(values.begin(), values.end(), 1);

@@ -222,8 +222,8 @@ TEST(LabelRequest, NamesTheLabelsOfTheHeader) {
 
 TEST(LabelNumbers, TellTheVolumesOfTheirVoxels) {
   const Shape shape = columns_of_voxels(kTurned);
-  const auto numbers = number_labels({labels_of(shape)->labels},
-                                     {.merges = {{{7, 7}, {-3, -3}}}});
+  const auto numbers =
+      number_labels({labels_of(shape)->labels}, {.merges = {{{7, 7}, {-3, -3}}}});
   ASSERT_TRUE(numbers.ok()) << numbers.status();
   const double voxel = voxel_volume(kTurned);
   const std::vector<double> volumes = voxel_volumes_of(*labels_of(shape), *numbers);

@@ -111,7 +111,7 @@ std::string solid_refusal(const Shape& shape, const MeshRequest& request) {
 
 double ball_volume(double radius) { return 4.0 / 3 * std::numbers::pi * std::pow(radius, 3); }
 
-/// Of a ball of radius 1.
+/// The volume of a cap of a ball of radius 1.
 double cap_volume(double height) {
   return std::numbers::pi * height * height * (3 - height) / 3;
 }
@@ -148,7 +148,8 @@ TEST(LevelSetLabels, AreChosenMergedAndNamedAsAnyLabels) {
   const MeshResult some = sound_mesh(balls, request);
   EXPECT_THAT(some.mesh.header.labels, ElementsAre(MeshLabel{1, "a"}, MeshLabel{3, "drop"}));
   EXPECT_EQ(parts_of(some).size(), 2U);
-  const auto merged = parts_of(sound_mesh(balls, solid_request({.merges = {{{1, 1}, {3, 3}}}})));
+  const auto merged =
+      parts_of(sound_mesh(balls, solid_request({.merges = {{{1, 1}, {3, 3}}}})));
   ASSERT_EQ(merged.size(), 2U);
   EXPECT_NEAR(merged.at(1).volume, 2 * ball_volume(0.6), 0.04 * ball_volume(0.6));
 }
@@ -266,8 +267,7 @@ TEST(SceneLabels, OfRandomSolidsMakeSoundMeshesOfTheSameBytes) {
       }
       parts.push_back(description.nodes.back().name);
     }
-    description.nodes.push_back(
-        {"all", scene::Combination{scene::Combine::kUnion, parts, 0}});
+    description.nodes.push_back({"all", scene::Combination{scene::Combine::kUnion, parts, 0}});
     auto scene = make_scene(description);
     ASSERT_TRUE(scene.ok()) << scene.status();
     const Shape shape = std::make_shared<const Scene>(*std::move(scene));

@@ -45,8 +45,8 @@ struct LabelCount {
   std::uint64_t voxels = 0;
 };
 
-/// A segmentation, or level sets, ready to be meshed any number of times: docs/labels.md. Copies share it; it
-/// is never changed, so any thread may use it.
+/// A segmentation, or level sets, ready to be meshed any number of times: docs/labels.md.
+/// Copies share it; it is never changed, so any thread may use it.
 class TETSTREAM_API Labels {
  public:
   /// Copies an array of labels. Errors: kInvalidArgument (no voxels, sizes that do not agree,
@@ -94,8 +94,8 @@ enum class LabelSmoothing : std::uint8_t {
   kNone,   ///< not at all: every stair is kept
 };
 
-/// Leaves of labels from `first` to `last`, by the values that they have when all is merged, have
-/// edges of `size` at most; world units.
+/// Leaves of labels from `first` to `last`, by the values that they have when all is merged,
+/// have edges of `size` at most; world units.
 struct LabelSize {
   LabelRange labels = {};
   double size = 0;
