@@ -62,7 +62,7 @@ nlohmann::ordered_json labels_json(const MadeMesh& made) {
   return labels;
 }
 
-std::string lost_labels_warning(const MadeMesh& made) {
+std::string lost_labels_warning(const MadeMesh& made, LabelOrigin origin) {
   constexpr std::size_t kShown = 8;
   if (made.mesh.header.box) return "";
   std::string text;
@@ -77,8 +77,10 @@ std::string lost_labels_warning(const MadeMesh& made) {
   }
   if (lost == 0) return "";
   if (lost > kShown) absl::StrAppendFormat(&text, "\nwarning: and %d more", lost - kShown);
-  return absl::StrCat(text,
-                      "\nwarning: --smooth thin, --smooth 0 or a smaller --spacing keep more");
+  return absl::StrCat(
+      text, origin == LabelOrigin::kVoxels
+                ? "\nwarning: --smooth thin, --smooth 0 or a smaller --spacing keep more"
+                : "\nwarning: it lies within others, or is too small for the --spacing");
 }
 
 }  // namespace tet

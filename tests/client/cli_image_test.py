@@ -295,6 +295,14 @@ class ImageFormats(ImageCase):
             "--spacing3", *CT, "--origin", *affine[:3, 3]))
         self.assert_is_the_ellipsoid(image, 0.4)
         self.assertIn("RAS", self.tetstream("info", image).stdout)
+        converted = (self.out / "mesh.vtu").read_bytes()
+        place = ("--axes", "zyx", "--spacing3", *CT, "--origin", *affine[:3, 3])
+        self.mesh_image(self.inputs / "zyx.npy", *ISO, *place)
+        self.assertEqual((self.out / "mesh.vtu").read_bytes(), converted)
+        self.assert_done(self.tetstream("estimate", self.inputs / "zyx.npy", *ISO, *place))
+        result = self.tetstream("mesh", image, "-o", self.out / "x.vtu", *place)
+        self.assertEqual(result.returncode, REFUSED)
+        self.assertIn("give an array (.npy) a place", result.stderr)
         for options, word in ((("--axes", "zyz"), "no order"), (("--space", "XYZ"), "neither"),
                               (("--spacing3", "1", "0", "1"), "no place")):
             result = self.tetstream("convert", self.inputs / "zyx.npy", self.out / "x.nrrd",
