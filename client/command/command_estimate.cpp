@@ -122,9 +122,8 @@ absl::Status run_estimate(const EstimateArguments& arguments,
                                        : estimate_on_server(*options, bar, interruption);
   }
   if (!estimate.ok()) return estimate.status();
-  std::printf("%s\n", arguments.json
-                          ? json_of(*estimate).c_str()
-                          : for_terminal(line_of(input, *estimate)).c_str());
+  std::printf("%s\n", arguments.json ? json_of(*estimate).c_str()
+                                     : for_terminal(line_of(input, *estimate)).c_str());
   if (!estimate->inside_guess.empty()) {
     std::fprintf(stderr, "%s\n",
                  lines_for_terminal(inside_note(estimate->inside_guess)).c_str());

@@ -43,8 +43,7 @@ absl::StatusOr<PlacedArray> PlacedArray::of(MeshOptions& options) {
   const std::string image = folder->file(absl::StrCat(stem, ".nrrd"));
   const absl::Status made = place_array(options.input, options.place, image);
   if (!made.ok()) {
-    return absl::Status(made.code(),
-                        absl::StrCat("'", options.input, "': ", made.message()));
+    return absl::Status(made.code(), absl::StrCat("'", options.input, "': ", made.message()));
   }
   options.input = image;
   placed.folder_.emplace(*std::move(folder));

@@ -29,8 +29,8 @@ struct LabelledField {
 /// the background where the solid's is zero: by secant steps on phi itself, and of kFirst
 /// within kZeroTolerance.
 ///
-/// With kFirst, phi within a millionth of a spacing is zero: solids that touch share their nodes
-/// whatever rounding makes of them.
+/// With kFirst, phi within a millionth of a spacing is zero: solids that touch share their
+/// nodes whatever rounding makes of them.
 class FieldLabels final : public LabelSource {
  public:
   /// The fields' shapes outlive it. Of kDeepest the order of fields is of no account: of equal
