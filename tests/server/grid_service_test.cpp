@@ -146,7 +146,7 @@ TEST_F(GridServiceTest, TellsTheLabelsOfASegmentation) {
   std::uint64_t voxels = 0;
   for (int i = 0; i < grid.labels_size(); ++i) {
     const v1::GridLabel& label = grid.labels(i);
-    if (i > 0) EXPECT_LT(grid.labels(i - 1).value(), label.value());
+    EXPECT_TRUE(i == 0 || grid.labels(i - 1).value() < label.value());
     EXPECT_LE(label.box().min_x(), label.box().max_x());
     voxels += label.voxel_count();
   }
