@@ -135,7 +135,8 @@ struct Server::Parts {
   TaskPool disk{kDiskThreads};
   FairTasks disk_turns{disk};
   MeshEngine engine{config, calls, *store};
-  GridService grid_service{*store, calls, disk_turns, engine.decoders, engine.stalls};
+  GridService grid_service{*store,          calls,         disk_turns,
+                           engine.decoders, engine.stalls, config.resident_bytes};
   MeshService mesh_service{engine};
   HealthService health_service{{config.max_health_watches, config.max_client_health_watches}};
   Heartbeat heartbeat{kHeartbeat, [this] {

@@ -15,6 +15,7 @@
 
 #include "client/command/abandonable.h"
 #include "client/command/command.h"
+#include "client/command/placed_array.h"
 #include "client/command/progress_bar.h"
 #include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
@@ -134,19 +135,7 @@ Command add_convert_command(CLI::App& app) {
   app.add_option("OUT", options->output, "The .vdb file to write; of an array the .nrrd")
       ->required();
   describe_surface(app, options->surface);
-  app.add_option(
-         "--axes", options->place.axes,
-         "Which axes an array's indices run along, as zyx of one that is [z][y][x] [xyz]")
-      ->type_name("ORDER");
-  app.add_option(
-         "--spacing3", options->place.spacing,
-         "Of an array's voxels along x, y and z; negative where it runs against the axis "
-         "[1 1 1]")
-      ->type_name("X Y Z");
-  app.add_option("--origin", options->place.origin, "Where array[0, 0, 0] is [0 0 0]")
-      ->type_name("X Y Z");
-  app.add_option("--space", options->place.space, "What x, y and z are: RAS or LPS [not said]")
-      ->type_name("SPACE");
+  describe_place(app, options->place);
   return [options](const Cancellation& interruption) {
     return run_convert(*options, interruption);
   };

@@ -11,6 +11,7 @@
 #include "client/command/command.h"
 #include "client/command/mesh_arguments.h"
 #include "client/command/mesh_report.h"
+#include "client/command/placed_array.h"
 #include "client/command/prepare_request.h"
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
@@ -108,9 +109,12 @@ std::string json_of(const MeshEstimate& estimate) {
 
 absl::Status run_estimate(const EstimateArguments& arguments,
                           const Cancellation& interruption) {
-  const absl::StatusOr<MeshOptions> options = understand_input(arguments.mesh);
+  absl::StatusOr<MeshOptions> options = understand_input(arguments.mesh);
   if (!options.ok()) return options.status();
   if (auto status = check_input(*options); !status.ok()) return status;
+  const std::string input = options->input;
+  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options);
+  if (!placed.ok()) return placed.status();
   absl::StatusOr<MeshEstimate> estimate = absl::UnknownError("not counted");
   {
     ProgressBar bar;
@@ -118,9 +122,8 @@ absl::Status run_estimate(const EstimateArguments& arguments,
                                        : estimate_on_server(*options, bar, interruption);
   }
   if (!estimate.ok()) return estimate.status();
-  std::printf("%s\n", arguments.json
-                          ? json_of(*estimate).c_str()
-                          : for_terminal(line_of(options->input, *estimate)).c_str());
+  std::printf("%s\n", arguments.json ? json_of(*estimate).c_str()
+                                     : for_terminal(line_of(input, *estimate)).c_str());
   if (!estimate->inside_guess.empty()) {
     std::fprintf(stderr, "%s\n",
                  lines_for_terminal(inside_note(estimate->inside_guess)).c_str());

@@ -15,6 +15,8 @@
 #include "client/command/mesh_arguments.h"
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
+#include "client/command/placed_array.h"
+#include "client/command/scene_input.h"
 #include "client/command/stopwatch.h"
 #include "client/command/use_shape.h"
 #include "client/command/volume_file.h"
@@ -186,6 +188,8 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   absl::StatusOr<MeshOptions> options = understand_input(arguments);
   if (!options.ok()) return options.status();
   if (auto status = check_options(*options); !status.ok()) return status;
+  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options);
+  if (!placed.ok()) return placed.status();
 
   absl::StatusOr<MadeMesh> made = absl::UnknownError("not made");
   {
@@ -219,7 +223,9 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   for (const std::string& warning : face_warnings(made->mesh)) {
     std::fprintf(stderr, "warning: %s\n", for_terminal(warning).c_str());
   }
-  if (const std::string lost = lost_labels_warning(*made); !lost.empty()) {
+  const bool is_of_solids = options->has_several_grids() || is_scene_file(options->input);
+  const LabelOrigin origin = is_of_solids ? LabelOrigin::kSolids : LabelOrigin::kVoxels;
+  if (const std::string lost = lost_labels_warning(*made, origin); !lost.empty()) {
     std::fprintf(stderr, "%s\n", lines_for_terminal(lost).c_str());
   }
   if (const std::string warning = volume_warning(*made); !warning.empty()) {

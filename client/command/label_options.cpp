@@ -47,6 +47,22 @@ absl::Status understand_ranges(const LabelArguments& arguments, LabelChoice& cho
   return absl::OkStatus();
 }
 
+/// Reads `4,7:12=2.5`, or `all=2.5`.
+absl::Status understand_size(const std::string& text, LabelChoice& choice) {
+  const std::size_t equals = text.rfind('=');
+  double size = 0;
+  if (equals == std::string::npos || !absl::SimpleAtod(text.substr(equals + 1), &size)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--label-size ", text, " is no size of labels: it takes labels and a length, such as ",
+        "4,7:12=2.5, or all=2.5"));
+  }
+  absl::StatusOr<std::vector<LabelRange>> labels = parse_label_ranges(text.substr(0, equals));
+  if (!labels.ok()) return about("--label-size", labels.status());
+  if (labels->empty()) labels->push_back(kEveryLabel);
+  for (const LabelRange& range : *labels) choice.sizes.push_back({range, size});
+  return absl::OkStatus();
+}
+
 absl::Status read_names(const std::string& path, LabelChoice& choice) {
   if (path.empty()) return absl::OkStatus();
   const absl::StatusOr<std::string> text = read_text_file(path);
@@ -62,8 +78,9 @@ absl::Status read_names(const std::string& path, LabelChoice& choice) {
 void describe_labels(CLI::App& app, LabelArguments& arguments) {
   auto* const labels =
       app.add_option("--labels", arguments.labels,
-                     "The image is a segmentation: mesh all its labels, or 1,4,7:12, in one "
-                     "mesh with shared interfaces: docs/labels.md")
+                     "Mesh all labels of a segmentation, or 1,4,7:12, in one mesh with shared "
+                     "interfaces; with --all-grids, or several --grid, each level set is "
+                     "one, and each part of a scene: docs/labels.md")
           ->type_name("all|LIST");
   app.add_option("--merge", arguments.merges,
                  "Labels that become one, the first of them; may be repeated")
@@ -81,6 +98,12 @@ void describe_labels(CLI::App& app, LabelArguments& arguments) {
                  "What labels are called: a table of ITK-SNAP, 3D Slicer (.ctbl) or JSON")
       ->type_name("FILE")
       ->needs(labels);
+  app.add_option("--label-size", arguments.sizes,
+                 "Leaves of these labels are at most so long, and those of others as coarse "
+                 "as --levels says, or can be; may be repeated")
+      ->type_name("LIST=SIZE")
+      ->allow_extra_args(false)
+      ->needs(labels);
   app.add_option(
          "--smooth", arguments.smooth,
          "How interfaces are smoothed: the width of a Gaussian in voxels; 0 keeps every "
@@ -95,6 +118,9 @@ absl::StatusOr<std::optional<LabelChoice>> understand_labels(const LabelArgument
   absl::Status status = understand_ranges(arguments, choice);
   if (status.ok()) status = understand_smooth(arguments.smooth, choice);
   if (status.ok()) status = read_names(arguments.names, choice);
+  for (const std::string& size : arguments.sizes) {
+    if (status.ok()) status = understand_size(size, choice);
+  }
   choice.mesh_background = arguments.background == "meshed";
   choice.background = arguments.background_label.value_or(0);
   if (status.ok()) status = check_label_choice(choice);

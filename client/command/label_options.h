@@ -22,11 +22,13 @@ struct LabelArguments {
   std::vector<std::string> merges;
   std::string background;
   std::optional<std::int64_t> background_label;
-  std::string names;   ///< a file
-  std::string smooth;  ///< a number, or `thin`
+  std::string names;               ///< a file
+  std::string smooth;              ///< a number, or `thin`
+  std::vector<std::string> sizes;  ///< `4,7:12=2.5`
 };
 
-/// Adds --labels, --merge, --background, --background-label, --label-names and --smooth.
+/// Adds --labels, --merge, --background, --background-label, --label-names, --label-size and
+/// --smooth.
 void describe_labels(CLI::App& app, LabelArguments& arguments);
 
 /// Understands what is asked for; it is nothing without --labels. Errors: kNotFound (no such

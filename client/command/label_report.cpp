@@ -42,8 +42,8 @@ std::string title_of(const MeshLabel& label) {
 std::vector<double> voxel_volumes_of(const Shape& shape, const MeshRequest& request) {
   const auto labels = labels_of(shape);
   if (labels == nullptr || !request.labels) return {};
-  absl::StatusOr<LabelNumbers> numbers = number_labels(*labels, *request.labels);
-  return numbers.ok() ? std::move(numbers->voxel_volume) : std::vector<double>();
+  const auto numbers = number_labels({labels->labels}, *request.labels);
+  return numbers.ok() ? voxel_volumes_of(*labels, *numbers) : std::vector<double>();
 }
 
 nlohmann::ordered_json labels_json(const MadeMesh& made) {
@@ -62,7 +62,7 @@ nlohmann::ordered_json labels_json(const MadeMesh& made) {
   return labels;
 }
 
-std::string lost_labels_warning(const MadeMesh& made) {
+std::string lost_labels_warning(const MadeMesh& made, LabelOrigin origin) {
   constexpr std::size_t kShown = 8;
   if (made.mesh.header.box) return "";
   std::string text;
@@ -77,8 +77,10 @@ std::string lost_labels_warning(const MadeMesh& made) {
   }
   if (lost == 0) return "";
   if (lost > kShown) absl::StrAppendFormat(&text, "\nwarning: and %d more", lost - kShown);
-  return absl::StrCat(text,
-                      "\nwarning: --smooth thin, --smooth 0 or a smaller --spacing keep more");
+  return absl::StrCat(
+      text, origin == LabelOrigin::kVoxels
+                ? "\nwarning: --smooth thin, --smooth 0 or a smaller --spacing keep more"
+                : "\nwarning: it lies within others, or is too small for the --spacing");
 }
 
 }  // namespace tet

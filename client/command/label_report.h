@@ -22,8 +22,14 @@ std::vector<double> voxel_volumes_of(const Shape& shape, const MeshRequest& requ
 /// For each label value, name, tets, volume, parts, and voxel_volume where that is known.
 nlohmann::ordered_json labels_json(const MadeMesh& made);
 
+/// What labels are those of.
+enum class LabelOrigin {
+  kVoxels,  ///< which are smoothed
+  kSolids,  ///< which compete with each other
+};
+
 /// What to tell of labels that the mesh has not, or has less than half of; empty where all is
 /// well, and of a mesh that a box cuts. A line for each of the first few.
-std::string lost_labels_warning(const MadeMesh& made);
+std::string lost_labels_warning(const MadeMesh& made, LabelOrigin origin);
 
 }  // namespace tet

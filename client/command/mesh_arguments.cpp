@@ -9,6 +9,7 @@
 #include "client/command/field_options.h"
 #include "client/command/mesh_input.h"
 #include "client/command/option_rules.h"
+#include "client/command/placed_array.h"
 #include "client/command/scene_input.h"
 #include "client/command/surface_input.h"
 #include "client/command/volume_file.h"
@@ -55,8 +56,10 @@ absl::Status check_option_rules(const MeshOptions& options) {
 
 absl::Status check_labels(const MeshOptions& options) {
   if (!options.request.labels || is_volume_file(options.input)) return absl::OkStatus();
+  if (is_scene_file(options.input)) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
-      "--labels are those of a segmentation in an image (.nii, .nrrd, .mha, .vti, .npy), and ",
+      "--labels are those of a segmentation in an image (.nii, .nrrd, .mha, .vti, .npy), of "
+      "level sets in a .vdb, or of a scene's parts, and ",
       options.input, " is none"));
 }
 
@@ -82,6 +85,7 @@ void describe_input(CLI::App& app, MeshArguments& arguments) {
                  "A .vdb with the sizing's grid of sizes, if that is not in the input")
       ->type_name("FILE");
   describe_surface(app, options.surface);
+  describe_place(app, options.place);
   app.add_option("--threads", options.threads, "Threads of this process [every core]")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--trust", options.trust, kTrustHelp);

@@ -7,6 +7,7 @@
 
 #include "client/command/surface_input.h"
 #include "client/library/channel.h"
+#include "core/image/place_array.h"
 #include "core/plan/mesh_request.h"
 
 namespace tet {
@@ -18,6 +19,7 @@ struct MeshOptions {
   bool all_grids = false;          ///< all that can be meshed, instead
   bool trust = false;              ///< read the .vdb file in this process
   SurfaceChoices surface;          ///< where the input is one
+  ArrayPlace place;                ///< of an array of NumPy, where it is not the usual one
   MeshRequest request;
   int threads = 0;          ///< 0 takes every core
   std::string server;       ///< HOST:PORT; empty meshes in this process

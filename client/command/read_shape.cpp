@@ -136,7 +136,9 @@ absl::StatusOr<ReadShape> read_shape(const MeshOptions& options,
     return read_volume(path, grid_name, trust(options), interruption);
   };
   if (options.has_several_grids()) return alone(read_several(options, bar, interruption));
-  if (options.request.labels) return alone(shared(read_segmentation(options, interruption)));
+  if (options.request.labels && !is_scene_file(options.input)) {
+    return alone(shared(read_segmentation(options, interruption)));
+  }
   if (is_surface_file(options.input)) return convert_surface(options, bar, interruption);
   return alone(is_scene_file(options.input) ? shared(read_scene(options.input, read))
                                             : shared(read_grid(options, interruption)));

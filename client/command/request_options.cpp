@@ -100,10 +100,10 @@ absl::StatusOr<MeshRequest> understand_request(const RequestArguments& arguments
   absl::StatusOr<Sizing> sizing = read_sizing(arguments.sizing);
   if (!sizing.ok()) return sizing.status();
   request.sizing = *std::move(sizing);
-  request.levels = arguments.levels.value_or(default_levels(request.sizing));
   absl::StatusOr<std::optional<LabelChoice>> labels = understand_labels(arguments.labels);
   if (!labels.ok()) return labels.status();
   request.labels = *std::move(labels);
+  request.levels = arguments.levels.value_or(default_levels(request));
   absl::StatusOr<std::vector<VertexField>> fields = understand_fields(arguments.fields);
   if (!fields.ok()) return fields.status();
   request.fields = *std::move(fields);

@@ -80,9 +80,11 @@ absl::StatusOr<std::vector<v1::GridFile>> MeshClient::list_grids(
 }
 
 absl::StatusOr<v1::GridFile> MeshClient::grid_info(const std::string& name,
-                                                   const Cancellation& cancellation) {
+                                                   const Cancellation& cancellation,
+                                                   GridDetail detail) {
   v1::GetGridInfoRequest request;
   request.set_name(name);
+  request.set_values(detail == GridDetail::kValues);
   return connection_->call(&v1::GridService::Stub::GetGridInfo, request, cancellation);
 }
 

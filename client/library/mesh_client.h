@@ -72,6 +72,12 @@ struct ClientProgress {
   std::function<void(std::uint64_t done, std::uint64_t total)> tets;
 };
 
+/// What is asked of a stored file's grids.
+enum class GridDetail : std::uint8_t {
+  kHeader,  ///< what the file says of them
+  kValues,  ///< what their values tell, too: the file is read
+};
+
 /// A connection to a server, or to one of several with the same grids: when one cannot be
 /// reached or shuts down, the next goes on with what it began. Thread safety: any thread may
 /// call any member.
@@ -103,7 +109,8 @@ class MeshClient {
   /// All stored files, by name.
   absl::StatusOr<std::vector<v1::GridFile>> list_grids(const Cancellation& cancellation);
   absl::StatusOr<v1::GridFile> grid_info(const std::string& name,
-                                         const Cancellation& cancellation);
+                                         const Cancellation& cancellation,
+                                         GridDetail detail = GridDetail::kHeader);
   /// Names of the stored file's grids that can be meshed, in its order: for
   /// MeshRequest.grid_names.
   absl::StatusOr<std::vector<std::string>> meshable_grids(const std::string& name,

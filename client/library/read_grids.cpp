@@ -24,6 +24,36 @@ auto load_here(const std::string& path, const Load& load) -> decltype(load(path)
   return load(file->path());
 }
 
+absl::StatusOr<GridContents> values_here(const std::string& path,
+                                         const std::string& grid_name,
+                                         FileTrust trust,
+                                         const Cancellation& interruption) {
+  if (trust == FileTrust::kFull) {
+    const absl::StatusOr<Volume> volume = read_volume(path, grid_name, trust, interruption);
+    if (!volume.ok()) return volume.status();
+    return GridContents{.values = values_of(*volume)};
+  }
+  const FileRequest request{DecodeTask::kValues, path, path, grid_name, LoadLimits{}.max_bytes};
+  return contents_of(decode_here(request, interruption), request);
+}
+
+absl::StatusOr<GridContents> label_counts_here(const std::string& path,
+                                               const std::string& grid_name,
+                                               FileTrust trust,
+                                               const Cancellation& interruption) {
+  if (trust == FileTrust::kFull) {
+    const absl::StatusOr<LabelVolume> labels =
+        read_labels(path, grid_name, trust, interruption);
+    if (!labels.ok()) return labels.status();
+    GridContents contents;
+    set_labels_of(*labels, contents);
+    return contents;
+  }
+  const FileRequest request{DecodeTask::kLabelCounts, path, path, grid_name,
+                            LoadLimits{}.max_bytes};
+  return contents_of(decode_here(request, interruption), request);
+}
+
 }  // namespace
 
 absl::StatusOr<Volume> read_volume(const std::string& path,
@@ -70,6 +100,24 @@ absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
   }
   const FileRequest request{DecodeTask::kGridList, path, path, "", LoadLimits{}.max_bytes};
   return grid_list_of(decode_here(request, interruption), request);
+}
+
+absl::StatusOr<GridContents> read_contents(const std::string& path,
+                                           const GridInfo& grid,
+                                           FileTrust trust,
+                                           const Cancellation& interruption) {
+  if (!grid.not_meshable.empty()) return GridContents();
+  absl::StatusOr<GridContents> told = values_here(path, grid.name, trust, interruption);
+  if (absl::IsFailedPrecondition(told.status())) {
+    return GridContents{.not_meshable = std::string(told.status().message())};
+  }
+  if (!told.ok() || !may_have_labels(grid)) return told;
+  const auto labels = label_counts_here(path, grid.name, trust, interruption);
+  if (absl::IsFailedPrecondition(labels.status())) return told;  // it is no segmentation
+  if (!labels.ok()) return labels.status();
+  told->label_count = labels->label_count;
+  told->labels = labels->labels;
+  return told;
 }
 
 std::vector<std::string> meshable_of(const std::vector<GridInfo>& grids) {

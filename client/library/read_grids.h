@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
+#include "core/volume/grid_contents.h"
 #include "core/volume/grid_info.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
@@ -49,6 +50,13 @@ absl::StatusOr<LabelVolume> read_labels(const std::string& path,
 absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
                                                      FileTrust trust,
                                                      const Cancellation& interruption);
+
+/// What the values of one of a file's grids tell: of one that cannot be meshed, which only they
+/// tell, why not. Errors: those of read_volume and read_labels but kFailedPrecondition.
+absl::StatusOr<GridContents> read_contents(const std::string& path,
+                                           const GridInfo& grid,
+                                           FileTrust trust,
+                                           const Cancellation& interruption);
 
 /// Names of those that can be meshed, in the file's order.
 std::vector<std::string> meshable_of(const std::vector<GridInfo>& grids);

@@ -16,6 +16,8 @@ struct ArrayPlace {
   Triple spacing{1, 1, 1};  ///< along x, y, z; negative where an index runs against its axis
   Triple origin{0, 0, 0};   ///< of array[0, 0, 0]
   std::string space;        ///< "RAS", "LPS", or empty: not said
+
+  friend bool operator==(const ArrayPlace&, const ArrayPlace&) = default;
 };
 
 /// Writes a `.npy` file as a NRRD file, which is made. Errors: those of reading the array's

@@ -35,17 +35,21 @@ absl::StatusOr<LabelRange> parse_label_range(const std::string& text) {
                       absl::CHexEscape(text.substr(0, 60))));
 }
 
+absl::Status check_range(const LabelRange& range, const std::string& field) {
+  if (range.first <= range.last) return absl::OkStatus();
+  return wrong_labels(
+      absl::StrFormat("%s is from %d to %d: its first value must not be above its last", field,
+                      range.first, range.last));
+}
+
 absl::Status check_ranges(std::span<const LabelRange> ranges, const std::string& field) {
   if (ranges.size() > kMaxLabelRanges) {
     return wrong_labels(absl::StrFormat("%s has %d ranges; the limit is %d", field,
                                         ranges.size(), kMaxLabelRanges));
   }
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    if (ranges[i].first <= ranges[i].last) continue;
-    return wrong_labels(
-        absl::StrFormat("%s[%d] is from %d to %d: its first value must not be "
-                        "above its last",
-                        field, i, ranges[i].first, ranges[i].last));
+    auto status = check_range(ranges[i], absl::StrFormat("%s[%d]", field, i));
+    if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -66,6 +70,24 @@ absl::Status check_merges(const LabelChoice& choice) {
     if (all[i].first > all[i - 1].last) continue;
     return wrong_labels(absl::StrFormat("merges have label %d twice: %s and %s overlap",
                                         all[i].first, text_of(all[i - 1]), text_of(all[i])));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_sizes(std::span<const LabelSize> sizes) {
+  if (sizes.size() > kMaxLabelSizes) {
+    return wrong_labels(
+        absl::StrFormat("sizes has %d entries; the limit is %d", sizes.size(), kMaxLabelSizes));
+  }
+  constexpr double kLeast = 1e-15, kMost = 1e15;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (auto s = check_range(sizes[i].labels, absl::StrFormat("sizes[%d].labels", i));
+        !s.ok()) {
+      return s;
+    }
+    if (sizes[i].size >= kLeast && sizes[i].size <= kMost) continue;
+    return wrong_labels(absl::StrFormat("sizes[%d].size %g is not from %g to %g", i,
+                                        sizes[i].size, kLeast, kMost));
   }
   return absl::OkStatus();
 }
@@ -113,6 +135,7 @@ absl::Status check_label_choice(const LabelChoice& choice) {
   if (auto status = check_ranges(choice.only, "only"); !status.ok()) return status;
   if (auto status = check_merges(choice); !status.ok()) return status;
   if (auto status = check_names(choice.names); !status.ok()) return status;
+  if (auto status = check_sizes(choice.sizes); !status.ok()) return status;
   const bool is_smoothed = choice.kernel == LabelKernel::kGauss;
   if (is_smoothed && !(choice.smooth > 0 && choice.smooth <= kMostSmooth)) {
     return wrong_labels(

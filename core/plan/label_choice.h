@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,10 @@ struct LabelRange {
   friend bool operator==(const LabelRange&, const LabelRange&) = default;
 };
 
+/// Holds every value.
+inline constexpr LabelRange kEveryLabel{std::numeric_limits<std::int64_t>::min(),
+                                        std::numeric_limits<std::int64_t>::max()};
+
 /// Labels that become one, whose value is the first range's first.
 using LabelMerge = std::vector<LabelRange>;
 
@@ -28,6 +33,14 @@ struct LabelName {
   std::int64_t value = 0;
   std::string name = {};
   friend bool operator==(const LabelName&, const LabelName&) = default;
+};
+
+/// Leaves of these labels, by the values that they have when all is merged, have edges of
+/// `size` at most; world units.
+struct LabelSize {
+  LabelRange labels = {};
+  double size = 0;
+  friend bool operator==(const LabelSize&, const LabelSize&) = default;
 };
 
 struct LabelChoice {
@@ -41,7 +54,8 @@ struct LabelChoice {
   /// As people call them; names of labels that the image does not have are not looked at.
   std::vector<LabelName> names = {};
   LabelKernel kernel = LabelKernel::kGauss;
-  double smooth = kDefaultSmooth;  ///< the Gaussian's width, voxels
+  double smooth = kDefaultSmooth;     ///< the Gaussian's width, voxels
+  std::vector<LabelSize> sizes = {};  ///< where two hold of a label, the smaller one
   friend bool operator==(const LabelChoice&, const LabelChoice&) = default;
 };
 
@@ -50,6 +64,9 @@ inline constexpr std::size_t kMaxLabelNameBytes = 128;
 
 /// Ranges of one list, and of all merges together.
 inline constexpr std::size_t kMaxLabelRanges = 65535;
+
+/// Each is asked of each label.
+inline constexpr std::size_t kMaxLabelSizes = 1024;
 
 /// The choice of a request: what refusals begin with.
 inline constexpr char kLabelsField[] = "labels";

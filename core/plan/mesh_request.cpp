@@ -69,17 +69,25 @@ absl::Status check_regions_of(const MeshRequest& request, const Shape& shape) {
                           scene != nullptr ? scene->node_names : std::vector<std::string>());
 }
 
-/// A segmentation is read as one where its labels are asked for, and nowhere else.
+/// A segmentation is read as one where its labels are asked for, and nowhere else. Several
+/// grids and a scene may be meshed as labels, too: each solid is one.
 absl::Status check_labels_of(const MeshRequest& request, const Shape& shape) {
   const bool has_labels = labels_of(shape) != nullptr;
-  if (request.labels && !has_labels) {
+  if (request.labels && volume_of(shape) != nullptr) {
     return absl::InvalidArgumentError(
         "labels are asked for of what was not read as a segmentation");
   }
   if (!request.labels && has_labels) {
     return absl::InvalidArgumentError("labels must be set: what is meshed is a segmentation");
   }
-  return request.labels ? check_label_choice(*request.labels) : absl::OkStatus();
+  if (!request.labels) return absl::OkStatus();
+  const bool is_smoothed =
+      request.labels->kernel != LabelKernel::kGauss || request.labels->smooth != kDefaultSmooth;
+  if (is_smoothed && !has_labels) {
+    return absl::InvalidArgumentError(
+        "labels.smooth rounds off voxels, and solids have none: leave it out");
+  }
+  return check_label_choice(*request.labels);
 }
 
 /// A spacing does not follow from every scene.
@@ -134,6 +142,11 @@ double default_spacing(const Shape& shape) {
   constexpr double kParts = 128;
   if (const Scene* scene = scene_of(shape)) return longest_extent(*scene) / kParts;
   if (const auto labels = labels_of(shape)) return labels->transform.voxel_size;
+  if (const GridList* grids = grids_of(shape)) {
+    double least = grids->front()->transform.voxel_size;
+    for (const auto& grid : *grids) least = std::min(least, grid->transform.voxel_size);
+    return least;
+  }
   return volume_of(shape)->transform.voxel_size;
 }
 
@@ -184,6 +197,11 @@ AngleBounds angle_bounds(Preset preset, CoordinateType coordinates) {
 int default_levels(const Sizing& sizing) noexcept {
   const bool bounds_every_leaf = sizing.coarsest || sizing.growth != 1 || sizing.grid;
   return bounds_every_leaf ? kMaxLevels : 1;
+}
+
+int default_levels(const MeshRequest& request) noexcept {
+  const bool sizes_labels = request.labels && !request.labels->sizes.empty();
+  return sizes_labels ? kMaxLevels : default_levels(request.sizing);
 }
 
 absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Shape& shape) {

@@ -36,6 +36,7 @@ inline constexpr int kMaxLevels = 24;
 /// long as those at the surface, and what is solved on the mesh converges as the spacing falls
 /// (docs/sizing.md has the table). A sizing that bounds every leaf (`coarsest`, `growth`,
 /// `grid`) is taken at its word: as many as it leaves.
+
 int default_levels(const Sizing& sizing) noexcept;
 
 struct MeshRequest {
@@ -142,6 +143,9 @@ struct AngleBounds {
 /// Proven by tests/certificate: see docs/bounds.md. As float64 positions are the mesher's own;
 /// as float32 they are rounded, at most 4096 spacings from their origin.
 AngleBounds angle_bounds(Preset preset, CoordinateType coordinates);
+
+/// `levels` of a request that names none. Labels with sizes are taken at their word, too.
+int default_levels(const MeshRequest& request) noexcept;
 
 std::optional<Preset> parse_preset(std::string_view name);
 std::string_view preset_name(Preset preset);

@@ -306,7 +306,7 @@ double times_plain(const MeshRequest& request) {
   double times = 1 + kGrowth * std::max(0.0, 1 / request.sizing.growth - 1);
   if (request.sizing.grade_surface) times *= kGraded;
   if (request.manifold) times *= kManifold;
-  if (request.preset == Preset::kBothSides) times *= kBothSides;
+  if (request.preset == Preset::kBothSides || request.labels) times *= kBothSides;
   if (request.improve) times *= kImprovement;
   if (have_creases(request.face_regions)) times *= kCreases;
   return times;

@@ -238,6 +238,15 @@ absl::Status check_instructions(const Description& description, const Parts& par
   return absl::OkStatus();
 }
 
+std::size_t deepest_stack(const std::vector<Instruction>& program) {
+  std::size_t depth = 0, deepest = 0;
+  for (const Instruction& op : program) {
+    if (is_leaf(op.op)) deepest = std::max(deepest, ++depth);
+    if (is_binary(op.op)) --depth;
+  }
+  return deepest;
+}
+
 Program compile(const Description& description, const Parts& parts) {
   Compiler compiler(description, parts);
   compiler.add(static_cast<std::uint32_t>(parts.size() - 1), {});

@@ -1,6 +1,7 @@
 // From a scene's nodes to a program.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct Program {
 
 /// Error: kInvalidArgument (more than Scene::kMaxInstructions, every copy counted).
 absl::Status check_instructions(const Description& description, const Parts& parts);
+
+/// Columns that the evaluation of a program needs at most.
+std::size_t deepest_stack(const std::vector<Instruction>& program);
 
 /// The program of a checked description: transforms are laid into the frames of the leaves
 /// below them, and repetitions are written out. Its grids are loaded.

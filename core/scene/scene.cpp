@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -15,20 +17,42 @@
 namespace tet {
 namespace {
 
-std::size_t deepest_stack(const std::vector<scene::Instruction>& program) {
-  std::size_t depth = 0, deepest = 0;
-  for (const scene::Instruction& op : program) {
-    if (is_leaf(op.op)) deepest = std::max(deepest, ++depth);
-    if (is_binary(op.op)) --depth;
-  }
-  return deepest;
-}
-
 bool is_infinite(const WorldBox& box) {
   const auto any = [](const WorldPoint& p) {
     return std::isinf(p.x) || std::isinf(p.y) || std::isinf(p.z);
   };
   return box.min.x < box.max.x && (any(box.min) || any(box.max));
+}
+
+/// Parts of the last node, if it is a union: each ends where an operator of it follows.
+std::vector<scene::NodeRun> solids_of_last(const scene::Description& description,
+                                           const scene::Parts& parts,
+                                           const std::vector<scene::Instruction>& program) {
+  const auto last = static_cast<std::uint32_t>(description.nodes.size() - 1);
+  auto end = static_cast<std::uint32_t>(program.size());
+  const auto* combination = std::get_if<scene::Combination>(&description.nodes[last].kind);
+  if (combination == nullptr || combination->how != scene::Combine::kUnion) {
+    return {{last, 0, end}};
+  }
+  std::vector<scene::NodeRun> solids;
+  for (auto part = parts[last].rbegin(); part != parts[last].rend(); ++part) {
+    const bool is_first = std::next(part) == parts[last].rend();
+    if (!is_first) --end;  // the operator
+    const std::uint32_t begin = is_first ? 0 : program[end - 1].first;
+    solids.push_back({*part, begin, end});
+    end = begin;
+  }
+  std::ranges::reverse(solids);
+  return solids;
+}
+
+/// The field that blends the parts of the last node, if it is a union that does.
+std::string blending_field(const scene::Description& description) {
+  const std::size_t last = description.nodes.size() - 1;
+  const auto* combination = std::get_if<scene::Combination>(&description.nodes[last].kind);
+  const bool blends = combination != nullptr && combination->how == scene::Combine::kUnion &&
+                      combination->smoothing > 0;
+  return blends ? scene::path_of(description, last) + ".smoothing" : "";
 }
 
 absl::StatusOr<scene::Parts> checked_parts(const scene::Description& description) {
@@ -69,6 +93,8 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
   Scene made;
   made.program = std::move(program.instructions);
   made.runs = std::move(program.runs);
+  made.solids = solids_of_last(description, *parts, made.program);
+  made.blended = blending_field(description);
   for (const scene::Node& node : description.nodes) made.node_names.push_back(node.name);
   for (auto& grid : program.grids) made.grids.emplace_back(std::move(grid));
   if (auto status = scene::check_grid_levels(description, made.program, made.grids);
@@ -76,7 +102,7 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
     return status;
   }
   made.inside_guess = scene::guessed_insides(description);
-  made.stack_depth = deepest_stack(made.program);
+  made.stack_depth = scene::deepest_stack(made.program);
   made.extent = scene::extent_of(made.program, made.grids);
   if (is_infinite(made.extent)) {
     made.endless = scene::path_of(description, scene::endless_node(made.program, made.grids));

@@ -27,7 +27,10 @@ struct Scene {
   std::vector<scene::GridSource> grids;  ///< by the numbers in instructions
   std::vector<std::string> node_names;   ///< of the description, by their numbers
   std::vector<scene::NodeRun> runs;      ///< of instructions that each node was written out as
-  std::size_t stack_depth = 0;           ///< columns that evaluation needs at most
+  /// What the last node, a union, is made of, in its order; of any other the node itself.
+  std::vector<scene::NodeRun> solids;
+  std::string blended;          ///< the field that blends them, where one does
+  std::size_t stack_depth = 0;  ///< columns that evaluation needs at most
   /// Holds all that is inside, to within rounding errors; infinite where the scene has no end,
   /// empty (min > max) where nothing can be inside.
   WorldBox extent;

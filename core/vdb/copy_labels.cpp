@@ -21,7 +21,8 @@ using Brick = std::array<std::int64_t, kBrickCells>;
 absl::Status no_labels(const openvdb::GridBase& grid) {
   return absl::FailedPreconditionError(absl::StrFormat(
       "its values are %s, and labels are whole numbers, of an int32, int64, bool "
-      "or mask grid: mesh it at an iso value (--iso)",
+      "or mask grid: mesh it at an iso value (--iso), or each of several level sets as a label "
+      "(--all-grids)",
       grid.valueType()));
 }
 

@@ -3,6 +3,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/failure_name.h"
+#include "core/volume/flat_grid_contents.h"
 #include "core/volume/flat_grid_list.h"
 #include "core/volume/flat_label_volume.h"
 #include "core/volume/flat_volume.h"
@@ -37,6 +38,17 @@ absl::StatusOr<LabelVolume> labels_of(const absl::StatusOr<SealedBlock>& block,
   absl::StatusOr<LabelVolume> labels = read_flat_labels(block->bytes(), request.max_bytes);
   if (!labels.ok()) return bad_result(request, labels.status());
   return labels;
+}
+
+absl::StatusOr<GridContents> contents_of(const absl::StatusOr<SealedBlock>& block,
+                                         const FileRequest& request) {
+  if (!block.ok()) return block.status();
+  absl::StatusOr<GridContents> contents = read_flat_contents(block->bytes());
+  if (!contents.ok()) return bad_result(request, contents.status());
+  const bool is_asked_for = request.task == DecodeTask::kValues ? contents->values.has_value()
+                                                                : contents->label_count > 0;
+  if (is_asked_for) return contents;
+  return bad_result(request, absl::InvalidArgumentError("it is not what was asked for"));
 }
 
 absl::StatusOr<std::vector<GridInfo>> grid_list_of(const absl::StatusOr<SealedBlock>& block,

@@ -8,6 +8,7 @@
 
 #include "core/base/cancel.h"
 #include "core/vdb/decoder_pool.h"
+#include "core/volume/grid_contents.h"
 #include "core/volume/grid_info.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
@@ -20,6 +21,8 @@ absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
                                  const FileRequest& request);
 absl::StatusOr<LabelVolume> labels_of(const absl::StatusOr<SealedBlock>& block,
                                       const FileRequest& request);
+absl::StatusOr<GridContents> contents_of(const absl::StatusOr<SealedBlock>& block,
+                                         const FileRequest& request);
 absl::StatusOr<std::vector<GridInfo>> grid_list_of(const absl::StatusOr<SealedBlock>& block,
                                                    const FileRequest& request);
 

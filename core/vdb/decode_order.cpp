@@ -13,6 +13,7 @@
 #include "core/base/posix/transfer.h"
 #include "core/vdb/load.h"
 #include "core/vdb/sealed_block.h"
+#include "core/volume/flat_grid_contents.h"
 #include "core/volume/flat_grid_list.h"
 #include "core/volume/flat_label_volume.h"
 #include "core/volume/flat_volume.h"
@@ -46,11 +47,21 @@ absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& si
     if (absl::Status s = check_size(flat_label_bytes(*labels), order.limits); !s.ok()) return s;
     return write_flat_labels(*labels, sink);
   }
+  if (order.task == DecodeTask::kLabelCounts) {
+    const absl::StatusOr<LabelVolume> labels = load_labels(source, order.grid_name, limits);
+    if (!labels.ok()) return labels.status();
+    GridContents contents;
+    set_labels_of(*labels, contents);
+    return write_flat_contents(contents, sink);
+  }
   const absl::StatusOr<Volume> volume =
       order.task == DecodeTask::kField
           ? load_field(source, order.grid_name, order.component, limits)
           : load_volume(source, order.grid_name, limits);
   if (!volume.ok()) return volume.status();
+  if (order.task == DecodeTask::kValues) {
+    return write_flat_contents({.values = values_of(*volume)}, sink);
+  }
   if (absl::Status s = check_size(flat_volume_bytes(*volume), order.limits); !s.ok()) return s;
   return write_flat_volume(*volume, sink);
 }

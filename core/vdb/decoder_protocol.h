@@ -29,10 +29,12 @@ inline constexpr int kDecoderSocket = 3;
 inline constexpr std::size_t kMaxFailureBytes = 500;
 
 enum class DecodeTask : std::uint32_t {
-  kVolume = 1,    ///< one grid, as a flat volume
-  kGridList = 2,  ///< what the file holds, as a flat grid list
-  kField = 3,     ///< one component of one grid's values, as a flat volume
-  kLabels = 4,    ///< one image's or grid's labels, as a flat label volume
+  kVolume = 1,       ///< one grid, as a flat volume
+  kGridList = 2,     ///< what the file holds, as a flat grid list
+  kField = 3,        ///< one component of one grid's values, as a flat volume
+  kLabels = 4,       ///< one image's or grid's labels, as a flat label volume
+  kValues = 5,       ///< what one grid's values tell, as flat grid contents
+  kLabelCounts = 6,  ///< which labels one image or grid has, as flat grid contents
 };
 
 /// What a decoder may take.

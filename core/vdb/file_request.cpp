@@ -38,6 +38,7 @@ GridUse use_of(DecodeTask task) {
     case DecodeTask::kField:
       return GridUse::kField;
     case DecodeTask::kLabels:
+    case DecodeTask::kLabelCounts:
       return GridUse::kLabels;
     default:
       return GridUse::kSurface;

@@ -92,6 +92,9 @@ absl::Status parse_labels(const v1::MeshRequest& request, MeshRequest& out) {
     choice.names.push_back({name.value(), name.name()});
   }
   if (message.has_smooth()) choice.smooth = message.smooth();
+  for (const v1::LabelSize& size : message.sizes()) {
+    choice.sizes.push_back({{size.labels().first(), size.labels().last()}, size.size()});
+  }
   if (const auto status = check_label_choice(choice); !status.ok()) {
     return invalid_field(std::string(status.message()));
   }
@@ -114,6 +117,12 @@ v1::Labels message_of_labels(const LabelChoice& choice) {
   }
   message.set_kernel(kernel_message(choice.kernel));
   if (choice.kernel == LabelKernel::kGauss) message.set_smooth(choice.smooth);
+  for (const LabelSize& size : choice.sizes) {
+    v1::LabelSize& added = *message.add_sizes();
+    added.mutable_labels()->set_first(size.labels.first);
+    added.mutable_labels()->set_last(size.labels.last);
+    added.set_size(size.size);
+  }
   return message;
 }
 

@@ -173,7 +173,7 @@ absl::StatusOr<MeshOrder> parse_mesh_request(const v1::MeshRequest& request) {
   if (const auto status = parse_labels(request, order.request); !status.ok()) return status;
   if (const auto status = parse_sizing(request, order.request); !status.ok()) return status;
   order.request.levels =
-      request.has_levels() ? request.levels() : default_levels(order.request.sizing);
+      request.has_levels() ? request.levels() : default_levels(order.request);
   if (const auto status = parse_grid_names(request, order); !status.ok()) return status;
   if (!order.is_scene() || order.scene.has_grids()) return order;
   const auto made = scene_of_order(order);
@@ -275,9 +275,11 @@ v1::MeshRequest canonical_request(const MeshOrder& order,
   } else if (const auto labels = labels_of(shape)) {
     canonical.set_name(name_of_grid(order.digest));
     canonical.set_grid_name(labels->name);
-    *canonical.mutable_labels() = message_of_labels(*order.request.labels);
   } else {
     set_canonical_scene(order, canonical);
+  }
+  if (order.request.labels) {
+    *canonical.mutable_labels() = message_of_labels(*order.request.labels);
   }
   if (grids_of(shape) == nullptr) {
     canonical.set_spacing(order.request.spacing.value_or(default_spacing(shape)));

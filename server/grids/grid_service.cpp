@@ -15,6 +15,7 @@
 #include "proto/convert/status.h"
 #include "proto/convert/times.h"
 #include "proto/wire/sha256.h"
+#include "server/grids/read_contents.h"
 #include "server/grids/upload_stream.h"
 #include "server/grids/verify.h"
 #include "server/ops/guard.h"
@@ -113,23 +114,50 @@ absl::Status fill_info(GridStore& store,
   return absl::OkStatus();
 }
 
+/// Has decoders read the grids' values; the lease keeps the file from being evicted meanwhile.
+void add_values(GridStore& store,
+                DecoderPool& decoders,
+                ContentsOrder order,
+                const GridLease& stored,
+                v1::GridFile& response,
+                const std::shared_ptr<PendingAnswer>& pending) {
+  read_contents_of(
+      decoders, std::move(order), [pending] { return pending->cancelled(); },
+      [pending, stored, &store,
+       &response](const absl::StatusOr<std::vector<GridContents>>& contents) {
+        pending->finish(guarded("GetGridInfo", [&] {
+          if (!contents.ok()) return unreadable(store, stored, contents.status());
+          for (std::size_t i = 0; i < contents->size(); ++i) {
+            to_proto((*contents)[i], *response.mutable_grids(static_cast<int>(i)));
+          }
+          return absl::OkStatus();
+        }));
+      });
+}
+
 /// Has a decoder look at the file; the lease keeps it from being evicted meanwhile.
 void grid_info(GridStore& store,
                DecoderPool& decoders,
-               const std::string& name,
+               const v1::GetGridInfoRequest& asked,
+               std::uint64_t resident_bytes,
                v1::GridFile& response,
-               std::shared_ptr<PendingAnswer> pending) {
+               const std::shared_ptr<PendingAnswer>& pending) {
+  const std::string& name = asked.name();
   const auto lease = acquire(store, pending->call().space(), name);
   if (!lease.ok()) return pending->finish(lease.status());
   const FileRequest request{DecodeTask::kGridList, (*lease)->path.string(), name, "",
                             kInfoBytes};
   decoders.decode(
       request, [pending] { return pending->cancelled(); },
-      [request, pending, stored = *lease, &store,
-       &response](const absl::StatusOr<SealedBlock>& block) {
-        pending->finish(guarded("GetGridInfo", [&] {
-          return fill_info(store, grid_list_of(block, request), stored, response);
-        }));
+      [request, pending, stored = *lease, &store, &decoders, &response, values = asked.values(),
+       resident_bytes](const absl::StatusOr<SealedBlock>& block) {
+        auto grids = grid_list_of(block, request);
+        const absl::Status listed =
+            guarded("GetGridInfo", [&] { return fill_info(store, grids, stored, response); });
+        if (!listed.ok() || !values) return pending->finish(listed);
+        add_values(store, decoders,
+                   {request.path, request.file_name, *std::move(grids), resident_bytes}, stored,
+                   response, pending);
       });
 }
 
@@ -173,9 +201,9 @@ grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* 
                                                    const v1::GetGridInfoRequest* request,
                                                    v1::GridFile* response) {
   return answer_later(calls_, disk_, *context, "GetGridInfo",
-                      [this, request, response](std::shared_ptr<PendingAnswer> pending) {
-                        grid_info(store_, decoders_, request->name(), *response,
-                                  std::move(pending));
+                      [this, request, response](const std::shared_ptr<PendingAnswer>& pending) {
+                        grid_info(store_, decoders_, *request, resident_bytes_, *response,
+                                  pending);
                       });
 }
 

@@ -1,6 +1,8 @@
 // GridService: uploads, and what is stored.
 #pragma once
 
+#include <cstdint>
+
 #include "core/base/parallel.h"
 #include "core/vdb/decoder_pool.h"
 #include "server/grids/grid_store.h"
@@ -22,15 +24,22 @@ using RawUploadService = v1::GridService::WithCallbackMethod_FindMissingGrids<
 
 /// gRPC's side of the store. Thread-safe. Disk work runs on `disk`, threads of its own, so that
 /// uploads do not wait for meshes, and nobody's for all of another's; files are read by
-/// `decoders`. The store and the others outlive the service and its calls.
+/// `decoders`, of a grid no more than `resident_bytes`. The store and the others outlive the
+/// service and its calls.
 class GridService final : public RawUploadService {
  public:
   GridService(GridStore& store,
               CallRegistry& calls,
               FairTasks& disk,
               DecoderPool& decoders,
-              StallWatch& stalls)
-      : store_(store), calls_(calls), disk_(disk), decoders_(decoders), stalls_(stalls) {}
+              StallWatch& stalls,
+              std::uint64_t resident_bytes)
+      : store_(store),
+        calls_(calls),
+        disk_(disk),
+        decoders_(decoders),
+        stalls_(stalls),
+        resident_bytes_(resident_bytes) {}
 
   grpc::ServerUnaryReactor* FindMissingGrids(grpc::CallbackServerContext* context,
                                              const v1::FindMissingGridsRequest* request,
@@ -53,6 +62,7 @@ class GridService final : public RawUploadService {
   FairTasks& disk_;
   DecoderPool& decoders_;
   StallWatch& stalls_;
+  const std::uint64_t resident_bytes_;  // that one grid may take in memory
 };
 
 }  // namespace tet

@@ -295,6 +295,14 @@ class ImageFormats(ImageCase):
             "--spacing3", *CT, "--origin", *affine[:3, 3]))
         self.assert_is_the_ellipsoid(image, 0.4)
         self.assertIn("RAS", self.tetstream("info", image).stdout)
+        converted = (self.out / "mesh.vtu").read_bytes()
+        place = ("--axes", "zyx", "--spacing3", *CT, "--origin", *affine[:3, 3])
+        self.mesh_image(self.inputs / "zyx.npy", *ISO, *place)
+        self.assertEqual((self.out / "mesh.vtu").read_bytes(), converted)
+        self.assert_done(self.tetstream("estimate", self.inputs / "zyx.npy", *ISO, *place))
+        result = self.tetstream("mesh", image, "-o", self.out / "x.vtu", *place)
+        self.assertEqual(result.returncode, REFUSED)
+        self.assertIn("give an array (.npy) a place", result.stderr)
         for options, word in ((("--axes", "zyz"), "no order"), (("--space", "XYZ"), "neither"),
                               (("--spacing3", "1", "0", "1"), "no place")):
             result = self.tetstream("convert", self.inputs / "zyx.npy", self.out / "x.nrrd",
@@ -347,6 +355,9 @@ class ImageInfo(ImageCase):
         grid = self.info(self.write("labels.nrrd", nrrd(labels, numpy.eye(4))))
         known = {entry["label"]: entry["voxels"] for entry in grid["labels"]}
         self.assertEqual(known, {0: labels.size - 48 - 60, 7: 48, 14015: 60})
+        boxes = {entry["label"]: (entry["box"]["min"], entry["box"]["max"]) for entry in grid["labels"]}
+        self.assertEqual(boxes, {0: ([0, 0, 0], [19, 20, 21]), 7: ([3, 4, 5], [8, 7, 6]),
+                                 14015: ([12, 12, 9], [14, 15, 13])})
         shown = self.tetstream("info", self.inputs / "labels.nrrd").stdout
         self.assertIn("3 labels (voxels): 0 (", shown)
 
@@ -414,6 +425,22 @@ class ImagesServed(ServerTest):
     """An image goes up as it is, and the mesh that comes back is the one of this machine."""
 
     volumes = {}
+
+    def test_are_told_of_as_here(self):
+        labels = numpy.zeros((20, 21, 22), dtype="u2")
+        labels[3:9, 4:8, 5:7] = 7
+        values, affine = ellipsoid(oblique(CT))
+        for name, data in (("labels.nrrd", nrrd(labels, numpy.eye(4))),
+                           ("scan.nii.gz", gzip.compress(nifti(values.astype("f4"), affine)))):
+            path = self.inputs / name
+            path.write_bytes(data)
+            for options in ((), ("--json",), ("--no-values", "--json")):
+                with self.subTest(name, options=options):
+                    here = self.tetstream("info", path, *options)
+                    self.assert_done(here)
+                    there = self.tetstream("info", path, *options, "--server", self.address)
+                    self.assert_done(there)
+                    self.assertEqual(there.stdout, here.stdout)
 
     def test_are_meshed_as_they_are_here(self):
         values, affine = ellipsoid(oblique(CT))

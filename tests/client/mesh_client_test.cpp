@@ -67,7 +67,7 @@ TEST_F(MeshClientTest, ReceivesGradedMeshesToo) {
   const auto streamed = client_->stream_mesh(request, {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   MeshRequest here;
-  here.levels = default_levels({});
+  here.levels = default_levels(Sizing());
   EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(ball_file(16), here).mesh));
 }
 
@@ -75,7 +75,7 @@ TEST_F(MeshClientTest, ReceivesBothSidesAndTheirRegions) {
   const auto streamed = client_->stream_mesh(both_sides_of_ball(16, 2), {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   MeshRequest request;
-  request.levels = default_levels({});
+  request.levels = default_levels(Sizing());
   request.preset = Preset::kBothSides;
   request.box = {{-2, -2, -2}, {2, 2, 2}};
   const MeshResult here = mesh_here(ball_file(16), request);
@@ -109,7 +109,7 @@ TEST_F(MeshClientTest, ReceivesTheManifoldThatIsMadeInProcess) {
   const auto streamed = client_->stream_mesh(wire_request, {}, never_);
   ASSERT_TRUE(streamed.ok()) << streamed.status();
   MeshRequest request;
-  request.levels = default_levels({});
+  request.levels = default_levels(Sizing());
   request.manifold = true;
   EXPECT_TRUE(same_mesh(streamed->mesh, mesh_here(path, request).mesh));
   ASSERT_TRUE(streamed->boundary);

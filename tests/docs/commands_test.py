@@ -26,9 +26,11 @@ ADDRESS = re.compile(r"\b[\w.-]+:7447\b")
 # A page's file: the fixture that takes its place, and its voxel size.
 FILES = {"scan.vdb": ("torus", 0.1), "ct.vdb": ("scan", 0.1), "walls.vdb": ("random-signs", 0.1),
          "fire.vdb": ("fields", 0.1), "flow.vdb": ("fields", 0.1), "body.vdb": ("parts", 0.1),
+         "droplets.vdb": ("parts", 0.1),
          "scans/monday.vdb": ("sphere", 0.1), "scans/tuesday.vdb": ("torus", 0.1)}
 # A page's grid: the fixture's grid that takes its place.
-GRIDS = {"density": "sphere", "temperature": "heat", "femur": "ball", "tibia": "ring"}
+GRIDS = {"density": "sphere", "temperature": "heat", "femur": "ball", "tibia": "ring",
+         "water": "ball", "oil": "ring"}
 
 
 def is_whole(command):

@@ -74,7 +74,7 @@ class FieldServiceTest : public ServiceTest {
 TEST_F(FieldServiceTest, SendsTheValuesThatThisProcessFinds) {
   mesh_.set_preset(v1::PRESET_BOTH_SIDES);
   MeshRequest request;
-  request.levels = default_levels({});
+  request.levels = default_levels(Sizing());
   request.preset = Preset::kBothSides;
   request.fields = {field_of(path_, "heat", ""), field_of(path_, "velocity", "flow")};
   TaskPool pool(2);

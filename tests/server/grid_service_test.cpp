@@ -120,6 +120,42 @@ TEST_F(GridServiceTest, TellsWhatAFileHolds) {
   EXPECT_GT(info->grids(0).active_voxel_count(), 0U);
 }
 
+TEST_F(GridServiceTest, TellsOnRequestWhatValuesSayOfAFile) {
+  const auto request = uniform_ball(8);
+  const auto plain = client_->grid_info(request.name(), never_);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  EXPECT_FALSE(plain->grids(0).has_values());
+  const auto info = client_->grid_info(request.name(), never_, GridDetail::kValues);
+  ASSERT_TRUE(info.ok()) << info.status();
+  const v1::GridInfo& grid = info->grids(0);
+  EXPECT_LT(grid.values().min(), 0);
+  EXPECT_GT(grid.values().max(), 0);
+  EXPECT_EQ(grid.values().inside(), "below");
+  EXPECT_EQ(grid.values().inside_source(), v1::INSIDE_SOURCE_CLASS);
+  EXPECT_EQ(grid.label_count(), 0);
+}
+
+TEST_F(GridServiceTest, TellsTheLabelsOfASegmentation) {
+  const auto uploaded = client_->upload_file(WHOLE_NUMBERS_PATH "/int32.vdb", {}, never_);
+  ASSERT_TRUE(uploaded.ok()) << uploaded.status();
+  const auto info = client_->grid_info(*uploaded, never_, GridDetail::kValues);
+  ASSERT_TRUE(info.ok()) << info.status();
+  const v1::GridInfo& grid = info->grids(0);
+  ASSERT_EQ(grid.label_count(), grid.labels_size());
+  ASSERT_GT(grid.labels_size(), 1);
+  std::uint64_t voxels = 0;
+  for (int i = 0; i < grid.labels_size(); ++i) {
+    const v1::GridLabel& label = grid.labels(i);
+    EXPECT_TRUE(i == 0 || grid.labels(i - 1).value() < label.value());
+    EXPECT_LE(label.box().min_x(), label.box().max_x());
+    voxels += label.voxel_count();
+  }
+  const v1::VoxelBox& box = grid.active_box();
+  EXPECT_EQ(voxels, static_cast<std::uint64_t>((box.max_x() - box.min_x() + 1) *
+                                               (box.max_y() - box.min_y() + 1) *
+                                               (box.max_z() - box.min_z() + 1)));
+}
+
 TEST_F(GridServiceTest, RefusesToDescribeWhatIsNotAVdb) {
   upload(grid_name_of("abc"), "abc", 3);
   const auto info = client_->grid_info(grid_name_of("abc"), never_);

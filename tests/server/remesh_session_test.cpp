@@ -91,7 +91,7 @@ TEST_F(RemeshSessionTest, BringsTheMeshOfAGridWhoseLeavesChange) {
     std::memcpy(values.data(), leaf.values().data(), leaf.values().size());
     volume = replace_leaves(volume, {{volume.bricks[brick], values}}).value();
     MeshRequest request;
-    request.levels = default_levels({});
+    request.levels = default_levels(Sizing());
     request.origin = session->mesh().mesh.header.origin;
     TaskPool pool(2);
     const auto here = mesh_volume(
@@ -173,7 +173,7 @@ TEST_F(RemeshSessionTest, NamesTheFacesOfAGridWhoseLeavesChange) {
   const Volume moved = replace_leaves(volume, {{volume.bricks[brick], values}}).value();
   const TetMesh& mesh = session->mesh().mesh;
   MeshRequest here;
-  here.levels = default_levels({});
+  here.levels = default_levels(Sizing());
   here.origin = mesh.header.origin;
   here.faces = true;
   here.face_regions = mesh.header.face_regions;

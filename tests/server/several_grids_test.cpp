@@ -39,7 +39,7 @@ class SeveralGridsTest : public ServiceTest {
 
   /// What this process makes of the same grids.
   absl::StatusOr<MeshResult> made_here(MeshRequest request = {}) {
-    request.levels = default_levels({});
+    request.levels = default_levels(Sizing());
     GridList grids;
     for (const std::string& grid : mesh_.grid_names()) {
       grids.push_back(std::make_shared<const Volume>(load_volume(path_, grid).value()));

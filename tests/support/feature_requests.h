@@ -26,7 +26,8 @@ class FeatureRequest {
     add(b, stream);
     const bool is_scene = stream.mesh().has_scene();
     v1::MeshRequest& mesh = *stream.mutable_mesh();
-    if (!is_scene) mesh.set_name(mesh.has_labels() ? labels_ : file_);
+    if (!is_scene)
+      mesh.set_name(mesh.has_labels() && mesh.grid_names().empty() ? labels_ : file_);
     if (mesh.has_labels() && !is_scene && mesh.grid_names().empty()) {
       if (!stream.base_name().empty()) stream.set_base_name(labels_);
       mesh.clear_grid_name();  // an image's only array

@@ -52,6 +52,11 @@ absl::StatusOr<std::string> upload_labels(tet::MeshClient& meshes,
   const absl::StatusOr<TemporaryFolder> folder = TemporaryFolder::make();
   if (!folder.ok()) return folder.status();
   const std::string path = folder->file("labels.nrrd");
+  if (labels.impl().volume == nullptr) {
+    return absl::FailedPreconditionError(
+        "level sets are not uploaded one by one: upload the .vdb file that has them, and name "
+        "them in StoredVolume::grids");
+  }
   if (absl::Status s = tet::write_labels(*labels.impl().volume, path); !s.ok()) return s;
   return meshes.upload_file(path, progress, cancellation);
 }
@@ -78,9 +83,21 @@ absl::StatusOr<v1::MeshRequest> message_of(tet::MeshClient& meshes,
                                            const StoredVolume& volume,
                                            const Request& request,
                                            const tet::Cancellation& cancellation) {
-  std::vector<std::string> grids;
-  if (!volume.grid.empty()) grids.push_back(volume.grid);
-  return bare_message(meshes, volume.name, grids, request, cancellation);
+  if (volume.grids.empty()) {
+    std::vector<std::string> grids;
+    if (!volume.grid.empty()) grids.push_back(volume.grid);
+    return bare_message(meshes, volume.name, grids, request, cancellation);
+  }
+  if (!request.labels) {
+    return absl::InvalidArgumentError(
+        "grids are set, which are labels of one mesh: set the request's labels, too");
+  }
+  auto message = bare_message(meshes, volume.name, {}, request, cancellation);
+  if (message.ok()) {
+    message->mutable_grid_names()->Assign(volume.grids.begin(), volume.grids.end());
+    if (!volume.grid.empty()) message->set_grid_name(volume.grid);
+  }
+  return message;
 }
 
 absl::StatusOr<v1::MeshRequest> message_of(tet::MeshClient& meshes,

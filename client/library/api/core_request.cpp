@@ -92,6 +92,9 @@ tet::LabelChoice to_core(const LabelChoice& choice) {
   for (const MeshLabel& label : choice.names) core.names.push_back({label.value, label.name});
   core.kernel = to_core(choice.smoothing);
   core.smooth = choice.smooth;
+  for (const LabelSize& size : choice.sizes) {
+    core.sizes.push_back({{size.labels.first, size.labels.last}, size.size});
+  }
   return core;
 }
 
@@ -112,7 +115,6 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   core.preset = to_core(request.preset);
   if (request.box) core.box = {to_core(request.box->min), to_core(request.box->max)};
   core.sizing = *std::move(sizing);
-  core.levels = request.levels.value_or(tet::default_levels(core.sizing));
   core.improve = request.improve;
   core.manifold = request.manifold;
   core.face_regions = *std::move(regions);
@@ -124,6 +126,7 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
     core.fields.push_back({.name = field.name, .components = field.values.impl().components});
   }
   if (request.labels) core.labels = to_core(*request.labels);
+  core.levels = request.levels.value_or(tet::default_levels(core));
   return core;
 }
 
@@ -141,6 +144,7 @@ absl::StatusOr<tet::Shape> shape_of(const Scene& scene) {
 }
 
 absl::StatusOr<tet::Shape> shape_of(const Labels& labels) {
+  if (labels.impl().volume == nullptr) return tet::Shape(labels.impl().level_sets);
   return tet::Shape(labels.impl().volume);
 }
 

@@ -29,8 +29,9 @@ absl::StatusOr<Order> understand(const Solid& solid, const Request& request) {
   if (!shape.ok()) return shape.status();
   absl::StatusOr<tet::MeshRequest> core = core_request(request);
   if (!core.ok()) return core.status();
-  // All labels of a segmentation are meshed unless the request says which.
-  if (tet::labels_of(*shape) != nullptr && !core->labels) core->labels.emplace();
+  // All labels are meshed unless the request says which.
+  const bool is_labels = tet::labels_of(*shape) != nullptr || tet::grids_of(*shape) != nullptr;
+  if (is_labels && !core->labels) core->labels.emplace();
   return Order{*std::move(shape), *std::move(core)};
 }
 

@@ -4,6 +4,9 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <pybind11/stl.h>
 
 #include "client/python/extension/stream.h"
 
@@ -98,9 +101,10 @@ void bind_client(py::module_& module) {
       .def_readwrite("tls_key", &ClientOptions::tls_key)
       .def_readwrite("attempts", &ClientOptions::attempts);
   py::class_<StoredVolume>(module, "StoredVolume")
-      .def(py::init<std::string, std::string>())
+      .def(py::init<std::string, std::string, std::vector<std::string>>())
       .def_readonly("name", &StoredVolume::name)
-      .def_readonly("grid", &StoredVolume::grid);
+      .def_readonly("grid", &StoredVolume::grid)
+      .def_readonly("grids", &StoredVolume::grids);
   py::class_<Client> client(module, "Client");
   bind_calls<StoredVolume>(client);
   bind_calls<Scene>(client);

@@ -89,6 +89,10 @@ void bind_labels(py::module_& module) {
   py::class_<Labels>(module, "Labels")
       .def_static("from_voxels", &from_voxels)
       .def_static("from_file", &from_file)
+      .def_static("from_level_sets",
+                  [](const std::vector<Volume>& volumes) {
+                    return value_of(Labels::from_level_sets(volumes));
+                  })
       .def_property_readonly("counts", &counts_of)
       .def_property_readonly("voxel_edges",
                              [](const Labels& labels) { return labels.voxel_edges(); })
@@ -108,6 +112,10 @@ void bind_labels(py::module_& module) {
       .def("add_name",
            [](LabelChoice& choice, std::int64_t value, std::string name) {
              choice.names.push_back({value, std::move(name)});
+           })
+      .def("add_size",
+           [](LabelChoice& choice, std::int64_t first, std::int64_t last, double size) {
+             choice.sizes.push_back({{first, last}, size});
            })
       .def_readwrite("background", &LabelChoice::background)
       .def_readwrite("mesh_background", &LabelChoice::mesh_background)

@@ -66,10 +66,10 @@ class Here:
 
     def upload(self, volume: Volume | Labels, options: _tetstream.Options) -> StoredVolume:
         _tell(options)
-        return StoredVolume(f"{_HERE}{id(volume):x}", "", isinstance(volume, Labels), volume)
+        return StoredVolume(f"{_HERE}{id(volume):x}", "", isinstance(volume, Labels), _here=volume)
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
-        stored = StoredVolume(f"{_HERE}{path}", grid, False, Volume.from_vdb(path, grid))
+        stored = StoredVolume(f"{_HERE}{path}", grid, _here=Volume.from_vdb(path, grid))
         _tell(options)
         return stored
 
@@ -116,7 +116,7 @@ class Here:
         self, request: Request, options: _tetstream.Options
     ) -> _tetstream.Volume | _tetstream.Scene | _tetstream.Labels:
         """What is meshed, as the request has it read."""
-        if request._asks_for_labels:
+        if request._asks_for_labels and not isinstance(request.volume, Solid):
             return _labels_here(request.volume)._labels
         return self.frame(request.volume, options)
 
@@ -211,14 +211,14 @@ class Served:
         if isinstance(volume, StoredVolume):
             if volume._here is not None:
                 raise invalid(f"{volume.name} is in this process: upload its volume by this Client")
-            return _tetstream.StoredVolume(volume.name, volume.grid)
+            return _tetstream.StoredVolume(volume.name, volume.grid, list(volume.grids))
         if isinstance(volume, (Volume, Labels)):
             if volume not in self._uploaded:
                 self.upload(volume, options)
             return self._uploaded[volume]
         path = os.fspath(volume)  # type: ignore[arg-type]
         if path.startswith(_STORED):
-            return _tetstream.StoredVolume(path, "")
+            return _tetstream.StoredVolume(path, "", [])
         return self.client.upload_file(path, "", options)
 
 
@@ -243,11 +243,15 @@ def _labels_here(volume: Meshable) -> Labels:
     if isinstance(volume, StoredVolume):
         if volume._here is None:
             raise invalid(f"{volume.name} is stored by a server: mesh it by that server's Client")
-        path, grid, volume = volume.name.removeprefix(_HERE), volume.grid, volume._here
+        path, grid, grids = volume.name.removeprefix(_HERE), volume.grid, volume.grids
+        volume = volume._here
         if isinstance(volume, Volume) and os.path.exists(path):  # uploaded as a file
+            if grids:
+                return Labels.from_level_sets([Volume.from_vdb(path, name) for name in grids])
             return Labels.from_file(path, grid)
     if isinstance(volume, (Volume, Solid)):
-        raise invalid(f"labels are asked for of a {type(volume).__name__}: give Labels, or the path of an image")
+        raise invalid(f"labels are asked for of a {type(volume).__name__}: give Labels, the path of an image, "
+                      "or a solid")
     return volume if isinstance(volume, Labels) else Labels.from_file(volume)
 
 

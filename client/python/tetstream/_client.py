@@ -14,7 +14,7 @@ from . import _tetstream
 from ._backends import Backend, Capabilities, Here, Served
 from ._errors import CancelledError, StatusCode
 from ._jobs import JobBackend, Jobs
-from ._labels import Background, LabelNames, LabelRanges, Labels, Smooth
+from ._labels import Background, LabelNames, LabelRanges, LabelSizes, Labels, Smooth
 from ._local_jobs import LocalJobs
 from ._mesh import Mesh
 from ._request import (Box, Coordinates, Encoding, FaceRegions, Inside, Preset, Progress, Request, Sizing,
@@ -121,6 +121,7 @@ class Client:
         background_label: int = 0,
         label_names: LabelNames | None = None,
         smooth: Smooth | None = None,
+        label_sizes: LabelSizes | None = None,
         threads: int = 0,
         encoding: Encoding = "plain",
         skip_cache: bool = False,
@@ -131,7 +132,7 @@ class Client:
 
         volume       a Volume, which a server is sent when it is meshed there for the first time; a solid
                      (`ts.sphere(1) - ts.box(1)`); `Labels`; the path of a .vdb file or an image; what `upload` or
-                     `upload_file` returned; or a `Request` of one of them, which then has the options up to `smooth`
+                     `upload_file` returned; or a `Request` of one of them, which then has the options up to `label_sizes`
         spacing      edge of the finest cells, world units; unless given the voxel size, and of a solid its
                      longest extent / 128
         iso          the surface's value; unless given 0 for level sets and 0.5 for densities
@@ -160,13 +161,17 @@ class Client:
                      float32 would bend the angle bounds
         fields       {name: Volume}: arrays of values that the vertices get, at most 16
         labels       which labels of a segmentation are meshed: "1,4,7:12", 4, [1, 4, range(7, 13)]; all of
-                     them unless given. This and the next five are for `Labels`, and have a file read as such
+                     them unless given. This and the next six are for `Labels`, have a file read as such, and make
+                     each part of a solid that is a union (`a | b`) a label, 1, 2, ... in their order; what
+                     parts have in common is the first one's
         merge        labels that become one, the first: ["4,7:9", [1, 2]]; they are chosen when all is merged
         background   the space around, "left_out", or "meshed" up to the box; what is not chosen is part of it
         background_label   the label that it has
         label_names  {4: "bone"}, or the path of a table: docs/labels.md
         smooth       how interfaces are smoothed: the width of a Gaussian in voxels, 0.7 unless given; 0 keeps
                      every stair, "thin" keeps sheets one voxel thin
+        label_sizes  {4: 2.5, "7:12": 1}: how long tets of some labels may be inside, world units, not below
+                     the spacing; "all" for all of them. With sizes `levels` is 24 unless given
         threads      in this process; 0 takes every core
         encoding     how a server's chunks travel: "plain", "packed" (a fifth of the bytes), "compact" (the
                      least, and the mesh is made here; not with `improve`, `fields` or regions with creases)
@@ -184,7 +189,7 @@ class Client:
             improve=improve, manifold=manifold, statistics=statistics, faces=faces, fidelity=fidelity,
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
-            label_names=label_names, smooth=smooth)
+            label_names=label_names, smooth=smooth, label_sizes=label_sizes)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         made = Mesh(self._backend.mesh(request, options))
@@ -219,6 +224,7 @@ class Client:
         background_label: int = 0,
         label_names: LabelNames | None = None,
         smooth: Smooth | None = None,
+        label_sizes: LabelSizes | None = None,
         threads: int = 0,
         encoding: Encoding = "plain",
         skip_cache: bool = False,
@@ -241,7 +247,7 @@ class Client:
             improve=improve, manifold=manifold, statistics=statistics, faces=faces, fidelity=fidelity,
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
-            label_names=label_names, smooth=smooth)
+            label_names=label_names, smooth=smooth, label_sizes=label_sizes)
         options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
                              skip_cache=skip_cache)
         backend = self._backend
@@ -276,6 +282,7 @@ class Client:
         background_label: int = 0,
         label_names: LabelNames | None = None,
         smooth: Smooth | None = None,
+        label_sizes: LabelSizes | None = None,
         threads: int = 0,
         timeout: float | None = None,
     ) -> Estimate:
@@ -285,7 +292,7 @@ class Client:
             improve=improve, manifold=manifold, statistics=statistics, faces=faces, fidelity=fidelity,
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
-            label_names=label_names, smooth=smooth)
+            label_names=label_names, smooth=smooth, label_sizes=label_sizes)
         told = self._backend.estimate(request, options_of(timeout=timeout, threads=threads))
         return Estimate(int(told["vertex_count"]), int(told["tet_count"]), int(told["chunk_count"]),
                         int(told["bytes"]), told["seconds"])

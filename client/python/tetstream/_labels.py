@@ -1,4 +1,4 @@
-"""Segmentations: of each voxel what it is a part of."""
+"""Labels: of each voxel what it is a part of, or solids that share their interfaces."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from . import _tetstream
 from ._errors import invalid
 from ._names import Point, point
-from ._volume import Axes, axis_steps
+from ._volume import Axes, Volume, axis_steps
 
 LabelRanges = str | int | Iterable[int | range | tuple[int, int]]
+LabelSizes = Mapping[str | int | range | tuple[int, int], float]
 LabelNames = Mapping[int, str] | str | os.PathLike[str]
 Background = Literal["left_out", "meshed"]
 Smooth = float | Literal["thin"]
@@ -23,6 +24,7 @@ Smooth = float | Literal["thin"]
 _BACKGROUNDS = ("left_out", "meshed")
 _ALL = "all"
 _Ends = list[tuple[int, int]]
+_EVERY = (-2**63, 2**63 - 1)
 
 
 class Labels:
@@ -34,7 +36,7 @@ class Labels:
 
     Labels are never changed, so any thread may use them.
 
-    counts       {value: how many voxels have it}, by ascending value
+    counts       {value: how many voxels have it}, by ascending value; 0 of level sets
     voxel_edges  lengths of a voxel's edges along the image's axes, world units
     """
 
@@ -89,6 +91,18 @@ class Labels:
         """
         return cls(_tetstream.Labels.from_file(os.fspath(path), name, trusted))
 
+    @classmethod
+    def from_level_sets(cls, volumes: Sequence[Volume]) -> Labels:
+        """Makes each of several volumes a label, 1, 2, ... in their order: droplets, or phases of a fluid.
+
+        Where several are below their iso values the lowest one's label is taken, of equal ones the first.
+
+        Errors: InvalidArgumentError (no volumes, more than 64), FailedPreconditionError (a volume without an
+        inside). A server is not sent them: upload the .vdb file that has them, and mesh
+        `StoredVolume(name, grids=(...))`.
+        """
+        return cls(_tetstream.Labels.from_level_sets([volume._volume for volume in volumes]))
+
     @property
     def counts(self) -> dict[int, int]:
         """How many voxels have each value, by ascending value."""
@@ -116,6 +130,7 @@ def choice_of(
     background_label: int,
     label_names: LabelNames | None,
     smooth: Smooth | None,
+    label_sizes: LabelSizes | None = None,
 ) -> _tetstream.LabelChoice:
     """What is asked of a segmentation, as the library takes it."""
     if background not in _BACKGROUNDS:
@@ -129,6 +144,10 @@ def choice_of(
     for value, name in _named(label_names):
         choice.add_name(value, name)
     _set_smooth(choice, smooth)
+    for wanted, size in (label_sizes or {}).items():
+        named = [wanted] if isinstance(wanted, tuple) else wanted
+        for first, last in [_EVERY] if wanted == _ALL else _ranges("label_sizes", named):
+            choice.add_size(first, last, float(size))
     return choice
 
 

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from . import _tetstream
 from ._errors import invalid
-from ._labels import Background, LabelNames, LabelRanges, Labels, Smooth, choice_of
+from ._labels import Background, LabelNames, LabelRanges, Labels, LabelSizes, Smooth, choice_of
 from ._names import Point, member, point
 from ._solid import Solid
 from ._volume import Volume
@@ -45,11 +45,13 @@ class StoredVolume:
     name    "grids/{sha256}": the same file has the same name everywhere
     grid    within the file; empty takes the only one that can be meshed
     labels  it is a segmentation, whose labels are meshed
+    grids   level sets within the file instead, each of which is a label
     """
 
     name: str
     grid: str = ""
     labels: bool = False
+    grids: tuple[str, ...] = ()
     _here: Volume | Labels | None = dataclasses.field(default=None, repr=False, compare=False)
 
 
@@ -89,6 +91,7 @@ class Request:
     background_label: int = 0
     label_names: LabelNames | None = None
     smooth: Smooth | None = None
+    label_sizes: LabelSizes | None = None
 
     @classmethod
     def _of(cls, volume: VolumeLike, **options: Any) -> Request:
@@ -126,20 +129,22 @@ class Request:
             request.add_field(name, values._volume)
         if self._asks_for_labels:
             request.labels = choice_of(self.labels, self.merge, self.background, self.background_label,
-                                       self.label_names, self.smooth)
+                                       self.label_names, self.smooth, self.label_sizes)
         return request
 
     @property
     def _asks_for_labels(self) -> bool:
         """Whether what is meshed is a segmentation: it says so, or an option does that is for labels."""
         volume = self.volume
-        return isinstance(volume, Labels) or (isinstance(volume, StoredVolume) and volume.labels) or any(
+        is_stored = isinstance(volume, StoredVolume) and (volume.labels or bool(volume.grids))
+        return isinstance(volume, Labels) or is_stored or any(
             getattr(self, name) != _DEFAULTS[name] for name in _LABEL_OPTIONS)
 
 
 VolumeLike = Meshable | Request
 
-_LABEL_OPTIONS = ("labels", "merge", "background", "background_label", "label_names", "smooth")
+_LABEL_OPTIONS = ("labels", "merge", "background", "background_label", "label_names", "smooth",
+                  "label_sizes")
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
 
 

@@ -84,26 +84,35 @@ class ChosenValues {
   std::vector<LabelRange> ranges_;
 };
 
-absl::Status check_merges_of(const LabelVolume& volume, const LabelChoice& choice) {
+absl::Status check_merges_of(const KnownLabels& known, const LabelChoice& choice) {
   for (std::size_t i = 0; i < choice.merges.size(); ++i) {
     for (const LabelRange& range : choice.merges[i]) {
-      if (any_within(volume.labels, range)) continue;
+      if (any_within(known.values, range)) continue;
       return refuse_labels(
-          absl::StrFormat(".merges[%d] names %s, and the image has no such label: it has %s", i,
-                          text_of(range), list_labels(volume.labels)));
+          absl::StrFormat(".merges[%d] names %s, and the %s has no such label: it has %s", i,
+                          text_of(range), known.of, list_labels(known.values)));
     }
   }
   return absl::OkStatus();
 }
 
-/// `values` are what the image has once all is merged.
-absl::Status check_only(const std::vector<std::int64_t>& values, const LabelChoice& choice) {
+/// A label is named that there is not once all is merged.
+absl::Status no_such_label(const std::string& field,
+                           const LabelRange& range,
+                           const KnownLabels& merged,
+                           const LabelChoice& choice) {
+  return refuse_labels(absl::StrFormat(
+      ".%s names %s, and the %s has no such label%s: it has %s", field, text_of(range),
+      merged.of, choice.merges.empty() ? "" : " once all is merged",
+      list_labels(merged.values)));
+}
+
+/// `merged` is what there is once all is merged.
+absl::Status check_only(const KnownLabels& merged, const LabelChoice& choice) {
   for (std::size_t i = 0; i < choice.only.size(); ++i) {
     const LabelRange& range = choice.only[i];
-    if (!any_within(values, range)) {
-      return refuse_labels(absl::StrFormat(
-          ".only[%d] names %s, and the image has no such label%s: it has %s", i, text_of(range),
-          choice.merges.empty() ? "" : " once all is merged", list_labels(values)));
+    if (!any_within(merged.values, range)) {
+      return no_such_label(absl::StrFormat("only[%d]", i), range, merged, choice);
     }
     if (range == LabelRange{choice.background, choice.background} && !choice.mesh_background) {
       return refuse_labels(
@@ -111,6 +120,17 @@ absl::Status check_only(const std::vector<std::int64_t>& values, const LabelChoi
                           "meshed, or name another background",
                           i, choice.background));
     }
+  }
+  return absl::OkStatus();
+}
+
+/// The background is there where it is meshed, whether or not voxels have it.
+absl::Status check_sizes_of(const KnownLabels& merged, const LabelChoice& choice) {
+  for (std::size_t i = 0; i < choice.sizes.size(); ++i) {
+    const LabelRange& range = choice.sizes[i].labels;
+    if (any_within(merged.values, range)) continue;
+    if (choice.mesh_background && range.holds(choice.background)) continue;
+    return no_such_label(absl::StrFormat("sizes[%d].labels", i), range, merged, choice);
   }
   return absl::OkStatus();
 }
@@ -146,35 +166,50 @@ std::vector<MeshLabel> meshed_labels(const std::vector<std::int64_t>& values,
   return labels;
 }
 
+/// The smallest size that holds of each label.
+std::vector<double> largest_leaves(const std::vector<MeshLabel>& labels,
+                                   const LabelChoice& choice) {
+  std::vector<double> sizes(labels.size(), LabelNumbers::kAnySize);
+  if (choice.sizes.empty()) return sizes;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    for (const LabelSize& size : choice.sizes) {
+      if (size.labels.holds(labels[i].value)) sizes[i] = std::min(sizes[i], size.size);
+    }
+  }
+  return sizes;
+}
+
 }  // namespace
 
-absl::StatusOr<LabelNumbers> number_labels(const LabelVolume& volume,
+absl::StatusOr<LabelNumbers> number_labels(const KnownLabels& known,
                                            const LabelChoice& choice) {
   if (auto status = check_label_choice(choice); !status.ok()) return status;
-  if (auto status = check_merges_of(volume, choice); !status.ok()) return status;
+  if (auto status = check_merges_of(known, choice); !status.ok()) return status;
   std::vector<std::int64_t> becomes, values;
   const MergedValues merged(choice);
-  for (const std::int64_t value : volume.labels) becomes.push_back(merged(value));
+  for (const std::int64_t value : known.values) becomes.push_back(merged(value));
   values = becomes;
   sort_unique(values);
-  if (auto status = check_only(values, choice); !status.ok()) return status;
+  if (auto status = check_only({values, known.of}, choice); !status.ok()) return status;
+  if (auto status = check_sizes_of({values, known.of}, choice); !status.ok()) return status;
   const ChosenValues chosen(choice.only);
   std::erase_if(values, [&](std::int64_t v) { return !chosen.hold(v); });
   std::erase(values, choice.background);
   if (values.empty()) {
     return absl::FailedPreconditionError(
-        absl::StrFormat("the image has no label but %s, and %d is the background: name another "
+        absl::StrFormat("the %s has no label but %s, and %d is the background: name another "
                         "background, or have it meshed",
-                        list_labels(volume.labels), choice.background));
+                        known.of, list_labels(known.values), choice.background));
   }
   if (values.size() >= kMaxMeshLabels) {
     return refuse_labels(
-        absl::StrFormat(" of the image are %d; the limit is %d. Name those to be meshed, or "
+        absl::StrFormat(" of the %s are %d; the limit is %d. Name those to be meshed, or "
                         "merge some",
-                        values.size(), kMaxMeshLabels - 1));
+                        known.of, values.size(), kMaxMeshLabels - 1));
   }
   LabelNumbers numbers;
   numbers.labels = meshed_labels(values, choice);
+  numbers.largest_leaf = largest_leaves(numbers.labels, choice);
   // Its number follows theirs whether or not it is meshed: where it ties it loses, and leaving
   // it out changes nothing else.
   numbers.background = static_cast<Label>(values.size());
@@ -184,16 +219,21 @@ absl::StatusOr<LabelNumbers> number_labels(const LabelVolume& volume,
                                               : numbers.background;
   };
   if (!choice.mesh_background) numbers.kept.left_out = numbers.background;
-  numbers.voxel_volume.resize(numbers.labels.size());
-  const double of_voxel = volume_of_voxel(volume.transform);
-  for (std::size_t i = 0; i < becomes.size(); ++i) {
-    const Label number = chosen.hold(becomes[i]) ? number_of(becomes[i]) : numbers.background;
-    numbers.of_image.push_back(number);
-    if (number < numbers.labels.size()) {
-      numbers.voxel_volume[number] += of_voxel * static_cast<double>(volume.voxel_counts[i]);
-    }
+  for (const std::int64_t value : becomes) {
+    numbers.of_known.push_back(chosen.hold(value) ? number_of(value) : numbers.background);
   }
   return numbers;
+}
+
+std::vector<double> voxel_volumes_of(const LabelVolume& volume, const LabelNumbers& numbers) {
+  std::vector<double> volumes(numbers.labels.size());
+  const double of_voxel = volume_of_voxel(volume.transform);
+  for (std::size_t i = 0; i < numbers.of_known.size(); ++i) {
+    const Label number = numbers.of_known[i];
+    if (number >= volumes.size()) continue;
+    volumes[number] += of_voxel * static_cast<double>(volume.voxel_counts[i]);
+  }
+  return volumes;
 }
 
 }  // namespace tet

@@ -10,6 +10,7 @@
 #include "core/base/heap_bytes.h"
 #include "core/plan/budget.h"
 #include "core/plan/labelled/fill_labelled_brick.h"
+#include "core/plan/labelled/label_sizes.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/mesh_workspace.h"
 #include "core/plan/sample_fields.h"
@@ -21,12 +22,16 @@ LabelRules label_rules_of(const LabelJob& job) {
   return {stuffing_rules(Preset::kBothSides).limits, job.domain, job.kept};
 }
 
-Octree grow_label_tree(const LabelSurvey& survey,
-                       const LabelJob& job,
-                       const Cancellation& cancellation) {
+absl::StatusOr<Octree> grow_label_tree(const LabelSurvey& survey,
+                                       const LabelJob& job,
+                                       const Cancellation& cancellation) {
   const OctreeCover cover{{job.domain}, job.domain};
   LeafRules rules;
   rules.max_levels = job.request.levels;
+  auto refined = cells_above_sizes(survey, job.largest_leaf, job.lattice.voxel_size,
+                                   job.request, job.limits, cancellation);
+  if (!refined.ok()) return refined.status();
+  rules.refined = *std::move(refined);
   return build_octree(survey.finest(), {}, nullptr, cover, rules, cancellation);
 }
 
@@ -36,6 +41,7 @@ MeshHeader header_of_labels(const CountedLabels& mesh, const LabelJob& job) {
   header.tet_count = mesh.first_tet(mesh.brick_count());
   header.levels = static_cast<int>(mesh.tree().levels.size()) - 1;
   header.labels = job.labels;
+  header.inside_guess = job.inside_guess;
   header.fields = arrays_of(job.request.fields);
   if (job.request.box) header.box = world_box_of(job.domain, job.lattice);
   const bool wide = header.vertex_count > std::numeric_limits<std::uint32_t>::max();
@@ -145,9 +151,10 @@ absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_labels(const LabelJob& job
   absl::StatusOr<LabelSurvey> survey = survey_labels(
       *job.source, label_rules_of(job), job.limits.max_plan_bytes, cancellation, job.progress);
   if (!survey.ok()) return survey.status();
-  Octree tree = grow_label_tree(*survey, job, cancellation);
+  absl::StatusOr<Octree> tree = grow_label_tree(*survey, job, cancellation);
+  if (!tree.ok()) return tree.status();
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  CountedLabels mesh(*std::move(survey), std::move(tree), cancellation);
+  CountedLabels mesh(*std::move(survey), *std::move(tree), cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   MeshHeader header = header_of_labels(mesh, job);
   if (auto status = check_label_tets(header, job.limits); !status.ok()) return status;

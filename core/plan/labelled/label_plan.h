@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -26,7 +27,9 @@ struct LabelJob {
   VoxelTransform lattice;         ///< world = linear * lattice + translation, in spacings
   BrickBox domain;                ///< finest bricks
   std::vector<MeshLabel> labels;  ///< by number: those that the source has
+  std::vector<double> largest_leaf = {};  ///< of each, world units; none: any
   KeptLabels kept = {};
+  std::string inside_guess = {};  ///< MeshHeader::inside_guess
   /// Its `levels`, `origin`, `coordinates`, `indices`, `fields` and `skip_statistics`; others
   /// are not looked at.
   MeshRequest request = {};

@@ -9,10 +9,10 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/field/domain.h"
+#include "core/plan/labelled/label_domain.h"
 #include "core/plan/labelled/label_numbers.h"
+#include "core/plan/labelled/solid_request.h"
 #include "core/plan/labelled/volume_labels.h"
-#include "core/plan/mesh_place.h"
 #include "core/volume/check_transform.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/to_voxel.h"
@@ -114,33 +114,6 @@ absl::StatusOr<BrickBox> bricks_of_image(const LatticeAxes& axes,
   return BrickBox{{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
-BrickBox common_bricks(const BrickBox& a, const BrickBox& b) {
-  return {{std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
-          {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
-}
-
-/// What is meshed: the request's box; without the background no more of it than the image has.
-absl::StatusOr<BrickBox> label_domain(const BrickBox& image,
-                                      const VoxelTransform& lattice,
-                                      const MeshRequest& request) {
-  if (!request.box) return image;
-  // A grid that stores nothing says where a lattice lies.
-  Volume place;
-  place.transform = lattice;
-  PhiField field;
-  field.volume = &place;
-  const absl::StatusOr<BrickBox> asked = mesh_domain(field, request.box);
-  if (!asked.ok() || request.labels->mesh_background) return asked;
-  const BrickBox common = common_bricks(*asked, image);
-  const bool any = common.min.x <= common.max.x && common.min.y <= common.max.y &&
-                   common.min.z <= common.max.z;
-  if (any) return common;
-  const WorldBox has = world_box_of(image, lattice);
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "the box holds nothing of the image, which lies between (%g, %g, %g) and (%g, %g, %g)",
-      has.min.x, has.min.y, has.min.z, has.max.x, has.max.y, has.max.z));
-}
-
 /// A lattice far from the image, or an image far from the origin, has voxels that no 32 bits
 /// count.
 absl::Status check_reach(const BrickBox& domain, const std::array<double, 3>& spacing_voxels) {
@@ -177,35 +150,32 @@ std::shared_ptr<const LabelVoxels> voxels_on(const LatticeAxes& axes,
 }  // namespace
 
 absl::StatusOr<LabelJob> make_label_job(const PlanJob& job) {
+  if (labels_of(job.shape) == nullptr) return make_solid_job(job);
   const auto asked = canonical(job.request, job.shape);
   if (!asked.ok()) return asked.status();
   const std::shared_ptr<const LabelVolume> volume = labels_of(job.shape);
   const LabelChoice& choice = *job.request.labels;
-  absl::StatusOr<LabelNumbers> numbers = number_labels(*volume, choice);
+  absl::StatusOr<LabelNumbers> numbers = number_labels({volume->labels}, choice);
   if (!numbers.ok()) return numbers.status();
   const LatticeAxes axes(*volume);
   const IndicatorRules rules{spacing_in_voxels(axes.voxels, asked->spacing), choice.kernel,
                              choice.smooth};
+  if (auto s = check_label_sizes(choice, asked->spacing); !s.ok()) return s;
   if (auto s = check_label_spacing(choice, rules.spacing_voxels); !s.ok()) return s;
   const auto image = bricks_of_image(axes, choice, rules.spacing_voxels);
   if (!image.ok()) return image.status();
   LabelJob out;
   out.lattice = lattice_along(axes.voxels, asked->spacing);
-  const auto domain = label_domain(*image, out.lattice, job.request);
+  const auto domain = label_domain(*image, "image", out.lattice, job.request);
   if (!domain.ok()) return domain.status();
   if (auto s = check_reach(*domain, rules.spacing_voxels); !s.ok()) return s;
-  out.shape = job.shape;
   out.domain = *domain;
-  out.labels = std::move(numbers->labels);
-  out.kept = numbers->kept;
-  out.request = job.request;
-  out.limits = job.limits;
-  out.progress = job.progress;
   out.source = std::make_shared<const IndicatorLabels>(
       voxels_on(axes, *volume,
-                std::make_shared<const VolumeLabels>(volume, std::move(numbers->of_image),
+                std::make_shared<const VolumeLabels>(volume, std::move(numbers->of_known),
                                                      numbers->background)),
       rules);
+  set_labels(job, *std::move(numbers), out);
   return out;
 }
 

@@ -48,7 +48,7 @@ absl::Status check_faces_budget(const MeshHeader& header, const MeshLimits& limi
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
 }
 
-/// Plans a segmentation's mesh. Which labels meet is known once all of it is made, so with
+/// Plans a mesh of labels. Which labels meet is known once all of it is made, so with
 /// faces it is whole for as long as that takes.
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_with_labels(
     PlanJob job, const Cancellation& cancellation) {
@@ -83,12 +83,12 @@ namespace {
 /// Plans a mesh whose regions are not divided at creases.
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_undivided(
     const PlanJob& job, const Cancellation& cancellation) {
+  if (job.request.labels || labels_of(job.shape) != nullptr) {
+    return plan_with_labels(job, cancellation);
+  }
   if (grids_of(job.shape) != nullptr) {
     const auto plan_one = [&](const PlanJob& one) { return plan_undivided(one, cancellation); };
     return plan_joined(job, plan_one, cancellation);
-  }
-  if (job.request.labels || labels_of(job.shape) != nullptr) {
-    return plan_with_labels(job, cancellation);
   }
   auto plan = plan_on_lattice(job, cancellation);
   if (!plan.ok() || !job.request.improve) return plan;

@@ -222,12 +222,14 @@ TEST(LabelRequest, NamesTheLabelsOfTheHeader) {
 
 TEST(LabelNumbers, TellTheVolumesOfTheirVoxels) {
   const Shape shape = columns_of_voxels(kTurned);
-  const auto numbers = number_labels(*labels_of(shape), {.merges = {{{7, 7}, {-3, -3}}}});
+  const auto numbers =
+      number_labels({labels_of(shape)->labels}, {.merges = {{{7, 7}, {-3, -3}}}});
   ASSERT_TRUE(numbers.ok()) << numbers.status();
   const double voxel = voxel_volume(kTurned);
-  ASSERT_EQ(numbers->voxel_volume.size(), 2U);
-  EXPECT_NEAR(numbers->voxel_volume[0], 11 * 11 * 13 * voxel, 1e-9);
-  EXPECT_NEAR(numbers->voxel_volume[1], 4 * 11 * 13 * voxel, 1e-9);
+  const std::vector<double> volumes = voxel_volumes_of(*labels_of(shape), *numbers);
+  ASSERT_EQ(volumes.size(), 2U);
+  EXPECT_NEAR(volumes[0], 11 * 11 * 13 * voxel, 1e-9);
+  EXPECT_NEAR(volumes[1], 4 * 11 * 13 * voxel, 1e-9);
 }
 
 TEST(LabelRequest, EndsAtABox) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "tetstream/export.h"
 #include "tetstream/labels.h"
@@ -48,6 +49,9 @@ struct StreamOptions : WorkOptions {
 struct StoredVolume {
   std::string name;       ///< `grids/{sha256}`: the same file has the same name everywhere
   std::string grid = {};  ///< within the file; empty takes the only one that can be meshed
+  /// Level sets within the file instead, each of which is a label of the mesh: see
+  /// Labels::from_level_sets. With `Request::labels`.
+  std::vector<std::string> grids = {};
 };
 
 /// What a server can do.
@@ -80,7 +84,8 @@ class TETSTREAM_API Client {
   /// the server each time: keep what this returns.
   Result<StoredVolume> upload(const Volume& volume, const WorkOptions& options = {}) const;
   /// Stores a segmentation, by way of a temporary image; the same one is the same file each
-  /// time. A request that meshes it has `labels`.
+  /// time. A request that meshes it has `labels`. Error also: kFailedPrecondition (level sets:
+  /// upload the .vdb file that has them, and name its `grids`).
   Result<StoredVolume> upload(const Labels& labels, const WorkOptions& options = {}) const;
 
   /// Makes a mesh there and receives all of it. The request's fields are uploaded first.

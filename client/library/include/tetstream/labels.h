@@ -45,8 +45,8 @@ struct LabelCount {
   std::uint64_t voxels = 0;
 };
 
-/// A segmentation, ready to be meshed any number of times: docs/labels.md. Copies share it; it
-/// is never changed, so any thread may use it.
+/// A segmentation, or level sets, ready to be meshed any number of times: docs/labels.md.
+/// Copies share it; it is never changed, so any thread may use it.
 class TETSTREAM_API Labels {
  public:
   /// Copies an array of labels. Errors: kInvalidArgument (no voxels, sizes that do not agree,
@@ -58,14 +58,20 @@ class TETSTREAM_API Labels {
   /// 65,535 labels).
   static Result<Labels> from_file(const std::string& path, const VdbOptions& options = {});
 
-  /// By ascending value.
+  /// Makes each of several volumes a label, 1, 2, ... in their order: droplets, or phases of a
+  /// fluid. Where several are below their iso values the lowest one's label is taken, of equal
+  /// ones the first. Errors: kInvalidArgument (no volumes, more than 64),
+  /// kFailedPrecondition (a volume without an inside).
+  static Result<Labels> from_level_sets(const std::vector<Volume>& volumes);
+
+  /// By ascending value; 0 voxels of level sets.
   std::vector<LabelCount> counts() const;
-  /// Lengths of a voxel's edges along the image's axes, world units.
+  /// Lengths of a voxel's edges along the image's axes, world units; of the first level set.
   std::array<double, 3> voxel_edges() const noexcept;
 
   /// Writes an image of the NRRD format, whole or not at all: of the box of voxels that there
   /// are, so that a .vdb file's is meshed on another lattice. Errors: kUnavailable,
-  /// kResourceExhausted (the disk).
+  /// kResourceExhausted (the disk), kFailedPrecondition (level sets).
   Status write_nrrd(const std::string& path) const;
 
   struct Impl;
@@ -88,7 +94,14 @@ enum class LabelSmoothing : std::uint8_t {
   kNone,   ///< not at all: every stair is kept
 };
 
-/// What is asked of a segmentation.
+/// Leaves of labels from `first` to `last`, by the values that they have when all is merged,
+/// have edges of `size` at most; world units.
+struct LabelSize {
+  LabelRange labels = {};
+  double size = 0;
+};
+
+/// What is asked of a segmentation, or of solids that are labels.
 struct LabelChoice {
   /// The labels that are meshed, by the values that they have when all is merged; empty: all
   /// but the background.
@@ -102,6 +115,9 @@ struct LabelChoice {
   std::vector<MeshLabel> names = {};
   LabelSmoothing smoothing = LabelSmoothing::kGauss;
   double smooth = 0.7;  ///< the Gaussian's width, voxels; at most 4
+  /// How large leaves of some labels may be, none below the spacing; where two hold of a label,
+  /// the smaller one. With sizes, `Request::levels` is as many as there can be unless given.
+  std::vector<LabelSize> sizes = {};
 };
 
 /// Reads what labels are called: a table of ITK-SNAP, 3D Slicer or FreeSurfer, or JSON. Errors:
