@@ -17,6 +17,7 @@
 #include "proto/wire/transport.h"
 #include "server/grids/grid_service.h"
 #include "server/http/http_port.h"
+#include "server/jobs/store/open_job_store.h"
 #include "server/jobs_in_server.h"
 #include "server/ops/guard.h"
 #include "server/ops/latest_readings.h"
@@ -95,6 +96,11 @@ void warn_if_exposed(const Config& config, const std::string& listen) {
   log_event(spdlog::level::warn, "exposed",
             {{"listen", listen},
              {"message", absl::StrCat(who, anyone && plain ? ", and " : "", how)}});
+}
+
+/// Who evicts a grid has to know which ones jobs need: one database knows that of all servers.
+StoreSharing sharing_of(const Config& config) {
+  return is_postgres(config.jobs) ? StoreSharing::kServers : StoreSharing::kAlone;
 }
 
 void set_readiness(HealthService& health, bool ready) {
@@ -261,6 +267,7 @@ void Server::Parts::tell_health() {
 
 /// What asks a disk or a database, or waits for who does.
 std::vector<Reading> Server::Parts::slow_readings() const {
+  store->catch_up();
   std::vector<Reading> readings = read_server(engine, *store);
   if (jobs != nullptr) {
     for (Reading& reading : jobs->work->readings()) readings.push_back(std::move(reading));
@@ -297,7 +304,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   if (!tls.ok()) return tls.status();
   auto access = Access::open(config.tokens);
   if (!access.ok()) return access.status();
-  auto store = GridStore::open(config.store, config.store_bytes, config.disk_reserve_bytes);
+  auto store = GridStore::open(config.store, config.store_bytes, config.disk_reserve_bytes,
+                               sharing_of(config));
   if (!store.ok()) return store.status();
   auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(store));
   parts->tls = *std::move(tls);

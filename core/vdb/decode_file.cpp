@@ -13,7 +13,7 @@ namespace {
 
 /// Our decoder does not write what cannot be read: whatever wrote this was not itself any more.
 absl::Status bad_result(const FileRequest& request, const absl::Status& why) {
-  if (absl::IsResourceExhausted(why)) return why;
+  if (absl::IsResourceExhausted(why) || absl::IsCancelled(why)) return why;
   return named_failure("DECODER_RESULT", absl::InvalidArgumentError(absl::StrFormat(
                                              "'%s' could not be decoded: %s", request.file_name,
                                              std::string(why.message()))));
@@ -22,9 +22,11 @@ absl::Status bad_result(const FileRequest& request, const absl::Status& why) {
 }  // namespace
 
 absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
-                                 const FileRequest& request) {
+                                 const FileRequest& request,
+                                 const Cancellation& cancellation) {
   if (!block.ok()) return block.status();
-  absl::StatusOr<Volume> volume = read_flat_volume(block->bytes(), request.max_bytes);
+  absl::StatusOr<Volume> volume =
+      read_flat_volume(block->bytes(), request.max_bytes, cancellation);
   if (!volume.ok()) return bad_result(request, volume.status());
   if (has_inside(volume->kind) != (request.task == DecodeTask::kVolume)) {
     return bad_result(request, absl::InvalidArgumentError("it is not what was asked for"));
@@ -33,9 +35,11 @@ absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
 }
 
 absl::StatusOr<LabelVolume> labels_of(const absl::StatusOr<SealedBlock>& block,
-                                      const FileRequest& request) {
+                                      const FileRequest& request,
+                                      const Cancellation& cancellation) {
   if (!block.ok()) return block.status();
-  absl::StatusOr<LabelVolume> labels = read_flat_labels(block->bytes(), request.max_bytes);
+  absl::StatusOr<LabelVolume> labels =
+      read_flat_labels(block->bytes(), request.max_bytes, cancellation);
   if (!labels.ok()) return bad_result(request, labels.status());
   return labels;
 }

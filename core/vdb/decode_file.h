@@ -16,11 +16,13 @@
 namespace tet {
 
 /// What a decoder made of a file, checked and copied. Errors: kInvalidArgument with
-/// DECODER_RESULT (it is not what was asked for); those of `block`.
+/// DECODER_RESULT (it is not what was asked for), kCancelled; those of `block`.
 absl::StatusOr<Volume> volume_of(const absl::StatusOr<SealedBlock>& block,
-                                 const FileRequest& request);
+                                 const FileRequest& request,
+                                 const Cancellation& cancellation = Cancellation());
 absl::StatusOr<LabelVolume> labels_of(const absl::StatusOr<SealedBlock>& block,
-                                      const FileRequest& request);
+                                      const FileRequest& request,
+                                      const Cancellation& cancellation = Cancellation());
 absl::StatusOr<GridContents> contents_of(const absl::StatusOr<SealedBlock>& block,
                                          const FileRequest& request);
 absl::StatusOr<std::vector<GridInfo>> grid_list_of(const absl::StatusOr<SealedBlock>& block,

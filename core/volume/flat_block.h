@@ -4,6 +4,7 @@
 // between. Numbers are as this machine has them: a block never leaves it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,8 +12,11 @@
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include <absl/status/status.h>
+
+#include "core/base/cancel.h"
 
 namespace tet {
 
@@ -71,5 +75,20 @@ class FlatReader {
 
   std::span<const std::byte> rest_;
 };
+
+/// Copies a column. Looks at `cancellation` after each mebibyte: once it is requested, what was
+/// copied is not whole.
+template <class T>
+void copy_column(std::span<const T> from,
+                 const Cancellation& cancellation,
+                 std::vector<T>& to) {
+  constexpr std::size_t kAtOnce = (std::size_t{1} << 20) / sizeof(T);
+  to.reserve(from.size());
+  while (!from.empty() && !cancellation.requested()) {
+    const auto some = from.first(std::min(kAtOnce, from.size()));
+    to.insert(to.end(), some.begin(), some.end());
+    from = from.subspan(some.size());
+  }
+}
 
 }  // namespace tet

@@ -81,13 +81,16 @@ class LabelCounter {
     volume_.voxel_counts.assign(volume_.labels.size(), 0);
   }
 
-  absl::Status count() {
+  absl::Status count(const Cancellation& cancellation) {
     std::uint32_t next = 0;
     std::size_t at = 0;
     const auto [nx, ny, nz] = volume_.brick_count;
     for (std::int32_t x = 0; x < nx; ++x) {
       for (std::int32_t y = 0; y < ny; ++y) {
         for (std::int32_t z = 0; z < nz; ++z) {
+          if (at % kBetweenLooks == 0) {
+            if (absl::Status s = check_cancelled(cancellation); !s.ok()) return s;
+          }
           const BrickCoord& first = volume_.first_brick;
           const VoxelCoord min{8 * (first.x + x), 8 * (first.y + y), 8 * (first.z + z)};
           const std::uint32_t entry = volume_.bricks[at++];
@@ -103,6 +106,8 @@ class LabelCounter {
   }
 
  private:
+  static constexpr std::size_t kBetweenLooks = 1024;  ///< bricks: some milliseconds
+
   absl::Status count_brick(std::uint32_t entry, const VoxelCoord& min) {
     const VoxelBox& box = volume_.box;
     if ((entry & LabelVolume::kConstant) != 0) {
@@ -157,7 +162,8 @@ absl::Status write_flat_labels(const LabelVolume& volume, const ByteSink& sink) 
 }
 
 absl::StatusOr<LabelVolume> read_flat_labels(std::span<const std::byte> block,
-                                             std::uint64_t max_bytes) {
+                                             std::uint64_t max_bytes,
+                                             const Cancellation& cancellation) {
   FlatReader reader(block);
   const absl::StatusOr<LabelHeader> header = read_label_header(reader);
   if (!header.ok()) return header.status();
@@ -187,10 +193,11 @@ absl::StatusOr<LabelVolume> read_flat_labels(std::span<const std::byte> block,
         "its labels take %d bytes and the limit is %d", block.size(), max_bytes));
   }
   volume.name.assign(name->begin(), name->end());
-  volume.bricks.assign(bricks->begin(), bricks->end());
-  volume.values.assign(values->begin(), values->end());
-  volume.labels.assign(labels->begin(), labels->end());
-  if (absl::Status s = LabelCounter(volume).count(); !s.ok()) return s;
+  copy_column(*bricks, cancellation, volume.bricks);
+  copy_column(*values, cancellation, volume.values);
+  copy_column(*labels, cancellation, volume.labels);
+  if (absl::Status s = check_cancelled(cancellation); !s.ok()) return s;
+  if (absl::Status s = LabelCounter(volume).count(cancellation); !s.ok()) return s;
   return volume;
 }
 

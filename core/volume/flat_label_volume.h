@@ -25,8 +25,9 @@ absl::Status write_flat_labels(const LabelVolume& volume, const ByteSink& sink);
 ///
 /// `block` is aligned to 64 bytes and does not change meanwhile. Errors: kInvalidArgument (not
 /// such a block; says what is wrong with it), kFailedPrecondition (a transform that cannot be
-/// meshed), kResourceExhausted (it would take more than `max_bytes`).
+/// meshed), kResourceExhausted (it would take more than `max_bytes`), kCancelled.
 absl::StatusOr<LabelVolume> read_flat_labels(std::span<const std::byte> block,
-                                             std::uint64_t max_bytes);
+                                             std::uint64_t max_bytes,
+                                             const Cancellation& cancellation = Cancellation());
 
 }  // namespace tet

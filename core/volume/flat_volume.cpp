@@ -224,15 +224,17 @@ absl::Status check_budget(const Columns& columns, std::uint64_t max_bytes) {
                       columns.bricks.size(), bytes, max_bytes));
 }
 
-Volume copy_columns(const Header& header, const Columns& columns) {
+Volume copy_columns(const Header& header,
+                    const Columns& columns,
+                    const Cancellation& cancellation) {
   Volume volume;
   volume.name.assign(columns.name.begin(), columns.name.end());
   volume.kind = static_cast<VolumeKind>(header.kind);
   volume.kind_source = static_cast<KindSource>(header.kind_source);
   volume.transform = header.transform;
   volume.background = header.background;
-  volume.bricks.assign(columns.bricks.begin(), columns.bricks.end());
-  volume.values.assign(columns.values.begin(), columns.values.end());
+  copy_column(columns.bricks, cancellation, volume.bricks);
+  copy_column(columns.values, cancellation, volume.values);
   volume.cubes.assign(columns.cubes.begin(), columns.cubes.end());
   return volume;
 }
@@ -257,7 +259,8 @@ absl::Status write_flat_volume(const Volume& volume, const ByteSink& sink) {
 }
 
 absl::StatusOr<Volume> read_flat_volume(std::span<const std::byte> block,
-                                        std::uint64_t max_bytes) {
+                                        std::uint64_t max_bytes,
+                                        const Cancellation& cancellation) {
   FlatReader reader(block);
   const absl::StatusOr<Header> header = read_header(reader, block.size());
   if (!header.ok()) return header.status();
@@ -265,8 +268,10 @@ absl::StatusOr<Volume> read_flat_volume(std::span<const std::byte> block,
   if (!columns.ok()) return columns.status();
   if (absl::Status s = check_places(*columns); !s.ok()) return s;
   if (absl::Status s = check_budget(*columns, max_bytes); !s.ok()) return s;
-  return index_volume(copy_columns(*header, *columns),
-                      {columns->constants.begin(), columns->constants.end()});
+  Volume volume = copy_columns(*header, *columns, cancellation);
+  if (absl::Status s = check_cancelled(cancellation); !s.ok()) return s;
+  return index_volume(std::move(volume), {columns->constants.begin(), columns->constants.end()},
+                      cancellation);
 }
 
 }  // namespace tet

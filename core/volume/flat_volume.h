@@ -26,8 +26,10 @@ absl::Status write_flat_volume(const Volume& volume, const ByteSink& sink);
 ///
 /// `block` is aligned to 64 bytes and does not change meanwhile. Errors: kInvalidArgument (not
 /// such a block; says what is wrong with it), kFailedPrecondition (values or coordinates that
-/// cannot be meshed), kResourceExhausted (the volume would take more than `max_bytes`).
+/// cannot be meshed), kResourceExhausted (the volume would take more than `max_bytes`),
+/// kCancelled.
 absl::StatusOr<Volume> read_flat_volume(std::span<const std::byte> block,
-                                        std::uint64_t max_bytes);
+                                        std::uint64_t max_bytes,
+                                        const Cancellation& cancellation = Cancellation());
 
 }  // namespace tet

@@ -63,6 +63,9 @@ ValueRange range_of(const float* values) noexcept {
   return {*std::min_element(min.begin(), min.end()), *std::max_element(max.begin(), max.end())};
 }
 
+/// Bricks of 2 KiB, or regions of 32 KiB.
+constexpr std::size_t kBetweenLooks = 512;
+
 absl::Status not_finite(VoxelCoord voxel, float value) {
   return absl::FailedPreconditionError(absl::StrFormat(
       "voxel %s is %g; every value must be finite: replace it before meshing, with the "
@@ -116,11 +119,15 @@ absl::Status check_constants(const Volume& volume,
   return absl::OkStatus();
 }
 
-absl::Status measure_ranges(Volume& volume) {
+absl::Status measure_ranges(Volume& volume, const Cancellation& cancellation) {
   volume.ranges.resize(volume.bricks.size());
-  for_each_index(
-      volume.bricks.size(),
-      [&](std::size_t i) { volume.ranges[i] = range_of(&volume.values[i * kBrickCells]); }, 64);
+  for_each_range(volume.bricks.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if ((i - begin) % kBetweenLooks == 0 && cancellation.requested()) return;
+      volume.ranges[i] = range_of(&volume.values[i * kBrickCells]);
+    }
+  });
+  if (absl::Status s = check_cancelled(cancellation); !s.ok()) return s;
   for (std::size_t i = 0; i < volume.bricks.size(); ++i) {
     const VoxelCoord min = min_voxel(volume.bricks[i]);
     if (absl::Status s = check_extent(min, kBrickEdge); !s.ok()) return s;
@@ -134,7 +141,9 @@ absl::Status measure_ranges(Volume& volume) {
   return absl::OkStatus();
 }
 
-void make_regions(Volume& volume, const std::vector<ConstantBrick>& constants) {
+absl::Status make_regions(Volume& volume,
+                          const std::vector<ConstantBrick>& constants,
+                          const Cancellation& cancellation) {
   std::vector<BrickCoord> mins;
   const auto add = [&](BrickCoord brick) {
     const BrickCoord min = region_of(brick);
@@ -147,11 +156,13 @@ void make_regions(Volume& volume, const std::vector<ConstantBrick>& constants) {
 
   volume.regions.resize(mins.size());
   for_each_index(mins.size(), [&](std::size_t i) {
+    if (i % kBetweenLooks == 0 && cancellation.requested()) return;
     Region& region = volume.regions[i];
     region.min = mins[i];
     region.brick_index.fill(Region::kConstant);
     region.constant.fill(volume.background);
   });
+  return check_cancelled(cancellation);
 }
 
 Region& find_region(Volume& volume, BrickCoord brick) {
@@ -220,12 +231,14 @@ absl::Status place_cubes(Volume& volume) {
 
 }  // namespace
 
-absl::StatusOr<Volume> index_volume(Volume volume, std::vector<ConstantBrick> constants) {
+absl::StatusOr<Volume> index_volume(Volume volume,
+                                    std::vector<ConstantBrick> constants,
+                                    const Cancellation& cancellation) {
   TET_CHECK(std::is_sorted(volume.bricks.begin(), volume.bricks.end()));
   TET_CHECK(volume.values.size() == volume.bricks.size() * kBrickCells);
   if (absl::Status s = check_constants(volume, constants); !s.ok()) return s;
-  if (absl::Status s = measure_ranges(volume); !s.ok()) return s;
-  make_regions(volume, constants);
+  if (absl::Status s = measure_ranges(volume, cancellation); !s.ok()) return s;
+  if (absl::Status s = make_regions(volume, constants, cancellation); !s.ok()) return s;
   if (absl::Status s = fill_regions(volume, constants); !s.ok()) return s;
   if (absl::Status s = place_cubes(volume); !s.ok()) return s;
   return volume;

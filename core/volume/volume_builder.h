@@ -7,6 +7,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/volume/volume.h"
 
@@ -24,8 +25,10 @@ struct ConstantBrick {
 /// `volume.bricks` is sorted and unique, with its `values` in place; cubes and constants come
 /// in any order. Parallel over bricks. Errors: kFailedPrecondition (a value that is not finite,
 /// a coordinate beyond kMaxVoxelCoord), kInvalidArgument (something twice in one place, a cube
-/// that is not aligned to its own edge).
-absl::StatusOr<Volume> index_volume(Volume volume, std::vector<ConstantBrick> constants);
+/// that is not aligned to its own edge), kCancelled.
+absl::StatusOr<Volume> index_volume(Volume volume,
+                                    std::vector<ConstantBrick> constants,
+                                    const Cancellation& cancellation = Cancellation());
 
 /// Gathers a volume piece by piece, in any order; where nothing is added the background is.
 ///

@@ -33,6 +33,14 @@ absl::Status no_room(std::uint64_t size_bytes,
                     kAskAgain);
 }
 
+absl::Status in_progress(const GridKey& key) {
+  return with_retry(
+      with_reason(absl::AbortedError(absl::StrCat(name_of_grid(key.digest),
+                                                  " is being uploaded by another call")),
+                  "UPLOAD_IN_PROGRESS"),
+      absl::Seconds(1));
+}
+
 }  // namespace
 
 void GridStore::ask_before_evicting(Needed needed) { needed_ = std::move(needed); }
@@ -43,30 +51,36 @@ std::uint64_t GridStore::used_bytes() const {
   return used;
 }
 
-/// Marks the upload as under way, with room for all of it.
-absl::Status GridStore::reserve(const GridKey& key,
-                                std::uint64_t size_bytes,
-                                const Uploader& by) {
+/// Marks the upload as under way, with room for all of it, and opens its part.
+absl::StatusOr<File> GridStore::reserve(const GridKey& key,
+                                        std::uint64_t size_bytes,
+                                        const Uploader& by) {
   if (size_bytes > budget_bytes_)
     return over_limit("grid file, bytes", size_bytes, budget_bytes_);
   std::set<GridKey> needed;
   while (true) {
     Evictable evictable;
     {
+      auto turn = take_turn();
+      if (!turn.ok()) return turn.status();
       const std::lock_guard lock(mutex_);
+      look_before(key);
       if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
       if (auto disk = check_disk(key, size_bytes, used_bytes()); !disk.ok()) return disk;
-      if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
+      if (fits(key, size_bytes)) return take_place(*turn, key, size_bytes, by);
       evictable = idle_grids(size_bytes, needed);
     }
     // Whoever submits a job holds its grid until the job is stored. So a grid that was idle
     // before the jobs are asked, that none of them needs, and that nobody took since is needed
     // by none.
     const absl::Status asked = spare_needed(evictable, needed);
+    auto turn = take_turn();
+    if (!turn.ok()) return turn.status();
     const std::lock_guard lock(mutex_);
+    look_before(key);
     if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
-    while (!fits(key, size_bytes) && evict_oldest(key, evictable)) continue;
-    if (fits(key, size_bytes)) return take_place(key, size_bytes, by);
+    while (!fits(key, size_bytes) && evict_oldest(*turn, key, evictable)) continue;
+    if (fits(key, size_bytes)) return take_place(*turn, key, size_bytes, by);
     if (!asked.ok()) return asked;
     if (!evictable.all) continue;
     if (auto disk = check_disk(key, size_bytes, 0); !disk.ok()) return disk;
@@ -84,11 +98,7 @@ absl::Status GridStore::check_upload(const GridKey& key,
   }
   const auto found = parts_.find(key);
   if (found != parts_.end() && found->second.busy) {
-    return with_retry(
-        with_reason(absl::AbortedError(absl::StrCat(name_of_grid(key.digest),
-                                                    " is being uploaded by another call")),
-                    "UPLOAD_IN_PROGRESS"),
-        absl::Seconds(1));
+    return in_progress(key);
   }
   return check_quota(key, size_bytes, by);
 }
@@ -131,16 +141,41 @@ absl::Status GridStore::check_disk(const GridKey& key,
   return no_disk_for(size_bytes, *free, keep_free_bytes_);
 }
 
-absl::Status GridStore::take_place(const GridKey& key,
-                                   std::uint64_t size_bytes,
-                                   const Uploader& by) {
+absl::StatusOr<File> GridStore::take_place(Turn& turn,
+                                           const GridKey& key,
+                                           std::uint64_t size_bytes,
+                                           const Uploader& by) {
+  auto part = open_part(key);
+  if (!part.ok()) return part;
   parts_[key] = Part{size_bytes, grids_.time(), true, by.name};
-  return absl::OkStatus();
+  tell(turn, {GridChange::Kind::kBegun, key, size_bytes, by.name});
+  return part;
+}
+
+/// The part of an upload, locked where the store is shared.
+absl::StatusOr<File> GridStore::open_part(const GridKey& key) const {
+  const fs::path path = part_path(key);
+  std::error_code error;  // what it hinders fails by itself
+  fs::create_directories(path.parent_path(), error);
+  auto part = open_file(path, O_RDWR | O_CREAT);
+  if (!part.ok() || !is_shared()) return part;
+  const auto locked = part->lock(FileLock::kAlone);
+  if (!locked.ok()) return locked.status();
+  if (!*locked) return in_progress(key);
+  return part;
+}
+
+/// What other processes may have done with the file, and with the uploads they had.
+void GridStore::look_before(const GridKey& key) {
+  if (!is_shared()) return;
+  look_again(key);
+  look_at_uploads_elsewhere();
 }
 
 /// Enough of them to make room for `bytes`, if there are.
 GridStore::Evictable GridStore::idle_grids(std::uint64_t bytes,
-                                           const std::set<GridKey>& needed) const {
+                                           const std::set<GridKey>& needed) {
+  if (is_shared()) freshen_oldest(bytes, needed);
   Evictable idle{{}, grids_.time(), leases_, /*all=*/true};
   std::uint64_t found_bytes = 0;
   grids_.oldest_first([&](const StoredGridEntry& entry) {
@@ -180,7 +215,7 @@ const StoredGridEntry* GridStore::oldest_of(Evictable& evictable) const {
 }
 
 /// Removes what was used least of the grids that may be evicted and the uploads nobody sends.
-bool GridStore::evict_oldest(const GridKey& except_part, Evictable& evictable) {
+bool GridStore::evict_oldest(Turn& turn, const GridKey& except_part, Evictable& evictable) {
   const StoredGridEntry* const oldest_grid = oldest_of(evictable);
   auto oldest_part = parts_.end();
   for (auto it = parts_.begin(); it != parts_.end(); ++it) {
@@ -189,18 +224,22 @@ bool GridStore::evict_oldest(const GridKey& except_part, Evictable& evictable) {
       oldest_part = it;
     }
   }
-  std::error_code ignored;  // a file that is gone already has been evicted by someone else
   if (oldest_part != parts_.end() &&
       (oldest_grid == nullptr || oldest_part->second.last_use < oldest_grid->last_use)) {
-    fs::remove(part_path(oldest_part->first), ignored);
-    parts_.erase(oldest_part);
+    const GridKey key = oldest_part->first;
+    if (!remove_part(key)) return true;  // it is busy, as is noted now
+    parts_.erase(key);
     ++gone_.evicted_uploads;
+    tell(turn, {GridChange::Kind::kPaused, key});
     return true;
   }
   if (oldest_grid == nullptr) return false;
-  fs::remove(oldest_grid->grid->path, ignored);
-  grids_.erase(GridKey(oldest_grid->grid->key));
+  const GridKey key = oldest_grid->grid->key;
+  evictable.grids.pop_front();
+  if (!remove_unused(*oldest_grid)) return true;  // somebody took it meanwhile
+  grids_.erase(key);
   ++gone_.evicted_files;
+  tell(turn, {GridChange::Kind::kGone, key});
   return true;
 }
 

@@ -193,6 +193,7 @@ grpc::ServerUnaryReactor* GridService::ListGrids(grpc::CallbackServerContext* co
                                                  v1::ListGridsResponse* response) {
   return answer(calls_, disk_, *context, "ListGrids",
                 [this, request, response](const Call& call) {
+                  store_.catch_up();
                   return list_page(store_, call.space(), *request, *response);
                 });
 }

@@ -10,6 +10,7 @@
 
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
+#include "server/grids/file_times.h"
 #include "server/grids/grid_upload.h"
 #include "server/grids/store_identity.h"
 #include "server/ops/disk.h"
@@ -24,13 +25,14 @@ namespace {
 constexpr std::string_view kPartSuffix = ".part";
 constexpr std::string_view kSpaces = "namespaces";
 
-struct FoundFile {
-  fs::path path;
-  std::uint64_t size_bytes = 0;
-  absl::Time last_use;
-};
+absl::Status not_stored(std::string_view digest) {
+  return with_reason(absl::NotFoundError(absl::StrCat(name_of_grid(digest), " is not stored")),
+                     "GRID_NOT_FOUND");
+}
 
-std::optional<FoundFile> inspect(const fs::path& path) {
+}  // namespace
+
+std::optional<GridStore::FoundFile> GridStore::inspect(const fs::path& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
   return FoundFile{path, static_cast<std::uint64_t>(info.st_size),
@@ -38,7 +40,8 @@ std::optional<FoundFile> inspect(const fs::path& path) {
 }
 
 /// Regular files below `folder`. Errors: kInternal.
-absl::StatusOr<std::vector<FoundFile>> files_below(const fs::path& folder) {
+absl::StatusOr<std::vector<GridStore::FoundFile>> GridStore::files_below(
+    const fs::path& folder) {
   if (absl::Status made = make_folder(folder); !made.ok()) return made;
   std::vector<FoundFile> files;
   std::error_code error;
@@ -50,23 +53,21 @@ absl::StatusOr<std::vector<FoundFile>> files_below(const fs::path& folder) {
   return files;
 }
 
-absl::Status not_stored(std::string_view digest) {
-  return with_reason(absl::NotFoundError(absl::StrCat(name_of_grid(digest), " is not stored")),
-                     "GRID_NOT_FOUND");
-}
-
-}  // namespace
-
 absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
                                                            std::uint64_t budget_bytes,
-                                                           std::uint64_t keep_free_bytes) {
-  auto lock = StoreLock::take(root);
+                                                           std::uint64_t keep_free_bytes,
+                                                           StoreSharing sharing) {
+  auto lock = StoreLock::take(root, sharing);
   if (!lock.ok()) return lock.status();
   // A disk that is full is no reason not to start: whoever needs the identity makes it later.
   const auto identity = make_store_identity(root);
   if (!identity.ok() && !absl::IsResourceExhausted(identity.status())) return identity.status();
   std::unique_ptr<GridStore> store(
-      new GridStore(root, *std::move(lock), budget_bytes, keep_free_bytes));
+      new GridStore(root, *std::move(lock), budget_bytes, keep_free_bytes, sharing));
+  // In a store that is shared the first turn looks at all that is there.
+  const auto turn = store->take_turn();
+  if (!turn.ok() && !absl::IsResourceExhausted(turn.status())) return turn.status();
+  if (sharing == StoreSharing::kServers && turn.ok()) return store;
   const absl::Status status = store->scan();
   if (!status.ok()) return status;
   return store;
@@ -75,7 +76,8 @@ absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open(const fs::path& root,
 absl::StatusOr<std::unique_ptr<GridStore>> GridStore::open_beside_server(const fs::path& root) {
   std::error_code ignored;
   if (fs::is_directory(root, ignored)) {
-    return std::unique_ptr<GridStore>(new GridStore(root, std::nullopt, 0, 0));
+    return std::unique_ptr<GridStore>(
+        new GridStore(root, std::nullopt, 0, 0, StoreSharing::kBeside));
   }
   return absl::NotFoundError(absl::StrCat("there is no store ", root.string(),
                                           ": it is the folder of the server's --store"));
@@ -91,16 +93,24 @@ void GridStore::look_again(const GridKey& key) {
   }
 }
 
+/// Looks at all that is there: what is known already is left as it is.
 absl::Status GridStore::scan() {
-  absl::Status status = scan_space(std::string(kDefaultSpace));
+  std::set<GridKey> seen;
+  absl::Status status = scan_space(std::string(kDefaultSpace), seen);
   std::error_code none;  // no such folder: no other namespaces
   for (const auto& folder : fs::directory_iterator(root_ / kSpaces, none)) {
-    if (status.ok()) status = scan_space(folder.path().filename().string());
+    if (status.ok()) status = scan_space(folder.path().filename().string(), seen);
   }
-  return status;
+  if (!status.ok()) return status;
+  std::vector<GridKey> gone;
+  for (const auto& [key, entry] : grids_.by_key()) {
+    if (!seen.contains(key)) gone.push_back(key);
+  }
+  for (const GridKey& key : gone) grids_.erase(key);
+  return absl::OkStatus();
 }
 
-absl::Status GridStore::scan_space(const std::string& space) {
+absl::Status GridStore::scan_space(const std::string& space, std::set<GridKey>& seen) {
   const auto grids = files_below(folder_of(space) / "grids");
   if (!grids.ok()) return grids.status();
   const auto parts = files_below(folder_of(space) / "uploads");
@@ -108,12 +118,13 @@ absl::Status GridStore::scan_space(const std::string& space) {
   for (const FoundFile& file : *grids) {
     const GridKey key{space, file.path.filename().string()};
     if (!is_sha256_hex(key.digest) || file.path != grid_path(key)) continue;
-    grids_.put({key, file.path, file.size_bytes}, file.last_use);
+    seen.insert(key);
+    if (!grids_.contains(key)) grids_.put({key, file.path, file.size_bytes}, file.last_use);
   }
   for (const FoundFile& file : *parts) {
     const GridKey key{space, file.path.stem().string()};
     if (!is_sha256_hex(key.digest) || file.path != part_path(key)) continue;
-    parts_[key] = Part{file.size_bytes, file.last_use};
+    parts_.try_emplace(key, Part{file.size_bytes, file.last_use});
   }
   return absl::OkStatus();
 }
@@ -134,11 +145,16 @@ fs::path GridStore::part_path(const GridKey& key) const {
 // that.
 void GridStore::use(const StoredGridEntry& entry) {
   grids_.use(entry.grid->key);
-  ::utimensat(AT_FDCWD, entry.grid->path.c_str(), nullptr, 0);
+  if (is_shared()) {
+    grids_.set_use(entry.grid->key, give_time(entry.grid->path, entry.last_use));
+  } else {
+    ::utimensat(AT_FDCWD, entry.grid->path.c_str(), nullptr, 0);
+  }
 }
 
 bool GridStore::touch(const GridKey& key) {
   const std::lock_guard lock(mutex_);
+  if (is_shared()) look_again(key);
   const StoredGridEntry* const found = grids_.find(key);
   if (found == nullptr) return false;
   use(*found);
@@ -146,8 +162,11 @@ bool GridStore::touch(const GridKey& key) {
 }
 
 absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
+  if (is_shared()) {
+    auto lease = acquire_shared(key);
+    return absl::IsNotFound(lease.status()) ? not_stored(key.digest) : lease;
+  }
   const std::lock_guard lock(mutex_);
-  if (!lock_) look_again(key);
   const StoredGridEntry* const found = grids_.find(key);
   if (found == nullptr) return not_stored(key.digest);
   use(*found);
@@ -157,8 +176,10 @@ absl::StatusOr<GridLease> GridStore::acquire(const GridKey& key) {
 
 UploadState GridStore::upload_state(const GridKey& key) const {
   const std::lock_guard lock(mutex_);
-  if (const StoredGridEntry* const found = grids_.find(key)) {
-    return {found->grid->size_bytes, true};
+  const StoredGridEntry* const found = is_shared() ? nullptr : grids_.find(key);
+  if (found != nullptr) return {found->grid->size_bytes, true};
+  if (const auto whole = is_shared() ? inspect(grid_path(key)) : std::nullopt) {
+    return {whole->size_bytes, true};
   }
   const auto part = inspect(part_path(key));
   return {part ? part->size_bytes : 0, false};
@@ -190,14 +211,11 @@ StoreStats GridStore::stats() const {
 absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKey& key,
                                                                     std::uint64_t size_bytes,
                                                                     const Uploader& by) {
-  const absl::Status reserved = reserve(key, size_bytes, by);
-  if (!reserved.ok()) return reserved;
-  const fs::path path = part_path(key);
-  std::error_code error;  // what it hinders fails by itself
-  fs::create_directories(path.parent_path(), error);
-  auto upload = GridUpload::open(*this, key, size_bytes, path);
+  auto file = reserve(key, size_bytes, by);
+  if (!file.ok()) return file.status();
+  auto upload = GridUpload::open(*this, key, size_bytes, *std::move(file));
   if (!upload.ok()) {
-    const auto part = inspect(path);
+    const auto part = inspect(part_path(key));
     end_upload(key, part ? part->size_bytes : 0);
   }
   return upload;
@@ -205,13 +223,24 @@ absl::StatusOr<std::unique_ptr<GridUpload>> GridStore::begin_upload(const GridKe
 
 // Several calls may have found the damage: the first one moves the file.
 void GridStore::set_aside(const GridLease& grid) {
+  auto turn = take_turn();
+  if (!turn.ok()) return;  // whoever finds it next will
   const std::lock_guard lock(mutex_);
   const StoredGridEntry* const found = grids_.find(grid->key);
   if (found == nullptr || found->grid != grid) return;
+  // Another process may have moved it, and another file of the name may have come since.
+  const auto file = found->file.lock();
+  if (file == nullptr || file->is_at_its_path()) {
+    remove_aside(grid);
+    tell(*turn, {GridChange::Kind::kGone, grid->key});
+  }
+  grids_.erase(grid->key);
+}
+
+void GridStore::remove_aside(const GridLease& grid) {
   const fs::path aside = folder_of(grid->key.space) / "corrupt" / grid->key.digest;
   absl::Status moved = make_folder(aside.parent_path());
   if (moved.ok()) moved = move_file(grid->path, aside);
-  grids_.erase(grid->key);
   ++gone_.corrupt_files;
   nlohmann::ordered_json fields;
   fields["grid"] = grid->key.digest;
@@ -221,6 +250,7 @@ void GridStore::set_aside(const GridLease& grid) {
 
 /// The upload is no longer under way; what was written of it (0: nothing) waits to be resumed.
 void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
+  auto turn = take_turn();
   const std::lock_guard lock(mutex_);
   if (committed_size == 0) {
     std::error_code ignored;
@@ -229,16 +259,26 @@ void GridStore::end_upload(const GridKey& key, std::uint64_t committed_size) {
   } else {
     parts_[key] = Part{committed_size, grids_.time(), false, parts_[key].sender};
   }
+  if (turn.ok()) tell(*turn, {GridChange::Kind::kPaused, key, committed_size});
 }
 
 /// A verified upload becomes a stored file.
 absl::Status GridStore::keep(const GridKey& key, std::uint64_t size_bytes) {
   const fs::path path = grid_path(key);
   absl::Status status = make_folder(path.parent_path());
-  const std::lock_guard lock(mutex_);
-  if (status.ok()) status = move_file(part_path(key), path);
+  auto turn = take_turn();
+  if (status.ok()) status = turn.status();
   if (!status.ok()) return status;
+  const std::lock_guard lock(mutex_);
+  // Before it is there: what others count may be too much for a moment, and never too little.
+  tell(*turn, {GridChange::Kind::kStored, key, size_bytes});
+  status = move_file(part_path(key), path);
+  if (!status.ok()) {
+    tell(*turn, {GridChange::Kind::kGone, key});
+    return status;
+  }
   grids_.put({key, path, size_bytes});
+  if (is_shared()) use(*grids_.find(key));
   parts_.erase(key);
   return absl::OkStatus();
 }

@@ -1,6 +1,5 @@
 #include "server/grids/grid_upload.h"
 
-#include <fcntl.h>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
@@ -14,15 +13,12 @@ namespace {
 constexpr std::uint64_t kFlushBytes = std::uint64_t{16} << 20;
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(
-    GridStore& store,
-    GridKey key,
-    std::uint64_t size_bytes,
-    const std::filesystem::path& path) {
-  absl::StatusOr<File> file = open_file(path, O_RDWR | O_CREAT);
-  if (!file.ok()) return file.status();
+absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(GridStore& store,
+                                                             GridKey key,
+                                                             std::uint64_t size_bytes,
+                                                             File part) {
   std::unique_ptr<GridUpload> upload(
-      new GridUpload(store, std::move(key), size_bytes, *std::move(file)));
+      new GridUpload(store, std::move(key), size_bytes, std::move(part)));
   const absl::Status status = upload->digest_what_is_there();
   if (!status.ok()) return status;
   return upload;
@@ -106,6 +102,8 @@ absl::Status GridUpload::commit() {
   absl::Status status = file_.sync();
   if (status.ok()) status = store_.keep(key_, size_bytes_);
   kept_ = status.ok();
+  // Whoever wants the grid shares its lock from now on.
+  if (kept_) file_.close().IgnoreError();
   return status;
 }
 

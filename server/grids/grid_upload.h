@@ -22,11 +22,11 @@ namespace tet {
 /// Not thread-safe; the store outlives it.
 class GridUpload {
  public:
-  /// Opens the part and digests again what it holds. The store has reserved the place.
+  /// Takes over the part, and digests again what it holds. The store has reserved the place.
   static absl::StatusOr<std::unique_ptr<GridUpload>> open(GridStore& store,
                                                           GridKey key,
                                                           std::uint64_t size_bytes,
-                                                          const std::filesystem::path& path);
+                                                          File part);
   ~GridUpload();
   GridUpload(const GridUpload&) = delete;
   GridUpload& operator=(const GridUpload&) = delete;

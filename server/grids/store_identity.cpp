@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <random>
 #include <string_view>
+#include <unistd.h>
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
@@ -51,7 +53,14 @@ absl::StatusOr<std::string> make_store_identity(const std::filesystem::path& sto
   if (!file.ok()) return file.status();
   const std::string line = absl::StrCat(identity, "\n");
   absl::Status made = file->write(std::as_bytes(std::span(line)));
-  if (made.ok()) made = file->commit();
+  if (made.ok()) made = file->seal();
+  if (!made.ok()) return made;
+  // A link replaces nothing: of several servers that begin with a new store one makes it.
+  if (::link(file->temporary_path().c_str(), file->path().c_str()) != 0) {
+    if (errno != EEXIST) return disk_error("create", file->path());
+    return read_store_identity(store);
+  }
+  made = sync_folder(store);
   if (!made.ok()) return made;
   return identity;
 }

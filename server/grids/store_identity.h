@@ -15,7 +15,7 @@ inline constexpr char kStoreIdentityFile[] = "store-id";
 /// the disk's.
 absl::StatusOr<std::string> read_store_identity(const std::filesystem::path& store);
 
-/// Reads the identity, or makes it where there is none. Whoever calls has the store to itself.
+/// Reads the identity, or makes it where there is none; all who do so at once get the same one.
 /// Errors: kDataLoss, the disk's.
 absl::StatusOr<std::string> make_store_identity(const std::filesystem::path& store);
 

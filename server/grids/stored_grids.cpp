@@ -44,12 +44,17 @@ void StoredGrids::erase(const GridKey& key) {
   by_key_.erase(found);
 }
 
-void StoredGrids::use(const GridKey& key) {
+void StoredGrids::use(const GridKey& key) { set_use(key, time_of_next_use()); }
+
+void StoredGrids::set_use(const GridKey& key, absl::Time time) {
   const auto found = by_key_.find(key);
-  const absl::Time now = time_of_next_use();
   by_use_.erase({found->second.last_use, &found->first});
-  found->second.last_use = now;
+  found->second.last_use = time;
   by_use_.emplace(found->second.last_use, &found->first);
+}
+
+void StoredGrids::hold(const GridKey& key, const std::shared_ptr<const File>& file) {
+  by_key_.find(key)->second.file = file;
 }
 
 void StoredGrids::lease(const GridKey& key, std::uint64_t number) {

@@ -12,6 +12,8 @@
 
 #include <absl/time/time.h>
 
+#include "core/base/posix/file.h"
+
 namespace tet {
 
 /// Whose file, and which: the same bytes in two namespaces are two files, so that neither tells
@@ -35,6 +37,8 @@ struct StoredGridEntry {
   std::shared_ptr<StoredGrid> grid;
   absl::Time last_use;
   std::uint64_t last_lease = 0;  ///< the store's count of leases when it was given out last
+  std::weak_ptr<const File> file =
+      {};  ///< open and locked while it is leased, in shared stores
   bool in_use() const { return grid.use_count() > 1; }
 };
 
@@ -57,6 +61,9 @@ class StoredGrids {
   void erase(const GridKey& key);
   /// It was used just now. It must be there.
   void use(const GridKey& key);
+  /// It was used then, as its file says.
+  void set_use(const GridKey& key, absl::Time time);
+  void hold(const GridKey& key, const std::shared_ptr<const File>& file);
   void lease(const GridKey& key, std::uint64_t number);
 
   /// Now, and never before any use so far, as the clock may have been set back since.

@@ -1,6 +1,7 @@
 #include "server/meshing/planner.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <utility>
 
@@ -28,15 +29,25 @@ DecodeTask task_of(const VolumeKey& key) {
   return key.component ? DecodeTask::kField : DecodeTask::kVolume;
 }
 
+/// Stays true once it was: somebody may want the grid again just when all others had gone.
+Cancellation::Stop lasting(VolumeCache::Cancelled abandoned) {
+  return [abandoned = std::move(abandoned), gone = std::make_shared<std::atomic<bool>>(false)] {
+    if (!gone->load() && abandoned()) gone->store(true);
+    return gone->load();
+  };
+}
+
 /// What a decoder made, checked.
 absl::StatusOr<GridInMemory> grid_made_of(const absl::StatusOr<SealedBlock>& block,
-                                          const FileRequest& request) {
+                                          const FileRequest& request,
+                                          const VolumeCache::Cancelled& abandoned) {
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(), lasting(abandoned));
   if (request.task == DecodeTask::kLabels) {
-    absl::StatusOr<LabelVolume> labels = labels_of(block, request);
+    absl::StatusOr<LabelVolume> labels = labels_of(block, request, cancellation);
     if (!labels.ok()) return labels.status();
     return std::make_shared<const LabelVolume>(*std::move(labels));
   }
-  absl::StatusOr<Volume> volume = volume_of(block, request);
+  absl::StatusOr<Volume> volume = volume_of(block, request, cancellation);
   if (!volume.ok()) return volume.status();
   return std::make_shared<const Volume>(*std::move(volume));
 }
@@ -50,22 +61,23 @@ VolumeCache::Loader loader(LargePlans& loads, DecoderPool& decoders, std::uint64
     const VolumeKey& key = load.key;
     const FileRequest request{task_of(key),  load.path, name_of_grid(key.digest),
                               key.grid_name, max_bytes, key.component.value_or(0)};
-    loads.post(load.client, [&loads, &decoders, client = load.client, request,
-                             abandoned = std::move(abandoned),
-                             done = std::move(done)]() mutable {
-      const absl::Status intact =
-          guarded("reading a grid", [&] { return verify_stored(request.path, abandoned); });
-      if (!intact.ok()) return done(intact);
-      decoders.decode(
-          request, std::move(abandoned),
-          [&loads, client, request,
-           done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
-            auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
-            loads.post(client, [request, done, block] {
-              done(guarded("reading a grid", [&] { return grid_made_of(*block, request); }));
-            });
-          });
-    });
+    loads.post(
+        load.client, [&loads, &decoders, client = load.client, request,
+                      abandoned = std::move(abandoned), done = std::move(done)]() mutable {
+          const absl::Status intact =
+              guarded("reading a grid", [&] { return verify_stored(request.path, abandoned); });
+          if (!intact.ok()) return done(intact);
+          decoders.decode(
+              request, abandoned,
+              [&loads, client, request, abandoned,
+               done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
+                auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
+                loads.post(client, [request, abandoned, done, block] {
+                  done(guarded("reading a grid",
+                               [&] { return grid_made_of(*block, request, abandoned); }));
+                });
+              });
+        });
   };
 }
 

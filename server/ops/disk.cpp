@@ -1,5 +1,6 @@
 #include "server/ops/disk.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <string>
 #include <sys/statvfs.h>
@@ -25,6 +26,19 @@ void log_disk_error(std::string_view action,
   fields["path"] = path.string();
   fields["message"] = what;
   log_event(spdlog::level::err, "disk_error", fields);
+}
+
+/// The file system of a folder, or of the one above it.
+std::optional<struct statvfs> disk_of(const std::filesystem::path& folder) {
+  struct statvfs info {};
+  std::filesystem::path place = folder;
+  while (::statvfs(place.c_str(), &info) != 0) {
+    if (errno != ENOENT || !place.has_parent_path() || place == place.parent_path()) {
+      return std::nullopt;
+    }
+    place = place.parent_path();
+  }
+  return info;
 }
 
 }  // namespace
@@ -55,15 +69,17 @@ absl::Status sync_folder(const std::filesystem::path& path) {
 }
 
 std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& folder) {
-  struct statvfs info {};
-  std::filesystem::path place = folder;
-  while (::statvfs(place.c_str(), &info) != 0) {
-    if (errno != ENOENT || !place.has_parent_path() || place == place.parent_path()) {
-      return std::nullopt;
-    }
-    place = place.parent_path();
-  }
-  return std::uint64_t{info.f_bavail} * info.f_frsize;
+  const auto disk = disk_of(folder);
+  if (!disk) return std::nullopt;
+  return std::uint64_t{disk->f_bavail} * disk->f_frsize;
+}
+
+// What only root may use is no part of it.
+std::optional<std::uint64_t> whole_disk_bytes(const std::filesystem::path& folder) {
+  const auto disk = disk_of(folder);
+  if (!disk) return std::nullopt;
+  const std::uint64_t roots = disk->f_bfree - std::min(disk->f_bfree, disk->f_bavail);
+  return (disk->f_blocks - std::min<std::uint64_t>(disk->f_blocks, roots)) * disk->f_frsize;
 }
 
 absl::Status no_disk_for(std::uint64_t bytes, std::uint64_t free_bytes, std::uint64_t kept) {

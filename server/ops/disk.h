@@ -36,6 +36,9 @@ absl::Status sync_folder(const std::filesystem::path& path);
 /// folder that is not there yet is the one above it.
 std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& folder);
 
+/// What that file system has for this user in all; nothing if it cannot be told.
+std::optional<std::uint64_t> whole_disk_bytes(const std::filesystem::path& folder);
+
 /// kResourceExhausted (DISK_FULL): why `bytes` cannot be stored beside what is kept free.
 absl::Status no_disk_for(std::uint64_t bytes, std::uint64_t free_bytes, std::uint64_t kept);
 

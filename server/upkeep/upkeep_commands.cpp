@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include <absl/status/status.h>
-#include <absl/strings/match.h>
 
 #include "core/base/printable.h"
+#include "server/jobs/store/open_job_store.h"
 #include "server/upkeep/backup.h"
 #include "server/upkeep/check_store.h"
 
@@ -15,10 +15,6 @@ namespace tet {
 namespace {
 
 constexpr int kFine = 0, kFoundProblems = 1, kCannot = 3;
-
-bool is_postgres(const std::string& jobs) {
-  return absl::StartsWith(jobs, "postgresql://") || absl::StartsWith(jobs, "postgres://");
-}
 
 /// SQLite's file of jobs; empty where there is none.
 std::filesystem::path sqlite_file_of(const Config& config) {

@@ -102,6 +102,7 @@ class Kubernetes(DeployTest):
             {("v1", "ConfigMap", "tetstream"), ("v1", "PersistentVolumeClaim", "tetstream"),
              ("v1", "Service", "tetstream"), ("apps/v1", "Deployment", "tetstream-server"),
              ("apps/v1", "Deployment", "tetstream-worker"),
+             ("policy/v1", "PodDisruptionBudget", "tetstream-server"),
              ("keda.sh/v1alpha1", "ScaledObject", "tetstream-worker")})
 
     def test_each_selects_its_own_pods(self):
@@ -136,7 +137,7 @@ class Kubernetes(DeployTest):
                     self.assertIn(probe["grpc"]["port"], ports.values())
                     self.assertIn(probe["grpc"]["service"], ("readiness", "liveness"))
 
-    def test_they_share_one_store_and_one_may_own_it(self):
+    def test_they_share_one_store_and_servers_go_one_after_the_other(self):
         stores = {(volume["persistentVolumeClaim"]["claimName"], mount["mountPath"])
                   for pod, container in self.pods() for volume in pod["volumes"]
                   for mount in container["volumeMounts"]
@@ -146,7 +147,11 @@ class Kubernetes(DeployTest):
         claim = self.objects["PersistentVolumeClaim", "tetstream"]["spec"]
         self.assertEqual(claim["accessModes"], ["ReadWriteMany"])
         server = self.deployments["tetstream-server"]
-        self.assertEqual((server["replicas"], server["strategy"]["type"]), (1, "Recreate"))
+        self.assertGreater(server["replicas"], 1)
+        self.assertEqual(server["strategy"]["rollingUpdate"]["maxUnavailable"], 0)
+        budget = self.objects["PodDisruptionBudget", "tetstream-server"]["spec"]
+        self.assertLess(budget["minAvailable"], server["replicas"])
+        self.assertEqual(budget["selector"], server["selector"])
 
     def test_the_settings_are_the_servers(self):
         for _, container in self.pods():

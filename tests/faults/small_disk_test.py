@@ -130,6 +130,42 @@ class SmallDisk(FaultTest):
         self.assert_does_jobs(server)
         self.assertEqual(server.samples()['tetstream_worker_shards_total{outcome="failed"}'], 0)
 
+    def fill_but(self, mebibytes):
+        """Somebody else leaves so much of the disk beyond the reserve; the file to remove."""
+        path = self.disk / "others"
+        with open(path, "wb") as file:
+            os.posix_fallocate(file.fileno(), 0, self.free() - RESERVE - mebibytes * MIB)
+        return path
+
+    def test_a_mesh_that_others_leave_no_room_for_waits_and_smaller_ones_do_not(self):
+        self.mount(128)
+        server = self.start_server()
+        self.assert_does_jobs(server)
+        others = self.fill_but(6)
+        large = self.submit(server, "--spacing", "0.02", "--max-attempts", "1")
+        wait_until(lambda: self.show(server, large)["given_back_shards"] > 1)
+        told = self.show(server, large)["last_give_back"]
+        self.assertEqual(told["reason"], "RESULTS_FULL")
+        self.assertRegex(told["message"], r"no room for the mesh's \d{7,} bytes on the disk")
+        self.assert_does_jobs(server)
+        samples = server.samples()
+        self.assertGreater(samples['tetstream_worker_shards_total{outcome="no_room"}'], 1)
+        self.assertEqual(samples["tetstream_worker_quarantines_total"], 0)
+        self.assertEqual(samples["tetstream_jobs_up"], 1)
+        others.unlink()
+        waited = server.tetstream("job", "wait", large)
+        self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)
+
+    def test_a_mesh_waits_for_room_no_longer_than_its_timeout(self):
+        self.mount(128)
+        server = self.start_server()
+        self.fill_but(6)
+        job = self.submit(server, "--spacing", "0.02", "--timeout", "3s")
+        self.assertNotEqual(server.tetstream("job", "wait", job).returncode, 0)
+        told = self.show(server, job)
+        self.assertEqual((told["state"], told["error"]["reason"]), ("FAILED", "JOB_TIMEOUT"))
+        self.assertEqual(told["last_give_back"]["reason"], "RESULTS_FULL")
+
     def test_an_upload_leaves_the_reserve_and_evicts_nothing_in_vain(self):
         self.mount(64)
         server = self.start_server("--jobs", "off")

@@ -8,6 +8,22 @@
 
 namespace tet {
 
+namespace {
+
+int operation_of(FileLock how) {
+  switch (how) {
+    case FileLock::kShared:
+      return LOCK_SH;
+    case FileLock::kSharedIfFree:
+      return LOCK_SH | LOCK_NB;
+    case FileLock::kAlone:
+      return LOCK_EX | LOCK_NB;
+  }
+  return LOCK_EX | LOCK_NB;
+}
+
+}  // namespace
+
 absl::StatusOr<File> File::open(const std::filesystem::path& path,
                                 int flags,
                                 IoErrorTeller tell,
@@ -69,8 +85,7 @@ absl::Status File::sync() { return outcome(::fdatasync(descriptor_.number()) == 
 absl::Status File::close() { return outcome(descriptor_.close(), "write to"); }
 
 absl::StatusOr<bool> File::lock(FileLock how) {
-  const int operation = how == FileLock::kShared ? LOCK_SH : LOCK_EX | LOCK_NB;
-  while (::flock(descriptor_.number(), operation) != 0) {
+  while (::flock(descriptor_.number(), operation_of(how)) != 0) {
     if (errno == EWOULDBLOCK) return false;
     if (errno != EINTR) return tell_("lock", path_);
   }

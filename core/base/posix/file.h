@@ -20,8 +20,9 @@ namespace tet {
 
 /// Among all processes that open the file.
 enum class FileLock {
-  kShared,  ///< with others that share it; waits until nobody has it alone
-  kAlone,   ///< does not wait
+  kShared,        ///< with others that share it; waits until nobody has it alone
+  kSharedIfFree,  ///< with others that share it; does not wait
+  kAlone,         ///< does not wait
 };
 
 /// An open file. System calls that a signal interrupts or that stop halfway are carried on

@@ -24,7 +24,7 @@ constexpr char kEvicted[] = ".evicted";
 constexpr char kClock[] = ".clock";
 // Longer than anybody takes to write a chunk, or to make the first after a plan.
 constexpr absl::Duration kUnfinishedFor = absl::Hours(1);
-constexpr std::size_t kIdDigits = 64;
+constexpr std::size_t kMeshIdDigits = 64;
 constexpr std::size_t kProbeBytes = 4096;
 
 struct FoundMesh {
@@ -32,6 +32,12 @@ struct FoundMesh {
   std::uint64_t bytes = 0;
   absl::Time last_use;
 };
+
+/// There will be once others have made room.
+absl::Status no_room_now(const std::string& message) {
+  return with_retry(with_reason(absl::ResourceExhaustedError(message), "RESULTS_FULL"),
+                    absl::Seconds(5));
+}
 
 absl::Time time_of(const fs::path& path) {
   struct stat info {};
@@ -152,8 +158,8 @@ absl::Status ResultStore::put_plan(const ResultKey& mesh,
 std::optional<std::string> ResultStore::find_plan(const std::string& space,
                                                   const std::string& name) const {
   auto text = read_checked(plan_path(space, name));
-  if (!text || text->size() < kIdDigits) return std::nullopt;
-  return text->substr(kIdDigits);
+  if (!text || text->size() < kMeshIdDigits) return std::nullopt;
+  return text->substr(kMeshIdDigits);
 }
 
 /// Room that is in the account; given back unless it was used.
@@ -201,12 +207,8 @@ absl::StatusOr<std::unique_ptr<ResultStore::Room>> ResultStore::reserve(std::uin
   }
   const std::uint64_t total = bytes_;
   if (total > budget || bytes > budget - total) {
-    return with_retry(
-        with_reason(absl::ResourceExhaustedError(absl::StrCat(
-                        "no room for ", bytes,
-                        " bytes beside the results in use, of the budget of ", budget)),
-                    "RESULTS_FULL"),
-        absl::Seconds(5));
+    return no_room_now(absl::StrCat(
+        "no room for ", bytes, " bytes beside the results in use, of the budget of ", budget));
   }
   auto writing = turn->join_writers();
   if (!writing.ok()) return writing.status();
@@ -239,15 +241,19 @@ absl::Status ResultStore::check_fits(std::uint64_t bytes) const {
   if (bytes > limits_.budget_bytes) {
     return over_limit("bytes of the mesh, in result_bytes", bytes, limits_.budget_bytes);
   }
-  const auto free = free_disk_bytes(root_);
-  if (!free) return absl::OkStatus();
+  const auto free = free_disk_bytes(root_), whole = whole_disk_bytes(root_);
+  if (!free || !whole) return absl::OkStatus();
   const std::uint64_t kept = limits_.keep_free_bytes;
+  const std::uint64_t most = *whole - std::min(*whole, kept);
+  if (bytes > most) {
+    return over_limit("bytes of the mesh, on the disk of the results", bytes, most);
+  }
   const std::uint64_t ours = *free + bytes_.load();
-  if (ours >= kept && bytes <= ours - kept) return absl::OkStatus();
-  // Our own results stop before the last of the disk: whoever took that will be seen to.
-  if (*free < kept / 2) return no_disk_for(bytes, *free, kept);
-  return over_limit("bytes of the mesh, on the disk of the results", bytes,
-                    ours - std::min(ours, kept));
+  const std::uint64_t room = ours - std::min(ours, kept);
+  if (bytes <= room) return absl::OkStatus();
+  return no_room_now(absl::StrCat(
+      "no room for the mesh's ", bytes, " bytes on the disk of the results now: ", room,
+      " are free or can be made so, and others hold the rest of ", most));
 }
 
 void ResultStore::sweep() {
@@ -268,8 +274,9 @@ void ResultStore::clear_plans(const std::string& space) {
   for (const fs::path& file : list(root_ / space / "plans")) {
     if (time_of(file) >= now - kUnfinishedFor) continue;
     const auto text = read_checked(file);
-    const bool whole = text && text->size() >= kIdDigits;
-    if (whole && fs::exists(mesh_path({space, text->substr(0, kIdDigits)}), ignored)) continue;
+    const bool whole = text && text->size() >= kMeshIdDigits;
+    if (whole && fs::exists(mesh_path({space, text->substr(0, kMeshIdDigits)}), ignored))
+      continue;
     fs::remove(file, ignored);
   }
 }

@@ -58,7 +58,7 @@ class ResultStore {
 
   /// Whether a mesh of so many bytes could be stored if every other went. Errors:
   /// kResourceExhausted with LIMIT_EXCEEDED (the budget, or the disk, is too small), or
-  /// DISK_FULL (others have filled the disk, who may make room again).
+  /// RESULTS_FULL (something else has filled the disk, and may make room again).
   absl::Status check_fits(std::uint64_t bytes) const;
 
   /// What counting found for a request of this name, 64 hexadecimal digits: of use as long as

@@ -15,9 +15,13 @@ constexpr std::uint64_t kBallastBytes = std::uint64_t{16} << 20;
 
 }  // namespace
 
+bool is_postgres(const std::string& where) {
+  return absl::StartsWith(where, "postgresql://") || absl::StartsWith(where, "postgres://");
+}
+
 absl::StatusOr<std::unique_ptr<JobStore>> open_job_store(const std::string& where,
                                                          const SqlJobStore::Options& rules) {
-  if (absl::StartsWith(where, "postgresql://") || absl::StartsWith(where, "postgres://")) {
+  if (is_postgres(where)) {
     PostgresOptions options;
     options.connection = where;
     options.rules = rules;

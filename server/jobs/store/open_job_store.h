@@ -11,6 +11,9 @@
 
 namespace tet {
 
+/// Whether `where` is an address of PostgreSQL's.
+bool is_postgres(const std::string& where);
+
 /// Opens `where`: a postgresql:// address (or postgres://), else a file of SQLite's. Patiently:
 /// a database that does not answer now, or whose disk is full, keeps nobody from starting.
 /// Errors:

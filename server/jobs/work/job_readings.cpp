@@ -53,7 +53,8 @@ void add_worker(const JobWorker& worker, std::vector<Reading>& readings) {
   add("done", worker.done_shards());
   add("failed", worker.failed_shards());
   add("lost", worker.lost_shards());
-  add("given_back", worker.given_back_shards());
+  add("given_back", worker.given_back_shards() - worker.no_room_shards());
+  add("no_room", worker.no_room_shards());
   readings.push_back(gauge("tetstream_worker_fit",
                            "1, or 0 while this process does no jobs since it cannot.",
                            worker.trouble().ok()));

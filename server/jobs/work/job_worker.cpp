@@ -242,8 +242,10 @@ void JobWorker::settle(const HeldShard& shard,
     log_trouble("shard_lost", lease.shard, outcome);
   } else if (const absl::Status own = own_trouble(shard, outcome); !own.ok()) {
     log_trouble("shard_given_back", lease.shard, own);
-    // A store that does not answer is everybody's trouble.
-    const bool ours = !will_pass(own);
+    // A store that does not answer is everybody's trouble, and want of room the mesh's own.
+    const bool awaits = ShardMaker::awaits_room(own);
+    if (awaits) no_room_.fetch_add(1);
+    const bool ours = !will_pass(own) && !awaits;
     if (ours) keep_hands_off(own);
     const bool no_room = ShardMaker::lacks_room(own);
     give_back(lease, {in_our_name(own), no_room ? kRoomPause : absl::ZeroDuration()}, stopping);

@@ -54,6 +54,8 @@ class JobWorker {
   std::int64_t failed_shards() const { return failed_.load(); }
   std::int64_t lost_shards() const { return lost_.load(); }
   std::int64_t given_back_shards() const { return given_back_.load(); }
+  /// Those of them that wait for room among the results.
+  std::int64_t no_room_shards() const { return no_room_.load(); }
   std::int64_t quarantines() const { return quarantine_.count(); }
   /// Why it takes nothing at present; OK while it does.
   absl::Status trouble() const { return quarantine_.trouble(); }
@@ -96,7 +98,7 @@ class JobWorker {
   ShardMaker& maker_;
   WorkPlace& place_;
   const JobWorkerSettings settings_;
-  std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0}, given_back_{0};
+  std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0}, given_back_{0}, no_room_{0};
   Quarantine quarantine_;
   std::atomic<bool> giving_back_{false};
   // These belong to the thread that claims: whether that was logged, and when it looked.

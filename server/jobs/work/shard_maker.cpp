@@ -7,6 +7,7 @@
 #include <absl/time/clock.h>
 #include <absl/time/time.h>
 
+#include "proto/convert/mesh_header.h"
 #include "proto/convert/status.h"
 #include "server/jobs/results/stored_mesh.h"
 #include "server/jobs/store/store_errors.h"
@@ -66,7 +67,11 @@ bool ShardMaker::is_worth_another_try(const absl::Status& error) {
 }
 
 bool ShardMaker::lacks_room(const absl::Status& error) {
-  return reason_of(error) == "DISK_FULL" || will_pass(error);
+  return reason_of(error) == "DISK_FULL" || awaits_room(error) || will_pass(error);
+}
+
+bool ShardMaker::awaits_room(const absl::Status& error) {
+  return reason_of(error) == "RESULTS_FULL";
 }
 
 absl::Status ShardMaker::run(const ShardLease& lease,
@@ -102,11 +107,15 @@ absl::Status ShardMaker::run(const ShardLease& lease,
 absl::Status ShardMaker::plan(const Shard& shard) {
   const std::string name = name_of_request(shard.spec.mesh());
   stored::JobPlan plan;
-  if (!shard.spec.skip_cache()) {
-    const auto kept = results_.find_plan(shard.job.space, name);
-    if (kept && plan.ParseFromString(*kept) && is_stored(shard.job.space, plan)) {
+  const auto counted = results_.find_plan(shard.job.space, name);
+  if (counted && plan.ParseFromString(*counted)) {
+    if (!shard.spec.skip_cache() && is_stored(shard.job.space, plan)) {
       plan.set_cached(true);
       return commit_plan(shard, plan);
+    }
+    // A job that waits for room is not counted each time that it looks.
+    if (const auto header = from_proto(plan.header()); header.ok()) {
+      if (auto fits = check_size(*header); !fits.ok()) return fits;
     }
   }
   if (shard.plan.survey_block_bricks() == 0) {
@@ -116,11 +125,12 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   }
   const auto planned = count(shard);
   if (!planned.ok()) return planned.status();
-  if (auto status = check_size(planned->plan->header()); !status.ok()) return status;
   plan = plan_of(*planned);
   plan.set_survey_block_bricks(shard.plan.survey_block_bricks());
   const absl::Status kept =
       results_.put_plan({shard.job.space, planned->mesh_id}, name, plan.SerializeAsString());
+  const absl::Status fits = check_size(planned->plan->header());
+  if (!fits.ok()) return fits;
   if (!kept.ok()) return kept;
   plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
   return commit_plan(shard, plan);

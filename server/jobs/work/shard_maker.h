@@ -46,6 +46,8 @@ class ShardMaker {
   static bool is_worth_another_try(const absl::Status& error);
   /// Whether it failed only for want of a disk or a database that takes what was made.
   static bool lacks_room(const absl::Status& error);
+  /// Whether it is the mesh that finds no room among others, and no fault of the worker's.
+  static bool awaits_room(const absl::Status& error);
 
  private:
   struct Shard;

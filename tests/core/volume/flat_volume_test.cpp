@@ -1,6 +1,7 @@
 #include "core/volume/flat_volume.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -53,10 +54,12 @@ std::string flat(const Volume& volume) {
   return block;
 }
 
-absl::StatusOr<Volume> read(const std::string& block, std::uint64_t max_bytes = kPlenty) {
+absl::StatusOr<Volume> read(const std::string& block,
+                            std::uint64_t max_bytes = kPlenty,
+                            const Cancellation& cancellation = Cancellation()) {
   ByteBuffer aligned(block.size());
   std::memcpy(aligned.bytes().data(), block.data(), block.size());
-  return read_flat_volume(aligned.bytes(), max_bytes);
+  return read_flat_volume(aligned.bytes(), max_bytes, cancellation);
 }
 
 template <class T>
@@ -278,6 +281,27 @@ TEST(FlatVolume, RefusesAVolumeOfNothing) {
   Volume field;
   field.kind = VolumeKind::kVectorField;
   EXPECT_EQ(read(flat(field))->kind, VolumeKind::kVectorField) << "which may be";
+}
+
+TEST(FlatVolume, LooksAtEachMebibyteWhetherItIsCancelled) {
+  constexpr int kMany = 4096;  // 8 MiB of values
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  std::array<float, kBrickCells> values;
+  values.fill(-1);
+  for (int i = 0; i < kMany; ++i) builder.add_brick({i, 0, 0}, values);
+  const std::string block = flat(*std::move(builder).build());
+  const auto looks_until = [&](int last) {
+    std::atomic<int> looks{0};
+    const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                    [&] { return ++looks >= last; });
+    const absl::Status status = read(block, kPlenty, cancellation).status();
+    EXPECT_EQ(absl::IsCancelled(status), looks >= last) << status;
+    return looks.load();
+  };
+  const int all = looks_until(std::numeric_limits<int>::max());
+  EXPECT_GE(all, 8 + 8) << "when it is copied, and when its values are looked at";
+  // Threads may look as often again.
+  for (int last = 1; last < 16; ++last) EXPECT_LT(looks_until(last), last + 80) << last;
 }
 
 TEST(FlatVolume, CountsTheRegionsThatScatteredConstantsWouldTake) {
