@@ -28,7 +28,8 @@ absl::StatusOr<CompactReceiver> CompactReceiver::begin(const v1::MeshHeader& hea
                     header.has_regions() == stuffing_rules(*preset).both_sides;
   if (!fits) return bad_stream("a header without lattice");
   const CompactFrame frame{*lattice, stuffing_rules(*preset)};
-  return CompactReceiver(std::make_unique<Parts>(frame, CompactBricks(frame.rules.both_sides)));
+  return CompactReceiver(
+      std::make_unique<Parts>(Parts{frame, CompactBricks(frame.rules.both_sides)}));
 }
 
 absl::Status CompactReceiver::add(std::span<const std::byte> chunk) {

@@ -77,7 +77,7 @@ std::vector<Solid> smooth_solids() {
 
 Volume plate(const Plate& plate, const VoxelTransform& transform) {
   const auto scale = static_cast<float>(transform.voxel_size);
-  const auto& [nx, ny, nz] = plate.normal;
+  const double nx = plate.normal.x, ny = plate.normal.y, nz = plate.normal.z;
   const double length = std::hypot(nx, ny, nz);
   const auto phi = [=](VoxelCoord v) {
     const double height =

@@ -132,7 +132,9 @@ TEST(DegreeHistogram, HasTheBitsOfOneAngleAfterTheOtherOnAnyProcessor) {
   histogram.add(angles.cosine, TetBatch::kSize);
   std::array<std::uint64_t, DegreeHistogram::kBins> expected{};
   for (const auto& column : angles.cosine) {
-    for (const float cosine : column) ++expected[std::min(whole_degrees(cosine), 179)];
+    for (const float cosine : column) {
+      ++expected[static_cast<std::size_t>(std::min(whole_degrees(cosine), 179))];
+    }
   }
   EXPECT_EQ(histogram.counts(), expected);
 }

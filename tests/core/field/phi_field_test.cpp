@@ -141,13 +141,13 @@ TEST(PhiSampler, TellsOfABrickWithoutSamplingItThatItsSamplesLieOnOneSide) {
   }
   fields.emplace_back(tiny_values(), 0.0F);
   std::array<int, 2> bricks{};
-  for (const auto& [volume, iso] : fields) {
+  for (const auto& of : fields) {
     PhiField field;
-    field.volume = &volume;
-    field.iso = iso;
+    field.volume = &of.first;
+    field.iso = of.second;
     PhiSampler sampler(field);
     for_each_in_cube(-4, 4, [&](int x, int y, int z) {
-      const bool one_sided = lie_on_one_side(*samples_of(volume, 1, {x, y, z}, iso));
+      const bool one_sided = lie_on_one_side(*samples_of(of.first, 1, {x, y, z}, of.second));
       EXPECT_EQ(sampler.one_sided({x, y, z}), one_sided) << x << " " << y << " " << z;
       ++bricks[one_sided];
     });

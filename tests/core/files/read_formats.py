@@ -28,10 +28,14 @@ VTK = {"vtu", "vtkhdf"}
 
 def by_place(corners):
     """Triangles of points, in an order that does not depend on numbers."""
-    rows = numpy.asarray(corners, dtype=float).reshape(-1, 9).round(5)
-    first = numpy.array([min(range(3), key=lambda k: tuple(row[3 * k:3 * k + 3])) for row in rows])
+    points = numpy.asarray(corners, dtype=float).reshape(-1, 3).round(5)
+    order = numpy.lexsort(points.T[::-1])
+    place = numpy.zeros(len(points), dtype=int)
+    place[order[1:]] = numpy.cumsum((points[order[1:]] != points[order[:-1]]).any(axis=1))
+    first = place.reshape(-1, 3).argmin(axis=1)
+    triangles = points.reshape(-1, 3, 3)
     turned = numpy.concatenate(
-        [rows.reshape(-1, 3, 3)[numpy.arange(len(rows)), (first + k) % 3] for k in range(3)], axis=1)
+        [triangles[numpy.arange(len(triangles)), (first + k) % 3] for k in range(3)], axis=1)
     return turned[numpy.lexsort(turned.T)].reshape(-1, 3)
 
 

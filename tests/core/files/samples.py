@@ -82,8 +82,15 @@ class SampleTest(unittest.TestCase):
         cls.directory = pathlib.Path(scratch.name)
         subprocess.run([cls.write_samples, cls.directory], check=True)
         cls.formats = json.loads((cls.directory / "formats.json").read_text())
+        cls.samples = {}
 
     def expected(self, name):
+        """Read once, and shared: for looking at."""
+        if name not in self.samples:
+            self.samples[name] = self.read_expected(name)
+        return self.samples[name]
+
+    def read_expected(self, name):
         sample = json.loads((self.directory / f"{name}.json").read_text())
         for key in ("points", "tets", "regions", "parts"):
             sample[key] = numpy.array(sample[key])
