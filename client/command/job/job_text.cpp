@@ -40,10 +40,16 @@ std::string show_labels(const v1::Job& job) {
   return for_terminal(absl::StrJoin(sorted, " ", absl::PairFormatter("=")));
 }
 
+/// In whole seconds, with a unit also where there is none of them.
+std::string in_seconds(absl::Duration duration) {
+  const absl::Duration whole = absl::Trunc(duration, absl::Seconds(1));
+  return whole == absl::ZeroDuration() ? "0s" : absl::FormatDuration(whole);
+}
+
 std::string age_of(const v1::Job& job) {
   const absl::Duration age = absl::Now() - time_of(job.create_time());
   if (age >= absl::Hours(48)) return absl::StrCat(age / absl::Hours(24), "d");
-  return absl::FormatDuration(absl::Trunc(age, absl::Seconds(1)));
+  return in_seconds(age);
 }
 
 std::string show(const google::rpc::Status& error) {
@@ -143,8 +149,7 @@ std::string table_line(const v1::Worker& worker, const google::protobuf::Timesta
   std::string line =
       absl::StrFormat("%-29s  %-7s  %-11s  %9s  %7d  %s", for_terminal(worker.name()),
                       for_terminal(worker.algorithm_version()), state_of(worker),
-                      absl::FormatDuration(absl::Trunc(unseen, absl::Seconds(1))),
-                      worker.leased_shards(), absl::StrJoin(jobs, " "));
+                      in_seconds(unseen), worker.leased_shards(), absl::StrJoin(jobs, " "));
   if (worker.has_trouble()) absl::StrAppend(&line, "\n  ", show(worker.trouble()));
   return std::string(absl::StripTrailingAsciiWhitespace(line));
 }
