@@ -104,7 +104,8 @@ add_custom_target(sanitized_tests)
 
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own, and those that are listed as
-# THOROUGH have that label instead of `fast`: not among the first to run, and yet sanitized.
+# THOROUGH have that label instead of `fast` or `slow`: not among the first to run, and yet
+# sanitized.
 function(tet_test name)
   cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;THOROUGH" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -122,7 +123,7 @@ function(tet_test name)
   else()
     tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}" "${ARG_THOROUGH}")
   endif()
-  if(ARG_LABELS MATCHES "fast|thorough" AND NOT "command" IN_LIST ARG_LABELS)
+  if((ARG_LABELS MATCHES "fast|thorough" OR ARG_THOROUGH) AND NOT "command" IN_LIST ARG_LABELS)
     add_dependencies(sanitized_tests ${name})
   endif()
 endfunction()
@@ -132,7 +133,7 @@ endfunction()
 function(tet_discover_tests name timeout labels thorough)
   gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 600 NO_PRETTY_VALUES
     PROPERTIES TIMEOUT ${timeout})
-  list(TRANSFORM labels REPLACE "^fast$" thorough OUTPUT_VARIABLE thorough_labels)
+  list(TRANSFORM labels REPLACE "^(fast|slow)$" thorough OUTPUT_VARIABLE thorough_labels)
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
   # ctest adds to the labels that a test has, so each test is met once.
   file(WRITE ${labels_file}
