@@ -68,7 +68,7 @@ class SlicesAround {
     for (std::size_t b = 0; b < around.size(); ++b) {
       const std::size_t x = b / 9, yz = b % 9;
       for (std::size_t kind = 0; kind < kNodeKinds; ++kind) {
-        enter(x, around[b] == nullptr ? BrickMask{} : around[b]->plus[kind], rows_[kind][yz]);
+        enter(x, around[b] == nullptr ? kNone : around[b]->plus[kind], rows_[kind][yz]);
       }
     }
   }
@@ -77,6 +77,8 @@ class SlicesAround {
   }
 
  private:
+  static constexpr BrickMask kNone{};
+
   static void enter(std::size_t x, const BrickMask& plus, Row& row) noexcept {
     const auto& slice = plus.slice;
     if (x == 0) std::copy_n(slice.begin() + 6, 2, row.begin());
@@ -94,19 +96,18 @@ using Slices [[gnu::vector_size(64)]] = std::uint64_t;
   std::memcpy(&slices, from, sizeof slices);
 }
 
-BrickMask mask_of(const Slices& slices) noexcept {
-  BrickMask mask;
+[[gnu::always_inline]] inline void store(const Slices& slices, BrickMask& mask) noexcept {
   std::memcpy(mask.slice.data(), &slices, sizeof slices);
-  return mask;
 }
 
-/// Returns, of one shape's tets `+000`, those whose face of zeros has no tet of the inside
-/// behind it.
+/// Finds, of one shape's tets `+000`, those whose face of zeros has no tet of the inside behind
+/// it.
 TET_VECTOR_CLONES
-TetsOnSurface find_open(const BrickMask& three_zeros,
-                        const CellNodes& inside,
-                        const SlicesAround& around,
-                        std::size_t number) noexcept {
+void find_open(const BrickMask& three_zeros,
+               const CellNodes& inside,
+               const SlicesAround& around,
+               std::size_t number,
+               TetsOnSurface& found) noexcept {
   const TetShape& shape = kTetShape[number];
   Slices all, tets{}, odd{}, high{};
   load(three_zeros.slice.data(), all);
@@ -127,7 +128,9 @@ TetsOnSurface find_open(const BrickMask& three_zeros,
     if ((plus & 1) != 0) odd |= open;
     if ((plus & 2) != 0) high |= open;
   }
-  return {mask_of(tets), mask_of(odd), mask_of(high)};
+  store(tets, found.tets);
+  store(odd, found.plus_is_odd);
+  store(high, found.plus_is_high);
 }
 
 /// Takes those out whose face lies at the domain's end.
@@ -147,7 +150,7 @@ void find_on_surface(const ThreeZeros& three_zeros,
                      SurfaceOfBrick& surface) noexcept {
   const SlicesAround slices(around.around);
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    surface[shape] = find_open(three_zeros[shape], inside, slices, shape);
+    find_open(three_zeros[shape], inside, slices, shape, surface[shape]);
     if (around.domain != nullptr) remove_at_end(*around.domain, shape, surface[shape]);
   }
 }
