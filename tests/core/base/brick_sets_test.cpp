@@ -53,5 +53,42 @@ TEST(BrickSets, TakeInAllNeighbours) {
   EXPECT_TRUE(std::ranges::equal(with_neighbours(bricks, 16), expected));
 }
 
+TEST(BrickSets, TakeInNoMoreNeighboursThanAreOfUse) {
+  std::vector<BrickCoord> apart;
+  for (std::int32_t i = 0; i < 1000; ++i) apart.push_back({9 * i, 0, 0});
+  EXPECT_EQ(with_neighbours(apart, 1, 27'000).size(), 27'000U);
+  const std::size_t some = with_neighbours(apart, 1, 2000).size();
+  EXPECT_GT(some, 2000U);
+  EXPECT_LE(some, 6000U);
+}
+
+/// Counts looks, and is cancelled at one of them.
+struct CountedLooks {
+  int most;
+  int looks = 0;
+  Cancellation cancellation{Cancellation::Clock::time_point::max(),
+                            [this] { return ++looks > most; }};
+};
+
+TEST(BrickSets, LookWhetherTheyAreCancelledBetweenFewBricksOfEachPass) {
+  constexpr std::size_t kBricks = 6 * kBricksPerLook;
+  for (const std::int32_t half_edge : {3000, 1 << 30}) {  // by numbers, and by comparing
+    const std::vector<BrickCoord> unsorted = random_bricks(kBricks, half_edge);
+    const int pieces = static_cast<int>(unsorted.size() / kBricksPerLook);
+    std::vector<BrickCoord> bricks = unsorted;
+    CountedLooks whole{1'000'000};
+    sort_unique(bricks, whole.cancellation);
+    EXPECT_GT(whole.looks, 4 * pieces) << half_edge;  // a few passes over all
+    EXPECT_TRUE(std::ranges::is_sorted(bricks));
+    EXPECT_LT(bricks.size(), unsorted.size());  // each is there once
+    for (int most = 0; most < whole.looks; most += 5) {
+      bricks = unsorted;
+      CountedLooks cut{most};
+      sort_unique(bricks, cut.cancellation);
+      EXPECT_LE(cut.looks, most + 4) << half_edge;  // it went on to nothing else
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tet
