@@ -4,6 +4,7 @@
 #include <absl/status/status.h>
 
 #include "core/base/cancel.h"
+#include "core/base/check_stopped.h"
 #include "core/plan/mesh_workspace.h"
 
 namespace tet {
@@ -43,14 +44,7 @@ class WatchedFill {
   bool stopped() const noexcept { return watch_.stopped(); }
   /// OK where all is whole. Errors: kDeadlineExceeded, kCancelled.
   absl::Status status() const {
-    return stopped() ? why_stopped(cancellation_) : absl::OkStatus();
-  }
-
-  /// Why what looked at a cancellation has stopped: an error, also where a clock has been set
-  /// back since.
-  static absl::Status why_stopped(const Cancellation& cancellation) {
-    const absl::Status status = check_cancelled(cancellation);
-    return status.ok() ? absl::DeadlineExceededError("the deadline passed") : status;
+    return stopped() ? check_stopped(true, cancellation_) : absl::OkStatus();
   }
 
  private:

@@ -11,6 +11,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/mesh/crease_patches.h"
@@ -141,8 +142,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> divide_surface(
   if (auto status = check_surface_budget(plan->header(), limits); !status.ok()) return status;
   SurfaceMaker maker(*plan, cancellation);
   TetMesh surface = maker.make();
-  if (maker.stopped()) return WatchedFill::why_stopped(cancellation);
-  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  if (auto status = check_stopped(maker.stopped(), cancellation); !status.ok()) return status;
   if (auto status = divide_regions(surface, cancellation); !status.ok()) return status;
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return std::make_shared<const CreasedPlan>(

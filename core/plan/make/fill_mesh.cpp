@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/plan/brick/brick_plan.h"
@@ -103,8 +104,7 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
     }
     if (watched.stopped()) stopped = true;
   });
-  if (stopped) return WatchedFill::why_stopped(cancellation);
-  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  if (auto status = check_stopped(stopped, cancellation); !status.ok()) return status;
   return FilledMesh{std::move(mesh), sum_of(parts, stats)};
 }
 

@@ -6,8 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/counted_looks.h"
+
 namespace tet {
 namespace {
+
+using test::CountedLooks;
 
 /// Bricks within `half_edge` of the origin, some more than once.
 std::vector<BrickCoord> random_bricks(std::size_t count, std::int32_t half_edge) {
@@ -62,26 +66,18 @@ TEST(BrickSets, TakeInNoMoreNeighboursThanAreOfUse) {
   EXPECT_LE(some, 6000U);
 }
 
-/// Counts looks, and is cancelled at one of them.
-struct CountedLooks {
-  int most;
-  int looks = 0;
-  Cancellation cancellation{Cancellation::Clock::time_point::max(),
-                            [this] { return ++looks > most; }};
-};
-
 TEST(BrickSets, LookWhetherTheyAreCancelledBetweenFewBricksOfEachPass) {
   constexpr std::size_t kBricks = 6 * kBricksPerLook;
   for (const std::int32_t half_edge : {3000, 1 << 30}) {  // by numbers, and by comparing
     const std::vector<BrickCoord> unsorted = random_bricks(kBricks, half_edge);
-    const int pieces = static_cast<int>(unsorted.size() / kBricksPerLook);
+    const std::size_t pieces = unsorted.size() / kBricksPerLook;
     std::vector<BrickCoord> bricks = unsorted;
-    CountedLooks whole{1'000'000};
+    CountedLooks whole;
     sort_unique(bricks, whole.cancellation);
     EXPECT_GT(whole.looks, 4 * pieces) << half_edge;  // a few passes over all
     EXPECT_TRUE(std::ranges::is_sorted(bricks));
     EXPECT_LT(bricks.size(), unsorted.size());  // each is there once
-    for (int most = 0; most < whole.looks; most += 5) {
+    for (std::size_t most = 0; most < whole.looks; most += 5) {
       bricks = unsorted;
       CountedLooks cut{most};
       sort_unique(bricks, cut.cancellation);

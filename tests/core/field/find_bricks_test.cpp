@@ -117,7 +117,7 @@ TEST(FindBricks, LooksWhetherItIsCancelledBetweenFewRegionsAndBricks) {
   const Volume cube = cube_of_regions();
   // One for each region that is looked at, and one for each whose bricks are listed.
   EXPECT_GT(looks_at(cube, 1, kMaxSurfaceBricks), kRegionsLookedAt + kRegionsAtSurface);
-  // Of a finer lattice each brick of voxels is seen by several, slice by slice.
+  // On a finer lattice each brick of voxels several times, slice by slice.
   constexpr std::size_t kSurfaceBricks = 130 * 130 * 130 - 126 * 126 * 126;
   EXPECT_GT(looks_at(cube, 0.9, kMaxSurfaceBricks), 2 * kSurfaceBricks);
 }

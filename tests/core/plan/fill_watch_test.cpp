@@ -18,19 +18,13 @@
 #include "core/plan/make/plan_mesh.h"
 #include "core/transfer/compact_chunk.h"
 #include "core/volume/label_volume.h"
+#include "tests/support/counted_looks.h"
 #include "tests/support/solids.h"
 
 namespace tet {
 namespace {
 
-/// Counts looks, and is cancelled once there were so many.
-struct CountedLooks {
-  std::size_t most;
-  std::size_t looks = 0;
-  Cancellation cancellation{Cancellation::Clock::time_point::max(),
-                            [this] { return ++looks > most; }};
-};
-constexpr std::size_t kNever = 1'000'000;
+using test::CountedLooks;
 
 struct NamedPlan {
   std::string name;
@@ -123,7 +117,7 @@ std::vector<std::byte> filled(const MeshPlan& plan,
 /// Looks that filling a whole chunk takes.
 std::size_t looks_at(const MeshPlan& plan, std::uint64_t index) {
   MeshWorkspace workspace;
-  CountedLooks whole{kNever};
+  CountedLooks whole;
   const WatchedFill watched(workspace, whole.cancellation);
   filled(plan, index, workspace);
   EXPECT_FALSE(watched.stopped());
@@ -189,7 +183,7 @@ TEST(FillWatch, StopsEncodingACompactChunk) {
   const auto [begin, end] = bricks.bricks_of_chunk(0);
   MeshWorkspace workspace;
   std::vector<std::byte> whole, cut;
-  CountedLooks never{kNever}, early{5};
+  CountedLooks never, early{5};
   {
     const WatchedFill watched(workspace, never.cancellation);
     encode_chunk(bricks, 0, workspace, whole);
@@ -211,7 +205,7 @@ TEST(FillWatch, StopsFillingAMeshWithinARunOfBricks) {
     bricks += end - begin;
   }
   run_with_own_threads(1, [&] {
-    CountedLooks never{kNever};
+    CountedLooks never;
     ASSERT_TRUE(fill_mesh(*plan, never.cancellation, nullptr).ok());
     EXPECT_GT(never.looks, bricks);
     for (std::size_t at = 0; at < never.looks; at += 11) {

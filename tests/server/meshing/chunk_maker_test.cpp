@@ -12,18 +12,13 @@
 
 #include "core/plan/make/plan_mesh.h"
 #include "proto/wire/chunk_frame.h"
+#include "tests/support/counted_looks.h"
 #include "tests/support/solids.h"
 
 namespace tet {
 namespace {
 
-/// Counts looks, and is cancelled once there were so many.
-struct CountedLooks {
-  std::size_t most;
-  std::size_t looks = 0;
-  Cancellation cancellation{Cancellation::Clock::time_point::max(),
-                            [this] { return ++looks > most; }};
-};
+using test::CountedLooks;
 
 std::string bytes_of(const grpc::ByteBuffer& message) {
   std::vector<grpc::Slice> slices;
@@ -57,7 +52,7 @@ class ChunkMaker : public testing::TestWithParam<v1::Encoding> {
 };
 
 TEST_P(ChunkMaker, HandsOutNothingOfAChunkThatIsNoLongerWanted) {
-  CountedLooks never{1'000'000};
+  CountedLooks never;
   const auto whole = make(never.cancellation);
   ASSERT_TRUE(whole.ok()) << whole.status();
   ASSERT_GT(never.looks, 20U);
