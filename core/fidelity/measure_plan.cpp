@@ -12,6 +12,7 @@
 #include "core/base/scratch_pool.h"
 #include "core/fidelity/measured_mesh.h"
 #include "core/fidelity/tet_sums.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/mesh_workspace.h"
 
 namespace tet {
@@ -91,7 +92,9 @@ class PlanMeasure {
       MeshHeader header = header_of_chunk(header_, place);
       header.fields.clear();
       scratch->chunk = TetMesh(header, std::move(scratch->chunk));
+      const WatchedFill watched(scratch->workspace, cancellation_);
       plan_.fill_chunk(i, scratch->workspace, scratch->chunk.columns());
+      if (watched.stopped()) return;
       take(i, std::as_const(scratch->chunk), place);
     });
   }

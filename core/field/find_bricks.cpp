@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -17,43 +16,13 @@
 #include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
 #include "core/field/region_signs.h"
+#include "core/field/regions_to_scan.h"
 #include "core/scene/scene.h"
 
 namespace tet {
 namespace {
 
-/// Looking at a region costs microseconds, and a tile that claims many costs its file nothing;
-/// as many as this are a solid cube of 13,000^3 voxels.
-constexpr std::size_t kMaxTileRegions = std::size_t{1} << 20;
 constexpr int kRegionBricks = Region::kEdgeBricks;
-
-BrickCoord steps_from(BrickCoord region, BrickCoord steps) {
-  return {region.x + kRegionBricks * steps.x, region.y + kRegionBricks * steps.y,
-          region.z + kRegionBricks * steps.z};
-}
-
-/// A cube of constants in regions: its first one, and how many along each edge.
-struct RegionCube {
-  BrickCoord min;
-  std::int32_t edge = 0;
-
-  explicit RegionCube(const ConstantCube& cube)
-      : min{cube.min.x / kBrickEdge, cube.min.y / kBrickEdge, cube.min.z / kBrickEdge},
-        edge(cube.edge / (kRegionBricks * kBrickEdge)) {}
-
-  bool single() const noexcept { return edge == 1; }
-  /// How many regions there are in and around its outermost layer; a single region counts
-  /// alone.
-  double regions_around() const noexcept {
-    return single() ? 1 : std::pow(edge + 2, 3) - std::pow(edge - 2, 3);
-  }
-  /// The regions that touch none beyond the cube; if there are none, the box's ends are
-  /// crossed.
-  BrickBox deep() const noexcept {
-    const BrickCoord last = steps_from(min, {edge - 1, edge - 1, edge - 1});
-    return {steps_from(min, {1, 1, 1}), {last.x - 1, last.y - 1, last.z - 1}};
-  }
-};
 
 /// What is in both boxes.
 std::optional<BrickBox> common_part(const BrickBox& a, const BrickBox& b) {
@@ -64,74 +33,6 @@ std::optional<BrickBox> common_part(const BrickBox& a, const BrickBox& b) {
     return std::nullopt;
   }
   return part;
-}
-
-absl::Status check_tile_regions(double regions) {
-  if (regions <= static_cast<double>(kMaxTileRegions)) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrFormat(
-      "the grid's constant tiles make %.0f regions of 128^3 voxels to look at; at most %d can "
-      "be meshed",
-      regions, kMaxTileRegions));
-}
-
-/// A cube's outermost regions and all that touch one. What lies deeper sees the cube alone.
-void add_around(const RegionCube& cube, std::vector<BrickCoord>& regions) {
-  const auto is_deep = [&](std::int32_t i) { return i > 0 && i < cube.edge - 1; };
-  const BrickBox around{{-1, -1, -1}, {cube.edge, cube.edge, cube.edge}};
-  for_each_brick(around, [&](BrickCoord at) {
-    if (is_deep(at.x) && is_deep(at.y) && is_deep(at.z)) return;
-    regions.push_back(steps_from(cube.min, at));
-  });
-}
-
-/// Regions that constant cubes give reason to look at; sorted, unique.
-absl::StatusOr<std::vector<BrickCoord>> regions_of_cubes(
-    const std::vector<ConstantCube>& cubes) {
-  double claimed = 0;
-  std::vector<BrickCoord> single, around_large;
-  for (const ConstantCube& constant : cubes) {
-    const RegionCube cube(constant);
-    claimed += cube.regions_around();
-    if (auto status = check_tile_regions(claimed); !status.ok()) return status;
-    if (cube.single()) {
-      single.push_back(cube.min);
-    } else {
-      add_around(cube, around_large);
-    }
-  }
-  sort_unique(single);
-  sort_unique(around_large);
-  std::vector<BrickCoord> regions;
-  std::ranges::set_union(with_neighbours(single, kRegionBricks), around_large,
-                         std::back_inserter(regions));
-  if (auto status = check_tile_regions(static_cast<double>(regions.size())); !status.ok()) {
-    return status;
-  }
-  return regions;
-}
-
-/// Regions in which there may be both signs, or one, and nothing else that they lie deep in;
-/// sorted, unique.
-absl::StatusOr<std::vector<BrickCoord>> regions_to_scan(const PhiField& field) {
-  const auto of_cubes = regions_of_cubes(field.volume->cubes);
-  if (!of_cubes.ok()) return of_cubes.status();
-  std::vector<BrickCoord> with_bricks;
-  for (const Region& region : field.volume->regions) with_bricks.push_back(region.min);
-  sort_unique(with_bricks);
-  std::vector<BrickCoord> regions;
-  std::ranges::set_union(with_neighbours(with_bricks, kRegionBricks), *of_cubes,
-                         std::back_inserter(regions));
-  return regions;
-}
-
-/// What regions_to_scan leaves out of cubes that lie inside.
-std::vector<BrickBox> deep_inside(const PhiField& field) {
-  std::vector<BrickBox> boxes;
-  for (const ConstantCube& cube : field.volume->cubes) {
-    const RegionCube in_regions(cube);
-    if (in_regions.edge > 2 && field.phi(cube.value) < 0) boxes.push_back(in_regions.deep());
-  }
-  return boxes;
 }
 
 /// Adds the runs of bricks along z that a region's row has bits for.
@@ -149,9 +50,18 @@ struct SurfaceRegion {
   RegionRows bricks;
 };
 
-/// What regions hold. Bricks are listed only once it is known how many there are.
+/// What a few regions hold.
 struct ScannedRegions {
   std::vector<SurfaceRegion> surface;
+  std::size_t surface_bricks = 0;
+  std::vector<BrickBox> inside;
+};
+
+/// What all regions hold. Bricks are listed only once it is known how many there are.
+struct GatheredRegions {
+  /// In blocks, which stay where they are: to copy all would take longer than may pass between
+  /// two looks.
+  std::vector<std::vector<SurfaceRegion>> surface;
   std::size_t surface_bricks = 0;
   std::vector<BrickBox> inside;
 };
@@ -185,16 +95,24 @@ void scan_region(SignsAround& signs, BrickCoord region, ScannedRegions& scanned)
   }
 }
 
-/// The bricks themselves.
-std::vector<BrickCoord> surface_bricks(const ScannedRegions& scanned) {
+void add_surface_bricks(const SurfaceRegion& region, std::vector<BrickCoord>& bricks) {
+  for (std::size_t i = 0; i < region.bricks.size(); ++i) {
+    const BrickCoord row = row_of(region.min, i);
+    for (unsigned bits = region.bricks[i]; bits != 0; bits &= bits - 1) {
+      bricks.push_back({row.x, row.y, row.z + std::countr_zero(bits)});
+    }
+  }
+}
+
+/// The bricks themselves; some of them once cancelled.
+std::vector<BrickCoord> surface_bricks(const GatheredRegions& scanned,
+                                       const Cancellation& cancellation) {
   std::vector<BrickCoord> bricks;
   bricks.reserve(scanned.surface_bricks);
-  for (const SurfaceRegion& region : scanned.surface) {
-    for (std::size_t i = 0; i < region.bricks.size(); ++i) {
-      const BrickCoord row = row_of(region.min, i);
-      for (unsigned bits = region.bricks[i]; bits != 0; bits &= bits - 1) {
-        bricks.push_back({row.x, row.y, row.z + std::countr_zero(bits)});
-      }
+  for (const std::vector<SurfaceRegion>& block : scanned.surface) {
+    for (const SurfaceRegion& region : block) {
+      if (cancellation.requested()) return bricks;
+      add_surface_bricks(region, bricks);
     }
   }
   return bricks;
@@ -223,6 +141,19 @@ double lattice_bricks_per_brick(const PhiField& field) {
   return std::pow(std::max(1.0, along), 3);
 }
 
+/// Adds the bricks of a box, which is a slice of another where that is large. False once
+/// cancelled.
+bool add_bricks(const BrickBox& box,
+                const Cancellation& cancellation,
+                std::vector<BrickCoord>& bricks) {
+  for (std::int32_t x = box.min.x; x <= box.max.x; ++x) {
+    if (cancellation.requested()) return false;
+    for_each_brick({{x, box.min.y, box.min.z}, {x, box.max.y, box.max.z}},
+                   [&](BrickCoord seen) { bricks.push_back(seen); });
+  }
+  return true;
+}
+
 /// Voxel bricks become the lattice bricks that see them; each is seen by several. Gives up when
 /// there are more than can be kept.
 FoundBricks at_lattice(const PhiField& field,
@@ -233,11 +164,10 @@ FoundBricks at_lattice(const PhiField& field,
   FoundBricks found;
   std::size_t unsorted_until = 2 * most_bricks;
   for (const BrickCoord brick : voxel_bricks.near_surface) {
-    for_each_brick(lattice_box(field, {brick, brick}, kHaloReach),
-                   [&](BrickCoord seen) { found.near_surface.push_back(seen); });
-    if (cancellation.requested()) return found;
+    const BrickBox seen = lattice_box(field, {brick, brick}, kHaloReach);
+    if (!add_bricks(seen, cancellation, found.near_surface)) return found;
     if (found.near_surface.size() < unsorted_until) continue;
-    sort_unique(found.near_surface);
+    sort_unique(found.near_surface, cancellation);
     if (found.near_surface.size() > most_bricks) return found;
     unsorted_until = found.near_surface.size() + most_bricks;
   }
@@ -265,41 +195,60 @@ class Gathering {
     return buffer;
   }
 
-  /// How many bricks near the surface there are now.
-  std::size_t add(ScannedRegions buffer) {
+  /// Empties the buffer. How many bricks near the surface there are now.
+  std::size_t add(ScannedRegions& buffer) {
     const std::lock_guard lock(mutex_);
-    found_.surface.insert(found_.surface.end(), buffer.surface.begin(), buffer.surface.end());
+    add_surface(buffer.surface);
     found_.inside.insert(found_.inside.end(), buffer.inside.begin(), buffer.inside.end());
     found_.surface_bricks += std::exchange(buffer.surface_bricks, 0);
     buffer.surface.clear();
     buffer.inside.clear();
-    spare_.push_back(std::move(buffer));
     return found_.surface_bricks;
   }
 
-  ScannedRegions take() { return std::move(found_); }
+  void give_back(ScannedRegions buffer) {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(buffer));
+  }
+
+  GatheredRegions take() { return std::move(found_); }
 
  private:
-  std::mutex mutex_;  // taken twice a range; the order of arrival is sorted away
-  ScannedRegions found_;
+  void add_surface(const std::vector<SurfaceRegion>& regions) {
+    constexpr std::size_t kRegionsPerBlock = 1024;  // half a mebibyte
+    std::vector<std::vector<SurfaceRegion>>& blocks = found_.surface;
+    if (blocks.empty() || blocks.back().capacity() - blocks.back().size() < regions.size()) {
+      blocks.emplace_back().reserve(std::max(kRegionsPerBlock, regions.size()));
+    }
+    blocks.back().insert(blocks.back().end(), regions.begin(), regions.end());
+  }
+
+  std::mutex mutex_;  // taken a few times a range; the order of arrival is sorted away
+  GatheredRegions found_;
   std::vector<ScannedRegions> spare_;
 };
 
 /// Looks at regions side by side, and gives up when there is more surface than can be kept.
-ScannedRegions scan_regions(const PhiField& field,
-                            const std::vector<BrickCoord>& regions,
-                            std::size_t most_bricks,
-                            const Cancellation& cancellation) {
+GatheredRegions scan_regions(const PhiField& field,
+                             const std::vector<BrickCoord>& regions,
+                             std::size_t most_bricks,
+                             const Cancellation& cancellation) {
+  constexpr std::size_t kGatheredAtATime = 64;
   const std::vector<RegionSigns> of_regions = signs_of_regions(field);
   Gathering gathering;
   std::atomic<bool> too_many = false;
   for_each_range(regions.size(), 4, [&](std::size_t begin, std::size_t end) {
+    // A refusal comes after all ranges, and each takes longer to begin than to look.
+    if (cancellation.requested() || too_many) return;
     SignsAround signs(field, of_regions);
     ScannedRegions mine = gathering.take_buffer();
-    for (std::size_t i = begin; i < end && !too_many && !cancellation.requested(); ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested() && !too_many; ++i) {
       scan_region(signs, regions[i], mine);
+      const bool is_last =
+          i + 1 == end || (i - begin) % kGatheredAtATime + 1 == kGatheredAtATime;
+      if (is_last && gathering.add(mine) > most_bricks) too_many = true;
     }
-    if (gathering.add(std::move(mine)) > most_bricks) too_many = true;
+    gathering.give_back(std::move(mine));
   });
   return gathering.take();
 }
@@ -357,12 +306,12 @@ void keep_inside_of(const BrickBox& box, const PhiField& field, FoundBricks& fou
 absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
                                         std::size_t most_bricks,
                                         const Cancellation& cancellation) {
-  const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field);
+  const absl::StatusOr<std::vector<BrickCoord>> regions = regions_to_scan(field, cancellation);
   if (!regions.ok()) return regions.status();
   // At other spacings a brick is counted as all lattice bricks that it may meet. These are more
   // than it does meet, so only the hard limit refuses by them.
   const std::size_t most_seen = field.at_voxels() ? most_bricks : kMaxSurfaceBricks;
-  ScannedRegions scanned = scan_regions(field, *regions, most_seen, cancellation);
+  GatheredRegions scanned = scan_regions(field, *regions, most_seen, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
   const auto seen = static_cast<double>(scanned.surface_bricks);
@@ -370,14 +319,16 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
   if (auto status = check_surface_bricks(seen * per_brick, most_seen); !status.ok())
     return status;
   FoundBricks found;
-  found.near_surface = surface_bricks(scanned);
+  found.near_surface = surface_bricks(scanned, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   found.inside = std::move(scanned.inside);
   for (const BrickBox& box : deep_inside(field)) found.inside.push_back(box);
   const double inside_cells = cells_in(field, found.inside);
   if (!field.at_voxels()) found = at_lattice(field, found, most_bricks, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   found.inside_cells = inside_cells;
-  sort_unique(found.near_surface);
+  sort_unique(found.near_surface, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   const auto bricks = static_cast<double>(found.near_surface.size());
   if (auto status = check_surface_bricks(bricks, most_bricks); !status.ok()) return status;
   return found;

@@ -179,6 +179,12 @@ PhiSampler::~PhiSampler() = default;
 PhiSampler::PhiSampler(PhiSampler&&) noexcept = default;
 PhiSampler& PhiSampler::operator=(PhiSampler&&) noexcept = default;
 
+void PhiSampler::stop_when(const Cancellation& cancellation) noexcept {
+  if (scene_ != nullptr) scene_->stop_when(cancellation);
+}
+
+bool PhiSampler::stopped() const noexcept { return scene_ != nullptr && scene_->stopped(); }
+
 void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
   if (scene_ != nullptr) {
     sample_scene(*scene_, field_.spacing_voxels, brick, samples);

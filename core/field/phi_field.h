@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/base/brick_mask.h"
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/volume/inside.h"
 #include "core/volume/volume.h"
@@ -91,6 +92,13 @@ class PhiSampler {
   PhiSampler& operator=(PhiSampler&&) noexcept;
 
   const PhiField& field() const noexcept { return field_; }
+
+  /// From now on it looks at `cancellation`, which must outlive it, also within the samples of
+  /// one brick of a scene.
+  void stop_when(const Cancellation& cancellation) noexcept;
+  /// A look found it cancelled: samples since are made up, and what came of them must not be
+  /// used.
+  bool stopped() const noexcept;
 
   /// Fills `samples` for the lattice brick at `brick`.
   void sample(BrickCoord brick, BrickSamples& samples) noexcept;

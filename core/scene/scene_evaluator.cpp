@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "core/scene/operators.h"
 #include "core/scene/primitives.h"
@@ -97,7 +98,7 @@ std::uint32_t SceneEvaluator::only_part(std::uint32_t op, double rounding) const
 }
 
 void SceneEvaluator::focus(const WorldPoint& centre, double half_edge) noexcept {
-  if (scene_->program.size() == 1) return;
+  if (scene_->program.size() == 1 || stops(scene_->program.size())) return;
   centre_ = centre;
   half_edge_ = half_edge;
   // Far more than the values' own errors: whoever is left out must not matter by a single bit.
@@ -131,12 +132,32 @@ bool SceneEvaluator::same_in_focus(const SceneEvaluator& other) const noexcept {
   });
 }
 
+bool SceneEvaluator::stops(std::size_t values) noexcept {
+  since_look_ += values;
+  if (stopped_ || cancellation_ == nullptr || since_look_ < kValuesPerLook) return stopped_;
+  since_look_ = 0;
+  stopped_ = cancellation_->requested();
+  return stopped_;
+}
+
+template <class Body>
+bool SceneEvaluator::for_each_instruction(const std::vector<std::uint32_t>& program,
+                                          std::size_t count,
+                                          const Body& body) noexcept {
+  for (std::span<const std::uint32_t> left(program); !left.empty();) {
+    const auto some = left.first(std::min(kInstructionsAtOnce, left.size()));
+    if (stops(some.size() * count)) return false;
+    for (const std::uint32_t i : some) body(scene_->program[i]);
+    left = left.subspan(some.size());
+  }
+  return true;
+}
+
 const double* SceneEvaluator::run(const std::vector<std::uint32_t>& program,
                                   const scene::Points& points,
                                   std::size_t count) noexcept {
   scene::Values* top = stack_.data();  // one below the last column
-  for (const std::uint32_t i : program) {
-    const Instruction& op = scene_->program[i];
+  const bool done = for_each_instruction(program, count, [&](const Instruction& op) {
     if (is_leaf(op.op)) {
       evaluate_leaf(op, points, count, *++top);
     } else if (is_binary(op.op)) {
@@ -145,6 +166,10 @@ const double* SceneEvaluator::run(const std::vector<std::uint32_t>& program,
     } else {
       apply_unary(op, count, *top);
     }
+  });
+  if (!done) {
+    top = stack_.data();
+    std::fill_n(top->at.begin(), count, 1.0);
   }
   return top->at.data();
 }
@@ -158,8 +183,7 @@ const scene::PhiBounds& SceneEvaluator::bounds(const scene::Points& points,
                                                std::size_t count,
                                                double half_edge) noexcept {
   scene::PhiBounds* top = bounds_stack_.data();  // as in `run`
-  for (const std::uint32_t i : active_) {
-    const Instruction& op = scene_->program[i];
+  const bool done = for_each_instruction(active_, count, [&](const Instruction& op) {
     if (is_leaf(op.op)) {
       bound_leaf(op, points, count, half_edge, *++top);
     } else if (is_binary(op.op)) {
@@ -168,6 +192,11 @@ const scene::PhiBounds& SceneEvaluator::bounds(const scene::Points& points,
     } else {
       bound_unary(op, count, *top);
     }
+  });
+  if (!done) {
+    top = bounds_stack_.data();
+    std::fill_n(top->low.at.begin(), count, 1.0);
+    std::fill_n(top->high.at.begin(), count, 1.0);
   }
   return *top;
 }

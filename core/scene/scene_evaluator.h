@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/scene/grid_sampler.h"
 #include "core/scene/instruction.h"
@@ -21,6 +22,13 @@ namespace tet {
 class SceneEvaluator {
  public:
   explicit SceneEvaluator(const Scene& scene);
+
+  /// From now on it looks at `cancellation`, which must outlive it, after each few thousand
+  /// values of an instruction: in one brick there may be a second's work.
+  void stop_when(const Cancellation& cancellation) noexcept { cancellation_ = &cancellation; }
+  /// A look found it cancelled, whatever clocks do then: values since are made up, and what
+  /// came of them must not be used.
+  bool stopped() const noexcept { return stopped_; }
 
   /// Until the next focus most points lie in the cube around `centre`: parts that cannot matter
   /// there are left out. At first everywhere is in focus.
@@ -50,7 +58,15 @@ class SceneEvaluator {
   std::uint32_t leaf_at(const WorldPoint& p) noexcept;
 
  private:
+  /// Values of an instruction, each of about ten nanoseconds, that pass between two looks.
+  static constexpr std::size_t kValuesPerLook = std::size_t{1} << 14;
+  /// Instructions that pass before values are counted.
+  static constexpr std::size_t kInstructionsAtOnce = 64;
+
   const Scene* scene_;
+  const Cancellation* cancellation_ = nullptr;
+  std::size_t since_look_ = 0;
+  bool stopped_ = false;
   WorldPoint centre_;  ///< of the focus
   double half_edge_ = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> active_;  ///< instructions of the focus, in order
@@ -66,6 +82,13 @@ class SceneEvaluator {
   std::vector<Interval> intervals_;
   std::vector<bool> wanted_;
 
+  /// Counts values that are about to be made, and looks where there were enough.
+  bool stops(std::size_t values) noexcept;
+  /// Calls `body` with a program's instructions in order. False once it has stopped.
+  template <class Body>
+  bool for_each_instruction(const std::vector<std::uint32_t>& program,
+                            std::size_t count,
+                            const Body& body) noexcept;
   /// The instructions that matter at a point.
   const std::vector<std::uint32_t>& program_at(const WorldPoint& p) const noexcept;
   const double* run(const std::vector<std::uint32_t>& program,

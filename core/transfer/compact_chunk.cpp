@@ -9,6 +9,7 @@
 
 #include "core/base/byte_coding.h"
 #include "core/plan/brick/fill_brick.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/mesh_workspace.h"
 #include "core/stuffing/brick_geometry.h"
 #include "core/stuffing/cut_tet.h"
@@ -312,7 +313,8 @@ void encode_chunk(const BrickPlan& plan,
   Writer(bytes).varint(end - begin);
   BrickEncoder encoder(counted.mesh, counted.field, workspace.get<BrickScratch>().stuffing,
                        bytes);
-  for (std::size_t brick = begin; brick < end; ++brick) {
+  FillWatch& watch = workspace.get<FillWatch>();
+  for (std::size_t brick = begin; brick < end && !watch.stops(); ++brick) {
     encoder.write(counted.mesh.place(brick));
   }
 }

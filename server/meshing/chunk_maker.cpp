@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/plan/fill_watch.h"
 #include "core/transfer/compact_chunk.h"
 #include "core/transfer/mesh_patch.h"
 #include "proto/convert/chunk_numbers.h"
@@ -73,10 +74,11 @@ grpc::ByteBuffer encoded_event(v1::MeshChunk chunk, std::size_t bytes, Held held
   return serialized(event, std::move(held));
 }
 
-ChunkMessage make_columns(const ChunkSource& source,
-                          std::uint64_t index,
-                          ChunkMemory memory,
-                          const Held& held) {
+absl::StatusOr<ChunkMessage> make_columns(const ChunkSource& source,
+                                          std::uint64_t index,
+                                          ChunkMemory memory,
+                                          const Held& held,
+                                          const Cancellation& cancellation) {
   const MeshPlan& plan = *source.plan;
   const ChunkExtent extent = source.patch ? source.patch->extent(index) : plan.chunk(index);
   const ChunkSizes size(plan.header(), extent);
@@ -89,8 +91,10 @@ ChunkMessage make_columns(const ChunkSource& source,
   message.tets = extent.tet_count;
   {
     const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
+    const WatchedFill watched(*workspace, cancellation);
     message.quality = source.patch ? source.patch->fill(index, *workspace, columns)
                                    : plan.fill_chunk(index, *workspace, columns);
+    if (auto status = watched.status(); !status.ok()) return status;
   }
   if (source.encoding == v1::ENCODING_PACKED) {
     const ScratchPool<ChunkPacker>::Turn packer(memory.packers);
@@ -109,13 +113,19 @@ ChunkMessage make_columns(const ChunkSource& source,
   return message;
 }
 
-ChunkMessage make_compact(const BrickPlan& plan,
-                          std::uint64_t index,
-                          ChunkMemory memory,
-                          Held held) {
+absl::StatusOr<ChunkMessage> make_compact(const BrickPlan& plan,
+                                          std::uint64_t index,
+                                          ChunkMemory memory,
+                                          Held held,
+                                          const Cancellation& cancellation) {
   const ChunkExtent extent = plan.chunk(index);
   std::vector<std::byte> bytes;
-  encode_chunk(plan, index, *ScratchPool<MeshWorkspace>::Turn(memory.workspaces), bytes);
+  {
+    const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
+    const WatchedFill watched(*workspace, cancellation);
+    encode_chunk(plan, index, *workspace, bytes);
+    if (auto status = watched.status(); !status.ok()) return status;
+  }
 
   v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, bytes)));
   chunk.set_compact(bytes.data(), bytes.size());
@@ -138,13 +148,14 @@ const BrickPlan& ChunkSource::bricks() const {
   return *bricks;
 }
 
-ChunkMessage make_chunk(const ChunkSource& source,
-                        std::uint64_t index,
-                        ChunkMemory memory,
-                        std::shared_ptr<SendBudget::Lease> held) {
+absl::StatusOr<ChunkMessage> make_chunk(const ChunkSource& source,
+                                        std::uint64_t index,
+                                        ChunkMemory memory,
+                                        std::shared_ptr<SendBudget::Lease> held,
+                                        const Cancellation& cancellation) {
   return source.encoding == v1::ENCODING_COMPACT
-             ? make_compact(source.bricks(), index, memory, std::move(held))
-             : make_columns(source, index, memory, held);
+             ? make_compact(source.bricks(), index, memory, std::move(held), cancellation)
+             : make_columns(source, index, memory, held, cancellation);
 }
 
 }  // namespace tet

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <memory>
 
+#include <absl/status/statusor.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/base/cancel.h"
 #include "core/base/scratch_pool.h"
 #include "core/mesh/packed_chunk.h"
 #include "core/plan/mesh_plan.h"
@@ -49,10 +51,12 @@ struct ChunkMemory {
 
 /// Makes chunk `index` < chunk_count(). A plain chunk's columns are made in the memory they are
 /// sent from, within the protobuf bytes around them; packed ones are made there, too. `held`
-/// lives as long as the message's bytes.
-ChunkMessage make_chunk(const ChunkSource& source,
-                        std::uint64_t index,
-                        ChunkMemory memory,
-                        std::shared_ptr<SendBudget::Lease> held);
+/// lives as long as the message's bytes. Looks at `cancellation` between bricks: what was made
+/// of a chunk until then is let go of. Errors: kCancelled, kDeadlineExceeded.
+absl::StatusOr<ChunkMessage> make_chunk(const ChunkSource& source,
+                                        std::uint64_t index,
+                                        ChunkMemory memory,
+                                        std::shared_ptr<SendBudget::Lease> held,
+                                        const Cancellation& cancellation);
 
 }  // namespace tet

@@ -205,7 +205,11 @@ void ChunkStream::fill_slot(std::uint64_t index, Block block) {
   } else {
     auto made = guarded(call_.method().c_str(), [&] { return make(index, std::move(block)); });
     status = made.status();
-    if (made.ok()) slot.made = *std::move(made);
+    if (made.ok()) {
+      slot.made = *std::move(made);
+    } else if (watch_->cancellation.requested()) {
+      status = client_gone(watch_->cancellation);
+    }
   }
   engine_.activity.chunks_in_flight.fetch_sub(1);
   turn_.end();

@@ -160,8 +160,9 @@ v1::MeshEvent MeshStream::header() const {
 
 absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
   if (stored_ != nullptr) return read(index, std::move(block));
-  ChunkMessage made = make_chunk(source_, index, engine_.chunk_memory(), std::move(block));
-  engine_.activity.chunks_made.fetch_add(1);
+  absl::StatusOr<ChunkMessage> made = make_chunk(source_, index, engine_.chunk_memory(),
+                                                 std::move(block), watch_->cancellation);
+  if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
   return made;
 }
 

@@ -257,8 +257,9 @@ void RemeshStream::note_opening() {
 v1::MeshEvent RemeshStream::header() const { return header_event(planned_, source_); }
 
 absl::StatusOr<ChunkMessage> RemeshStream::make(std::uint64_t index, Block block) {
-  ChunkMessage made = make_chunk(source_, index, engine_.chunk_memory(), std::move(block));
-  engine_.activity.chunks_made.fetch_add(1);
+  absl::StatusOr<ChunkMessage> made = make_chunk(source_, index, engine_.chunk_memory(),
+                                                 std::move(block), watch_->cancellation);
+  if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
   return made;
 }
 

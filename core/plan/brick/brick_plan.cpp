@@ -6,6 +6,7 @@
 #include "core/base/heap_bytes.h"
 #include "core/plan/brick/fill_brick.h"
 #include "core/plan/creased_plan.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/improved_plan.h"
 #include "core/plan/mesh_workspace.h"
 
@@ -55,7 +56,9 @@ QualityStats BrickPlan::fill_bricks(const BrickRange& range,
                                     ChunkColumns columns) const noexcept {
   BrickFiller filler(mesh_, field(), header(), to_world(), statistics(),
                      workspace.get<BrickScratch>());
+  FillWatch& watch = workspace.get<FillWatch>();
   for (std::size_t brick = range.begin; brick < range.end; ++brick) {
+    if (watch.stops()) return {};
     const ChunkExtent extent = bricks({brick, brick + 1});
     const ChunkSizes size(header(), extent);
     filler.fill(brick, first_of(columns, size));
@@ -73,6 +76,7 @@ QualityStats BrickPlan::fill_chunk(std::uint64_t index,
                                    MeshWorkspace& workspace,
                                    ChunkColumns columns) const noexcept {
   const QualityStats stats = fill_bricks(bricks_of_chunk(index), workspace, columns);
+  if (workspace.get<FillWatch>().stopped()) return {};  // not all vertices have places
   if (!columns.fields.empty()) fill_fields(chunk(index), columns);
   return stats;
 }

@@ -1,11 +1,13 @@
 #include "core/plan/brick/manifold.h"
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 #include "core/base/brick_index.h"
+#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/plan/brick/survey.h"
 #include "core/stuffing/surface_topology.h"
@@ -40,6 +42,7 @@ class Restoration {
       : bricks_(bricks), cancellation_(cancellation), index_(bricks), states_(bricks.size()) {
     for_each_range(bricks.size(), kRestoredPerRange, [&](std::size_t begin, std::size_t end) {
       PhiSampler sampler(field);
+      sampler.stop_when(cancellation);
       const auto workspace = std::make_unique_for_overwrite<StuffingWorkspace>();
       for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
         if (!stuff_brick(sampler, bricks[i], rules, nullptr, *workspace)) continue;
@@ -50,8 +53,12 @@ class Restoration {
                       {},
                       true};
       }
+      if (sampler.stopped()) stopped_ = true;
     });
   }
+
+  /// Whether a brick may have made-up nodes.
+  bool stopped() const noexcept { return stopped_; }
 
   /// Restores until nothing is left to restore.
   void run() {
@@ -134,6 +141,7 @@ class Restoration {
   const Cancellation& cancellation_;
   BrickIndex index_;
   std::vector<NodeStates> states_;
+  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace
@@ -145,7 +153,8 @@ absl::StatusOr<std::shared_ptr<const RestoredNodes>> find_nodes_to_restore(
     const Cancellation& cancellation) {
   Restoration restoration(field, candidates, rules, cancellation);
   restoration.run();
-  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  const absl::Status status = check_stopped(restoration.stopped(), cancellation);
+  if (!status.ok()) return status;
   return restoration.take();
 }
 

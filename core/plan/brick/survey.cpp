@@ -12,6 +12,7 @@
 
 #include <absl/status/status.h>
 
+#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/plan/brick/manifold.h"
@@ -215,7 +216,7 @@ class Surveyor {
                      find_range(candidates, begin, end, findings, keeper);
                      blocks[begin] = keeper.take();
                    });
-    if (auto status = check_cancelled(task_.cancellation); !status.ok()) return status;
+    if (auto status = check_stopped(stopped_, task_.cancellation); !status.ok()) return status;
     std::erase(blocks, nullptr);
     std::ranges::move(blocks, std::back_inserter(survey_.geometry.blocks));
     add_findings(candidates, std::move(findings), task_.earlier, task_.space.rules.both_sides,
@@ -236,6 +237,7 @@ class Surveyor {
                   GeometryKeeper& keeper) {
     const EarlierSurvey* const earlier = task_.earlier;
     PhiSampler sampler(task_.field);
+    sampler.stop_when(task_.cancellation);
     std::optional<ScratchPool<SurveyWorkspace>::Turn> workspace;
     std::optional<EarlierBricks> before;
     if (earlier != nullptr) before.emplace(*earlier);
@@ -262,11 +264,13 @@ class Surveyor {
         task_.progress->done.fetch_add(1, std::memory_order_relaxed);
       }
     }
+    if (sampler.stopped()) stopped_ = true;
   }
 
   const SurveyTask task_;
   Survey& survey_;
   std::atomic<std::int64_t> room_;
+  std::atomic<bool> stopped_ = false;
   ScratchPool<SurveyWorkspace> workspaces_;
 };
 

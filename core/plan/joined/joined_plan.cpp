@@ -13,6 +13,7 @@
 #include "core/octree/leaf_rules.h"
 #include "core/plan/budget.h"
 #include "core/plan/check_face_regions.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/mesh_progress.h"
 #include "core/plan/mesh_workspace.h"
@@ -348,6 +349,7 @@ QualityStats JoinedPlan::fill_chunk(std::uint64_t index,
     own.positions = places;
   }
   const QualityStats stats = part.plan->fill_chunk(index - part.first_chunk, workspace, own);
+  if (workspace.get<FillWatch>().stopped()) return {};
   if (part.move && stored == CoordinateType::kFloat64) {
     store_moved<double>(own.positions, *part.move, columns.positions);
   } else if (part.move) {

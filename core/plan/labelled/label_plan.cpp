@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/base/heap_bytes.h"
 #include "core/plan/budget.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/labelled/fill_labelled_brick.h"
 #include "core/plan/labelled/label_sizes.h"
 #include "core/plan/mesh_place.h"
@@ -124,7 +125,9 @@ QualityStats LabelPlan::fill_chunk(std::uint64_t index,
   const std::span<std::byte> fields = columns.fields;
   LabelledBrickFiller filler(mesh_, header(), to_world_, statistics(),
                              workspace.get<LabelledScratch>());
+  FillWatch& watch = workspace.get<FillWatch>();
   for (std::size_t brick = first_brick_[index]; brick < first_brick_[index + 1]; ++brick) {
+    if (watch.stops()) return {};
     const ChunkExtent extent = bricks(brick, brick + 1);
     const ChunkSizes size(header(), extent.vertex_count, extent.tet_count);
     filler.fill(brick, {columns.positions.first(size.positions), columns.tets.first(size.tets),

@@ -1,6 +1,7 @@
 #include "core/plan/make/divide_surface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,11 +11,13 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/mesh/crease_patches.h"
 #include "core/plan/crease_labels.h"
 #include "core/plan/creased_plan.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/mesh_workspace.h"
 
 namespace tet {
@@ -51,7 +54,11 @@ class SurfaceMaker {
     surface_.face_labels = ByteBuffer(sizes.face_labels);
   }
 
-  TetMesh make() && {
+  /// Whether a chunk that was begun is not whole.
+  bool stopped() const noexcept { return stopped_; }
+
+  /// Some of it once cancelled.
+  TetMesh make() {
     const std::uint64_t chunks = plan_.header().chunk_count;
     std::vector<std::uint64_t> with_faces, others;
     for (std::uint64_t i = 0; i < chunks; ++i) {
@@ -71,9 +78,11 @@ class SurfaceMaker {
   void fill(std::span<const std::uint64_t> chunks) {
     for_each_range(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
       ScratchPool<PassingColumns>::Turn passing(passing_);
+      const WatchedFill watched(passing->workspace, cancellation_);
       for (std::size_t i = begin; i < end && !cancellation_.requested(); ++i) {
         fill_chunk(chunks[i], *passing);
       }
+      if (watched.stopped()) stopped_ = true;
     });
   }
 
@@ -103,7 +112,7 @@ class SurfaceMaker {
       end.push_back(extent.first_vertex + extent.vertex_count);
     }
     std::vector<bool> needed(end.size());
-    if (cancellation_.requested()) return needed;  // the faces are not all there
+    if (stopped_ || cancellation_.requested()) return needed;  // the faces are not all there
     std::size_t chunk = 0;
     for (std::uint64_t i = 0; i < surface_.header.face_count; ++i) {
       for (const std::uint64_t vertex : surface_.face(i)) {
@@ -121,6 +130,7 @@ class SurfaceMaker {
   const Cancellation& cancellation_;
   TetMesh surface_;  // with these columns alone
   ScratchPool<PassingColumns> passing_;
+  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace
@@ -130,8 +140,9 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> divide_surface(
     const MeshLimits& limits,
     const Cancellation& cancellation) {
   if (auto status = check_surface_budget(plan->header(), limits); !status.ok()) return status;
-  TetMesh surface = SurfaceMaker(*plan, cancellation).make();
-  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  SurfaceMaker maker(*plan, cancellation);
+  TetMesh surface = maker.make();
+  if (auto status = check_stopped(maker.stopped(), cancellation); !status.ok()) return status;
   if (auto status = divide_regions(surface, cancellation); !status.ok()) return status;
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return std::make_shared<const CreasedPlan>(

@@ -6,10 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/fill_brick.h"
+#include "core/plan/fill_watch.h"
 #include "core/plan/mesh_workspace.h"
 
 namespace tet {
@@ -92,14 +94,17 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
   std::vector<QualityStats> stats(parts.size());
   ScratchPool<MeshWorkspace> workspaces;
   std::atomic<std::uint64_t> done{0};
+  std::atomic<bool> stopped = false;
   for_each_range(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
+    const WatchedFill watched(*workspace, cancellation);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       stats[i] = filler.fill(parts[i], *workspace);
       if (progress) progress(static_cast<double>(++done) / static_cast<double>(parts.size()));
     }
+    if (watched.stopped()) stopped = true;
   });
-  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  if (auto status = check_stopped(stopped, cancellation); !status.ok()) return status;
   return FilledMesh{std::move(mesh), sum_of(parts, stats)};
 }
 

@@ -246,10 +246,12 @@ absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& sh
   for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
     const absl::Status wanted = check_cancelled(shard.order.watch->cancellation);
     if (!wanted.ok()) return wanted;
-    const ChunkMessage chunk =
-        make_chunk(source, static_cast<std::uint64_t>(i), engine_.chunk_memory(), nullptr);
+    const absl::StatusOr<ChunkMessage> chunk =
+        make_chunk(source, static_cast<std::uint64_t>(i), engine_.chunk_memory(), nullptr,
+                   shard.order.watch->cancellation);
+    if (!chunk.ok()) return chunk.status();
     engine_.activity.chunks_made.fetch_add(1);
-    auto digest = results_.put_chunk(folder, chunk);
+    auto digest = results_.put_chunk(folder, *chunk);
     if (!digest.ok()) return digest.status();
     digests.push_back(*std::move(digest));
   }

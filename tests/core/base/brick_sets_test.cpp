@@ -6,8 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/counted_looks.h"
+
 namespace tet {
 namespace {
+
+using test::CountedLooks;
 
 /// Bricks within `half_edge` of the origin, some more than once.
 std::vector<BrickCoord> random_bricks(std::size_t count, std::int32_t half_edge) {
@@ -51,6 +55,35 @@ TEST(BrickSets, TakeInAllNeighbours) {
   }
   sort_unique(bricks);
   EXPECT_TRUE(std::ranges::equal(with_neighbours(bricks, 16), expected));
+}
+
+TEST(BrickSets, TakeInNoMoreNeighboursThanAreOfUse) {
+  std::vector<BrickCoord> apart;
+  for (std::int32_t i = 0; i < 1000; ++i) apart.push_back({9 * i, 0, 0});
+  EXPECT_EQ(with_neighbours(apart, 1, 27'000).size(), 27'000U);
+  const std::size_t some = with_neighbours(apart, 1, 2000).size();
+  EXPECT_GT(some, 2000U);
+  EXPECT_LE(some, 6000U);
+}
+
+TEST(BrickSets, LookWhetherTheyAreCancelledBetweenFewBricksOfEachPass) {
+  constexpr std::size_t kBricks = 6 * kBricksPerLook;
+  for (const std::int32_t half_edge : {3000, 1 << 30}) {  // by numbers, and by comparing
+    const std::vector<BrickCoord> unsorted = random_bricks(kBricks, half_edge);
+    const std::size_t pieces = unsorted.size() / kBricksPerLook;
+    std::vector<BrickCoord> bricks = unsorted;
+    CountedLooks whole;
+    sort_unique(bricks, whole.cancellation);
+    EXPECT_GT(whole.looks, 4 * pieces) << half_edge;  // a few passes over all
+    EXPECT_TRUE(std::ranges::is_sorted(bricks));
+    EXPECT_LT(bricks.size(), unsorted.size());  // each is there once
+    for (std::size_t most = 0; most < whole.looks; most += 5) {
+      bricks = unsorted;
+      CountedLooks cut{most};
+      sort_unique(bricks, cut.cancellation);
+      EXPECT_LE(cut.looks, most + 4) << half_edge;  // it went on to nothing else
+    }
+  }
 }
 
 }  // namespace

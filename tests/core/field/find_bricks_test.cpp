@@ -1,9 +1,12 @@
 #include "core/field/find_bricks.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 
 #include <gtest/gtest.h>
 
+#include "core/base/own_threads.h"
 #include "core/volume/volume_builder.h"
 #include "tests/support/volume_fixtures.h"
 
@@ -84,6 +87,48 @@ TEST(FindBricks, StopsOnceItIsCancelled) {
   cancelled.cancel();
   EXPECT_EQ(find_bricks(grid_field(tile), kMaxSurfaceBricks, cancelled).status().code(),
             absl::StatusCode::kCancelled);
+}
+
+/// How often finding the bricks of a volume looks at whether it is cancelled, in one thread.
+std::size_t looks_at(const Volume& volume, double spacing, std::size_t most_bricks) {
+  std::atomic<std::size_t> looks = 0;
+  const Cancellation counted(Cancellation::Clock::time_point::max(), [&] {
+    ++looks;
+    return false;
+  });
+  run_with_own_threads(1, [&] {
+    static_cast<void>(find_bricks(grid_field(volume, spacing), most_bricks, counted));
+  });
+  return looks;
+}
+
+/// A cube of 8^3 regions, each a constant: 10^3 have to be looked at, and the surface reaches
+/// into all but those deep inside.
+Volume cube_of_regions() {
+  VolumeBuilder builder(VolumeKind::kLevelSet, 1);
+  for (int i = 0; i < 512; ++i) {
+    builder.add_constant_cube({128 * (i % 8), 128 * (i / 8 % 8), 128 * (i / 64)}, 128, -1);
+  }
+  return *std::move(builder).build();
+}
+constexpr std::size_t kRegionsLookedAt = 1000, kRegionsAtSurface = 1000 - 6 * 6 * 6;
+
+TEST(FindBricks, LooksWhetherItIsCancelledBetweenFewRegionsAndBricks) {
+  const Volume cube = cube_of_regions();
+  // One for each region that is looked at, and one for each whose bricks are listed.
+  EXPECT_GT(looks_at(cube, 1, kMaxSurfaceBricks), kRegionsLookedAt + kRegionsAtSurface);
+  // On a finer lattice each brick of voxels several times, slice by slice.
+  constexpr std::size_t kSurfaceBricks = 130 * 130 * 130 - 126 * 126 * 126;
+  EXPECT_GT(looks_at(cube, 0.9, kMaxSurfaceBricks), 2 * kSurfaceBricks);
+}
+
+TEST(FindBricks, StopsSoonAfterThereIsTooMuchSurface) {
+  // A refusal lists no bricks, and looks at few regions more than it takes to know.
+  constexpr std::size_t kFewRegions = 80;
+  const Volume cube = cube_of_regions();
+  const std::size_t all = looks_at(cube, 1, kMaxSurfaceBricks);
+  const std::size_t refused = looks_at(cube, 1, 1000);
+  EXPECT_GT(all, refused + kRegionsLookedAt - kFewRegions + kRegionsAtSurface);
 }
 
 TEST(FindBricks, SeesConstantBricksInsideARegion) {
