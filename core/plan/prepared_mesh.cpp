@@ -46,17 +46,6 @@ PhiField field_of(const Shape& shape, const CanonicalRequest& request, const Sce
   return field;
 }
 
-/// Between two nodes thin walls are looked for voxel by voxel, so a brick takes as long as the
-/// spacing is wide.
-absl::Status check_spacing(const PhiField& field) {
-  constexpr double kMaxSpacingVoxels = 256;
-  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
-    return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
-                      field.spacing_voxels, kMaxSpacingVoxels));
-}
-
 /// Finds whether both sides of a domain are meshed, or the inside, which must have an end.
 absl::StatusOr<MeshedSpace> space_of(const PhiField& field,
                                      const MeshRequest& request,
@@ -117,6 +106,17 @@ absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& 
   std::shared_ptr<const Scene> stand_in = stand_in_for(shape, *asked);
   const PhiField phi = field_of(shape, *asked, stand_in.get());
   return MeshedField{std::move(stand_in), phi};
+}
+
+absl::Status check_spacing(const PhiField& field) {
+  // Between two nodes thin walls are looked for voxel by voxel, so a brick takes as long as the
+  // spacing is wide.
+  constexpr double kMaxSpacingVoxels = 256;
+  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
+                      field.spacing_voxels, kMaxSpacingVoxels));
 }
 
 absl::StatusOr<PreparedMesh> prepare_mesh(const Shape& shape,

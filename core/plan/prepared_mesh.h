@@ -34,6 +34,9 @@ struct MeshedField {
 /// It refers to the shape, which must outlive it. Errors: those of canonical.
 absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& request);
 
+/// Errors: kInvalidArgument (the spacing is more than 256 voxels of a grid).
+absl::Status check_spacing(const PhiField& field);
+
 /// Errors: kInvalidArgument (a field of the request), kFailedPrecondition (the shape has no
 /// surface at this iso value, or its inside has no end), kResourceExhausted (over `limits`),
 /// kCancelled, kDeadlineExceeded.

@@ -44,16 +44,6 @@ BrickBox joined(const std::optional<BrickBox>& a, const BrickBox& b) {
       {std::max(a->max.x, b.max.x), std::max(a->max.y, b.max.y), std::max(a->max.z, b.max.z)}};
 }
 
-/// A coarse lattice looks at few of many voxels.
-absl::Status check_solid_spacing(const PhiField& field) {
-  constexpr double kMaxSpacingVoxels = 256;
-  if (field.scene != nullptr || field.spacing_voxels <= kMaxSpacingVoxels)
-    return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("the spacing is %g voxels; the limit is %g. Use a smaller spacing",
-                      field.spacing_voxels, kMaxSpacingVoxels));
-}
-
 absl::Status about_solid(const absl::Status& status, const std::string& name) {
   constexpr std::size_t kShown = 100;
   return {status.code(), absl::StrFormat("%s (grid '%s')", status.message(),
@@ -92,7 +82,7 @@ absl::StatusOr<Solids> solids_of_grids(const GridList& grids,
       field->phi.scene = solids.scenes.back().get();
       field->phi.spacing_voxels = spacing;
     }
-    if (auto s = check_solid_spacing(field->phi); !s.ok()) return s;
+    if (auto s = check_spacing(field->phi); !s.ok()) return s;
     solids.fields.push_back(field->phi);
     solids.names.push_back(grid->name);
   }
