@@ -1,5 +1,7 @@
 #include "proto/scene/message_parts.h"
 
+#include <absl/strings/str_cat.h>
+
 namespace tet {
 
 std::string in_one_line(const std::string& message) {

@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/string_view.h>
-#include <absl/strings/strip.h>
 
 #include "server/http/call_exchanges.h"
 #include "server/http/json_routes.h"

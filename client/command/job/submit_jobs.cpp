@@ -7,6 +7,9 @@
 #include <thread>
 #include <utility>
 
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+
 #include "client/command/grid_uploads.h"
 #include "client/command/scene_input.h"
 #include "client/library/client_call.h"
