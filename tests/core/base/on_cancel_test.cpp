@@ -49,6 +49,23 @@ TEST(CancellationTest, ADescriptorThatIsAskedForMeanwhileIsReadableInTheEnd) {
   }
 }
 
+TEST(CancellationTest, StaysRequestedOnceALookHasFoundItSo) {
+  bool is_abandoned = true;
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                  [&] { return is_abandoned; });
+  EXPECT_TRUE(cancellation.requested());
+  is_abandoned = false;
+  EXPECT_TRUE(cancellation.requested());
+  EXPECT_EQ(check_cancelled(cancellation).code(), absl::StatusCode::kCancelled);
+}
+
+TEST(CancellationTest, StaysUnrequestedThroughLooksThatFindNothing) {
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(), [] { return false; });
+  EXPECT_FALSE(cancellation.requested());
+  EXPECT_FALSE(cancellation.requested());
+  EXPECT_TRUE(check_cancelled(cancellation).ok());
+}
+
 TEST(OnCancelTest, CallsWhenTheCancellationIsRaised) {
   Cancellation cancellation;
   std::promise<void> called;
