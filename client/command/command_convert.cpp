@@ -22,6 +22,7 @@
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 #include "core/image/place_array.h"
+#include "core/vdb/openvdb_part.h"
 
 namespace tet {
 namespace {
@@ -77,8 +78,9 @@ absl::StatusOr<ConversionReport> convert(const ConvertOptions& options,
                                          const std::string& made) {
   const absl::StatusOr<SurfaceInput> input = read_surface_input(options.input, options.surface);
   if (!input.ok()) return input.status();
-  const absl::StatusOr<ConversionReport> report =
-      surface_to_vdb(input->surface, input->voxel_size, made, input->open);
+  const auto report = with_openvdb([&](const OpenVdbPart& part) {
+    return part.surface_to_vdb(input->surface, input->voxel_size, made, input->open);
+  });
   if (report.ok()) return report;
   const std::string message(report.status().message());
   return absl::Status(report.status().code(),

@@ -9,6 +9,7 @@
 #include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
 #include "client/command/volume_file.h"
+#include "core/vdb/openvdb_part.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
@@ -20,7 +21,9 @@ absl::StatusOr<ConversionReport> convert_surface(const MeshInput& input,
                                                  const std::string& vdb_path) {
   const absl::StatusOr<SurfaceInput> read = read_surface_input(input.path, input.surface);
   if (!read.ok()) return read.status();
-  return surface_to_vdb(read->surface, read->voxel_size, vdb_path, read->open);
+  return with_openvdb([&](const OpenVdbPart& part) {
+    return part.surface_to_vdb(read->surface, read->voxel_size, vdb_path, read->open);
+  });
 }
 
 /// Checks --open of an input that is no surface.

@@ -12,6 +12,7 @@
 #include "client/library/read_grids.h"
 #include "core/base/parallel.h"
 #include "core/base/printable.h"
+#include "core/vdb/openvdb_part.h"
 
 namespace tet {
 namespace {
@@ -24,7 +25,9 @@ absl::StatusOr<SurfaceVolume> convert_file(const std::string& path,
                                            const SurfaceChoices& choices) {
   const absl::StatusOr<SurfaceInput> input = read_surface_input(path, choices);
   if (!input.ok()) return input.status();
-  return surface_to_volume(input->surface, input->voxel_size, input->open);
+  return with_openvdb([&](const OpenVdbPart& part) {
+    return part.surface_to_volume(input->surface, input->voxel_size, input->open);
+  });
 }
 
 /// The thread that converts has a pool of its own.

@@ -6,7 +6,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/vdb/surface_to_volume.h"
+#include "core/surface/triangle_surface.h"
+#include "core/vdb/conversion_report.h"
+#include "core/vdb/surface_volume.h"
 
 namespace CLI {
 class App;

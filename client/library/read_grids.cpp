@@ -1,9 +1,12 @@
 #include "client/library/read_grids.h"
 
+#include <utility>
+
 #include "client/library/attached_image.h"
 #include "core/base/posix/check_file.h"
 #include "core/vdb/decode_file.h"
-#include "core/vdb/load.h"
+#include "core/vdb/load_limits.h"
+#include "core/vdb/read_grid_file.h"
 
 namespace tet {
 namespace {
@@ -16,12 +19,13 @@ absl::StatusOr<SealedBlock> decode_here(FileRequest request, const Cancellation&
   return decode_once(request, {}, [&] { return interruption.requested(); });
 }
 
-/// Calls `load(path)` of the file, or of what is joined of it.
-template <class Load>
-auto load_here(const std::string& path, const Load& load) -> decltype(load(path)) {
+/// Calls `read(reader)` of the file, or of what is joined of it.
+template <class Read>
+auto read_here(const std::string& path, const Read& read)
+    -> decltype(read(std::declval<const GridFileReader&>())) {
   const absl::StatusOr<AttachedImage> file = AttachedImage::of(path);
   if (!file.ok()) return file.status();
-  return load(file->path());
+  return with_grid_file(file->path(), read);
 }
 
 absl::StatusOr<GridContents> values_here(const std::string& path,
@@ -61,7 +65,7 @@ absl::StatusOr<Volume> read_volume(const std::string& path,
                                    FileTrust trust,
                                    const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return load_here(path, [&](const std::string& p) { return load_volume(p, grid_name); });
+    return read_here(path, [&](const GridFileReader& file) { return file.volume(grid_name); });
   }
   const FileRequest request{DecodeTask::kVolume, path, path, grid_name, LoadLimits{}.max_bytes};
   return volume_of(decode_here(request, interruption), request);
@@ -73,8 +77,8 @@ absl::StatusOr<Volume> read_field(const std::string& path,
                                   FileTrust trust,
                                   const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return load_here(path,
-                     [&](const std::string& p) { return load_field(p, grid_name, component); });
+    return read_here(
+        path, [&](const GridFileReader& file) { return file.field(grid_name, component); });
   }
   const FileRequest request{DecodeTask::kField,     path,     path, grid_name,
                             LoadLimits{}.max_bytes, component};
@@ -86,7 +90,7 @@ absl::StatusOr<LabelVolume> read_labels(const std::string& path,
                                         FileTrust trust,
                                         const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return load_here(path, [&](const std::string& p) { return load_labels(p, grid_name); });
+    return read_here(path, [&](const GridFileReader& file) { return file.labels(grid_name); });
   }
   const FileRequest request{DecodeTask::kLabels, path, path, grid_name, LoadLimits{}.max_bytes};
   return labels_of(decode_here(request, interruption), request);
@@ -96,8 +100,12 @@ absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
                                                      FileTrust trust,
                                                      const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return load_here(path, [](const std::string& p) { return list_grids(p); });
+    return read_here(path, [](const GridFileReader& file) { return file.list(); });
   }
+  // What the walk tells needs no decoder. What it cannot tell, or open, one is asked for.
+  const auto listed =
+      read_here(path, [](const GridFileReader& file) { return file.list_by_walking(); });
+  if (listed.ok() && *listed) return **listed;
   const FileRequest request{DecodeTask::kGridList, path, path, "", LoadLimits{}.max_bytes};
   return grid_list_of(decode_here(request, interruption), request);
 }

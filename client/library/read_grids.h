@@ -18,7 +18,7 @@ namespace tet {
 
 enum class FileTrust {
   kNone,  ///< another process reads it, which can do nothing else
-  kFull,  ///< OpenVDB reads it here
+  kFull,  ///< it is read here
 };
 
 /// What the commands say of their option for it.

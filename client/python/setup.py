@@ -62,7 +62,8 @@ class BuildByCMake(build_ext):
             library = only(prefix, "libtetstream.so.*.*.*")
             shutil.copy2(module, target)
             shutil.copy2(library, target / ".".join(library.name.split(".")[:-1]))  # as the loader knows it
-            shutil.copy2(only(prefix, "tetstream-decoder"), target)
+            for beside in ["tetstream-decoder", "libtetstream-openvdb.so"]:
+                shutil.copy2(only(prefix, beside), target)
 
 
 # pip and build run in this folder: what they leave belongs elsewhere.

@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/vdb/decode_order.h"
 #include "core/vdb/sandbox.h"
 
 namespace tet {
@@ -38,6 +39,8 @@ std::optional<ReceivedOrder> await_order(int socket) {
     ReceivedWish wish = receive_wish(socket);
     if (auto* const order = std::get_if<ReceivedOrder>(&wish)) return std::move(*order);
     auto* const copy = std::get_if<ReceivedCopyWish>(&wish);
+    // What is copied again and again loads for all of them. Without OpenVDB a copy says why.
+    if (copy != nullptr) (void)prepare_openvdb();
     if (copy == nullptr || !become_two(std::move(copy->socket), socket)) return std::nullopt;
   }
 }

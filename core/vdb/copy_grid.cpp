@@ -9,9 +9,9 @@
 #include <absl/strings/str_format.h>
 
 #include "core/base/parallel.h"
+#include "core/vdb/grid_facts.h"
 #include "core/vdb/vdb_transform.h"
 #include "core/vdb/visit_grid.h"
-#include "core/volume/inside.h"
 #include "core/volume/volume_builder.h"
 
 namespace tet {
@@ -112,31 +112,14 @@ absl::StatusOr<Volume> copy_values(const GridT& grid, Component component, Volum
   volume.background = component(grid.background());
   copy_leaves(grid.tree(), component, volume);
   std::vector<ConstantBrick> constants = copy_tiles(grid.tree(), component, volume);
-  if (has_inside(kind) && volume.bricks.empty() && volume.cubes.empty() && constants.empty()) {
-    return absl::FailedPreconditionError(
-        "it is empty: every voxel has the background value; check what wrote it");
-  }
-  return index_volume(std::move(volume), std::move(constants));
-}
-
-/// The grid's class first; what else it may be called says nothing of an inside.
-KindOfValues kind_of(openvdb::GridClass grid_class, const Volume& volume) {
-  if (grid_class == openvdb::GRID_LEVEL_SET) {
-    return {VolumeKind::kLevelSet, KindSource::kClass};
-  }
-  if (grid_class == openvdb::GRID_FOG_VOLUME) {
-    return {VolumeKind::kFogVolume, KindSource::kClass};
-  }
-  return kind_of_values(value_range(volume), volume.background);
+  return finish_volume(std::move(volume), std::move(constants));
 }
 
 template <class GridT>
 absl::StatusOr<Volume> copy_scalar_grid(const GridT& grid) {
   absl::StatusOr<Volume> volume = copy_values(grid, Component{}, VolumeKind::kLevelSet);
   if (!volume.ok()) return volume;
-  const KindOfValues kind = kind_of(grid.getGridClass(), *volume);
-  volume->kind = kind.kind;
-  volume->kind_source = kind.source;
+  set_kind(openvdb::GridBase::gridClassToString(grid.getGridClass()), *volume);
   return volume;
 }
 

@@ -11,7 +11,8 @@
 #include "core/base/failure_name.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/transfer.h"
-#include "core/vdb/load.h"
+#include "core/vdb/idle_threads.h"
+#include "core/vdb/read_grid_file.h"
 #include "core/vdb/sealed_block.h"
 #include "core/volume/flat_grid_contents.h"
 #include "core/volume/flat_grid_list.h"
@@ -20,6 +21,8 @@
 
 namespace tet {
 namespace {
+
+bool openvdb_is_prepared = false;  // a copy of the process has what the process had
 
 absl::Status write_into(int result, std::span<const std::byte> bytes) {
   if (write_all(result, bytes)) return absl::OkStatus();
@@ -33,31 +36,37 @@ absl::Status check_size(std::uint64_t size, const DecodeLimits& limits) {
       "what was decoded takes %d bytes and the limit is %d", size, limits.result_bytes));
 }
 
+/// In the sandbox, where nothing can be loaded.
+absl::StatusOr<const OpenVdbPart*> prepared_openvdb() {
+  if (openvdb_is_prepared) return openvdb_part();
+  return absl::FailedPreconditionError("the file has changed while it was read");
+}
+
 absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& sink) {
   const OpenGridFile source{file, order.file_bytes, order.file_name};
   LoadLimits limits;
   limits.walked = true;  // by whoever ordered this
+  const GridFileReader reader(source, limits, prepared_openvdb);
   if (order.task == DecodeTask::kGridList) {
-    const absl::StatusOr<std::vector<GridInfo>> grids = list_grids(source, limits);
+    const absl::StatusOr<std::vector<GridInfo>> grids = reader.list();
     return grids.ok() ? write_flat_grid_list(*grids, sink) : grids.status();
   }
   if (order.task == DecodeTask::kLabels) {
-    const absl::StatusOr<LabelVolume> labels = load_labels(source, order.grid_name, limits);
+    const absl::StatusOr<LabelVolume> labels = reader.labels(order.grid_name);
     if (!labels.ok()) return labels.status();
     if (absl::Status s = check_size(flat_label_bytes(*labels), order.limits); !s.ok()) return s;
     return write_flat_labels(*labels, sink);
   }
   if (order.task == DecodeTask::kLabelCounts) {
-    const absl::StatusOr<LabelVolume> labels = load_labels(source, order.grid_name, limits);
+    const absl::StatusOr<LabelVolume> labels = reader.labels(order.grid_name);
     if (!labels.ok()) return labels.status();
     GridContents contents;
     set_labels_of(*labels, contents);
     return write_flat_contents(contents, sink);
   }
-  const absl::StatusOr<Volume> volume =
-      order.task == DecodeTask::kField
-          ? load_field(source, order.grid_name, order.component, limits)
-          : load_volume(source, order.grid_name, limits);
+  const absl::StatusOr<Volume> volume = order.task == DecodeTask::kField
+                                            ? reader.field(order.grid_name, order.component)
+                                            : reader.volume(order.grid_name);
   if (!volume.ok()) return volume.status();
   if (order.task == DecodeTask::kValues) {
     return write_flat_contents({.values = values_of(*volume)}, sink);
@@ -71,8 +80,18 @@ absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& si
 void prepare_to_carry_out() {
   ::mallopt(M_PERTURB, 0xFF);  // what is allocated is filled with the opposite of this
   stay_in_one_thread();
-  prepare_loading();
   for_each_index(2, [](std::size_t) {});
+}
+
+absl::Status prepare_openvdb() {
+  if (openvdb_is_prepared) return absl::OkStatus();
+  const absl::StatusOr<const OpenVdbPart*> part = openvdb_part();
+  if (!part.ok()) return part.status();
+  (*part)->prepare_for_sandbox();
+  openvdb_is_prepared = true;
+  // A copy of the process has no other thread, and would wait for ever for what one of them
+  // holds.
+  return await_idle_threads();
 }
 
 absl::Status carry_out(const DecodeOrder& order, int file, int result) {

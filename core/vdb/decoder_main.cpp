@@ -1,14 +1,17 @@
-// tetstream-decoder: reads one .vdb file with OpenVDB, hands the result back, and exits.
+// tetstream-decoder: reads one grid file, with OpenVDB where it takes that, hands the result
+// back, and exits.
 //
 // Started by tetstream and tetstreamd only: its one descriptor is a socket to them. It copies
 // itself when asked, so that a copy reads the file and the next file finds the program started.
 #include <cstdio>
 #include <cstring>
+#include <string>
 #include <unistd.h>
+
+#include <absl/strings/str_format.h>
 
 #include "core/vdb/await_order.h"
 #include "core/vdb/decode_order.h"
-#include "core/vdb/idle_threads.h"
 #include "core/vdb/sandbox.h"
 
 namespace tet {
@@ -16,15 +19,22 @@ namespace {
 
 enum ExitCode { kAnswered = 0, kUsage = 2, kNoParent = 3, kNoSandbox = 4 };
 
+int refuse(const DecodeOrder& order, const absl::Status& why) {
+  const auto answer = absl::FailedPreconditionError(
+      absl::StrFormat("'%s' cannot be read: %s", order.file_name, std::string(why.message())));
+  return send_answer(kDecoderSocket, answer) ? kAnswered : kNoParent;
+}
+
 int decode_once() {
   if (!enter_custody().ok()) return kNoSandbox;
   prepare_to_carry_out();
-  // A copy has no other thread, and would wait for ever for what one of them holds.
-  if (!await_idle_threads().ok()) return kNoSandbox;
   if (!send_ready(kDecoderSocket)) return kNoParent;
   const std::optional<ReceivedOrder> received = await_order(kDecoderSocket);
   if (!received) return kNoParent;
   const auto& [order, file, result] = *received;
+  if (order.needs_openvdb) {
+    if (absl::Status s = prepare_openvdb(); !s.ok()) return refuse(order, s);
+  }
   const absl::Status safe =
       enter_sandbox(order.limits, kDecoderSocket, file.number(), result.number());
   if (!safe.ok()) return kNoSandbox;

@@ -44,6 +44,7 @@ struct OrderMessage {
   std::uint32_t magic = kOrder;
   DecodeTask task = DecodeTask::kVolume;
   std::uint32_t component = 0;
+  std::uint32_t needs_openvdb = 1;
   DecodeLimits limits;
   std::int64_t file_bytes = 0;
   Text<256> file_name;
@@ -155,6 +156,7 @@ bool send_order(int socket, const DecodeOrder& order, int file, int result) {
   OrderMessage message;
   message.task = order.task;
   message.component = order.component;
+  message.needs_openvdb = order.needs_openvdb ? 1 : 0;
   message.limits = order.limits;
   message.file_bytes = order.file_bytes;
   message.file_name.set(end_of(order.file_name, message.file_name.bytes.size()));
@@ -192,7 +194,7 @@ ReceivedWish receive_wish(int socket) {
   }
   return ReceivedOrder{
       DecodeOrder{message.task, message.limits, message.file_bytes, message.file_name.get(),
-                  message.grid_name.get(), message.component},
+                  message.grid_name.get(), message.component, message.needs_openvdb != 0},
       std::move(first), std::move(second)};
 }
 

@@ -51,6 +51,7 @@ struct DecodeOrder {
   std::string file_name;  ///< what messages call the file; its end if it is long
   std::string grid_name;  ///< at most kMaxGridNameBytes; empty takes the only one that will do
   std::uint32_t component = 0;  ///< of a field
+  bool needs_openvdb = true;    ///< unless the file holds what is read without
 };
 
 /// An order as it came, with its descriptors.

@@ -9,6 +9,7 @@
 #include "core/base/posix/file.h"
 #include "core/vdb/charge_file.h"
 #include "core/vdb/image_file.h"
+#include "core/vdb/plain_choice.h"
 #include "core/vdb/triangle_file.h"
 #include "core/volume/grid_info.h"
 
@@ -45,9 +46,12 @@ GridUse use_of(DecodeTask task) {
   }
 }
 
-/// What the file takes, if that is not too much.
-absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGridFile& file) {
+/// What the file takes, if that is not too much; and whether it takes OpenVDB.
+absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request,
+                                       const OpenGridFile& file,
+                                       bool& needs_openvdb) {
   if (holds_image(file)) {
+    needs_openvdb = false;
     return charge_image(file, request.task == DecodeTask::kGridList, request.max_bytes,
                         kReadingFactor * request.max_bytes);
   }
@@ -55,9 +59,15 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request, const OpenGri
     return charge_triangles(file, request.max_bytes, kReadingFactor * request.max_bytes);
   }
   if (request.task == DecodeTask::kGridList) {
-    return charge_file(file, listing_charge, request.max_bytes, request.max_bytes);
+    const auto charge = [&](const VdbOutline& outline) {
+      needs_openvdb = !are_plain_grids(outline);
+      return listing_charge(outline);
+    };
+    return charge_file(file, charge, request.max_bytes, request.max_bytes);
   }
   const auto charge = [&](const VdbOutline& outline) {
+    needs_openvdb =
+        !find_plain_grid(outline, request.grid_name, use_of(request.task), request.component);
     return loading_charge(outline, request.grid_name, use_of(request.task));
   };
   return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
@@ -101,14 +111,16 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
   checked.file = (*std::move(opened)).take_descriptor();
   const auto file_bytes = static_cast<std::int64_t>(*size);
   const OpenGridFile file{checked.file.number(), file_bytes, request.file_name};
-  const absl::StatusOr<MemoryCharge> charge = charge_of(request, file);
+  bool needs_openvdb = true;
+  const absl::StatusOr<MemoryCharge> charge = charge_of(request, file, needs_openvdb);
   if (!charge.ok()) return charge.status();
   std::chrono::milliseconds time = time_for(file_bytes, *charge);
   if (holds_triangles(file)) time += kConvertingTime;
   checked.limit = std::min(kClockFactor * time, max_time);
   checked.order = {request.task,      limits_of(*charge, std::min(time, max_time)),
                    file_bytes,        request.file_name,
-                   request.grid_name, request.component};
+                   request.grid_name, request.component,
+                   needs_openvdb};
   return checked;
 }
 

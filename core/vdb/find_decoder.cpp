@@ -17,10 +17,15 @@ namespace tet {
 namespace {
 
 constexpr const char* kProgram = "tetstream-decoder";
+constexpr const char* kModule = "libtetstream-openvdb.so";
+
+bool is_file(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
 
 bool can_run(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+  return is_file(path) && ::access(path.c_str(), X_OK) == 0;
 }
 
 /// The folder of the shared library that this code is part of; of the program itself where it
@@ -32,8 +37,8 @@ std::filesystem::path own_folder() {
   return std::filesystem::canonical(info.dli_fname, error).parent_path();
 }
 
-/// Where the decoder may be, the likeliest first.
-std::vector<std::string> candidates() {
+/// Where the decoder and what it loads may be, the likeliest first.
+std::vector<std::string> candidates(const char* name) {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
   const std::filesystem::path installed = std::filesystem::path("libexec") / "tetstream";
@@ -42,7 +47,7 @@ std::vector<std::string> candidates() {
   for (const auto& folder :
        {self, self.parent_path() / installed, library, library.parent_path() / installed,
         library.parent_path().parent_path() / installed}) {
-    std::string path = (folder / kProgram).string();
+    std::string path = (folder / name).string();
     if (std::find(paths.begin(), paths.end(), path) == paths.end()) {
       paths.push_back(std::move(path));
     }
@@ -61,11 +66,19 @@ absl::StatusOr<std::string> find_decoder(const std::string& given) {
     if (can_run(given)) return given;
     return not_found(absl::StrFormat("there is no decoder program '%s'", given));
   }
-  const std::vector<std::string> paths = candidates();
+  const std::vector<std::string> paths = candidates(kProgram);
   const auto found = std::find_if(paths.begin(), paths.end(), can_run);
   if (found != paths.end()) return *found;
   return not_found(
       absl::StrCat("there is no decoder program '", absl::StrJoin(paths, "' or '"), "'"));
+}
+
+absl::StatusOr<std::string> find_openvdb_module() {
+  const std::vector<std::string> paths = candidates(kModule);
+  const auto found = std::find_if(paths.begin(), paths.end(), is_file);
+  if (found != paths.end()) return *found;
+  return absl::NotFoundError(
+      absl::StrCat("there is no '", absl::StrJoin(paths, "' or '"), "'"));
 }
 
 }  // namespace tet

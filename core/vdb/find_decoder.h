@@ -1,4 +1,4 @@
-// Where the decoder's program is.
+// Where the decoder's program is, and what it loads.
 #pragma once
 
 #include <string>
@@ -12,5 +12,9 @@ namespace tet {
 /// library with this code lies in (as in PREFIX/lib, and PREFIX/lib/x86_64-linux-gnu). Errors:
 /// kUnavailable (none is there; says where it was looked for).
 absl::StatusOr<std::string> find_decoder(const std::string& given);
+
+/// libtetstream-openvdb.so, in the same folders. Errors: kNotFound (says where it was looked
+/// for).
+absl::StatusOr<std::string> find_openvdb_module();
 
 }  // namespace tet

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <absl/status/status.h>
-#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
@@ -20,6 +19,7 @@
 #include "core/vdb/conversion_report.h"
 #include "core/vdb/copy_grid.h"
 #include "core/vdb/copy_labels.h"
+#include "core/vdb/grid_facts.h"
 #include "core/vdb/image_file.h"
 #include "core/vdb/load_image_file.h"
 #include "core/vdb/surface_grid.h"
@@ -27,7 +27,6 @@
 #include "core/vdb/triangle_file.h"
 #include "core/vdb/vdb_file.h"
 #include "core/vdb/vdb_transform.h"
-#include "core/volume/check_transform.h"
 
 namespace tet {
 namespace {
@@ -107,31 +106,14 @@ VoxelBox active_box(const openvdb::GridBase& grid) {
           {box.max().x(), box.max().y(), box.max().z()}};
 }
 
-/// What the conversion of a surface left in the grid: as a file has it, in characters that can
-/// be printed, and no more than is worth showing.
 std::string made_of(const openvdb::GridBase& grid) {
-  constexpr std::size_t kMostBytes = 1000;
-  std::string text;
+  std::vector<std::pair<std::string, std::string>> texts;
   for (auto entry = grid.beginMeta(); entry != grid.endMeta(); ++entry) {
     if (!entry->first.starts_with(kSurfaceMetadata)) continue;
-    const bool warning = entry->first != kSurfaceMetadata;
     if (entry->second->typeName() != openvdb::StringMetadata::staticTypeName()) continue;
-    if (warning) text += text.empty() ? "warning: " : "; warning: ";
-    text += entry->second->str();
+    texts.emplace_back(entry->first, entry->second->str());
   }
-  text.resize(std::min(text.size(), kMostBytes));
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return !absl::ascii_isprint(static_cast<unsigned char>(c)); }, '?');
-  return text;
-}
-
-/// Says what voxels are that are no cubes.
-std::string describe_voxels(const VoxelTransform& transform) {
-  if (has_cubic_voxels(transform)) return "";
-  const auto [x, y, z] = voxel_edges(transform);
-  return absl::StrFormat("voxels of %g x %g x %g%s, meshed on a cubic lattice", x, y, z,
-                         are_square(transform) ? "" : ", sheared");
+  return surface_text(texts);
 }
 
 GridInfo describe(const openvdb::GridBase& grid, std::string name) {

@@ -8,7 +8,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/vdb/charge_file.h"
+#include "core/vdb/load_limits.h"
 #include "core/volume/grid_info.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
@@ -16,14 +16,6 @@
 namespace tet {
 
 /// What reading a file may take, checked before anything is built of it.
-struct LoadLimits {
-  std::uint64_t max_bytes = std::uint64_t{16} << 30;          ///< of the volume in memory
-  std::uint64_t max_reading_bytes = std::uint64_t{48} << 30;  ///< of the volume and all else
-  /// The caller has walked this very file (core/vdb/walk_vdb.h) and checked what it takes
-  /// (core/vdb/memory_charge.h), in this process or in another: both are left out.
-  bool walked = false;
-};
-
 /// The grids of a `.vdb` file, or the arrays of an image, in the file's order. Values are not
 /// read. Errors: kNotFound (no such file), kPermissionDenied, kInvalidArgument (not a VDB file,
 /// truncated, corrupt), kResourceExhausted (over `limits`).

@@ -7,14 +7,9 @@
 
 #include "core/surface/triangle_surface.h"
 #include "core/vdb/conversion_report.h"
-#include "core/volume/volume.h"
+#include "core/vdb/surface_volume.h"
 
 namespace tet {
-
-struct SurfaceVolume {
-  Volume volume;
-  ConversionReport report;
-};
 
 /// The narrow-band level set (half width 3 voxels) of a surface, named "surface".
 ///

@@ -1,7 +1,9 @@
 // What a .vdb file holds, as told by its bytes alone: read before anything is built of them.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,14 @@ struct TreeOutline {
   std::uint64_t volume_bytes = 0;    ///< most memory a `Volume` of it takes while it is made
 };
 
+/// A map from voxels to the world along the axes: x becomes scale * x + translation.
+struct AxisMap {
+  bool scales = false, moves = false;  ///< which of the two the file states
+  std::array<double, 3> scale{1, 1, 1};
+  std::array<double, 3> translation{};
+  std::array<double, 3> voxel_size{1, 1, 1};  ///< as the file states it
+};
+
 /// How far the bytes of a grid were looked at.
 enum class WalkDepth : std::uint8_t {
   kValues,    ///< all of it: nodes, masks, and the frames of all value arrays
@@ -54,6 +64,9 @@ struct GridOutline {
   bool instance = false;  ///< shares the tree of an earlier grid, whose outline this repeats
   WalkDepth depth = WalkDepth::kValues;
   TreeOutline tree;
+  std::uint64_t metadata_at = 0;  ///< the byte of the file where its metadata begins
+  std::uint64_t tree_at = 0;      ///< and its nodes; 0 of an instance
+  std::optional<AxisMap> map;     ///< unless it is one of another kind
 };
 
 struct VdbOutline {

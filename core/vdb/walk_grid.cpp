@@ -139,6 +139,7 @@ void walk_known_tree(VdbCursor& cursor,
                      bool has_offsets) {
   GridOutline& grid = descriptor.grid;
   const ValueFormat format{type, grid.half_float, grid.compression};
+  grid.tree_at = cursor.position();
   const Topology topology = walk_topology(cursor, format);
   grid.tree = topology.outline;
   charge_memory(grid.tree, type);
@@ -205,10 +206,11 @@ GridOutline walk_grid(VdbCursor& cursor,
   check_name(descriptor, outline);
   check_start(descriptor.extent, cursor, outline.has_offsets);
   descriptor.grid.compression = read_compression(cursor);
+  descriptor.grid.metadata_at = cursor.position();
   const WalkedMetadata metadata = walk_metadata(cursor, limits.metadata);
   descriptor.grid.grid_class = metadata.grid_class;
   check_half_float(descriptor, metadata);
-  walk_transform(cursor);
+  descriptor.grid.map = walk_transform(cursor);
   walk_tree(cursor, source, descriptor, outline);
   check_delayed_leaves(descriptor, metadata);
   if (outline.has_offsets) {

@@ -33,6 +33,9 @@ constexpr std::array kFixedTypes{
 constexpr std::uint32_t kLongestType = 64;
 constexpr std::uint32_t kLongestClass = 64;
 
+constexpr std::uint32_t kMostTextBytes = 1000;
+constexpr std::size_t kMostTexts = 100;
+
 /// An entry takes at least three lengths and a name.
 constexpr std::uint64_t kSmallestEntry = 13;
 
@@ -162,6 +165,26 @@ WalkedMetadata walk_metadata(VdbCursor& cursor, const MetadataLimits& limits) {
     walk_value(cursor, entry, walked);
   }
   return walked;
+}
+
+std::vector<std::pair<std::string, std::string>> read_texts(VdbCursor& cursor,
+                                                            std::string_view prefix,
+                                                            const MetadataLimits& limits) {
+  const auto count = cursor.read<std::uint32_t>("metadata count");
+  check_count(cursor, count, limits);
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Entry entry = read_entry(cursor, limits);
+    std::uint32_t taken = 0;
+    if (entry.type == "string" && entry.name.starts_with(prefix) && texts.size() < kMostTexts) {
+      taken = std::min(entry.bytes, kMostTextBytes);
+      const std::byte* text = cursor.take(taken, "metadata value");
+      texts.emplace_back(entry.name, std::string(reinterpret_cast<const char*>(text), taken));
+    }
+    cursor.skip(entry.bytes - taken, "metadata value");
+  }
+  std::ranges::sort(texts);
+  return texts;
 }
 
 }  // namespace tet

@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/vdb/vdb_cursor.h"
 
@@ -28,5 +31,11 @@ struct WalkedMetadata {
 /// Walks over a map of metadata. Values of known types have exactly their size; those of other
 /// types are passed over.
 WalkedMetadata walk_metadata(VdbCursor& cursor, const MetadataLimits& limits);
+
+/// Names and beginnings of the strings whose names begin with `prefix`, by name: at most a
+/// hundred, of a thousand bytes each.
+std::vector<std::pair<std::string, std::string>> read_texts(VdbCursor& cursor,
+                                                            std::string_view prefix,
+                                                            const MetadataLimits& limits);
 
 }  // namespace tet

@@ -52,7 +52,7 @@ Triple each(const Triple& triple, const Function& function) {
 }
 
 /// A scale, then what OpenVDB stores beside it so as not to compute it again.
-void walk_scale(VdbCursor& cursor, bool uniform) {
+void walk_scale(VdbCursor& cursor, bool uniform, AxisMap& map) {
   const std::uint64_t at = cursor.position();
   const Triple scale = read_triple(cursor, "scale");
   if (uniform && (scale[0] != scale[1] || scale[0] != scale[2])) {
@@ -62,8 +62,10 @@ void walk_scale(VdbCursor& cursor, bool uniform) {
   for (const double s : scale) {
     if (!std::isnormal(s)) refuse_at(at, absl::StrFormat("the scale %g is not usable", s));
   }
-  check_derived(at, read_triple(cursor, "voxel size"),
-                each(scale, [](double s) { return std::abs(s); }));
+  map.scales = true;
+  map.scale = scale;
+  map.voxel_size = read_triple(cursor, "voxel size");
+  check_derived(at, map.voxel_size, each(scale, [](double s) { return std::abs(s); }));
   check_derived(at, read_triple(cursor, "inverse scale"),
                 each(scale, [](double s) { return 1 / s; }));
   check_derived(at, read_triple(cursor, "inverse scale squared"),
@@ -83,20 +85,31 @@ void walk_matrix(VdbCursor& cursor) {
   }
 }
 
-/// False when there is no linear map of that name.
-bool walk_linear_map(VdbCursor& cursor, std::string_view name) {
+void walk_translation(VdbCursor& cursor, AxisMap& map) {
+  map.moves = true;
+  map.translation = read_triple(cursor, "translation");
+}
+
+/// False when there is no linear map of that name. One that may turn leaves `along_axes`
+/// empty.
+bool walk_linear_map(VdbCursor& cursor,
+                     std::string_view name,
+                     std::optional<AxisMap>& along_axes) {
+  AxisMap map;
   if (name == "AffineMap" || name == "UnitaryMap") {
     walk_matrix(cursor);
+    return true;
   } else if (name == "ScaleMap" || name == "UniformScaleMap") {
-    walk_scale(cursor, name == "UniformScaleMap");
+    walk_scale(cursor, name == "UniformScaleMap", map);
   } else if (name == "TranslationMap") {
-    read_triple(cursor, "translation");
+    walk_translation(cursor, map);
   } else if (name == "ScaleTranslateMap" || name == "UniformScaleTranslateMap") {
-    read_triple(cursor, "translation");
-    walk_scale(cursor, name == "UniformScaleTranslateMap");
+    walk_translation(cursor, map);
+    walk_scale(cursor, name == "UniformScaleTranslateMap", map);
   } else {
     return false;
   }
+  along_axes = map;
   return true;
 }
 
@@ -114,21 +127,25 @@ void walk_frustum(VdbCursor& cursor) {
   const std::uint64_t map_at = cursor.position();
   const std::string name =
       cursor.read_string(kLongestMapType, "frustum map type", "frustum map type text");
-  if (!walk_linear_map(cursor, name)) {
+  std::optional<AxisMap> inner;
+  if (!walk_linear_map(cursor, name, inner)) {
     refuse_at(map_at, absl::StrFormat("%s is not a linear map", quoted_name(name)));
   }
 }
 
 }  // namespace
 
-void walk_transform(VdbCursor& cursor) {
+std::optional<AxisMap> walk_transform(VdbCursor& cursor) {
+  std::optional<AxisMap> map;
   const std::uint64_t at = cursor.position();
   const std::string name =
       cursor.read_string(kLongestMapType, "transform type", "transform type text");
-  if (name == "NonlinearFrustumMap") return walk_frustum(cursor);
-  if (!walk_linear_map(cursor, name)) {
+  if (name == "NonlinearFrustumMap") {
+    walk_frustum(cursor);
+  } else if (!walk_linear_map(cursor, name, map)) {
     refuse_at(at, absl::StrFormat("the transform %s is not known", quoted_name(name)));
   }
+  return map;
 }
 
 }  // namespace tet

@@ -15,8 +15,7 @@
 #include "client/library/api/work.h"
 #include "client/library/read_grids.h"
 #include "core/triangle_files/surface_file.h"
-#include "core/vdb/surface_to_volume.h"
-#include "core/vdb/write_volume.h"
+#include "core/vdb/openvdb_part.h"
 
 namespace tetstream {
 namespace {
@@ -46,8 +45,9 @@ absl::StatusOr<tet::Volume> converted(const absl::StatusOr<tet::TriangleSurface>
                                       double voxel_size,
                                       OpenSurface open) {
   if (!surface.ok()) return surface.status();
-  absl::StatusOr<tet::SurfaceVolume> made =
-      tet::surface_to_volume(*surface, voxel_size, choice_of(open));
+  auto made = tet::with_openvdb([&](const tet::OpenVdbPart& part) {
+    return part.surface_to_volume(*surface, voxel_size, choice_of(open));
+  });
   if (!made.ok()) return made.status();
   return std::move(made->volume);
 }
@@ -149,7 +149,9 @@ Status Volume::write_vdb(const std::string& path) const {
     if (impl_->components.size() > 1) {
       return {StatusCode::kUnimplemented, "vectors cannot be written to a .vdb file yet"};
     }
-    return to_public(tet::write_volume(*impl_->components.front(), path));
+    return to_public(tet::with_openvdb([&](const tet::OpenVdbPart& part) {
+      return part.write_volume(*impl_->components.front(), path);
+    }));
   });
 }
 
