@@ -38,6 +38,8 @@ def listed_packages(path):
 
 
 def main():
+    if len(sys.argv) < 3:
+        sys.exit("usage: check_run_packages.py scripts/packages.txt PROGRAM...")
     packages, *programs = sys.argv[1:]
     libraries = {library for program in programs for library in libraries_of(program)}
     needed = {package_of(library) for library in libraries} - IN_EVERY_IMAGE
