@@ -105,9 +105,10 @@ add_custom_target(sanitized_tests)
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own, and those that are listed as
 # THOROUGH have that label instead of `fast` or `slow`: not among the first to run, and yet
-# sanitized.
+# sanitized. SUITES are test suites of the program that are one ctest each.
 function(tet_test name)
-  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;THOROUGH" ${ARGN})
+  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT"
+    "SOURCES;DEPENDS;LABELS;THOROUGH;SUITES" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 900)
   endif()
@@ -119,9 +120,16 @@ function(tet_test name)
   target_compile_options(${name} PRIVATE -O1)
   if(ARG_ONE_PROCESS)
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+    set_tests_properties(${name} PROPERTIES
+      LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
   else()
-    tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}" "${ARG_THOROUGH}")
+    foreach(suite IN LISTS ARG_SUITES)
+      add_test(NAME ${suite} COMMAND ${name} --gtest_brief=1 --gtest_filter=${suite}.*)
+      set_tests_properties(${suite} PROPERTIES
+        LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+    endforeach()
+    tet_discover_tests(${name} "TIMEOUT;${ARG_TIMEOUT}" "${ARG_LABELS}"
+      "${ARG_THOROUGH}" "${ARG_SUITES}")
   endif()
   if((ARG_LABELS MATCHES "fast|thorough" OR ARG_THOROUGH) AND NOT "command" IN_LIST ARG_LABELS)
     add_dependencies(sanitized_tests ${name})
@@ -130,9 +138,12 @@ endfunction()
 
 # In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
 # include file that ctest reads after the discovery.
-function(tet_discover_tests name timeout labels thorough)
+function(tet_discover_tests name properties labels thorough suites)
+  list(TRANSFORM suites APPEND ".*")
+  list(JOIN suites ":" suites)
   gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 600 NO_PRETTY_VALUES
-    PROPERTIES TIMEOUT ${timeout})
+    TEST_FILTER "*-${suites}"
+    PROPERTIES ${properties})
   list(TRANSFORM labels REPLACE "^(fast|slow)$" thorough OUTPUT_VARIABLE thorough_labels)
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
   # ctest adds to the labels that a test has, so each test is met once.
