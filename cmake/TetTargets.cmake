@@ -3,6 +3,7 @@
 #   tet_executable(name SOURCES ... DEPENDS ...)  a program in build/<preset>/bin
 #   tet_on_demand(TARGET...)                      what only `everything` or its own name builds
 #   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
+#   tet_costs(TEST seconds ...)     tests of this folder that are to begin early
 include(CheckCXXCompilerFlag)
 include(GoogleTest)
 
@@ -105,10 +106,14 @@ add_custom_target(sanitized_tests)
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own, and those that are listed as
 # THOROUGH have that label instead of `fast` or `slow`: not among the first to run, and yet
-# sanitized. SUITES are test suites of the program that are one ctest each.
+# sanitized. SUITES are test suites of the program that are one ctest each. COST is what the
+# longest test takes, in seconds.
 function(tet_test name)
-  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT"
+  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT;COST"
     "SOURCES;DEPENDS;LABELS;THOROUGH;SUITES" ${ARGN})
+  if(NOT ARG_COST)
+    set(ARG_COST 0)
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 900)
   endif()
@@ -121,14 +126,14 @@ function(tet_test name)
   if(ARG_ONE_PROCESS)
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${name} PROPERTIES
-      LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+      LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST})
   else()
     foreach(suite IN LISTS ARG_SUITES)
       add_test(NAME ${suite} COMMAND ${name} --gtest_brief=1 --gtest_filter=${suite}.*)
       set_tests_properties(${suite} PROPERTIES
-        LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+        LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST})
     endforeach()
-    tet_discover_tests(${name} "TIMEOUT;${ARG_TIMEOUT}" "${ARG_LABELS}"
+    tet_discover_tests(${name} "TIMEOUT;${ARG_TIMEOUT};COST;${ARG_COST}" "${ARG_LABELS}"
       "${ARG_THOROUGH}" "${ARG_SUITES}")
   endif()
   if((ARG_LABELS MATCHES "fast|thorough" OR ARG_THOROUGH) AND NOT "command" IN_LIST ARG_LABELS)
@@ -156,4 +161,13 @@ function(tet_discover_tests name properties labels thorough suites)
     "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${labels}\")\n"
     "endforeach()\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels_file})
+endfunction()
+
+# ctest begins with what it has seen to take long; on a machine that has run no test yet, with these.
+# Otherwise the longest might begin when all others have ended.
+function(tet_costs)
+  while(ARGN)
+    list(POP_FRONT ARGN test seconds)
+    set_tests_properties(${test} PROPERTIES COST ${seconds})
+  endwhile()
 endfunction()
