@@ -3,6 +3,8 @@
 #   tet_executable(name SOURCES ... DEPENDS ...)  a program in build/<preset>/bin
 #   tet_on_demand(TARGET...)                      what only `everything` or its own name builds
 #   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
+#   tet_is_test(target)             what else is of tests alone: a library of theirs, a program
+#   tet_costs(TEST seconds ...)     tests of this folder that are to begin early
 include(CheckCXXCompilerFlag)
 include(GoogleTest)
 
@@ -38,6 +40,9 @@ target_compile_options(tet_flags INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # Tables are grown when they are compiled; clang gives up after a million steps.
   target_compile_options(tet_flags INTERFACE -fconstexpr-steps=33554432)
+  # Of C++ GCC's -Wconversion lets pass what changes the sign alone, and so it is in tests.
+  target_compile_options(tet_flags INTERFACE
+    "$<$<BOOL:$<TARGET_PROPERTY:TET_IS_TEST>>:-Wno-sign-conversion>")
 endif()
 if(TET_WERROR)
   target_compile_options(tet_flags INTERFACE -Werror)
@@ -102,12 +107,23 @@ endfunction()
 # bytes.
 add_custom_target(sanitized_tests)
 
+# Tests spend their time in our libraries; optimising the tests themselves costs minutes.
+function(tet_is_test target)
+  target_compile_options(${target} PRIVATE -O1)
+  set_target_properties(${target} PROPERTIES TET_IS_TEST ON)
+endfunction()
+
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own, and those that are listed as
 # THOROUGH have that label instead of `fast` or `slow`: not among the first to run, and yet
-# sanitized.
+# sanitized. SUITES are test suites of the program that are one ctest each. COST is what the
+# longest test takes, in seconds.
 function(tet_test name)
-  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;THOROUGH" ${ARGN})
+  cmake_parse_arguments(ARG "ONE_PROCESS" "TIMEOUT;COST"
+    "SOURCES;DEPENDS;LABELS;THOROUGH;SUITES" ${ARGN})
+  if(NOT ARG_COST)
+    set(ARG_COST 0)
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 900)
   endif()
@@ -115,13 +131,19 @@ function(tet_test name)
     math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
   tet_executable(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} GTest::gmock_main)
-  # Tests spend their time in our libraries; optimising the tests themselves costs minutes.
-  target_compile_options(${name} PRIVATE -O1)
+  tet_is_test(${name})
   if(ARG_ONE_PROCESS)
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+    set_tests_properties(${name} PROPERTIES
+      LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST})
   else()
-    tet_discover_tests(${name} "${ARG_TIMEOUT}" "${ARG_LABELS}" "${ARG_THOROUGH}")
+    foreach(suite IN LISTS ARG_SUITES)
+      add_test(NAME ${suite} COMMAND ${name} --gtest_brief=1 --gtest_filter=${suite}.*)
+      set_tests_properties(${suite} PROPERTIES
+        LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST})
+    endforeach()
+    tet_discover_tests(${name} "TIMEOUT;${ARG_TIMEOUT};COST;${ARG_COST}" "${ARG_LABELS}"
+      "${ARG_THOROUGH}" "${ARG_SUITES}")
   endif()
   if((ARG_LABELS MATCHES "fast|thorough" OR ARG_THOROUGH) AND NOT "command" IN_LIST ARG_LABELS)
     add_dependencies(sanitized_tests ${name})
@@ -130,9 +152,12 @@ endfunction()
 
 # In CMake 3.25 gtest_discover_tests keeps only the first of several labels, so they are set by an
 # include file that ctest reads after the discovery.
-function(tet_discover_tests name timeout labels thorough)
+function(tet_discover_tests name properties labels thorough suites)
+  list(TRANSFORM suites APPEND ".*")
+  list(JOIN suites ":" suites)
   gtest_discover_tests(${name} TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 600 NO_PRETTY_VALUES
-    PROPERTIES TIMEOUT ${timeout})
+    TEST_FILTER "*-${suites}"
+    PROPERTIES ${properties})
   list(TRANSFORM labels REPLACE "^(fast|slow)$" thorough OUTPUT_VARIABLE thorough_labels)
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
   # ctest adds to the labels that a test has, so each test is met once.
@@ -145,4 +170,13 @@ function(tet_discover_tests name timeout labels thorough)
     "  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${labels}\")\n"
     "endforeach()\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels_file})
+endfunction()
+
+# ctest begins with what it has seen to take long; on a machine that has run no test yet, with these.
+# Otherwise the longest might begin when all others have ended.
+function(tet_costs)
+  while(ARGN)
+    list(POP_FRONT ARGN test seconds)
+    set_tests_properties(${test} PROPERTIES COST ${seconds})
+  endwhile()
 endfunction()

@@ -185,7 +185,7 @@ class OnAServer(ServerTest):
                                     "--server", self.address), REFUSED, "--improve")
 
     def test_reports_the_same_mesh(self):
-        box = "-2 -2 -2 2 2 2".split()
+        box = "-1 -1 -1 1 1 .5".split()
         for name, *options in (["torus.vdb"], ["random-signs.vdb", "--manifold"],
                                ["torus.vdb", "--preset", "both-sides", "--box", *box]):
             reports = []

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/transfer/compact_mesh.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::compact_mesh_fuzz {
 namespace {
-
-using namespace tet;
 
 /// More would only be slower.
 constexpr std::uint64_t kMaxTets = 200'000;
@@ -43,7 +43,7 @@ void expect_ids_of_vertices(const TetMesh& mesh) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(compact_mesh_fuzz) {
   if (size == 0) return 0;
   const auto chunk = std::as_bytes(std::span(data + 1, size - 1));
   CompactFrame frame;
@@ -58,3 +58,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (decoded.ok()) expect_ids_of_vertices(decoded->mesh);
   return 0;
 }
+
+}  // namespace tet::compact_mesh_fuzz

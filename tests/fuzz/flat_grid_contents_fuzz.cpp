@@ -3,35 +3,32 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <vector>
 
 #include "core/base/byte_buffer.h"
 #include "core/volume/flat_grid_contents.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::flat_grid_contents_fuzz {
 namespace {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-bool is_sound(const tet::GridValues& values) {
+bool is_sound(const GridValues& values) {
   return std::isfinite(values.range.min) && std::isfinite(values.range.max) &&
          std::isfinite(values.background) && values.range.min <= values.range.max;
 }
 
-bool is_sound(const tet::LabelExtent& label) {
-  const tet::VoxelBox& box = label.box;
+bool is_sound(const LabelExtent& label) {
+  const VoxelBox& box = label.box;
   return label.voxels > 0 && box.min.x <= box.max.x && box.min.y <= box.max.y &&
          box.min.z <= box.max.z;
 }
 
 /// What callers rely on: labels ascend, and are no more than are listed.
-void require_sound(const tet::GridContents& contents) {
+void require_sound(const GridContents& contents) {
   require(!contents.values || is_sound(*contents.values));
-  require(contents.labels.size() <= tet::kMostListedLabels);
+  require(contents.labels.size() <= kMostListedLabels);
   require(contents.labels.size() <= contents.label_count);
   for (std::size_t i = 0; i < contents.labels.size(); ++i) {
     require(is_sound(contents.labels[i]));
@@ -39,10 +36,10 @@ void require_sound(const tet::GridContents& contents) {
   }
 }
 
-std::vector<std::byte> written(const tet::GridContents& contents) {
+std::vector<std::byte> written(const GridContents& contents) {
   std::vector<std::byte> bytes;
   const absl::Status status =
-      tet::write_flat_contents(contents, [&](std::span<const std::byte> piece) {
+      write_flat_contents(contents, [&](std::span<const std::byte> piece) {
         bytes.insert(bytes.end(), piece.begin(), piece.end());
         return absl::OkStatus();
       });
@@ -50,16 +47,16 @@ std::vector<std::byte> written(const tet::GridContents& contents) {
   return bytes;
 }
 
-bool is_same(const tet::GridContents& a, const tet::GridContents& b) {
+bool is_same(const GridContents& a, const GridContents& b) {
   return a.values == b.values && a.label_count == b.label_count && a.labels == b.labels;
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tet::ByteBuffer aligned(size);
+TET_FUZZ_TARGET(flat_grid_contents_fuzz) {
+  ByteBuffer aligned(size);
   if (size > 0) std::memcpy(aligned.bytes().data(), data, size);
-  const auto contents = tet::read_flat_contents(aligned.bytes());
+  const auto contents = read_flat_contents(aligned.bytes());
   if (!contents.ok()) {
     require(absl::IsInvalidArgument(contents.status()));
     require(contents.status().message().size() <= 400);
@@ -69,9 +66,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // Numbers that nobody reads may be others: the same is read again.
   const std::vector<std::byte> block = written(*contents);
   require(block.size() == size);
-  tet::ByteBuffer again(block.size());
+  ByteBuffer again(block.size());
   std::memcpy(again.bytes().data(), block.data(), block.size());
-  const auto same = tet::read_flat_contents(again.bytes());
+  const auto same = read_flat_contents(again.bytes());
   require(same.ok() && is_same(*same, *contents));
   return 0;
 }
+
+}  // namespace tet::flat_grid_contents_fuzz

@@ -2,7 +2,6 @@
 // gRPC-Web that is one message or refused, JSON that is a message or refused.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -11,14 +10,10 @@
 #include "server/http/http_gate.h"
 #include "server/http/json_routes.h"
 #include "server/http/request_head.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::http_request_fuzz {
 namespace {
-
-using namespace tet;
-
-void require(bool promise) {
-  if (!promise) std::abort();
-}
 
 bool is_clean(const std::string& text) {
   for (const char c : text) {
@@ -51,7 +46,7 @@ void check_frame(const std::string& body) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(http_request_fuzz) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   check_frame(bytes);
   static_cast<void>(parse_timeout(bytes));
@@ -69,3 +64,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           std::get<JsonCall>(call).method != nullptr);
   return 0;
 }
+
+}  // namespace tet::http_request_fuzz

@@ -3,17 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "core/image/load_image.h"
 #include "core/image/outline_image.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::image_fuzz {
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void require_told(const absl::Status& status) {
   require(absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status));
@@ -25,28 +22,28 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 22;
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const tet::ByteSource source(std::as_bytes(std::span(data, size)));
-  const auto outline = tet::outline_image(source);
+TET_FUZZ_TARGET(image_fuzz) {
+  const ByteSource source(std::as_bytes(std::span(data, size)));
+  const auto outline = outline_image(source);
   if (!outline.ok()) {
     require_told(outline.status());
     return 0;
   }
   if (outline->reading_bytes(size) > kMostBytes * 4) return 0;
-  const auto arrays = tet::list_image(source);
+  const auto arrays = list_image(source);
   if (!arrays.ok()) {
     require_told(arrays.status());
     return 0;
   }
-  for (const tet::GridInfo& array : *arrays) {
+  for (const GridInfo& array : *arrays) {
     if (!array.not_meshable.empty() || array.active_voxels > kMostBytes) continue;
-    const auto volume = tet::load_image(source, array.name, tet::ImageUse::kSurface);
+    const auto volume = load_image(source, array.name, ImageUse::kSurface);
     if (volume.ok()) {
       for (const float value : volume->values) require(std::isfinite(value));
     } else {
       require_told(volume.status());
     }
-    const auto labels = tet::load_labels(source, array.name);
+    const auto labels = load_labels(source, array.name);
     if (!labels.ok()) {
       require_told(labels.status());
       continue;
@@ -57,3 +54,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace tet::image_fuzz

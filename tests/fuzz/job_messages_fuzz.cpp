@@ -5,7 +5,6 @@
 // so many bytes of the message. Rows that others have written are calls too.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -16,17 +15,13 @@
 #include "server/jobs/store/job_rows.h"
 #include "server/jobs/store/open_job_store.h"
 #include "server/jobs/store/sqlite_job_store.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::job_messages_fuzz {
 namespace {
-
-using namespace tet;
 
 constexpr char kSpace[] = "default";
 constexpr std::size_t kMostCalls = 16;
-
-void require(bool promise) {
-  if (!promise) std::abort();
-}
 
 template <class Message>
 void require_within_range(const Message& message) {
@@ -187,7 +182,7 @@ class Calls {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(job_messages_fuzz) {
   std::string_view rest(reinterpret_cast<const char*>(data), size);
   Calls calls;
   constexpr std::size_t kHead = 3;
@@ -200,3 +195,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   calls.check_all();
   return 0;
 }
+
+}  // namespace tet::job_messages_fuzz

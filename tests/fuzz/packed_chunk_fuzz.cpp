@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "core/mesh/packed_chunk.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::packed_chunk_fuzz {
 namespace {
 
 using namespace tet;
@@ -119,7 +121,7 @@ void expect_same_back(const Input& input, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(packed_chunk_fuzz) {
   if (size < 8) return 0;
   const auto bytes = std::as_bytes(std::span(data, size));
   const Input input(bytes.first<8>());
@@ -127,3 +129,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   expect_same_back(input, bytes.subspan(8));
   return 0;
 }
+
+}  // namespace tet::packed_chunk_fuzz

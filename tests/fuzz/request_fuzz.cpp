@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -12,17 +11,13 @@
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"
 #include "proto/convert/upload_piece.h"
+#include "tests/fuzz/fuzz_target.h"
 
+namespace tet::request_fuzz {
 namespace {
-
-using namespace tet;
 
 /// A status on the wire takes no more than this.
 constexpr std::size_t kMaxDetails = 1024;
-
-void require(bool promise) {
-  if (!promise) std::abort();
-}
 
 void check_refusal(const absl::Status& status) {
   require(absl::IsInvalidArgument(status));
@@ -62,9 +57,11 @@ void check_piece(const std::string& bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(request_fuzz) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   check_stream_request(bytes);
   check_piece(bytes);
   return 0;
 }
+
+}  // namespace tet::request_fuzz

@@ -3,23 +3,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "core/surface/default_voxel.h"
 #include "core/triangle_files/surface_format.h"
+#include "tests/fuzz/fuzz_target.h"
 
-namespace {
+namespace tet::surface_fuzz {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(surface_fuzz) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const auto surface = tet::read_surface_bytes(bytes);
+  const auto surface = read_surface_bytes(bytes);
   if (!surface.ok()) {
     require(absl::IsInvalidArgument(surface.status()));
     require(!surface.status().message().empty());
@@ -29,9 +23,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const auto& triangle : surface->triangles) {
     for (const std::uint32_t id : triangle) require(id < surface->vertices.size());
   }
-  for (const tet::WorldPoint& p : surface->vertices) {
+  for (const WorldPoint& p : surface->vertices) {
     require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   }
-  require(tet::default_voxel(*surface) >= 0);
+  require(default_voxel(*surface) >= 0);
   return 0;
 }
+
+}  // namespace tet::surface_fuzz

@@ -2,23 +2,17 @@
 // accepts has every byte in its place.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "core/vdb/memory_charge.h"
 #include "core/vdb/walk_vdb.h"
+#include "tests/fuzz/fuzz_target.h"
 
-namespace {
+namespace tet::walk_vdb_fuzz {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+TET_FUZZ_TARGET(walk_vdb_fuzz) {
   const auto bytes = std::as_bytes(std::span(data, size));
-  const auto outline = tet::walk_vdb(tet::ByteSource(bytes));
+  const auto outline = walk_vdb(ByteSource(bytes));
   if (!outline.ok()) {
     require(absl::IsInvalidArgument(outline.status()) ||
             absl::IsResourceExhausted(outline.status()));
@@ -26,11 +20,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   require(outline->file_bytes == size);
-  for (const tet::GridOutline& grid : outline->grids) {
-    require(tet::loading_charge(*outline, grid.name).reading <=
-            tet::loading_charge(*outline, "").reading);
+  for (const GridOutline& grid : outline->grids) {
+    require(loading_charge(*outline, grid.name).reading <=
+            loading_charge(*outline, "").reading);
   }
-  const auto cut = tet::walk_vdb(tet::ByteSource(bytes.first(size - 1)));
+  const auto cut = walk_vdb(ByteSource(bytes.first(size - 1)));
   require(absl::IsInvalidArgument(cut.status()));
   return 0;
 }
+
+}  // namespace tet::walk_vdb_fuzz

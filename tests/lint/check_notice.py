@@ -86,6 +86,8 @@ def development_packages(path):
 
 
 def main():
+    if len(sys.argv) < 4:
+        sys.exit("usage: check_notice.py NOTICE scripts/packages.txt PROGRAM...")
     notice, packages, *programs = sys.argv[1:]
     sections = read_notice(pathlib.Path(notice).read_text(encoding="utf-8"))
     errors = find_errors(sections, sources_of(packages_of(programs)),

@@ -2,6 +2,9 @@
 
     python3 tests/lint/check_notice_test.py
 """
+import pathlib
+import subprocess
+import sys
 import unittest
 
 from check_notice import find_errors, read_notice
@@ -42,6 +45,13 @@ class CheckNotice(unittest.TestCase):
 
     def test_programs_were_not_read(self):
         self.assertIn("no program loads any library", self.errors([]))
+
+    def test_without_arguments_it_says_how_it_is_called(self):
+        for checker in ("check_notice.py", "check_run_packages.py"):
+            run = subprocess.run([sys.executable, "-B", pathlib.Path(__file__).parent / checker],
+                                 check=False, capture_output=True, text=True)
+            self.assertEqual(run.returncode, 1)
+            self.assertRegex(run.stderr, rf"^usage: {checker} .*PROGRAM\.\.\.\n$")
 
 
 if __name__ == "__main__":

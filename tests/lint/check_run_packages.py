@@ -25,10 +25,17 @@ def libraries_of(program):
     return {os.path.realpath(path) for name, path in loaded if name in direct}
 
 
-def package_of(library):
-    """dpkg may know /usr/lib/x/y as /lib/x/y, and names the package first: "libfoo1:amd64: ..."."""
-    pattern = "*" + library.removeprefix("/usr")
-    return output_of("dpkg", "--search", pattern).split(":")[0]
+def packages_of(libraries):
+    """dpkg may know /usr/lib/x/y as /lib/x/y, and names the package first: "libfoo1:amd64: ...". It reads all
+    that is installed for each call, and fails where it knows one of the names not."""
+    names = [name for library in libraries for name in (library, library.removeprefix("/usr"))]
+    found = subprocess.run(["dpkg", "--search", *sorted(names)], check=False, capture_output=True, text=True)
+    owners = dict(reversed(line.split(": ", 1)) for line in found.stdout.splitlines())
+    unknown = [library for library in libraries
+               if library not in owners and library.removeprefix("/usr") not in owners]
+    if unknown:
+        sys.exit(f"no package has {', '.join(sorted(unknown))}")
+    return {owner.split(":")[0] for owner in owners.values()}
 
 
 def listed_packages(path):
@@ -38,9 +45,11 @@ def listed_packages(path):
 
 
 def main():
+    if len(sys.argv) < 3:
+        sys.exit("usage: check_run_packages.py scripts/packages.txt PROGRAM...")
     packages, *programs = sys.argv[1:]
     libraries = {library for program in programs for library in libraries_of(program)}
-    needed = {package_of(library) for library in libraries} - IN_EVERY_IMAGE
+    needed = packages_of(libraries) - IN_EVERY_IMAGE
     listed = listed_packages(packages)
     errors = [f"{packages}: [run] lacks {package}" for package in sorted(needed - listed)]
     errors += [f"{packages}: [run] lists {package}, which no program loads"

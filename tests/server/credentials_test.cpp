@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "client/library/channel.h"
-#include "core/base/parallel.h"
 #include "tests/server/authority.h"
 #include "tests/server/every_call.h"
 #include "tests/server/reason_of.h"
@@ -301,10 +300,3 @@ TEST_F(CredentialsTest, OfTheServerAreCheckedBeforeItStarts) {
 
 }  // namespace
 }  // namespace tet::test
-
-// Its servers write TLS on worker threads, which are to be gone before the process is.
-int main(int argc, char** argv) {
-  const tet::WorkerThreads workers;
-  testing::InitGoogleMock(&argc, argv);
-  return RUN_ALL_TESTS();
-}

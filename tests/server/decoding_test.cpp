@@ -21,7 +21,8 @@ using testing::Not;
 /// What a small file may take by the clock (docs/hostile_input.md).
 constexpr std::chrono::seconds kTimeLimit{20};
 
-/// TETSTREAM_TRIALS=1000 build/release/bin/decoding_test for a longer run.
+/// TETSTREAM_TRIALS=1000 build/release/bin/slow_service_test --gtest_filter=Decoding* for a
+/// longer run.
 int trials() {
   const char* const wanted = std::getenv("TETSTREAM_TRIALS");
   return wanted == nullptr ? 60 : std::atoi(wanted);

@@ -6,20 +6,17 @@
 #include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
 #include "proto/scene/scene_message.h"
+#include "tests/server/column_text.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/streamed_chunks.h"
 
 namespace tet::test {
 namespace {
 
-std::string text_of(const ByteBuffer& column) {
-  return {reinterpret_cast<const char*>(column.bytes().data()), column.size()};
-}
-
 /// What this process reads of a grid.
-VertexField field_of(const std::string& path,
-                     const std::string& grid,
-                     const std::string& name) {
+VertexField read_field(const std::string& path,
+                       const std::string& grid,
+                       const std::string& name) {
   VertexField field{name, "", grid, {}};
   std::uint32_t count = 1;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -76,7 +73,7 @@ TEST_F(FieldServiceTest, SendsTheValuesThatThisProcessFinds) {
   MeshRequest request;
   request.levels = default_levels(Sizing());
   request.preset = Preset::kBothSides;
-  request.fields = {field_of(path_, "heat", ""), field_of(path_, "velocity", "flow")};
+  request.fields = {read_field(path_, "heat", ""), read_field(path_, "velocity", "flow")};
   TaskPool pool(2);
   const auto here = mesh_volume(
       pool, {.shape = std::make_shared<const Volume>(load_volume(path_, "sphere").value()),

@@ -5,6 +5,7 @@
 #include "client/library/remesh_session.h"
 #include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
+#include "tests/server/column_text.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/streamed_chunks.h"
@@ -15,10 +16,6 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-std::string text_of(const ByteBuffer& column) {
-  return {reinterpret_cast<const char*>(column.bytes().data()), column.size()};
-}
 
 class SeveralGridsTest : public ServiceTest {
  protected:

@@ -143,8 +143,8 @@ TEST(TaskPool, FinishesAllThatWasPostedBeforeItGoes) {
 }
 
 TEST(TaskPool, RunsAsManyPostedTasksAtOnceAsItHasThreads) {
-  TaskPool pool(2);
   std::latch both(2);  // would never open if the two waited for each other
+  TaskPool pool(2);    // goes first, when the last task has left the latch
   for (int i = 0; i < 2; ++i) pool.post([&] { both.arrive_and_wait(); });
   both.wait();
 }
