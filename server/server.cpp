@@ -243,7 +243,7 @@ absl::Status Server::Parts::open_metrics() {
 absl::Status Server::Parts::open_http() {
   if (config.http_listen.empty()) return absl::OkStatus();
   const auto tell = [this](absl::string_view families) {
-    return history.json(MetricHistory::Clock::now(), families);
+    return history.tell(MetricHistory::Clock::now(), families);
   };
   auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
                                         tell, [this] { return works(); }, grpc_address()});
