@@ -227,6 +227,20 @@ class Compose(DeployTest):
         self.assertIn("jobs", services)
         self.assertEqual(str(server["environment"]["TETSTREAM_JOB_WORKERS"]), "0")
 
+    def test_a_farms_second_server_is_as_the_first_and_behind_the_same_proxy(self):
+        services = self.services("compose.yml", "compose.farm.yml")
+        first, second, proxy = services["tetstream"], services["second"], services["proxy"]
+        for name in first.keys() - {"build", "ports"}:
+            self.assertEqual(first[name], second[name], name)
+        self.assertEqual(second.keys() - first.keys(), {"profiles"})
+        self.assertEqual(second["profiles"], proxy["profiles"])
+        self.assertEqual(set(proxy["depends_on"]), {"tetstream", "second"})
+        for name, of in (("SERVER", "tetstream"), ("SECOND", "second")):
+            health = "" if name == "SERVER" else name + "_"
+            told = {key: proxy["environment"][f"TETSTREAM_PROXY_{key}"]
+                    for key in (name, health + "HEALTH_HOST", health + "HEALTH_PORT")}
+            self.assertEqual(list(told.values()), [f"{of}:7447", of, "9464"])
+
 
 
 class Alerts(unittest.TestCase):
