@@ -269,6 +269,9 @@ void Server::Parts::tell_health() {
 std::vector<Reading> Server::Parts::slow_readings() const {
   store->catch_up();
   std::vector<Reading> readings = read_server(engine, *store);
+  for (Reading& reading : read_credentials(*access, tls.get())) {
+    readings.push_back(std::move(reading));
+  }
   if (jobs != nullptr) {
     for (Reading& reading : jobs->work->readings()) readings.push_back(std::move(reading));
   }
