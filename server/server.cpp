@@ -243,7 +243,7 @@ absl::Status Server::Parts::open_metrics() {
 absl::Status Server::Parts::open_http() {
   if (config.http_listen.empty()) return absl::OkStatus();
   const auto tell = [this](absl::string_view families) {
-    return history.json(MetricHistory::Clock::now(), families);
+    return history.tell(MetricHistory::Clock::now(), families);
   };
   auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
                                         tell, [this] { return works(); }, grpc_address()});
@@ -269,6 +269,9 @@ void Server::Parts::tell_health() {
 std::vector<Reading> Server::Parts::slow_readings() const {
   store->catch_up();
   std::vector<Reading> readings = read_server(engine, *store);
+  for (Reading& reading : read_credentials(*access, tls.get())) {
+    readings.push_back(std::move(reading));
+  }
   if (jobs != nullptr) {
     for (Reading& reading : jobs->work->readings()) readings.push_back(std::move(reading));
   }

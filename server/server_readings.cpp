@@ -1,5 +1,8 @@
 #include "server/server_readings.h"
 
+#include <filesystem>
+#include <system_error>
+
 namespace tet {
 
 namespace {
@@ -37,6 +40,17 @@ void add_work(const MeshEngine& engine, std::vector<Reading>& readings) {
                              engine.activity.cached_streams.load()));
   readings.push_back(counter("tetstream_made_chunks_total", "Chunks made.",
                              engine.activity.chunks_made.load()));
+}
+
+void add_disk(const Config& config, std::vector<Reading>& readings) {
+  std::error_code error;
+  const auto disk = std::filesystem::space(config.store, error);
+  if (!error) {
+    readings.push_back(gauge("tetstream_store_free_bytes",
+                             "Bytes that the store's disk has free.", disk.available));
+  }
+  readings.push_back(gauge("tetstream_disk_reserve_bytes", "The setting disk_reserve_bytes.",
+                           config.disk_reserve_bytes));
 }
 
 void add_store(const StoreStats& store, std::vector<Reading>& readings) {
@@ -90,8 +104,26 @@ std::vector<Reading> read_server(const MeshEngine& engine, const GridStore& stor
   std::vector<Reading> readings = {build_info()};
   add_work(engine, readings);
   add_store(stored, readings);
+  add_disk(engine.config, readings);
   add_plans(plans, readings);
   add_evictions(stored, plans, readings);
+  return readings;
+}
+
+std::vector<Reading> read_credentials(Access& access, ServerTls* tls) {
+  const auto kept_old = [](const char* what, bool is_old) {
+    Reading reading = gauge("tetstream_kept_old",
+                            "1 while a file cannot be used and what it held is kept.", is_old);
+    reading.labels.emplace_back("what", what);
+    return reading;
+  };
+  std::vector<Reading> readings{kept_old("tokens", access.keeps_old()),
+                                kept_old("certificate", tls != nullptr && tls->keeps_old())};
+  if (tls != nullptr) {
+    readings.push_back(gauge("tetstream_certificate_expires_seconds",
+                             "When the server's certificate ends, Unix time.",
+                             absl::ToUnixSeconds(tls->expires())));
+  }
   return readings;
 }
 

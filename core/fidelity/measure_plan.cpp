@@ -94,7 +94,7 @@ class PlanMeasure {
       scratch->chunk = TetMesh(header, std::move(scratch->chunk));
       const WatchedFill watched(scratch->workspace, cancellation_);
       plan_.fill_chunk(i, scratch->workspace, scratch->chunk.columns());
-      if (watched.stopped()) return;
+      if (cancellation_.requested()) return;
       take(i, std::as_const(scratch->chunk), place);
     });
   }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/field/domain.h"
 #include "core/scene/scene_evaluator.h"
@@ -46,9 +45,6 @@ class CubeScan {
       : evaluator_(*field.scene), spacing_(field.spacing_voxels) {
     evaluator_.stop_when(cancellation);
   }
-
-  /// Whether what it said last may be made up.
-  bool stopped() const noexcept { return evaluator_.stopped(); }
 
   /// Where the parts of a cube of bricks lie, each with its halo; at 16*x + 4*y + z.
   std::array<Side, 64> parts_of(BrickCoord min, std::int32_t edge) {
@@ -127,25 +123,6 @@ CubeLevel covering(const BrickBox& box) {
   return level;
 }
 
-/// Looks at a cancellation for all threads, and remembers what it saw.
-class Stop {
- public:
-  explicit Stop(const Cancellation& cancellation) : cancellation_(cancellation) {}
-
-  bool stops() {
-    if (cancellation_.requested()) stopped_ = true;
-    return stopped_;
-  }
-  void add(const CubeScan& scan) {
-    if (scan.stopped()) stopped_ = true;
-  }
-  absl::Status status() const { return check_stopped(stopped_, cancellation_); }
-
- private:
-  const Cancellation& cancellation_;
-  std::atomic<bool> stopped_ = false;
-};
-
 /// What was found in a few cubes.
 struct CubeFindings {
   std::vector<BrickCoord> to_look_into;
@@ -193,22 +170,20 @@ absl::StatusOr<CubeLevel> refine(const PhiField& field,
   const std::size_t cubes = level.cubes.size();
   std::vector<CubeFindings> findings((cubes + kCubesOfGroup - 1) / kCubesOfGroup);
   std::atomic<std::size_t> kept = 0;
-  Stop stop(cancellation);
   const auto too_many = [&] {
     return !check_surface_bricks(static_cast<double>(kept), most).ok();
   };
   for_each_index(findings.size(), [&](std::size_t group) {
-    if (stop.stops() || too_many()) return;
+    if (cancellation.requested() || too_many()) return;
     CubeScan scan(field, cancellation);
     const std::size_t begin = group * kCubesOfGroup;
     const std::size_t end = std::min(begin + kCubesOfGroup, cubes);
-    for (std::size_t i = begin; i < end && !stop.stops(); ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       look_into(scan, level.cubes[i], level.edge, within, findings[group]);
     }
-    stop.add(scan);
     kept += findings[group].to_look_into.size();
   });
-  if (auto status = stop.status(); !status.ok()) return status;
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   // How many there were when it gave up depends on the threads; what was expected does not.
   if (too_many()) {
     const absl::Status status = check_surface_bricks(bricks_of_surface(level), most);
@@ -228,15 +203,13 @@ absl::Status sort_bricks(const PhiField& field,
                          const Cancellation& cancellation,
                          FoundBricks& found) {
   std::vector<Side> sides(bricks.cubes.size());
-  Stop stop(cancellation);
   for_each_range(sides.size(), 64, [&](std::size_t begin, std::size_t end) {
     CubeScan scan(field, cancellation);
-    for (std::size_t i = begin; i < end && !stop.stops(); ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       sides[i] = scan.side_of(bricks.cubes[i]);
     }
-    stop.add(scan);
   });
-  if (auto status = stop.status(); !status.ok()) return status;
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     if (sides[i] == Side::kOutside) continue;
     if (sides[i] == Side::kBoth) found.near_surface.push_back(bricks.cubes[i]);

@@ -183,8 +183,6 @@ void PhiSampler::stop_when(const Cancellation& cancellation) noexcept {
   if (scene_ != nullptr) scene_->stop_when(cancellation);
 }
 
-bool PhiSampler::stopped() const noexcept { return scene_ != nullptr && scene_->stopped(); }
-
 void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
   if (scene_ != nullptr) {
     sample_scene(*scene_, field_.spacing_voxels, brick, samples);

@@ -94,11 +94,9 @@ class PhiSampler {
   const PhiField& field() const noexcept { return field_; }
 
   /// From now on it looks at `cancellation`, which must outlive it, also within the samples of
-  /// one brick of a scene.
+  /// one brick of a scene. Samples are made up once a look found it cancelled: discard what
+  /// came of them.
   void stop_when(const Cancellation& cancellation) noexcept;
-  /// A look found it cancelled: samples since are made up, and what came of them must not be
-  /// used.
-  bool stopped() const noexcept;
 
   /// Fills `samples` for the lattice brick at `brick`.
   void sample(BrickCoord brick, BrickSamples& samples) noexcept;

@@ -130,7 +130,7 @@ void fill_nodes(const GradedTree& graded,
   mesh.phi.resize(graded.node_count);
   for_each_brick_range(
       graded, cancellation, [&](std::size_t level, std::size_t begin, std::size_t end) {
-        LatticeSampler sampler(field);
+        LatticeSampler sampler(field, cancellation);
         const LevelNodes& nodes = graded.nodes[level];
         for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
           const std::uint64_t first = nodes.first_vertex[i];

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "core/base/cancel.h"
 #include "core/field/phi_field.h"
 #include "core/lattice/bcc.h"
 #include "core/scene/scene_evaluator.h"
@@ -33,7 +34,10 @@ class NodeBounds {
 /// task.
 class LatticeSampler {
  public:
-  explicit LatticeSampler(const PhiField& field) : sampler_(field) {}
+  /// Both must outlive it. What it says is made up once a look found it cancelled.
+  LatticeSampler(const PhiField& field, const Cancellation& cancellation) : sampler_(field) {
+    sampler_.stop_when(cancellation);
+  }
 
   /// Has a scene evaluate only what matters within `bounds`: all points until the next focus
   /// lie there.

@@ -132,6 +132,7 @@ CellSet cells_at_surface(const PhiField& field,
   CellSet cells{near_surface, std::vector<BrickMask>(near_surface.size())};
   for_each_range(near_surface.size(), kLeavesPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
+    sampler.stop_when(cancellation);
     const auto samples = std::make_unique<BrickSamples>();
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       sampler.sample(near_surface[i], *samples);

@@ -142,7 +142,7 @@ void find_zeros(const BackgroundMesh& mesh,
                 SurfaceEdges& edges) {
   constexpr std::size_t kNodesPerSearch = 4096;
   for_each_range(mesh.node.size(), kNodesPerSearch, [&](std::size_t begin, std::size_t end) {
-    LatticeSampler sampler(field);
+    LatticeSampler sampler(field, cancellation);
     EdgeBatch batch(mesh, edges);
     std::uint32_t written = edges.first[begin];
     const auto find = [&](std::uint32_t next) {

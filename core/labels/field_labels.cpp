@@ -111,9 +111,25 @@ class FieldSampler final : public LabelSampler {
                ScratchPool<FieldLabels::Scratch>& pool)
       : fields_(fields), background_(background), overlap_(overlap), turn_(pool) {
     scratch().solid.resize(fields.size());
+    static const Cancellation never;
+    FieldSampler::stop_when(never);  // in place of whoever used the scratch before
     const double spacing = fields.empty() ? 0 : fields.front().field.spacing_voxels;
     constexpr double kTouching = 1e-6;
     touching_ = overlap == Overlap::kFirst ? static_cast<float>(kTouching * spacing) : 0;
+  }
+
+  ~FieldSampler() override {
+    // What is known of a block, or of a focus, may be made up.
+    if (cancellation_->requested()) scratch() = {};
+  }
+  FieldSampler(const FieldSampler&) = delete;
+  FieldSampler& operator=(const FieldSampler&) = delete;
+
+  void stop_when(const Cancellation& cancellation) override {
+    cancellation_ = &cancellation;
+    for (const auto& made : scratch().solid) {
+      if (made != nullptr) made->sampler.stop_when(cancellation);
+    }
   }
 
   std::optional<Label> one_label(BrickCoord brick) override {
@@ -139,8 +155,12 @@ class FieldSampler final : public LabelSampler {
     while (mine.samples.size() < mine.near.size()) {
       mine.samples.push_back(std::make_unique<BrickSamples>());
     }
-    for (std::size_t k = 0; k < mine.near.size(); ++k) {
+    for (std::size_t k = 0; k < mine.near.size() && !cancellation_->requested(); ++k) {
       solid(mine.near[k]).sampler.sample(brick, *mine.samples[k]);
+    }
+    if (cancellation_->requested()) {
+      for (auto& labels : samples.label) labels.fill(background_);
+      return;
     }
     for (const NodeKind kind : {kCorner, kCentre}) {
       for (int x = kFirstSampled; x < kEndSampled; ++x) {
@@ -194,7 +214,10 @@ class FieldSampler final : public LabelSampler {
 
   Solid& solid(std::uint16_t i) {
     std::unique_ptr<Solid>& made = scratch().solid[i];
-    if (made == nullptr) made = std::make_unique<Solid>(fields_[i].field);
+    if (made == nullptr) {
+      made = std::make_unique<Solid>(fields_[i].field);
+      made->sampler.stop_when(*cancellation_);
+    }
     return *made;
   }
 
@@ -330,6 +353,7 @@ class FieldSampler final : public LabelSampler {
   const std::vector<LabelledField>& fields_;
   const Label background_;
   const Overlap overlap_;
+  const Cancellation* cancellation_ = nullptr;
   ScratchPool<FieldLabels::Scratch>::Turn turn_;
   float touching_ = 0;              // what is as near to zero is zero
   std::vector<std::uint16_t> low_;  // edges of one solid, and its phi at their ends

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/labels/label.h"
 #include "core/lattice/bcc.h"
@@ -32,6 +33,10 @@ void find_label_changes(const std::array<std::array<Label, kHaloNodes>, kNodeKin
 class LabelSampler {
  public:
   virtual ~LabelSampler() = default;
+
+  /// From now on it looks at `cancellation`, which must outlive it, within bricks that are much
+  /// work. Labels are made up once a look found it cancelled.
+  virtual void stop_when(const Cancellation& /*cancellation*/) {}
 
   /// The label of every node in the brick and its halo, where that is told without looking at
   /// them: of most bricks.

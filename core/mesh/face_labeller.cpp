@@ -176,14 +176,16 @@ std::size_t FaceLabeller::nearest_to(const WorldPoint& middle) const noexcept {
   return region;
 }
 
-void label_regions(TetMesh& mesh, const Scene* scene) {
+void label_regions(TetMesh& mesh, const Scene* scene, const Cancellation& cancellation) {
   if (mesh.header.face_regions.empty()) return;
   constexpr std::uint64_t kFacesOfRun = 512, kRunsOfTask = 16;
   const std::uint64_t faces = mesh.header.face_count;
   for_each_range((faces + kFacesOfRun - 1) / kFacesOfRun, kRunsOfTask,
                  [&](std::size_t begin, std::size_t end) {
                    FaceLabeller labeller(mesh.header, scene);
-                   for (std::uint64_t run = begin; run < end; ++run) {
+                   labeller.stop_when(cancellation);
+                   for (std::uint64_t run = begin; run < end && !cancellation.requested();
+                        ++run) {
                      label_run(mesh, labeller, run * kFacesOfRun,
                                std::min(faces, (run + 1) * kFacesOfRun));
                    }

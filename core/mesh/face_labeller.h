@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/base/vec3.h"
 #include "core/mesh/tet_mesh.h"
@@ -26,6 +27,12 @@ class FaceLabeller {
   FaceLabeller(const MeshHeader& header, const Scene* scene);
 
   bool empty() const noexcept { return regions_.empty(); }
+
+  /// From now on it looks at `cancellation`, which must outlive it, between few thousand values
+  /// of a scene's instructions. Labels are made up once a look found it cancelled.
+  void stop_when(const Cancellation& cancellation) noexcept {
+    if (scene_) scene_->stop_when(cancellation);
+  }
 
   /// Until the next focus most faces lie in the cube around `centre`: they are labelled sooner.
   void focus(const WorldPoint& centre, double half_edge) noexcept;
@@ -59,7 +66,8 @@ class FaceLabeller {
   std::optional<SceneEvaluator> scene_;  ///< where a region has a node
 };
 
-/// Labels the surface's faces of a whole mesh that has them, by its header's regions. Parallel.
-void label_regions(TetMesh& mesh, const Scene* scene);
+/// Labels the surface's faces of a whole mesh that has them, by its header's regions; some of
+/// them once cancelled. Parallel.
+void label_regions(TetMesh& mesh, const Scene* scene, const Cancellation& cancellation = {});
 
 }  // namespace tet

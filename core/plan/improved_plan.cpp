@@ -41,7 +41,7 @@ QualityStats ImprovedPlan::fill_chunk(std::uint64_t index,
   ChunkColumns without_fields = columns;
   without_fields.fields = {};
   unimproved_->fill_chunk(index, workspace, without_fields);
-  if (workspace.get<FillWatch>().stopped()) return {};  // tets that nobody wrote are no tets
+  if (workspace.get<FillWatch>().stops()) return {};  // tets that nobody wrote are no tets
   const ChunkExtent extent = chunk(index);
   const std::size_t first = ChunkSizes(header(), extent.first_vertex, 0).positions;
   std::ranges::copy(positions_.bytes().subspan(first, columns.positions.size()),

@@ -218,11 +218,10 @@ std::uint32_t SceneEvaluator::leaf_at(const WorldPoint& p) noexcept {
   const scene::Points points = one_point(p);
   scene::Values* top = stack_.data();  // as in `run`
   std::uint32_t* leaf = leaves_.data();
-  for (const std::uint32_t i : program_at(p)) {
-    const Instruction& op = scene_->program[i];
+  const bool done = for_each_instruction(program_at(p), 1, [&](const Instruction& op) {
     if (is_leaf(op.op)) {
       evaluate_leaf(op, points, 1, *++top);
-      *++leaf = i;
+      *++leaf = static_cast<std::uint32_t>(&op - scene_->program.data());
     } else if (is_binary(op.op)) {
       --top;
       --leaf;
@@ -232,8 +231,8 @@ std::uint32_t SceneEvaluator::leaf_at(const WorldPoint& p) noexcept {
     } else {
       apply_unary(op, 1, *top);
     }
-  }
-  return *leaf;
+  });
+  return done ? *leaf : 0;
 }
 
 }  // namespace tet

@@ -24,11 +24,9 @@ class SceneEvaluator {
   explicit SceneEvaluator(const Scene& scene);
 
   /// From now on it looks at `cancellation`, which must outlive it, after each few thousand
-  /// values of an instruction: in one brick there may be a second's work.
+  /// values of an instruction: in one brick there may be a second's work. Values are made up
+  /// once a look found it cancelled: discard what came of them.
   void stop_when(const Cancellation& cancellation) noexcept { cancellation_ = &cancellation; }
-  /// A look found it cancelled, whatever clocks do then: values since are made up, and what
-  /// came of them must not be used.
-  bool stopped() const noexcept { return stopped_; }
 
   /// Until the next focus most points lie in the cube around `centre`: parts that cannot matter
   /// there are left out. At first everywhere is in focus.

@@ -60,8 +60,15 @@ class BrickEncoder {
   BrickEncoder(const CountedMesh& mesh,
                const PhiField& field,
                StuffingWorkspace& workspace,
+               const Cancellation& cancellation,
                std::vector<std::byte>& bytes)
-      : mesh_(mesh), workspace_(workspace), sampler_(field), out_(bytes) {}
+      : mesh_(mesh),
+        workspace_(workspace),
+        cancellation_(cancellation),
+        sampler_(field),
+        out_(bytes) {
+    sampler_.stop_when(cancellation);
+  }
 
   void write(BrickPlace place) {
     const OctreeLevel& level = mesh_.tree().levels[static_cast<std::size_t>(place.level)];
@@ -122,11 +129,13 @@ class BrickEncoder {
     }
     stuff_brick(sampler_, mesh_.tree().levels[0].bricks[brick], mesh_.rules(), mesh_.restored(),
                 workspace_);
+    if (cancellation_.requested()) return;  // there was room for what was counted
     pack_geometry(workspace_.lattice, stuffed, geometry);
   }
 
   const CountedMesh& mesh_;
   StuffingWorkspace& workspace_;
+  const Cancellation& cancellation_;
   PhiSampler sampler_;
   Writer out_;
   int level_ = -1;
@@ -311,9 +320,9 @@ void encode_chunk(const BrickPlan& plan,
   const ComparedMesh counted = plan.counted();
   const auto [begin, end] = plan.bricks_of_chunk(index);
   Writer(bytes).varint(end - begin);
+  const FillWatch& watch = workspace.get<FillWatch>();
   BrickEncoder encoder(counted.mesh, counted.field, workspace.get<BrickScratch>().stuffing,
-                       bytes);
-  FillWatch& watch = workspace.get<FillWatch>();
+                       watch.cancellation(), bytes);
   for (std::size_t brick = begin; brick < end && !watch.stops(); ++brick) {
     encoder.write(counted.mesh.place(brick));
   }

@@ -1,5 +1,6 @@
 #include "server/http/call_exchanges.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -278,11 +279,13 @@ class UploadExchange final : public CallExchange {
   std::string message_;
 };
 
-class MetricsExchange final : public CallExchange {
+class MetricsExchange final : public CallExchange,
+                              public std::enable_shared_from_this<MetricsExchange> {
  public:
   MetricsExchange(const HttpPlace& place, const RequestHead& head, AnswerStream& stream)
       : CallExchange(place, head, stream),
         of_last_hour_(head.path != "/metrics"),
+        head_alone_(head.method == "HEAD"),
         query_(head.query) {}
 
   void start(std::string /*body*/) override {
@@ -298,6 +301,15 @@ class MetricsExchange final : public CallExchange {
     send_metrics();
   }
 
+  void on_room() override {
+    if (std::exchange(waiting_, false)) tell_more();
+  }
+
+  void abandon() override {
+    telling_.reset();
+    CallExchange::abandon();
+  }
+
  private:
   void send_metrics() {
     if (!of_last_hour_) {
@@ -309,11 +321,29 @@ class MetricsExchange final : public CallExchange {
       return stream_.send(refusal_answer(
           {400, "/metrics/history takes ?names=METRIC,METRIC and nothing else"}));
     }
-    stream_.send({200, "application/json", place_.history(names)});
+    if (head_alone_) return stream_.send({200, "application/json", ""});
+    stream_.begin(200, "application/json", {});
+    telling_ = place_.history(names);
+    tell_more();
   }
 
-  const bool of_last_hour_;
+  /// Between two pieces others have their turns with the loop's thread.
+  void tell_more() {
+    if (!telling_) return;
+    waiting_ = !stream_.has_room();
+    if (waiting_) return;
+    const std::string piece = telling_->next();
+    if (piece.empty()) return stream_.end();
+    place_.loop.post([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->tell_more();
+    });
+    stream_.send_piece({grpc::Slice(piece)});
+  }
+
+  const bool of_last_hour_, head_alone_;
   const std::string query_;
+  std::optional<MetricHistory::Telling> telling_;
+  bool waiting_ = false;  ///< for room
 };
 
 MadeExchange made(std::shared_ptr<CallExchange> exchange) {

@@ -16,6 +16,7 @@
 #include "server/http/http_gate.h"
 #include "server/http/page_files.h"
 #include "server/http/request_head.h"
+#include "server/ops/metric_history.h"
 #include "server/rpc/forwarded.h"
 
 namespace tet {
@@ -30,7 +31,7 @@ struct HttpPlace {
   std::shared_ptr<grpc::GenericStub> stub;
   std::function<std::string()> metrics;
   /// JSON, of the families of metrics whose names it is given: see MetricHistory.
-  std::function<std::string(absl::string_view)> history;
+  std::function<MetricHistory::Telling(absl::string_view)> history;
   std::function<bool()> ready;
   bool needs_token = false;
 };

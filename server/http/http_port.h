@@ -11,6 +11,7 @@
 #include <grpcpp/server.h>
 
 #include "server/ops/config.h"
+#include "server/ops/metric_history.h"
 #include "server/ops/metrics.h"
 #include "server/rpc/tls.h"
 
@@ -21,7 +22,7 @@ struct HttpService {
   grpc::Server& server;      ///< whose calls it makes
   ServerTls* tls = nullptr;  ///< null where the port is plain
   std::function<std::string()> metrics;
-  std::function<std::string(absl::string_view)> history;
+  std::function<MetricHistory::Telling(absl::string_view)> history;
   std::function<bool()> ready;
   std::string grpc_address;  ///< host:port that gRPC's port was opened as
 };

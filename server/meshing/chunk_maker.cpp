@@ -94,7 +94,7 @@ absl::StatusOr<ChunkMessage> make_columns(const ChunkSource& source,
     const WatchedFill watched(*workspace, cancellation);
     message.quality = source.patch ? source.patch->fill(index, *workspace, columns)
                                    : plan.fill_chunk(index, *workspace, columns);
-    if (auto status = watched.status(); !status.ok()) return status;
+    if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   }
   if (source.encoding == v1::ENCODING_PACKED) {
     const ScratchPool<ChunkPacker>::Turn packer(memory.packers);
@@ -124,7 +124,7 @@ absl::StatusOr<ChunkMessage> make_compact(const BrickPlan& plan,
     const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
     const WatchedFill watched(*workspace, cancellation);
     encode_chunk(plan, index, *workspace, bytes);
-    if (auto status = watched.status(); !status.ok()) return status;
+    if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   }
 
   v1::MeshChunk chunk = chunk_of(numbers_of(index, extent, add_to_checksum(0, bytes)));

@@ -29,19 +29,11 @@ DecodeTask task_of(const VolumeKey& key) {
   return key.component ? DecodeTask::kField : DecodeTask::kVolume;
 }
 
-/// Stays true once it was: somebody may want the grid again just when all others had gone.
-Cancellation::Stop lasting(VolumeCache::Cancelled abandoned) {
-  return [abandoned = std::move(abandoned), gone = std::make_shared<std::atomic<bool>>(false)] {
-    if (!gone->load() && abandoned()) gone->store(true);
-    return gone->load();
-  };
-}
-
 /// What a decoder made, checked.
 absl::StatusOr<GridInMemory> grid_made_of(const absl::StatusOr<SealedBlock>& block,
                                           const FileRequest& request,
                                           const VolumeCache::Cancelled& abandoned) {
-  const Cancellation cancellation(Cancellation::Clock::time_point::max(), lasting(abandoned));
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(), abandoned);
   if (request.task == DecodeTask::kLabels) {
     absl::StatusOr<LabelVolume> labels = labels_of(block, request, cancellation);
     if (!labels.ok()) return labels.status();

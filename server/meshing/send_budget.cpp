@@ -10,6 +10,15 @@
 
 namespace tet {
 
+namespace {
+
+/// A stream goes on with a block that is sent and one that is made meanwhile.
+constexpr std::uint64_t kFewBlocks = 2;
+/// An eighth is for clients with no more.
+constexpr std::uint64_t kKeptForFew = 8;
+
+}  // namespace
+
 struct SendBudget::State : std::enable_shared_from_this<State> {
   struct Asked {
     const void* who = nullptr;
@@ -25,9 +34,20 @@ struct SendBudget::State : std::enable_shared_from_this<State> {
   State(std::uint64_t total, std::uint64_t block)
       : bytes(std::max(total, 2 * block)), block_bytes(block) {}
 
-  bool is_within_share(const std::string& client) const {
+  std::uint64_t held_by(const std::string& client) const {
     const auto found = of_client.find(client);
-    return found == of_client.end() || found->second + block_bytes <= bytes / 2;
+    return found == of_client.end() ? 0 : found->second;
+  }
+
+  /// Whether a client may have one more block.
+  bool may_have(const std::string& client) const {
+    if (used + block_bytes > bytes) return false;
+    const std::uint64_t held = held_by(client) + block_bytes, left = bytes - used - block_bytes;
+    return has_few(client) || held + bytes / kKeptForFew <= left;
+  }
+
+  bool has_few(const std::string& client) const {
+    return held_by(client) < kFewBlocks * block_bytes;
   }
 
   void give_back(const std::string& client, std::uint64_t given) {
@@ -44,10 +64,7 @@ struct SendBudget::State : std::enable_shared_from_this<State> {
 
   std::vector<Granted> grant_waiting() {
     std::vector<Granted> granted;
-    const auto may = [&](const std::string& client) {
-      return used + block_bytes <= bytes && is_within_share(client);
-    };
-    while (auto next = waiting.take(may)) {
+    while (auto next = waiting.take([&](const auto& client) { return may_have(client); })) {
       used += block_bytes;
       of_client[next->client] += block_bytes;
       granted.push_back(
@@ -92,7 +109,7 @@ bool SendBudget::is_tight() const {
 bool SendBudget::kept_waiting_since(Clock::time_point then) const {
   const std::lock_guard lock(state_->mutex);
   return state_->waiting.any([&](const State::Asked& asked) {
-    return asked.since < then && state_->is_within_share(asked.client);
+    return asked.since < then && state_->has_few(asked.client);
   });
 }
 

@@ -10,8 +10,12 @@
 namespace tet {
 
 /// Blocks of chunks that are made and that the transport has not let go of. A stream asks for a
-/// block before it makes a chunk; where there is none it waits, and the clients take turns. One
-/// client holds at most half of all, so that its slow readers leave room to others.
+/// block before it makes a chunk; where there is none it waits, and the clients take turns.
+///
+/// Two blocks a client may have whatever others hold, and for these an eighth of all is kept.
+/// It leaves as much of the rest free as it takes: alone it gets seven sixteenths of all, and
+/// ten whose readers take nothing get equal parts, of which an eleventh is free. So whoever
+/// comes finds room, and does not wait until others lose their streams.
 ///
 /// Thread safety: any thread may call any member. Leases may outlive the budget: gRPC lets go
 /// of blocks when it likes.
@@ -33,7 +37,7 @@ class SendBudget {
 
   /// More than half is in use: streams should not make chunks ahead.
   bool is_tight() const;
-  /// Somebody whose own share would allow it has waited since before `then`.
+  /// Somebody who has not even two blocks has waited since before `then`.
   bool kept_waiting_since(Clock::time_point then) const;
   std::uint64_t used_bytes() const;
 

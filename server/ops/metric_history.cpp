@@ -1,5 +1,8 @@
 #include "server/ops/metric_history.h"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -7,6 +10,7 @@
 
 #include <absl/strings/match.h>
 #include <absl/strings/numbers.h>
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 #include <nlohmann/json.hpp>
 
@@ -35,6 +39,16 @@ std::pair<absl::string_view, double> read_line(absl::string_view line) {
   return {series, value};
 }
 
+/// The shortest text that reads as the same number; null where it is none.
+void append_number(double value, std::string& json) {
+  if (!std::isfinite(value)) {
+    json += "null";
+    return;
+  }
+  std::array<char, 32> text;
+  json.append(text.data(), std::to_chars(text.begin(), text.end(), value).ptr);
+}
+
 }  // namespace
 
 MetricHistory::MetricHistory(std::chrono::seconds kept, std::size_t most_series)
@@ -42,7 +56,8 @@ MetricHistory::MetricHistory(std::chrono::seconds kept, std::size_t most_series)
 
 void MetricHistory::take(Clock::time_point now, absl::string_view text) {
   const std::lock_guard lock(mutex_);
-  Sample sample{now, std::vector<double>(series_.size(), kMissing)};
+  auto sample =
+      std::make_shared<Sample>(Sample{now, std::vector<double>(series_.size(), kMissing)});
   left_out_ = 0;
   for (const absl::string_view line : absl::StrSplit(text, '\n')) {
     const auto [series, value] = read_line(line);
@@ -50,37 +65,59 @@ void MetricHistory::take(Clock::time_point now, absl::string_view text) {
     auto found = series_.find(series);
     if (found == series_.end() && series_.size() < most_series_) {
       found = series_.emplace(series, series_.size()).first;
-      sample.values.push_back(kMissing);
+      sample->values.push_back(kMissing);
     }
     if (found == series_.end()) {
       ++left_out_;
     } else {
-      sample.values[found->second] = value;
+      sample->values[found->second] = value;
     }
   }
   samples_.push_back(std::move(sample));
-  while (now - samples_.front().time > kept_) samples_.pop_front();
+  while (now - samples_.front()->time > kept_) samples_.pop_front();
 }
 
-std::string MetricHistory::json(Clock::time_point now, absl::string_view families) const {
+MetricHistory::Telling MetricHistory::tell(Clock::time_point now,
+                                           absl::string_view families) const {
   const std::set<absl::string_view> wanted = absl::StrSplit(families, ',', absl::SkipEmpty());
+  Telling telling;
   const std::lock_guard lock(mutex_);
-  nlohmann::json answer = {{"interval_seconds", kInterval.count()},
-                           {"left_out_series", left_out_},
-                           {"seconds_ago", nlohmann::json::array()},
-                           {"samples", nlohmann::json::object()}};
-  for (const Sample& sample : samples_) {
-    answer["seconds_ago"].push_back(std::chrono::duration<double>(now - sample.time).count());
-  }
-  for (const auto& [series, place] : series_) {
-    if (!wanted.empty() && !wanted.contains(family_of(series))) continue;
-    nlohmann::json& values = answer["samples"][series] = nlohmann::json::array();
-    for (const Sample& sample : samples_) {
-      const double value = place < sample.values.size() ? sample.values[place] : kMissing;
-      values.push_back(std::isfinite(value) ? nlohmann::json(value) : nlohmann::json());
+  telling.samples_ = samples_;
+  for (const auto& [name, place] : series_) {
+    if (wanted.empty() || wanted.contains(family_of(name))) {
+      telling.series_.push_back({name, place});
     }
   }
-  return answer.dump();
+  telling.head_ = absl::StrCat("{\"interval_seconds\":", kInterval.count(),
+                               ",\"left_out_series\":", left_out_, ",\"seconds_ago\":[");
+  const char* comma = "";
+  for (const auto& sample : samples_) {
+    telling.head_ += std::exchange(comma, ",");
+    append_number(std::chrono::duration<double>(now - sample->time).count(), telling.head_);
+  }
+  telling.head_ += "],\"samples\":{";
+  return telling;
+}
+
+std::string MetricHistory::Telling::next() {
+  std::string json = std::exchange(head_, {});
+  const std::size_t end = std::min(series_.size(), told_ + kSeriesOfPiece);
+  for (; told_ < end; ++told_) append(series_[told_], json);
+  if (told_ == series_.size() && !std::exchange(ended_, true)) json += "}}";
+  return json;
+}
+
+void MetricHistory::Telling::append(const Series& series, std::string& json) const {
+  using Json = nlohmann::json;
+  if (told_ > 0) json += ",";
+  json += Json(series.name).dump(-1, ' ', false, Json::error_handler_t::replace);
+  const char* before = ":[";
+  for (const auto& sample : samples_) {
+    json += std::exchange(before, ",");
+    append_number(
+        series.place < sample->values.size() ? sample->values[series.place] : kMissing, json);
+  }
+  json += samples_.empty() ? ":[]" : "]";
 }
 
 }  // namespace tet

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -30,11 +31,14 @@ class MetricHistory {
   /// else comes out of it than numbers; a line that has none is passed over.
   void take(Clock::time_point now, absl::string_view text);
 
-  /// Returns {"interval_seconds", "seconds_ago": [...], "left_out_series", "samples": {series:
-  /// [...]}}: ages in seconds, the oldest first, and for each series as many numbers, null
-  /// where it was not there. A series is named as in the text: `name{label="value"}`.
-  /// `families` are names without labels, separated by commas; all where it is empty.
-  std::string json(Clock::time_point now, absl::string_view families = {}) const;
+  class Telling;
+
+  /// Tells {"interval_seconds", "left_out_series", "seconds_ago": [...], "samples": {series:
+  /// [...]}} of what there is now: ages in seconds, the oldest first, and for each series as
+  /// many numbers, null where it was not there. A series is named as in the text:
+  /// `name{label="value"}`. `families` are names without labels, separated by commas; all where
+  /// it is empty.
+  Telling tell(Clock::time_point now, absl::string_view families = {}) const;
 
  private:
   struct Sample {
@@ -47,7 +51,31 @@ class MetricHistory {
   mutable std::mutex mutex_;
   std::map<std::string, std::size_t, std::less<>> series_;  ///< their places in a sample
   std::size_t left_out_ = 0;                                ///< of the newest sample
-  std::deque<Sample> samples_;
+  std::deque<std::shared_ptr<const Sample>> samples_;
+};
+
+/// JSON of what was kept at one moment, a piece at a time: all of it may be megabytes, which
+/// take tens of milliseconds to write. Not thread-safe; may outlive the history.
+class MetricHistory::Telling {
+ public:
+  static constexpr std::size_t kSeriesOfPiece = 16;
+
+  /// The next bytes: at most kSeriesOfPiece series. Empty once all are told.
+  std::string next();
+
+ private:
+  friend class MetricHistory;
+  struct Series {
+    std::string name;
+    std::size_t place = 0;  ///< in a sample
+  };
+  void append(const Series& series, std::string& json) const;
+
+  std::string head_;  ///< of the answer, until it is told
+  std::deque<std::shared_ptr<const Sample>> samples_;
+  std::vector<Series> series_;
+  std::size_t told_ = 0;  ///< series
+  bool ended_ = false;
 };
 
 }  // namespace tet

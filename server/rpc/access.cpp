@@ -130,9 +130,16 @@ absl::StatusOr<Token> Access::find(std::string_view bearer) {
   return *found;
 }
 
+bool Access::keeps_old() {
+  const std::lock_guard lock(mutex_);
+  if (needs_token()) reload();
+  return keeps_old_;
+}
+
 void Access::reload() {
   if (!watch_.changed()) return;
   auto tokens = read_token_file(path_);
+  keeps_old_ = !tokens.ok();
   if (tokens.ok()) {
     tokens_ = *std::move(tokens);
     log_event(spdlog::level::info, "tokens_reloaded", {{"tokens", tokens_.size()}});

@@ -42,6 +42,9 @@ class Access {
   absl::StatusOr<Caller> admit(const grpc::ServerContextBase& context, std::string_view method);
 
   bool needs_token() const noexcept { return !path_.empty(); }
+  /// Looks for a newer file, and whether the tokens in force are old ones, as it cannot be
+  /// used.
+  bool keeps_old();
 
  private:
   explicit Access(const std::string& path) : path_(path), watch_({path}) {}
@@ -52,6 +55,7 @@ class Access {
   std::mutex mutex_;
   FileWatch watch_;
   std::vector<Token> tokens_;
+  bool keeps_old_ = false;
 };
 
 }  // namespace tet

@@ -171,12 +171,24 @@ ServerTls::Reload ServerTls::fetch(void* self, grpc_ssl_server_certificate_confi
 bool ServerTls::reload() {
   if (!watch_.changed()) return false;
   const absl::Status status = load();
+  keeps_old_ = !status.ok();
   if (status.ok()) {
     log_certificate("tls_reloaded", material_);
   } else {
     log_event(spdlog::level::err, "tls_kept", {{"message", std::string(status.message())}});
   }
   return status.ok();
+}
+
+bool ServerTls::keeps_old() {
+  const std::lock_guard lock(mutex_);
+  reload();
+  return keeps_old_;
+}
+
+absl::Time ServerTls::expires() {
+  const std::lock_guard lock(mutex_);
+  return material_.expires;
 }
 
 std::optional<TlsMaterial> ServerTls::newer_than(std::uint64_t& generation) {

@@ -50,6 +50,11 @@ class ServerTls {
   /// `generation` is that of what is returned. It is 0 for a caller that has nothing.
   std::optional<TlsMaterial> newer_than(std::uint64_t& generation);
 
+  /// Looks for newer files, and whether what is in force is old, as they cannot be used.
+  bool keeps_old();
+  /// When the certificate in force ends.
+  absl::Time expires();
+
   /// The server that uses them ends before `this`.
   std::shared_ptr<grpc::ServerCredentials> credentials();
 
@@ -67,7 +72,7 @@ class ServerTls {
   FileWatch watch_;
   TlsMaterial material_;
   std::uint64_t generation_ = 0;  ///< grows with each load
-  bool handed_out_ = false;
+  bool handed_out_ = false, keeps_old_ = false;
 };
 
 }  // namespace tet

@@ -75,6 +75,11 @@ class Systemd(DeployTest):
                     printed = run(tetstreamd(), "--config", path, "--print-config")
                     self.assertEqual((printed.returncode, printed.stderr), (0, ""), settings.name)
 
+    def test_nothing_starts_on_the_folder_that_a_store_is_mounted_on(self):
+        for unit in self.units.glob("*.service"):
+            store = re.search(r"^Environment=TETSTREAM_STORE=(\S+)$", unit.read_text(), re.MULTILINE)
+            self.assertIn(f"\nRequiresMountsFor={store[1]}\n", unit.read_text())
+
     def test_the_user_is_the_containers(self):
         number = re.search(r"useradd --uid (\d+)",
                            (ROOT / "docker" / "server.Dockerfile").read_text())[1]
@@ -103,6 +108,8 @@ class Kubernetes(DeployTest):
              ("v1", "Service", "tetstream"), ("apps/v1", "Deployment", "tetstream-server"),
              ("apps/v1", "Deployment", "tetstream-worker"),
              ("policy/v1", "PodDisruptionBudget", "tetstream-server"),
+             ("networking.k8s.io/v1", "NetworkPolicy", "tetstream-server"),
+             ("networking.k8s.io/v1", "NetworkPolicy", "tetstream-worker"),
              ("keda.sh/v1alpha1", "ScaledObject", "tetstream-worker")})
 
     def test_each_selects_its_own_pods(self):
@@ -125,6 +132,9 @@ class Kubernetes(DeployTest):
                 self.assertIn(f"--from-literal={secret['key']}=", self.head)
             self.assertEqual({mount["name"] for mount in container["volumeMounts"]},
                              {volume["name"] for volume in pod["volumes"]})
+            for volume in pod["volumes"]:
+                if "secret" in volume:
+                    self.assertRegex(self.head, rf"secret \w+ {volume['secret']['secretName']} ")
             claims = [volume["persistentVolumeClaim"]["claimName"] for volume in pod["volumes"]
                       if "persistentVolumeClaim" in volume]
             for claim in claims:
@@ -172,6 +182,29 @@ class Kubernetes(DeployTest):
     def test_a_drain_ends_before_the_server_is_killed(self):
         pod = self.deployments["tetstream-server"]["template"]["spec"]
         self.assert_longer_than_a_drain(pod["terminationGracePeriodSeconds"])
+
+    def test_a_server_asks_for_tokens_over_tls_of_files_that_its_group_may_read(self):
+        pod = self.deployments["tetstream-server"]["template"]["spec"]
+        container = pod["containers"][0]
+        mounted = {mount["mountPath"]: mount["name"] for mount in container["volumeMounts"]}
+        secrets = {volume["name"]: volume["secret"] for volume in pod["volumes"] if "secret" in volume}
+        settings = {value["name"]: value.get("value", "") for value in container["env"]}
+        for name, file in (("TLS_CERT", "tls.crt"), ("TLS_KEY", "tls.key"), ("TOKENS", "tokens.toml")):
+            path = pathlib.Path(settings["TETSTREAM_" + name])
+            self.assertEqual(path.name, file)
+            self.assertEqual(secrets[mounted[str(path.parent)]]["defaultMode"], 0o440)
+        self.assertIn("fsGroup", pod["securityContext"])
+        self.assertIn("--from-file=tokens.toml", self.head)
+
+    def test_pods_are_reached_by_clients_and_prometheus_alone(self):
+        for name, deployment in self.deployments.items():
+            policy = self.objects["NetworkPolicy", name]["spec"]
+            self.assertEqual(policy["podSelector"], deployment["selector"])
+            self.assertEqual(policy["policyTypes"], ["Ingress"])
+            ports = {port["name"] for port in deployment["template"]["spec"]["containers"][0]["ports"]}
+            self.assertEqual({port["port"] for rule in policy["ingress"] for port in rule["ports"]},
+                             ports)
+            self.assertTrue(all(rule["from"] for rule in policy["ingress"]))
 
     def test_workers_are_as_many_as_pending_shards_ask_for(self):
         scaled = self.objects["ScaledObject", "tetstream-worker"]["spec"]
@@ -226,6 +259,20 @@ class Compose(DeployTest):
         self.assertIn("@jobs/", server["environment"]["TETSTREAM_JOBS"])
         self.assertIn("jobs", services)
         self.assertEqual(str(server["environment"]["TETSTREAM_JOB_WORKERS"]), "0")
+
+    def test_a_farms_second_server_is_as_the_first_and_behind_the_same_proxy(self):
+        services = self.services("compose.yml", "compose.farm.yml")
+        first, second, proxy = services["tetstream"], services["second"], services["proxy"]
+        for name in first.keys() - {"build", "ports"}:
+            self.assertEqual(first[name], second[name], name)
+        self.assertEqual(second.keys() - first.keys(), {"profiles"})
+        self.assertEqual(second["profiles"], proxy["profiles"])
+        self.assertEqual(set(proxy["depends_on"]), {"tetstream", "second"})
+        for name, of in (("SERVER", "tetstream"), ("SECOND", "second")):
+            health = "" if name == "SERVER" else name + "_"
+            told = {key: proxy["environment"][f"TETSTREAM_PROXY_{key}"]
+                    for key in (name, health + "HEALTH_HOST", health + "HEALTH_PORT")}
+            self.assertEqual(list(told.values()), [f"{of}:7447", of, "9464"])
 
 
 

@@ -234,7 +234,8 @@ class Day:
     def evictions(program, what):
         """One that is killed may evict once more after it was asked."""
         try:
-            return program.samples()[what]
+            # A store that has not answered since the program began has told nothing yet.
+            return program.samples().get(what, 0)
         except OSError:
             return 0
 
@@ -270,6 +271,9 @@ class Day:
             except OSError:  # the server hung up
                 self.count("calls that were cut")
                 time.sleep(0.1)
+            except Exception as error:
+                self.wrong.append(f"{act.__name__} ended: {error!r}")
+                raise
             time.sleep(0.05)
 
     def go_on_for(self, seconds):

@@ -256,15 +256,13 @@ class SeveralServers(FaultTest):
     def test_behind_a_proxy_one_is_killed_and_no_client_notices(self):
         one, other = self.start_both()
         listen = f"127.0.0.1:{unused_port()}"
-        configuration = self.folder / "haproxy.cfg"
         metrics = [server.metrics.rsplit(":", 1)[1] for server in (one, other)]
-        configuration.write_text(PROXY.read_text() + "\n" + (
-            f"  server second {other.address} proto h2 max-reuse 0 maxconn 256 check check-proto h1 "
-            f"addr 127.0.0.1 port {metrics[1]} inter 100ms fall 1 rise 1\n"))
         proxy = subprocess.Popen(
-            ["haproxy", "-db", "-f", configuration], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            env={**os.environ, "TETSTREAM_PROXY_LISTEN": listen, "TETSTREAM_PROXY_SERVER": one.address,
-                 "TETSTREAM_PROXY_HEALTH_PORT": metrics[0]})
+            ["haproxy", "-db", "-f", PROXY], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env={**os.environ, "TETSTREAM_PROXY_LISTEN": listen,
+                 "TETSTREAM_PROXY_SERVER": one.address, "TETSTREAM_PROXY_HEALTH_PORT": metrics[0],
+                 "TETSTREAM_PROXY_SECOND": other.address,
+                 "TETSTREAM_PROXY_SECOND_HEALTH_PORT": metrics[1]})
         self.addCleanup(proxy.wait)
         self.addCleanup(proxy.kill)
         wait_until(lambda: self.mesh(listen).returncode == 0)

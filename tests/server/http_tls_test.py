@@ -6,6 +6,7 @@
 import http.client
 import ssl
 import subprocess
+import time
 import unittest
 
 from http_case import HttpTest
@@ -74,6 +75,19 @@ class TokensAndTls(HttpTest):
             except ConnectionResetError:
                 pass  # without an answer, too
         self.assertEqual(self.json("GET", "/v1/grids", headers=self.bearer())[0], 200)
+
+    def test_what_is_kept_old_and_when_the_certificate_ends_are_told(self):
+        def told(what):
+            return self.server.samples()[f'tetstream_kept_old{{what="{what}"}}']
+        end = self.server.samples()["tetstream_certificate_expires_seconds"]
+        self.assertTrue(29 * 86400 < end - time.time() < 31 * 86400)
+        self.assertEqual((told("tokens"), told("certificate")), (0, 0))
+        for what, file in (("tokens", "tokens.toml"), ("certificate", "server.pem")):
+            good = self.folder / file
+            away = good.rename(self.folder / "away")
+            wait_until(lambda kept=what: told(kept) == 1)
+            away.rename(good)
+            wait_until(lambda kept=what: told(kept) == 0)
 
     def test_a_replaced_certificate_is_taken(self):
         before = ssl.get_server_certificate((self.host, self.port))

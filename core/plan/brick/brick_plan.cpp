@@ -56,7 +56,8 @@ QualityStats BrickPlan::fill_bricks(const BrickRange& range,
                                     ChunkColumns columns) const noexcept {
   BrickFiller filler(mesh_, field(), header(), to_world(), statistics(),
                      workspace.get<BrickScratch>());
-  FillWatch& watch = workspace.get<FillWatch>();
+  const FillWatch& watch = workspace.get<FillWatch>();
+  filler.stop_when(watch.cancellation());
   for (std::size_t brick = range.begin; brick < range.end; ++brick) {
     if (watch.stops()) return {};
     const ChunkExtent extent = bricks({brick, brick + 1});
@@ -76,7 +77,7 @@ QualityStats BrickPlan::fill_chunk(std::uint64_t index,
                                    MeshWorkspace& workspace,
                                    ChunkColumns columns) const noexcept {
   const QualityStats stats = fill_bricks(bricks_of_chunk(index), workspace, columns);
-  if (workspace.get<FillWatch>().stopped()) return {};  // not all vertices have places
+  if (workspace.get<FillWatch>().stops()) return {};  // not all vertices have places
   if (!columns.fields.empty()) fill_fields(chunk(index), columns);
   return stats;
 }

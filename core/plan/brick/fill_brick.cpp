@@ -22,6 +22,12 @@ SlotIds<std::uint64_t>& BrickFiller::ids() noexcept {
   return *workspace_.ids64;
 }
 
+void BrickFiller::stop_when(const Cancellation& cancellation) noexcept {
+  cancellation_ = &cancellation;
+  sampler_.stop_when(cancellation);
+  labeller_.stop_when(cancellation);
+}
+
 void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
   if (filled_++ % kBricksPerRun == 0 && filled_ > 1) {
     runs_.add(stats_of_run());
@@ -37,7 +43,7 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
     if (mesh_.first_tet(brick + 1) == mesh_.first_tet(brick)) {
       std::fill(around_.begin() + 1, around_.end(), OwnedVertices{});
     }
-    find_vertices(place.brick);
+    if (!find_vertices(place.brick)) return;
   } else {
     const LevelNodes& nodes = mesh_.nodes(place.level);
     around_[0] = {.node = {&nodes.corner[place.brick], &nodes.centre[place.brick]}};
@@ -73,24 +79,28 @@ const PlacesAround& BrickFiller::neighbours_of(BrickPlace place) noexcept {
   return neighbours_.around(bricks[place.brick]);
 }
 
-/// Numbers the vertices that a finest brick's tets use, and places them.
-void BrickFiller::find_vertices(std::size_t brick) noexcept {
+/// Numbers the vertices that a finest brick's tets use, and places them. False where their
+/// places may be made up: columns were counted for those that there are.
+bool BrickFiller::find_vertices(std::size_t brick) noexcept {
   if (std::any_of(around_.begin(), around_.end(), [](const OwnedVertices& vertices) {
         return vertices.at_surface && vertices.geometry == nullptr;
       })) {
     find_geometry(brick);
+    if (cancellation_ != nullptr && cancellation_->requested()) return false;
   }
   if (header_.index_type == IndexType::kUint32) {
     workspace_.vertices.enter(around_, ids<std::uint32_t>());
   } else {
     workspace_.vertices.enter(around_, ids<std::uint64_t>());
   }
+  return true;
 }
 
 /// Stuffs a brick again, where its geometry or that of a brick around it was not kept.
 void BrickFiller::find_geometry(std::size_t brick) noexcept {
   stuff_brick(sampler_, mesh_.tree().levels[0].bricks[brick], mesh_.rules(), mesh_.restored(),
               workspace_.stuffing);
+  if (cancellation_ != nullptr && cancellation_->requested()) return;
   for (std::size_t o = 0; o < around_.size(); ++o) {
     OwnedVertices& vertices = around_[o];
     if (!vertices.at_surface || vertices.geometry != nullptr) continue;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/brick_neighbours.h"
+#include "core/base/cancel.h"
 #include "core/base/quality.h"
 #include "core/mesh/face_labeller.h"
 #include "core/mesh/lattice_to_world.h"
@@ -57,6 +58,11 @@ class BrickFiller {
         numbers_(mesh.numbers()),
         neighbours_(mesh.tree().levels[0].bricks) {}
 
+  /// From now on it looks at `cancellation`, which must outlive it, within bricks of a scene
+  /// that are stuffed again or whose faces its nodes label. Columns are not whole, and what was
+  /// filled must not be read, once a look found it cancelled.
+  void stop_when(const Cancellation& cancellation) noexcept;
+
   /// Columns have exactly the brick's size.
   void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
 
@@ -85,7 +91,7 @@ class BrickFiller {
                               Index* out,
                               std::size_t tets) noexcept;
   const PlacesAround& neighbours_of(BrickPlace place) noexcept;
-  void find_vertices(std::size_t brick) noexcept;
+  bool find_vertices(std::size_t brick) noexcept;
   void find_geometry(std::size_t brick) noexcept;
   CellNodes nodes_of(const PlacesAround& places) const noexcept;
   template <class Index>
@@ -97,6 +103,7 @@ class BrickFiller {
   const LatticeToWorld& to_world_;
   const Statistics statistics_;
   BrickScratch& workspace_;
+  const Cancellation* cancellation_ = nullptr;
   FaceLabeller labeller_;
   PhiSampler sampler_;
   NodeNumbers numbers_;

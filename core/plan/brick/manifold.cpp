@@ -1,13 +1,11 @@
 #include "core/plan/brick/manifold.h"
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 #include "core/base/brick_index.h"
-#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/plan/brick/survey.h"
 #include "core/stuffing/surface_topology.h"
@@ -53,12 +51,8 @@ class Restoration {
                       {},
                       true};
       }
-      if (sampler.stopped()) stopped_ = true;
     });
   }
-
-  /// Whether a brick may have made-up nodes.
-  bool stopped() const noexcept { return stopped_; }
 
   /// Restores until nothing is left to restore.
   void run() {
@@ -141,7 +135,6 @@ class Restoration {
   const Cancellation& cancellation_;
   BrickIndex index_;
   std::vector<NodeStates> states_;
-  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace
@@ -153,8 +146,7 @@ absl::StatusOr<std::shared_ptr<const RestoredNodes>> find_nodes_to_restore(
     const Cancellation& cancellation) {
   Restoration restoration(field, candidates, rules, cancellation);
   restoration.run();
-  const absl::Status status = check_stopped(restoration.stopped(), cancellation);
-  if (!status.ok()) return status;
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return restoration.take();
 }
 

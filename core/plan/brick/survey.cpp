@@ -12,7 +12,6 @@
 
 #include <absl/status/status.h>
 
-#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/plan/brick/manifold.h"
@@ -216,7 +215,7 @@ class Surveyor {
                      find_range(candidates, begin, end, findings, keeper);
                      blocks[begin] = keeper.take();
                    });
-    if (auto status = check_stopped(stopped_, task_.cancellation); !status.ok()) return status;
+    if (auto status = check_cancelled(task_.cancellation); !status.ok()) return status;
     std::erase(blocks, nullptr);
     std::ranges::move(blocks, std::back_inserter(survey_.geometry.blocks));
     add_findings(candidates, std::move(findings), task_.earlier, task_.space.rules.both_sides,
@@ -264,13 +263,11 @@ class Surveyor {
         task_.progress->done.fetch_add(1, std::memory_order_relaxed);
       }
     }
-    if (sampler.stopped()) stopped_ = true;
   }
 
   const SurveyTask task_;
   Survey& survey_;
   std::atomic<std::int64_t> room_;
-  std::atomic<bool> stopped_ = false;
   ScratchPool<SurveyWorkspace> workspaces_;
 };
 

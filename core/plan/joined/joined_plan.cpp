@@ -349,7 +349,7 @@ QualityStats JoinedPlan::fill_chunk(std::uint64_t index,
     own.positions = places;
   }
   const QualityStats stats = part.plan->fill_chunk(index - part.first_chunk, workspace, own);
-  if (workspace.get<FillWatch>().stopped()) return {};
+  if (workspace.get<FillWatch>().stops()) return {};
   if (part.move && stored == CoordinateType::kFloat64) {
     store_moved<double>(own.positions, *part.move, columns.positions);
   } else if (part.move) {

@@ -125,7 +125,7 @@ QualityStats LabelPlan::fill_chunk(std::uint64_t index,
   const std::span<std::byte> fields = columns.fields;
   LabelledBrickFiller filler(mesh_, header(), to_world_, statistics(),
                              workspace.get<LabelledScratch>());
-  FillWatch& watch = workspace.get<FillWatch>();
+  const FillWatch& watch = workspace.get<FillWatch>();
   for (std::size_t brick = first_brick_[index]; brick < first_brick_[index + 1]; ++brick) {
     if (watch.stops()) return {};
     const ChunkExtent extent = bricks(brick, brick + 1);

@@ -58,6 +58,7 @@ absl::StatusOr<LabelSurvey> survey_labels(const LabelSource& source,
   ScratchPool<LabelWorkspace> workspaces;
   for_each_range(found.size(), kLookedAtPerRange, [&](std::size_t begin, std::size_t end) {
     const std::unique_ptr<LabelSampler> sampler = source.sampler();
+    sampler->stop_when(cancellation);
     ScratchPool<LabelWorkspace>::Turn workspace(workspaces);
     for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       if (bytes.load(std::memory_order_relaxed) > most_bytes) return;

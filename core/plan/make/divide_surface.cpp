@@ -1,7 +1,6 @@
 #include "core/plan/make/divide_surface.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,7 +10,6 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
-#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/mesh/crease_patches.h"
@@ -54,9 +52,6 @@ class SurfaceMaker {
     surface_.face_labels = ByteBuffer(sizes.face_labels);
   }
 
-  /// Whether a chunk that was begun is not whole.
-  bool stopped() const noexcept { return stopped_; }
-
   /// Some of it once cancelled.
   TetMesh make() {
     const std::uint64_t chunks = plan_.header().chunk_count;
@@ -82,7 +77,6 @@ class SurfaceMaker {
       for (std::size_t i = begin; i < end && !cancellation_.requested(); ++i) {
         fill_chunk(chunks[i], *passing);
       }
-      if (watched.stopped()) stopped_ = true;
     });
   }
 
@@ -112,7 +106,7 @@ class SurfaceMaker {
       end.push_back(extent.first_vertex + extent.vertex_count);
     }
     std::vector<bool> needed(end.size());
-    if (stopped_ || cancellation_.requested()) return needed;  // the faces are not all there
+    if (cancellation_.requested()) return needed;  // the faces are not all there
     std::size_t chunk = 0;
     for (std::uint64_t i = 0; i < surface_.header.face_count; ++i) {
       for (const std::uint64_t vertex : surface_.face(i)) {
@@ -130,7 +124,6 @@ class SurfaceMaker {
   const Cancellation& cancellation_;
   TetMesh surface_;  // with these columns alone
   ScratchPool<PassingColumns> passing_;
-  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace
@@ -142,7 +135,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> divide_surface(
   if (auto status = check_surface_budget(plan->header(), limits); !status.ok()) return status;
   SurfaceMaker maker(*plan, cancellation);
   TetMesh surface = maker.make();
-  if (auto status = check_stopped(maker.stopped(), cancellation); !status.ok()) return status;
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   if (auto status = divide_regions(surface, cancellation); !status.ok()) return status;
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return std::make_shared<const CreasedPlan>(

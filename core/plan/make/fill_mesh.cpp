@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/check_stopped.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/plan/brick/brick_plan.h"
@@ -94,7 +93,6 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
   std::vector<QualityStats> stats(parts.size());
   ScratchPool<MeshWorkspace> workspaces;
   std::atomic<std::uint64_t> done{0};
-  std::atomic<bool> stopped = false;
   for_each_range(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
     const WatchedFill watched(*workspace, cancellation);
@@ -102,9 +100,8 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
       stats[i] = filler.fill(parts[i], *workspace);
       if (progress) progress(static_cast<double>(++done) / static_cast<double>(parts.size()));
     }
-    if (watched.stopped()) stopped = true;
   });
-  if (auto status = check_stopped(stopped, cancellation); !status.ok()) return status;
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return FilledMesh{std::move(mesh), sum_of(parts, stats)};
 }
 

@@ -67,7 +67,7 @@ void count_chunks(std::size_t chunk_bytes, MeshHeader& header) {
 }
 
 /// Finds the faces of a whole mesh, which has the labels.
-void find_faces_of(const Scene* scene, WholeMesh& whole) {
+void find_faces_of(const Scene* scene, const Cancellation& cancellation, WholeMesh& whole) {
   const std::vector<CutFaces>& faces = whole.vertex_faces;
   FoundFaces found{
       find_boundary_faces(whole.mesh), whole.mesh.header.face_labels,
@@ -77,7 +77,7 @@ void find_faces_of(const Scene* scene, WholeMesh& whole) {
         return label_of_cut(shared);
       }};
   set_faces(found, whole.mesh, whole.mesh);
-  label_regions(whole.mesh, scene);
+  label_regions(whole.mesh, scene, cancellation);
 }
 
 /// Where part `index` of `parts` begins.
@@ -177,6 +177,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
   SurfaceEdges edges = find_surface_edges(background, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   find_zeros(background, field, cancellation, edges);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   const StuffedBackground stuffed(background, edges, kGradedLimits, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
@@ -197,7 +198,8 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
   whole.vertex_levels = stuffed.vertex_levels();
   if (background.box) whole.vertex_faces = stuffed.vertex_faces();
   if (header.has_faces()) {
-    find_faces_of(field.scene, whole);
+    find_faces_of(field.scene, cancellation, whole);
+    if (auto status = check_cancelled(cancellation); !status.ok()) return status;
     header.face_count = whole.mesh.header.face_count;
     if (auto status = check_bytes(header, used, job.limits); !status.ok()) return status;
   }

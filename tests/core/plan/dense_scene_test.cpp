@@ -1,16 +1,23 @@
 // Scenes of which one brick is a second's work: they stop within it.
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/base/own_threads.h"
 #include "core/field/find_scene_bricks.h"
 #include "core/field/phi_field.h"
+#include "core/plan/brick/brick_plan.h"
+#include "core/plan/fill_watch.h"
+#include "core/plan/labelled/solid_request.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/scene/scene_evaluator.h"
+#include "core/transfer/compact_chunk.h"
 #include "tests/support/counted_looks.h"
 #include "tests/support/scenes.h"
 
@@ -19,7 +26,8 @@ namespace {
 
 using test::CountedLooks;
 
-/// Thousands of solids within a brick or two, all of which are evaluated for each.
+/// Thousands of solids within a brick or two, all of which are evaluated for each: "0", and
+/// "1" of it repeated.
 std::shared_ptr<const Scene> grains() {
   test::SceneWriter writer;
   scene::Ellipsoid grain;
@@ -51,7 +59,6 @@ TEST(DenseScene, LooksWhetherItIsCancelledWithinTheSamplesOfABrick) {
   sampler.stop_when(never.cancellation);
   const auto samples = std::make_unique<BrickSamples>();
   sampler.sample(kDense, *samples);
-  EXPECT_FALSE(sampler.stopped());
   // At each 2^14 values of an instruction, but for the last few of a column.
   const std::size_t values = sampler.scene().in_focus().size() * kSamples;
   EXPECT_GT(values, std::size_t{1} << 20);
@@ -66,7 +73,6 @@ TEST(DenseScene, DoesNothingMoreOfABrickOnceItIsCancelled) {
     CountedLooks cut{most};
     sampler.stop_when(cut.cancellation);
     for (int i = 0; i < 3; ++i) sampler.sample(kDense, *samples);
-    EXPECT_TRUE(sampler.stopped());
     EXPECT_EQ(cut.looks, most + 1);  // nobody looks again, however much is asked for
   }
 }
@@ -101,21 +107,129 @@ TEST(DenseScene, IsNotMadeUpWhereAClockWasSetBack) {
   });
 }
 
-TEST(DenseScene, StopsBeingPlannedWithinABrick) {
+MeshRequest coarse() {
   MeshRequest request;
   request.spacing = kCoarse;
   request.levels = 0;
-  const PlanJob job{.shape = grains(), .request = request};
-  run_with_own_threads(1, [&] {
-    CountedLooks never;
-    const auto plan = plan_mesh(job, never.cancellation);
-    ASSERT_TRUE(plan.ok()) << plan.status();
-    EXPECT_GT(never.looks, 2000U);  // of some bricks
-    for (std::size_t at = 1; at < never.looks; at += never.looks / 13) {
-      CountedLooks cut{at};
-      EXPECT_EQ(plan_mesh(job, cut.cancellation).status().code(), absl::StatusCode::kCancelled);
-    }
-  });
+  return request;
+}
+
+/// A request that evaluates the scene in its own way.
+struct Asked {
+  const char* how;
+  std::size_t looks;  ///< fewer than planning takes, and more than it would without one stage's
+  MeshRequest request;
+};
+
+std::vector<Asked> all_ways() {
+  std::vector<Asked> all{{"plain", 17'000, coarse()},
+                         {"graded", 95'000, coarse()},
+                         {"labelled", 20'000, coarse()}};
+  all[1].request.sizing.grade_surface = true;
+  all[1].request.sizing.coarsest = kCoarse;
+  all[2].request.labels.emplace();
+  all.push_back({"cut, with faces of a node", 32'000, coarse()});
+  all[3].request.faces = true;
+  all[3].request.face_regions.push_back({.name = "grains", .node = "1"});
+  all[3].request.box = WorldBox{{-8, -8, -8}, {8, 8, 8}};
+  return all;
+}
+
+TEST(DenseScene, StopsBeingPlannedWithinABrick) {
+  for (const Asked& asked : all_ways()) {
+    SCOPED_TRACE(asked.how);
+    const PlanJob job{.shape = grains(), .request = asked.request};
+    run_with_own_threads(1, [&] {
+      CountedLooks never;
+      const auto plan = plan_mesh(job, never.cancellation);
+      ASSERT_TRUE(plan.ok()) << plan.status();
+      EXPECT_GT(never.looks, asked.looks);
+      for (std::size_t at = 1; at < never.looks; at += never.looks / 4) {
+        CountedLooks cut{at};
+        EXPECT_EQ(plan_mesh(job, cut.cancellation).status().code(),
+                  absl::StatusCode::kCancelled);
+      }
+    });
+  }
+}
+
+TEST(DenseScene, HasTheSameLabelsAfterSomebodyStoppedSamplingThem) {
+  const auto job = make_solid_job({.shape = grains(), .request = all_ways()[2].request});
+  ASSERT_TRUE(job.ok()) << job.status();
+  const auto sampled = [&](const Cancellation& cancellation) {
+    const auto sampler = job->source->sampler();
+    sampler->stop_when(cancellation);
+    const auto samples = std::make_unique<LabelSamples>();
+    if (!sampler->one_label(kDense)) sampler->sample_labels(kDense, *samples);
+    return samples->label;
+  };
+  CountedLooks never;
+  const auto whole = sampled(never.cancellation);
+  ASSERT_GT(never.looks, 100U);
+  for (const std::size_t most : {std::size_t{0}, std::size_t{1}, never.looks / 2}) {
+    CountedLooks cut{most};
+    EXPECT_NE(sampled(cut.cancellation), whole);
+    EXPECT_EQ(sampled({}), whole);
+  }
+}
+
+/// Fills a chunk, or encodes it, and says in what bytes.
+using Fill = std::function<std::vector<std::byte>(const BrickPlan& plan, MeshWorkspace&)>;
+
+std::vector<std::byte> fill_first_chunk(const BrickPlan& plan, MeshWorkspace& workspace) {
+  TetMesh chunk(header_of_chunk(plan.header(), plan.chunk(0)));
+  plan.fill_chunk(0, workspace, chunk.columns());
+  std::vector<std::byte> bytes;
+  for (const std::span<std::byte> column : chunk.columns().all()) {
+    bytes.insert(bytes.end(), column.begin(), column.end());
+  }
+  return bytes;
+}
+
+std::vector<std::byte> encode_first_chunk(const BrickPlan& plan, MeshWorkspace& workspace) {
+  std::vector<std::byte> bytes;
+  encode_chunk(plan, 0, workspace, bytes);
+  return bytes;
+}
+
+/// Filling looks more often than at each brick, and what stopped leaves nothing behind.
+void expect_to_stop_within_a_brick(const PlanJob& job,
+                                   const Fill& fill,
+                                   std::size_t looks_of_brick) {
+  const auto planned = plan_mesh(job);
+  ASSERT_TRUE(planned.ok()) << planned.status();
+  const auto plan = as_bricks(*planned);
+  ASSERT_NE(plan, nullptr);
+  MeshWorkspace workspace;
+  const std::vector<std::byte> whole = fill(*plan, workspace);
+  const auto fill_until = [&](CountedLooks& looks) {
+    const WatchedFill watched(workspace, looks.cancellation);
+    fill(*plan, workspace);
+    return looks.looks;
+  };
+  CountedLooks never;
+  const std::size_t looks = fill_until(never);
+  const auto [begin, end] = plan->bricks_of_chunk(0);
+  EXPECT_GT(looks, looks_of_brick * (end - begin));
+  for (std::size_t at = 0; at < looks; at += looks / 3) {
+    CountedLooks cut{at};
+    EXPECT_EQ(fill_until(cut), at + 1);  // nobody looks again
+    EXPECT_EQ(fill(*plan, workspace), whole);
+  }
+}
+
+TEST(DenseScene, StopsBeingFilledWithinABrickThatIsStuffedAgain) {
+  PlanJob job{.shape = grains(), .request = coarse()};
+  job.limits.kept_geometry_bytes = 0;
+  job.limits.chunk_bytes = std::size_t{1} << 14;
+  expect_to_stop_within_a_brick(job, fill_first_chunk, 30);
+  expect_to_stop_within_a_brick(job, encode_first_chunk, 30);
+}
+
+TEST(DenseScene, StopsBeingFilledWithinABrickWhoseFacesAreOfNodes) {
+  PlanJob job{.shape = grains(), .request = all_ways().back().request};
+  job.request.box.reset();
+  expect_to_stop_within_a_brick(job, fill_first_chunk, 4);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "server/meshing/send_budget.h"
 
 #include <deque>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -41,14 +43,47 @@ TEST(SendBudget, GrantsUntilItIsUsedUpAndThenWhatComesBack) {
   EXPECT_EQ(c.size(), 1U);
 }
 
-TEST(SendBudget, LeavesHalfOfItToOtherClients) {
-  SendBudget budget(8 * kBlock, kBlock);
+TEST(SendBudget, LeavesMostOfItToOtherClients) {
+  SendBudget budget(80 * kBlock, kBlock);
   Leases greedy, modest;
   const Departure departure{budget};
   for (int i = 0; i < 100; ++i) ask(budget, "greedy", greedy);
-  EXPECT_EQ(greedy.size(), 4U);
-  for (int i = 0; i < 4; ++i) ask(budget, "modest", modest);
-  EXPECT_EQ(modest.size(), 4U);
+  EXPECT_EQ(greedy.size(), 35U);
+  for (int i = 0; i < 100; ++i) ask(budget, "modest", modest);
+  EXPECT_EQ(modest.size(), 17U);
+  budget.leave(&kWho);
+}
+
+TEST(SendBudget, HasRoomForWhoeverComesHoweverManyTookAllThatTheyMay) {
+  constexpr int kClients = 20;
+  for (const bool in_turns : {false, true}) {
+    SendBudget budget(256 * kBlock, kBlock);
+    std::vector<Leases> greedy(kClients);
+    const Departure departure{budget};
+    constexpr int kAsked = 64;
+    for (int i = 0; i < kClients * kAsked; ++i) {
+      const int client = in_turns ? i % kClients : i / kAsked;
+      ask(budget, std::to_string(client), greedy[static_cast<std::size_t>(client)]);
+    }
+    Leases polite;
+    ask(budget, "polite", polite, &kOther);
+    ask(budget, "polite", polite, &kOther);
+    EXPECT_EQ(polite.size(), 2U);
+    for (const Leases& one : greedy) EXPECT_GE(one.size(), 2U);
+    EXPECT_LE(budget.used_bytes(), 256 * kBlock);
+    budget.leave(&kWho);
+  }
+}
+
+TEST(SendBudget, KeepsNobodyWaitingWhoHasAsMuchAsOthers) {
+  SendBudget budget(40 * kBlock, kBlock);
+  std::vector<Leases> greedy(4);
+  const Departure departure{budget};
+  for (int i = 0; i < 100; ++i) {
+    for (std::size_t c = 0; c < greedy.size(); ++c) ask(budget, std::to_string(c), greedy[c]);
+  }
+  for (const Leases& one : greedy) EXPECT_EQ(one.size(), 7U);
+  EXPECT_FALSE(budget.kept_waiting_since(SendBudget::Clock::now() + 1h));
   budget.leave(&kWho);
 }
 
@@ -81,7 +116,7 @@ TEST(SendBudget, ForgetsWhoeverLeaves) {
   SendBudget budget(2 * kBlock, kBlock);
   Leases a, gone;
   const Departure departure{budget};
-  ask(budget, "a", a);
+  for (int i = 0; i < 2; ++i) ask(budget, "a", a);
   ask(budget, "a", gone, &kOther);
   budget.leave(&kOther);
   a.clear();

@@ -1,7 +1,10 @@
 #include "server/ops/metric_history.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -18,7 +21,11 @@ const MetricHistory::Clock::time_point kStart(100h);
 nlohmann::json told(const MetricHistory& history,
                     MetricHistory::Clock::time_point now,
                     const std::string& families = "") {
-  return nlohmann::json::parse(history.json(now, families));
+  MetricHistory::Telling telling = history.tell(now, families);
+  std::string json;
+  for (std::string piece = telling.next(); !piece.empty(); piece = telling.next())
+    json += piece;
+  return nlohmann::json::parse(json);
 }
 
 TEST(MetricHistory, SaysWhenEverySampleWasTakenAndWhatItWas) {
@@ -65,6 +72,38 @@ TEST(MetricHistory, KeepsSoManySeriesAndSaysHowManyItLeftOut) {
   const auto answer = told(history, kStart);
   EXPECT_EQ(answer["samples"].size(), 2);
   EXPECT_EQ(answer["left_out_series"], 2);
+}
+
+TEST(MetricHistory, IsToldAFewSeriesAtATime) {
+  constexpr std::size_t kSeries = 100, kSamples = 240;
+  MetricHistory history;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    std::string text;
+    for (std::size_t s = 0; s < kSeries; ++s) text += "n" + std::to_string(s) + " 1.25\n";
+    history.take(kStart + i * 1s, text);
+  }
+  MetricHistory::Telling telling = history.tell(kStart + 300s);
+  history.take(kStart + 300s, "new 1");  // nothing of it is told
+  std::string json;
+  for (std::string piece = telling.next(); !piece.empty(); piece = telling.next()) {
+    const auto numbers = std::ranges::count(piece, ',');
+    EXPECT_LE(numbers, kSamples * (MetricHistory::Telling::kSeriesOfPiece + 1) + 2);
+    json += piece;
+  }
+  const auto samples = nlohmann::json::parse(json)["samples"];
+  ASSERT_EQ(samples.size(), kSeries);
+  for (const auto& series : samples)
+    EXPECT_EQ(series, nlohmann::json(std::vector<double>(kSamples, 1.25)));
+}
+
+TEST(MetricHistory, IsJsonWhateverSeriesAreCalled) {
+  MetricHistory history;
+  EXPECT_TRUE(told(history, kStart)["samples"].empty());
+  history.take(kStart, "a{x=\"\xff\x01\"} 1\nb 1e300\nc -0.1\n");
+  const auto answer = told(history, kStart);
+  EXPECT_EQ(answer["samples"].size(), 3);
+  EXPECT_EQ(answer["samples"]["b"], nlohmann::json({1e300}));
+  EXPECT_EQ(answer["samples"]["c"], nlohmann::json({-0.1}));
 }
 
 TEST(MetricHistory, ReadsWhatTheMetricsWrite) {
