@@ -1,26 +1,14 @@
 #include "bench/rivals/mesh3.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Image_3.h>
-#include <CGAL/Labeled_mesh_domain_3.h>
-#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
-#include <CGAL/Mesh_criteria_3.h>
-#include <CGAL/Mesh_triangulation_3.h>
-#include <CGAL/make_mesh_3.h>
 #include <algorithm>
 #include <cstddef>
 #include <unordered_map>
 
 #include "bench/peak_memory.h"
+#include "bench/rivals/mesh3_types.h"
 
 namespace tet::rivals {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Domain = CGAL::Labeled_mesh_domain_3<Kernel>;
-using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
-using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
-using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 /// An image of bytes, which CGAL's image owns.
 CGAL::Image_3 image_of(const LabelCube& cube) {
@@ -28,15 +16,6 @@ CGAL::Image_3 image_of(const LabelCube& cube) {
   _image* const image = _createImage(edge, edge, edge, 1, 1, 1, 1, 1, WK_FIXED, SGN_UNSIGNED);
   std::ranges::copy(cube.label, static_cast<std::uint8_t*>(image->data));
   return CGAL::Image_3(image);
-}
-
-/// The criteria of the manual's example, larger or smaller as a whole.
-Criteria criteria_of(double cell_size) {
-  constexpr double kFacetSize = 6.0 / 8, kFacetDistance = 4.0 / 8;
-  namespace p = CGAL::parameters;
-  return Criteria(p::facet_angle = 30, p::facet_size = kFacetSize * cell_size,
-                  p::facet_distance = kFacetDistance * cell_size, p::cell_radius_edge_ratio = 3,
-                  p::cell_size = cell_size);
 }
 
 PlainMesh plain(const Complex& complex) {
@@ -69,7 +48,7 @@ PlainMesh mesh_with_mesh3(const LabelCube& cube, const Mesh3Request& request) {
   const double start = cpu_seconds();
   const CGAL::Image_3 image = image_of(cube);
   const Domain domain = Domain::create_labeled_image_mesh_domain(image);
-  const Criteria criteria = criteria_of(request.cell_size);
+  const Criteria criteria = criteria_of_image(request.cell_size);
   const Complex complex =
       request.optimized
           ? CGAL::make_mesh_3<Complex>(domain, criteria)

@@ -27,8 +27,9 @@ class LabelVoxels {
 struct IndicatorRules {
   std::array<double, 3> spacing_voxels{1, 1, 1};  ///< along each axis
   LabelKernel kernel = LabelKernel::kGauss;
-  double smooth =
-      kDefaultSmooth;  ///< of the Gaussian: voxels, or spacings where these are larger
+  /// The Gaussian's width, voxels. On a lattice coarser than the voxels it is a root of a sum
+  /// of squares, half a spacing much coarser.
+  double smooth = kDefaultSmooth;
 };
 
 /// The indicator of a label is the sum of the weights of its voxels, and weights sum to one: so

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <tuple>
 
@@ -48,6 +49,24 @@ TEST(Kernels, GrowWithALatticeCoarserThanTheVoxels) {
   TapRow row;
   find_taps({.kernel = LabelKernel::kTrilinear}, 3, 0, row);
   EXPECT_EQ(row.weights_of(0).size(), 5U);  // from 2 voxels below to 2 above
+}
+
+/// The Gaussian's width at a node, from two of its weights.
+double width_at(double smooth, double spacing) {
+  TapRow row;
+  find_taps({.smooth = smooth}, spacing, 0, row);
+  const Taps& taps = row.node[0];
+  const auto weights = row.weights_of(0);
+  const auto middle = static_cast<std::size_t>(-taps.first);
+  return std::sqrt(-0.5 / std::log(double{weights[middle + 1]} / weights[middle]));
+}
+
+TEST(Kernels, GaussiansGrowByHalfASpacingAsVariancesAdd) {
+  for (const double smooth : {0.5, 0.7, 2.0}) {
+    for (const double fine : {0.25, 1.0}) EXPECT_NEAR(width_at(smooth, fine), smooth, 1e-5);
+    EXPECT_NEAR(width_at(smooth, 2), std::hypot(smooth, std::sqrt(0.75)), 1e-5);
+    EXPECT_NEAR(width_at(smooth, 20) / std::hypot(smooth, 10.0), 1, 2e-3);
+  }
 }
 
 std::shared_ptr<const LabelSource> source(std::shared_ptr<const LabelVoxels> voxels,
@@ -189,6 +208,26 @@ TEST(Indicators, MakeSoundMeshesWithTheVolumesOfTheirLabels) {
     for (const auto& [label, part] : parts) {
       EXPECT_NEAR(part.volume, count.at(label), 0.05 * count.at(label)) << label;
     }
+  }
+}
+
+/// What is lost is what a kernel as wide as the lattice's cells cannot do without: a wider one
+/// draws in what bulges, and a narrower one leaves steps between nodes.
+TEST(Indicators, LieWhereTheyBelongOnALatticeCoarserThanTheVoxels) {
+  constexpr std::int32_t kEdge = 64;
+  constexpr double kMiddle = 31.5, kRadius = 28;
+  const auto voxels =
+      std::make_shared<const VoxelArray>(kEdge, Label{0}, [](VoxelCoord v) -> Label {
+        return std::hypot(v.x - kMiddle, v.y - kMiddle, v.z - kMiddle) < kRadius ? 1 : 0;
+      });
+  for (const double spacing : {2.0, 4.0}) {
+    test::LabelMeshing how{.domain = {{-1, -1, -1}, {5, 5, 5}}};
+    how.kept.left_out = 0;
+    const FilledMesh filled =
+        test::mesh_of(source(voxels, {.spacing_voxels = {spacing, spacing, spacing}}), how);
+    const double volume = 4.0 / 3 * std::numbers::pi * kRadius * kRadius * kRadius;
+    const double wanted = volume / (spacing * spacing * spacing);
+    EXPECT_NEAR(test::parts_of(filled.mesh).at(1).volume / wanted, 1, 0.02) << spacing;
   }
 }
 
