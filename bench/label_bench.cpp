@@ -22,6 +22,7 @@
 
 #include "core/base/parallel.h"
 #include "core/labels/indicators.h"
+#include "core/labels/lattice_faces.h"
 #include "core/plan/labelled/label_plan.h"
 #include "core/plan/labelled/volume_labels.h"
 #include "core/plan/mesh_workspace.h"
@@ -110,6 +111,7 @@ class KeptSamples final : public LabelSource {
       sampler->sample_labels(b, *kept.samples);
       find_label_changes(kept.samples->label, changes);
       sampler->sample_fractions(b, changes, *kept.samples);
+      keep_faces(*sampler, b, changes, kept);
     });
   }
 
@@ -121,7 +123,31 @@ class KeptSamples final : public LabelSource {
   struct Kept {
     std::optional<Label> one;
     std::unique_ptr<LabelSamples> samples;
+    std::vector<TripleFace> faces;  ///< of three labels, ascending
+    std::vector<FacePoint> points;
   };
+
+  /// All faces that may be asked for: those whose nodes have three labels.
+  static void keep_faces(LabelSampler& sampler,
+                         BrickCoord brick,
+                         const EdgeSets& changes,
+                         Kept& kept) {
+    for (std::uint8_t f = 0; f < kFaceFamilies; ++f) {
+      const FaceFamily& family = kFaceFamily[f];
+      HaloSet found = halo_cube(0, 8);
+      for (std::size_t e = 0; e < 3; ++e) {
+        found &= seen_from(changes[family.edge_family[e]], family.to_node[kFaceEdge[e][0]]);
+      }
+      for (std::size_t n = 0; n < 3; ++n) {
+        found &= seen_from(kKnownNodes, family.to_node[n]);
+      }
+      for_each_bit(found, [&](int low) {
+        kept.faces.push_back({f, static_cast<std::uint16_t>(low)});
+      });
+    }
+    kept.points.resize(kept.faces.size());
+    sampler.sample_triples(brick, kept.faces, *kept.samples, kept.points);
+  }
   class Sampler final : public LabelSampler {
    public:
     explicit Sampler(const KeptSamples& of) : of_(of) {}
@@ -138,6 +164,17 @@ class KeptSamples final : public LabelSource {
           samples.fraction[f][static_cast<std::size_t>(low)] =
               kept.fraction[f][static_cast<std::size_t>(low)];
         });
+      }
+    }
+
+    void sample_triples(BrickCoord b,
+                        std::span<const TripleFace> faces,
+                        const LabelSamples&,
+                        std::span<FacePoint> points) override {
+      const Kept& kept = of_.at(b);
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        const auto found = std::ranges::lower_bound(kept.faces, faces[i]) - kept.faces.begin();
+        points[i] = kept.points[static_cast<std::size_t>(found)];
       }
     }
 

@@ -12,6 +12,7 @@
 
 #include "core/base/brick_box.h"
 #include "core/field/scene_samples.h"
+#include "core/labels/lattice_faces.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/stuffing/scene_zeros.h"
 #include "core/stuffing/zero_bracket.h"
@@ -190,6 +191,32 @@ class FieldSampler final : public LabelSampler {
       } else {
         find_first_zeros(edges, changes[static_cast<std::size_t>(family)], fraction);
       }
+    }
+  }
+
+  void sample_triples(BrickCoord,
+                      std::span<const TripleFace> faces,
+                      const LabelSamples&,
+                      std::span<FacePoint> points) override {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const FaceFamily& family = kFaceFamily[faces[i].family];
+      std::array<std::uint16_t, 3> of;
+      for (std::size_t n = 0; n < 3; ++n) {
+        of[n] = winner(family.kind[n], faces[i].low + family.to_node[n]);
+      }
+      std::ranges::sort(of);  // the earlier first, and nobody last
+      std::array<double, 3> u, v;
+      for (std::size_t n = 0; n < 3; ++n) {
+        const int node = faces[i].low + family.to_node[n];
+        const auto less = [&](std::uint16_t a, std::uint16_t b) {
+          return static_cast<double>(difference(a, b, family.kind[n], node));
+        };
+        // The first of all ends where its own surface is, and so does the second beside it.
+        const bool deepest = overlap_ == Overlap::kDeepest;
+        u[n] = deepest ? less(of[0], of[1]) : less(of[0], kNobody);
+        v[n] = deepest ? less(of[0], of[2]) : less(of[1], kNobody);
+      }
+      points[i] = common_zero(u, v);
     }
   }
 

@@ -209,7 +209,8 @@ void LabelFiller::divide_cells(const LabelledCells& cells,
     for (std::uint64_t bits = divided.slice[static_cast<std::size_t>(x)]; bits != 0;
          bits &= bits - 1) {
       const int bit = std::countr_zero(bits), cell = cell_slot(x, bit);
-      const LabelledTet tet = cells.vertices.tet(number, cell);
+      LabelledTet tet = cells.vertices.tet(number, cell);
+      tet.decided = cells.vertices.middle(number, x, bit);
       const bool all_moved =
           std::ranges::all_of(tet.label, [](Label l) { return l == kJoker; });
       divide(tet, all_moved ? cells.vertices.votes(number, cell) : JokerVotes{}, division);

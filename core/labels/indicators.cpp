@@ -11,6 +11,7 @@
 #include "core/base/vector_clones.h"
 #include "core/labels/convolve.h"
 #include "core/labels/kernel_taps.h"
+#include "core/labels/lattice_faces.h"
 
 namespace tet {
 namespace {
@@ -122,7 +123,38 @@ class IndicatorSampler final : public LabelSampler {
     }
   }
 
+  void sample_triples(BrickCoord,
+                      std::span<const TripleFace> faces,
+                      const LabelSamples& samples,
+                      std::span<FacePoint> points) override {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const FaceFamily& family = kFaceFamily[faces[i].family];
+      std::array<double, 3> u, v;  // by how much the first label wins over the others
+      for (std::size_t n = 0; n < 3; ++n) {
+        std::array<float, 3> of;
+        for (std::size_t l = 0; l < 3; ++l) {
+          of[l] = indicator(family.kind[n], faces[i].low + family.to_node[n], family.kind[l],
+                            faces[i].low + family.to_node[l], samples);
+        }
+        u[n] = double{of[0]} - double{of[1]};
+        v[n] = double{of[0]} - double{of[2]};
+      }
+      points[i] = common_zero(u, v);
+    }
+  }
+
  private:
+  /// At a node, of the label that another one has.
+  float indicator(NodeKind kind,
+                  int node,
+                  NodeKind other_kind,
+                  int other,
+                  const LabelSamples& samples) const noexcept {
+    const auto n = static_cast<std::size_t>(node), o = static_cast<std::size_t>(other);
+    if (label_.size() > kFewLabels) return at(kind, node, samples.label[other_kind][o]);
+    return field(kind, best_[other_kind].place[o])[n];
+  }
+
   template <class Visit>
   static void for_each_node(const Visit& visit) {
     for (int x = kFirstNode; x < kFirstNode + kRowNodes; ++x) {

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "core/base/cancel.h"
 #include "core/base/types.h"
+#include "core/labels/face_point.h"
 #include "core/labels/label.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_edges.h"
@@ -28,8 +30,9 @@ void find_label_changes(const std::array<std::array<Label, kHaloNodes>, kNodeKin
                         EdgeSets& changes) noexcept;
 
 /// Samples labels brick by brick, asked in the order of its functions; not thread-safe: one per
-/// task. A node's label and an edge's
-/// fraction depend on the node and the edge alone, whichever bricks see them.
+/// task. A node's label, an edge's
+/// fraction and a face's point depend on the node, the edge and the face alone, whichever
+/// bricks see them.
 class LabelSampler {
  public:
   virtual ~LabelSampler() = default;
@@ -48,6 +51,13 @@ class LabelSampler {
   virtual void sample_fractions(BrickCoord brick,
                                 const EdgeSets& changes,
                                 LabelSamples& samples) = 0;
+  /// Writes where the three labels of each face are equal, as far as the face's nodes tell:
+  /// anywhere in the face's plane, or not finite. Faces are of nodes in [-1, 8]^3, and of the
+  /// brick whose labels were sampled last: `samples` has them.
+  virtual void sample_triples(BrickCoord brick,
+                              std::span<const TripleFace> faces,
+                              const LabelSamples& samples,
+                              std::span<FacePoint> points) = 0;
 };
 
 /// What labels are sampled from. Immutable: any thread may ask for a sampler.

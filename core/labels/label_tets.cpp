@@ -1,48 +1,31 @@
 #include "core/labels/label_tets.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
 
-#include "core/base/tet_geometry.h"
 #include "core/labels/label_tables.h"
 #include "core/stuffing/cut_tet.h"
 
 namespace tet {
 namespace {
 
-double square_of_cosine(double degrees) noexcept {
-  const double cosine = std::cos(degrees * std::numbers::pi / 180);
-  return cosine * cosine;
+/// Middles in the order in which they are tried; the last one is taken if no other is good.
+constexpr std::array kMiddles{LabelMiddle::kOfTriples, LabelMiddle::kThreeQuarters,
+                              LabelMiddle::kHalfWay, LabelMiddle::kQuarter,
+                              LabelMiddle::kOfNodes};
+
+/// How far each lies from the mean of the nodes, on the way to that of the triple points.
+double part_towards_triples(LabelMiddle of) noexcept {
+  return 0.25 * (static_cast<double>(of) - static_cast<double>(LabelMiddle::kOfNodes));
 }
 
-/// What a division costs that is exactly good. The greatest angle is weighed so that both
-/// limits cost the same: whatever is best is good if anything is.
-const double kGoodCost = square_of_cosine(kGoodLeast);
-const double kObtuseCost = kGoodCost / square_of_cosine(kGoodGreatest);
-constexpr double kInverted = std::numeric_limits<double>::infinity();
-
-/// The larger of cos^2 of the least angle and the weighted one of the greatest, both with the
-/// sign of what is bad.
-double cost_of(const WorldPoint& a,
-               const WorldPoint& b,
-               const WorldPoint& c,
-               const WorldPoint& d) noexcept {
-  const std::array<Vector, 4> normal = face_normals(a, b, c, d);
-  if (!(dot(from_to(a, b), normal[1]) > 0)) return kInverted;
-  std::array<double, 4> square;
-  for (std::size_t i = 0; i < 4; ++i) square[i] = dot(normal[i], normal[i]);
-  double worst = -1;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = i + 1; j < 4; ++j) {
-      const double product = dot(normal[i], normal[j]);  // minus the cosine, times the areas
-      const double cosine = product * std::abs(product) / (square[i] * square[j]);
-      worst = std::max({worst, -cosine, kObtuseCost * cosine});
-    }
+/// The first middle around which `cost` is good.
+template <class Cost>
+LabelMiddle first_good_middle(const Cost& cost) noexcept {
+  for (const LabelMiddle middle : kMiddles) {
+    if (middle == kMiddles.back() || cost(middle) <= kGoodCost) return middle;
   }
-  return worst;
+  return kMiddles.back();
 }
 
 /// The places of a tet's corners, positive as `shape` has its nodes.
@@ -53,8 +36,36 @@ struct CornerPlaces {
   /// `of` may be a LabelTetCorners or one in other names.
   double cost(const LabelTetCorners& tet) const noexcept {
     const auto [a, b, c, d] = tet;
-    return negative ? cost_of(at[a], at[b], at[d], at[c]) : cost_of(at[a], at[b], at[c], at[d]);
+    return negative ? tet_cost(at[a], at[b], at[d], at[c])
+                    : tet_cost(at[a], at[b], at[c], at[d]);
   }
+
+  /// The largest cost of some tets, or of the first that is not good; none cost too much.
+  template <class Tets>
+  double worst_of(const Tets& tets) const noexcept {
+    double worst = tets.count == 0 ? kNeverTaken : -1;
+    for (std::size_t i = 0; i < tets.count && worst <= kGoodCost; ++i) {
+      worst = std::max(worst, cost(tets.tet[i]));
+    }
+    return worst;
+  }
+};
+
+/// The mean of two or four places.
+class Mean {
+ public:
+  void add(const WorldPoint& place) noexcept {
+    sum_ = {sum_.x + place.x, sum_.y + place.y, sum_.z + place.z};
+    ++count_;
+  }
+  WorldPoint value() const noexcept {
+    const double share = 1.0 / count_;
+    return {share * sum_.x, share * sum_.y, share * sum_.z};
+  }
+
+ private:
+  WorldPoint sum_;
+  int count_ = 0;
 };
 
 /// The nodes of a tet by role, and what each corner is called there.
@@ -143,7 +154,8 @@ class ThreeLabels {
   }
 
   void divide(LabelDivision& out) noexcept {
-    const Twelve twelve = best_twelve();
+    const bool needs_middle = tet_.decided.value_or(LabelMiddle::kNone) != LabelMiddle::kNone;
+    const Twelve twelve = needs_middle ? Twelve{} : best_twelve();
     if (twelve.cost <= kGoodCost) {
       for (std::size_t side = 0; side < 2; ++side) {
         const std::size_t diagonal = twelve.diagonal[side];
@@ -153,13 +165,14 @@ class ThreeLabels {
       return;
     }
     add(fan_tets(), out);
-    out.middle = cost_of_fan(LabelMiddle::kOfTriples) <= kGoodCost ? LabelMiddle::kOfTriples
-                                                                   : LabelMiddle::kOfNodes;
+    out.middle = needs_middle
+                     ? *tet_.decided
+                     : first_good_middle([&](LabelMiddle of) { return cost_of_fan(of); });
   }
 
  private:
   struct Twelve {
-    double cost = kInverted;
+    double cost = kNeverTaken;
     std::size_t shared = 0;                 ///< diagonal of A1 T1 T2 A2
     std::array<std::size_t, 2> diagonal{};  ///< towards B and C
   };
@@ -168,21 +181,12 @@ class ThreeLabels {
     return kLabelFans[starts_[0] ? 1 : 0][starts_[1] ? 1 : 0];
   }
 
-  template <class Tets>
-  double cost_of_all(const Tets& tets) const noexcept {
-    double worst = tets.count == 0 ? kInverted : -1;
-    for (std::size_t i = 0; i < tets.count; ++i) {
-      worst = std::max(worst, corner_.cost(tets.tet[i]));
-    }
-    return worst;
-  }
-
   /// The combination of least cost; of equal ones the first. On either side of the quad
   /// A1 T1 T2 A2 the choice is free.
   Twelve best_twelve() const noexcept {
     std::array<std::array<double, 2>, 2> part;
     for (std::size_t i = 0; i < 4; ++i) {
-      part[i >> 1][i & 1] = cost_of_all(kLabelParts[i >> 1][i & 1]);
+      part[i >> 1][i & 1] = corner_.worst_of(kLabelParts[i >> 1][i & 1]);
     }
     Twelve best;
     for (std::size_t shared = 0; shared < 2; ++shared) {
@@ -190,8 +194,9 @@ class ThreeLabels {
       for (std::size_t side = 0; side < 2; ++side) {
         std::array<double, 2> cost;
         for (std::size_t d = 0; d < 2; ++d) {
-          cost[d] = std::max(part[side][d],
-                             cost_of_all(kLabelHalves[side][starts_[side] ? 1 : 0][shared][d]));
+          cost[d] =
+              std::max(part[side][d],
+                       corner_.worst_of(kLabelHalves[side][starts_[side] ? 1 : 0][shared][d]));
         }
         found.diagonal[side] = cost[1] < cost[0] ? 1 : 0;
         found.cost = std::max(found.cost, cost[found.diagonal[side]]);
@@ -203,7 +208,7 @@ class ThreeLabels {
 
   double cost_of_fan(LabelMiddle middle) noexcept {
     corner_.at[kLabelMiddle] = places_.middle(middle);
-    return cost_of_all(fan_tets());
+    return corner_.worst_of(fan_tets());
   }
 
   template <class Tets>
@@ -220,7 +225,8 @@ class ThreeLabels {
   CornerPlaces corner_;
 };
 
-void divide_four_labels(const LabelledTet& tet, LabelDivision& out) noexcept {
+/// The middle around which four labels are good, or else that of the nodes.
+LabelMiddle middle_of_four_labels(const LabelledTet& tet) noexcept {
   const LabelPlaces places(tet, {});
   CornerPlaces corner;
   corner.negative = tet.shape.negative;
@@ -229,12 +235,14 @@ void divide_four_labels(const LabelledTet& tet, LabelDivision& out) noexcept {
     corner.at[label_triple(i)] = places.triple(i);
   }
   for (std::size_t e = 0; e < kTetEdge.size(); ++e) corner.at[4 + e] = places.cut(e);
-  corner.at[kLabelMiddle] = places.middle(LabelMiddle::kOfTriples);
-  double cost = -1;
-  for (const LabelTetCorners& corners : kFourLabels.tet) {
-    cost = std::max(cost, corner.cost(corners));
-  }
-  out.middle = cost <= kGoodCost ? LabelMiddle::kOfTriples : LabelMiddle::kOfNodes;
+  return first_good_middle([&](LabelMiddle of) {
+    corner.at[kLabelMiddle] = places.middle(of);
+    return corner.worst_of(kFourLabels);
+  });
+}
+
+void divide_four_labels(const LabelledTet& tet, LabelDivision& out) noexcept {
+  out.middle = tet.decided ? *tet.decided : middle_of_four_labels(tet);
   for (std::size_t i = 0; i < kFourLabels.count; ++i) {
     out.add(kFourLabels.tet[i], tet.label[kFourLabels.role[i]]);
   }
@@ -320,23 +328,25 @@ void divide(const LabelledTet& tet, const JokerVotes& votes, LabelDivision& out)
   }
 }
 
+LatticeCoord LabelPlaces::node_at(std::size_t i) const noexcept {
+  return node_coord(tet_.shape.kind[i], halo_index(0, 0, 0) + tet_.shape.offset[i]) + cell_;
+}
+
 WorldPoint LabelPlaces::node(std::size_t i) const noexcept {
-  const LatticeCoord at =
-      node_coord(tet_.shape.kind[i], halo_index(0, 0, 0) + tet_.shape.offset[i]) + cell_;
+  const LatticeCoord at = node_at(i);
   return {0.5 * at.x, 0.5 * at.y, 0.5 * at.z};
 }
 
 WorldPoint LabelPlaces::cut(std::size_t edge) const noexcept {
-  const std::size_t low = kTetEdge[edge][0];
-  return place_on_edge(
-      node_coord(tet_.shape.kind[low], halo_index(0, 0, 0) + tet_.shape.offset[low]) + cell_,
-      family_direction(tet_.shape.edge_family[edge]), tet_.fraction[edge]);
+  return place_on_edge(node_at(kTetEdge[edge][0]),
+                       family_direction(tet_.shape.edge_family[edge]), tet_.fraction[edge]);
 }
 
 WorldPoint LabelPlaces::triple(std::size_t opposite_node) const noexcept {
-  const auto [a, b, c] = nodes_of_face(opposite_node);
-  return triple_place(cut(edge_between(a, b)), cut(edge_between(b, c)),
-                      cut(edge_between(a, c)));
+  std::array<LatticeCoord, 3> node;
+  const auto nodes = nodes_of_face(opposite_node);
+  for (std::size_t i = 0; i < 3; ++i) node[i] = node_at(nodes[i]);
+  return place_on_face(node, tet_.triple[opposite_node]);
 }
 
 bool LabelPlaces::is_cut(std::size_t edge) const noexcept {
@@ -350,22 +360,23 @@ bool LabelPlaces::is_triple(std::size_t opposite_node) const noexcept {
 }
 
 WorldPoint LabelPlaces::middle(LabelMiddle of) const noexcept {
-  WorldPoint sum;
-  int count = 0;
-  const auto add = [&](const WorldPoint& place) {
-    sum = {sum.x + place.x, sum.y + place.y, sum.z + place.z};
-    ++count;
-  };
-  for (std::size_t e = 0; of == LabelMiddle::kOfCuts && e < kTetEdge.size(); ++e) {
-    if (is_cut(e)) add(cut(e));
+  Mean triples, nodes;
+  if (of == LabelMiddle::kOfCuts) {
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      if (is_cut(e)) triples.add(cut(e));
+    }
+    return triples.value();
   }
-  for (std::size_t i = 0; of != LabelMiddle::kOfCuts && i < 4; ++i) {
-    if (of == LabelMiddle::kOfNodes) add(node(i));
+  for (std::size_t i = 0; i < 4; ++i) {
+    nodes.add(node(i));
     // With three labels the lower A's opposite face comes first.
-    if (of == LabelMiddle::kOfTriples && is_triple(i)) add(triple(i));
+    if (is_triple(i)) triples.add(triple(i));
   }
-  const double share = 1.0 / count;  // a half or a quarter
-  return {share * sum.x, share * sum.y, share * sum.z};
+  if (of == LabelMiddle::kOfNodes) return nodes.value();
+  const WorldPoint from = nodes.value(), to = triples.value();
+  const double part = part_towards_triples(of), rest = 1 - part;
+  return {rest * from.x + part * to.x, rest * from.y + part * to.y,
+          rest * from.z + part * to.z};
 }
 
 }  // namespace tet

@@ -4,10 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/base/types.h"
+#include "core/labels/face_point.h"
 #include "core/labels/label.h"
+#include "core/labels/label_cost.h"
 #include "core/labels/lattice_faces.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/column_rule.h"
@@ -27,12 +30,16 @@ inline constexpr LabelCorner kLabelMiddle = 14;
 inline constexpr std::size_t kLabelCorners = 15;
 using LabelTetCorners = std::array<LabelCorner, 4>;
 
-/// Where the middle of a tet lies, if it has one.
+/// Where the middle of a tet lies, if it has one: amid the four cut points of two labels' quad,
+/// or on the way from the mean of its nodes to that of its triple points, two or four of them.
 enum class LabelMiddle : std::uint8_t {
   kNone,
-  kOfCuts,     ///< the mean of the four cut points of two labels' quad
-  kOfTriples,  ///< the mean of the tet's triple points, two or four
-  kOfNodes,    ///< the mean of its nodes
+  kOfCuts,
+  kOfNodes,
+  kQuarter,
+  kHalfWay,
+  kThreeQuarters,
+  kOfTriples,
 };
 
 /// A lattice tet after the warp.
@@ -40,6 +47,10 @@ struct LabelledTet {
   const TetShape& shape;
   std::array<Label, 4> label{};  ///< of its nodes; kJoker where a node moved
   EdgeFractions fraction{};      ///< on edges between two labels: from the lower node
+  /// On faces of three labels, by the node opposite to them.
+  std::array<FacePoint, kTetFaces> triple{};
+  /// What was found of its middle when it was divided before.
+  std::optional<LabelMiddle> decided{};
 };
 
 /// What each node of a tet votes for where all four moved: its own label, and that at the other
@@ -62,17 +73,14 @@ struct LabelDivision {
   }
 };
 
-/// A division of a tet of three or four labels is good if all its angles, in degrees, lie
-/// between these: then it is taken. Three labels: the best of the twelve tets that need no
-/// middle, then a middle amid the triple points; four: the latter. Else the middle is that of
-/// the nodes, whose angles keep the bounds of both sides whatever the fractions are. A search
-/// over all fractions found one of the three good for each.
-inline constexpr double kGoodLeast = 12.0, kGoodGreatest = 148.5;
-
 /// Most votes win; where they are equal, the highest label.
 Label elected(const JokerVotes& votes) noexcept;
 
-/// Divides a tet; `votes` are looked at only where all its nodes moved.
+/// Divides a tet. A division of three or four labels is taken if all its tets are good
+/// (label_cost.h): of three labels the best of the twelve tets that need no middle; else those
+/// around the middle that is nearest to the triple points. If none is good the middle is the
+/// mean of the nodes, around which every angle keeps the bounds of both sides. `votes` are
+/// looked at only where all its nodes moved.
 void divide(const LabelledTet& tet, const JokerVotes& votes, LabelDivision& out) noexcept;
 
 /// Where a tet's cut points, triple points and middle lie: in spacings from the corner that
@@ -88,19 +96,12 @@ class LabelPlaces {
   WorldPoint middle(LabelMiddle of) const noexcept;
 
  private:
+  LatticeCoord node_at(std::size_t i) const noexcept;
   bool is_cut(std::size_t edge) const noexcept;
   bool is_triple(std::size_t opposite_node) const noexcept;
 
   const LabelledTet& tet_;
   LatticeCoord cell_;
 };
-
-/// The mean of a face's cut points, summed as given: those on edges 01, 12 and 02.
-inline WorldPoint triple_place(const WorldPoint& first,
-                               const WorldPoint& second,
-                               const WorldPoint& third) noexcept {
-  return {(first.x + second.x + third.x) / 3, (first.y + second.y + third.y) / 3,
-          (first.z + second.z + third.z) / 3};
-}
 
 }  // namespace tet

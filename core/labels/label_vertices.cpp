@@ -56,6 +56,8 @@ LabelVertices::LabelVertices() noexcept {
   std::ranges::copy(kLatticePoints, point_.begin());
   label_.fill(0);
   fraction_.fill(0);
+  triple_.fill({});
+  middle_.fill(LabelMiddle::kNone);
 }
 
 void LabelVertices::forget() noexcept {
@@ -63,6 +65,8 @@ void LabelVertices::forget() noexcept {
     point_[slot] = kLatticePoints[slot];
   }
   moved_count_ = 0;
+  if (has_middles_) middle_.fill(LabelMiddle::kNone);
+  has_triples_ = has_middles_ = false;
   jokers_.count = 0;
   others_.count = 0;
 }
@@ -149,20 +153,20 @@ Index LabelVertices::enter_triples(const LabelledBrick& brick,
                                    Index next,
                                    Index* ids) noexcept {
   if (brick.triple == nullptr) return next;
+  has_triples_ = true;
   std::size_t first = 0;
   for (std::size_t family = 0; family < kFaceFamilies; ++family) {
     const FaceFamily& face = kFaceFamily[family];
     const std::size_t triples = for_each_in_reach(
         (*brick.triple)[family], o, [&](int x, int y, int z, std::size_t rank) {
-          const std::array<float, 3>& fraction = brick.triple_fractions[first + rank];
+          const FacePoint& point = brick.triple_points[first + rank];
           const LatticeCoord low = doubled(face.kind[0], x, y, z);
-          const auto cut = [&](std::size_t e) {
-            return place_on_edge(low + face.step[kFaceEdge[e][0]],
-                                 family_direction(face.edge_family[e]), fraction[e]);
-          };
-          const WorldPoint at = triple_place(cut(0), cut(1), cut(2));
-          const auto slot = static_cast<std::size_t>(kFirstTripleSlot) + family * kSlotsOfKind +
-                            static_cast<std::size_t>(node_slot(x, y, z));
+          const WorldPoint at =
+              place_on_face({low, low + face.step[1], low + face.step[2]}, point);
+          const std::size_t number =
+              family * kSlotsOfKind + static_cast<std::size_t>(node_slot(x, y, z));
+          const std::size_t slot = static_cast<std::size_t>(kFirstTripleSlot) + number;
+          triple_[number] = point;
           ids[slot] = next + static_cast<Index>(rank);
           place(slot, at);
           if (o == 0) others_.add(at);
@@ -178,14 +182,15 @@ void LabelVertices::enter_middles(const LabelledPart& own, LabelIds<Index>& ids)
   if (own.brick == nullptr || own.brick->middle == nullptr) return;
   auto next =
       static_cast<Index>(own.first + own.node[kCorner]->count() + own.node[kCentre]->count() +
-                         own.brick->cut_fractions.size() + own.brick->triple_fractions.size());
-  LabelDivision division;
+                         own.brick->cut_fractions.size() + own.brick->triple_points.size());
+  has_middles_ = true;
+  const LabelMiddle* kind = own.brick->middles.data();
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
     for_each_bit((*own.brick->middle)[shape], [&](int x, int y, int z) {
       const LabelledTet of = tet(shape, node_slot(x, y, z));
-      divide(of, {}, division);
-      const WorldPoint at = LabelPlaces(of, doubled(kCorner, x, y, z)).middle(division.middle);
+      const WorldPoint at = LabelPlaces(of, doubled(kCorner, x, y, z)).middle(*kind);
       const auto slot = static_cast<std::size_t>(label_middle_slot(shape, x, 8 * y + z));
+      middle_[slot - kFirstMiddleSlot] = *kind++;
       ids[slot] = next++;
       place(slot, at);
       others_.add(at);
@@ -222,10 +227,15 @@ LabelledTet LabelVertices::tet(std::size_t shape, int cell) const noexcept {
   for (std::size_t i = 0; i < 4; ++i) {
     tet.label[i] = label_[static_cast<std::size_t>(slots.corner[i] + cell)];
   }
-  // Where an edge has no cut point, the fraction is anything, and is not looked at.
+  // Where an edge has no cut point, or a face no triple point, they are anything, and are not
+  // looked at.
   for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
     tet.fraction[e] =
         fraction_[static_cast<std::size_t>(slots.corner[4 + e] + cell - kFirstCutSlot)];
+  }
+  for (std::size_t i = 0; has_triples_ && i < kTetFaces; ++i) {
+    tet.triple[i] = triple_[static_cast<std::size_t>(slots.corner[label_triple(i)] + cell -
+                                                     kFirstTripleSlot)];
   }
   return tet;
 }

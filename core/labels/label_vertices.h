@@ -71,8 +71,12 @@ class LabelVertices {
   /// By slot of a node; kJoker where it moved. Rows of eight may be read from any cell's.
   const Label* labels() const noexcept { return label_.data(); }
 
-  /// The tet of a shape in the cell at a bit of a slice.
+  /// The tet of a shape in a cell, by its slot.
   LabelledTet tet(std::size_t shape, int cell) const noexcept;
+  /// What was found of the middle of the tet of a shape in the cell at a bit of a slice.
+  LabelMiddle middle(std::size_t shape, int x, int bit) const noexcept {
+    return middle_[shape * kBrickCells + static_cast<std::size_t>(x * 64 + bit)];
+  }
   JokerVotes votes(std::size_t shape, int cell) const noexcept;
 
  private:
@@ -93,6 +97,9 @@ class LabelVertices {
   std::array<LocalPoint, kLabelSlots> point_;
   std::array<Label, kFirstCutSlot> label_;
   std::array<float, kMaxCutSlots> fraction_;
+  std::array<FacePoint, std::size_t{kFaceFamilies} * kSlotsOfKind> triple_;
+  std::array<LabelMiddle, std::size_t{kTetShapes} * kBrickCells> middle_;
+  bool has_triples_ = false, has_middles_ = false;
   std::array<std::array<Label, 2>, kFirstCutSlot> vote_;
   std::array<Slot, kFirstCutSlot> moved_;  // nodes, to be put back
   std::size_t moved_count_ = 0;

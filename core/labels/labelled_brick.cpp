@@ -51,6 +51,7 @@ class BrickSurvey {
         rules_(rules),
         samples_(workspace.samples),
         warped_(workspace.warped),
+        triples_(workspace.triples),
         domain_(cells_of_domain(rules.domain, brick)),
         whole_(!(kKnownNodes - domain_).any()) {
     for (const NodeKind kind : {kCorner, kCentre}) {
@@ -209,32 +210,15 @@ class BrickSurvey {
         }
       }
     }
-    auto triples = std::make_unique<TripleMasks>();
+    auto masks = std::make_unique<TripleMasks>();
     for (std::size_t f = 0; f < kFaceFamilies; ++f) {
-      const FaceFamily& face = kFaceFamily[f];
-      HaloSet found = kOwnNodes;
-      for (std::size_t e = 0; e < 3; ++e) {
-        found &= seen_from(warped_.cut[face.edge_family[e]], step_to_low(face, e));
-      }
-      if (!whole_) found &= used[f];
-      (*triples)[f] = brick_part(found);
-      for_each_bit((*triples)[f], [&](int x, int y, int z) {
-        std::array<float, 3>& fractions = brick.triple_fractions.emplace_back();
-        for (std::size_t e = 0; e < 3; ++e) {
-          const int low = halo_index(x, y, z) + step_to_low(face, e);
-          fractions[e] = samples_.fraction[face.edge_family[e]][static_cast<std::size_t>(low)];
-        }
+      const HaloSet& found = triples_.of_family(f);
+      (*masks)[f] = brick_part(whole_ ? found : found & used[f]);
+      for_each_bit((*masks)[f], [&](int x, int y, int z) {
+        brick.triple_points.push_back(triples_.at(f, halo_index(x, y, z)));
       });
     }
-    if (!brick.triple_fractions.empty()) brick.triple = std::move(triples);
-  }
-
-  /// From a face's lowest node to the lower node of its edge e, by halo index.
-  static int step_to_low(const FaceFamily& face, std::size_t e) noexcept {
-    const std::size_t low = kFaceEdge[e][0];
-    const LatticeCoord to = face.step[low];
-    return offset_index((face.kind[0] + to.x) >> 1, (face.kind[0] + to.y) >> 1,
-                        (face.kind[0] + to.z) >> 1);
+    if (!brick.triple_points.empty()) brick.triple = std::move(masks);
   }
 
   void keep_cells(LabelledBrick& brick) const {
@@ -256,7 +240,7 @@ class BrickSurvey {
       const TetShape& shape = kTetShape[number];
       for_each_bit(brick_part(divided_[number].meshed), [&](int x, int y, int z) {
         const int cell = halo_index(x, y, z);
-        const LabelledTet tet = tet_at(shape, cell);
+        const LabelledTet tet = tet_at(number, cell);
         const bool all_moved =
             std::ranges::all_of(tet.label, [](Label l) { return l == kJoker; });
         divide(tet, all_moved ? votes_of(shape, cell) : JokerVotes{}, division);
@@ -265,13 +249,15 @@ class BrickSurvey {
         }
         if (division.middle == LabelMiddle::kNone) return;
         middles[number].set(x, y, z);
+        brick.middles.push_back(division.middle);
         any = true;
       });
     }
     if (any) brick.middle = std::make_unique<const MiddleMasks>(middles);
   }
 
-  LabelledTet tet_at(const TetShape& shape, int cell) const noexcept {
+  LabelledTet tet_at(std::size_t number, int cell) const noexcept {
+    const TetShape& shape = kTetShape[number];
     LabelledTet tet{shape};
     for (std::size_t i = 0; i < 4; ++i) {
       tet.label[i] = label(shape.kind[i], cell + shape.offset[i]);
@@ -282,6 +268,11 @@ class BrickSurvey {
       if (!warped_.cut[family].test(low)) continue;
       tet.fraction[e] = samples_.fraction[family][static_cast<std::size_t>(low)];
     }
+    for (std::size_t i = 0; i < kTetFaces; ++i) {
+      const int low = cell + shape.offset[nodes_of_face(i)[0]];
+      const std::uint8_t family = kFaceOfShape[number][i];
+      if (triples_.of_family(family).test(low)) tet.triple[i] = triples_.at(family, low);
+    }
     return tet;
   }
 
@@ -289,6 +280,7 @@ class BrickSurvey {
   const LabelRules& rules_;
   const LabelSamples& samples_;
   const WarpedLabels& warped_;
+  const TriplePoints& triples_;
   const HaloSet domain_;
   const bool whole_;  // all cells [-1, 8]^3, which its nodes' edges lead to, are in the domain
   std::array<HaloSet, kNodeKinds> kept_;
@@ -304,16 +296,13 @@ bool is_alike(const WarpedLabels& warped) noexcept {
 }  // namespace
 
 std::uint64_t LabelledBrick::other_vertices() const noexcept {
-  std::uint64_t count = cut_fractions.size() + triple_fractions.size();
-  if (middle == nullptr) return count;
-  for (const BrickMask& mask : *middle) count += mask.count();
-  return count;
+  return cut_fractions.size() + triple_points.size() + middles.size();
 }
 
 std::uint64_t LabelledBrick::bytes() const noexcept {
   return sizeof(*this) + (triple != nullptr ? sizeof(*triple) : 0) +
          (middle != nullptr ? sizeof(*middle) : 0) +
-         all_heap_bytes(jokers, cut_fractions, triple_fractions);
+         all_heap_bytes(jokers, cut_fractions, triple_points, middles);
 }
 
 FoundLabels survey_labelled_brick(LabelSampler& sampler,
@@ -328,6 +317,7 @@ FoundLabels survey_labelled_brick(LabelSampler& sampler,
   sampler.sample_fractions(brick, workspace.changes, workspace.samples);
   warp_labels(workspace.changes, rules.limits, workspace.samples, workspace.warped);
   if (is_alike(workspace.warped)) return {first, nullptr};
+  workspace.triples.find(sampler, brick, workspace.samples, workspace.warped);
   return {first, BrickSurvey(brick, rules, workspace).keep()};
 }
 

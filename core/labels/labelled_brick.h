@@ -9,9 +9,12 @@
 #include "core/base/brick_box.h"
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
+#include "core/labels/face_point.h"
 #include "core/labels/label.h"
 #include "core/labels/label_samples.h"
+#include "core/labels/label_tets.h"
 #include "core/labels/lattice_faces.h"
+#include "core/labels/triple_points.h"
 #include "core/labels/warp_labels.h"
 #include "core/lattice/bcc.h"
 
@@ -41,7 +44,8 @@ struct LabelledBrick {
 
   std::vector<Joker> jokers;
   std::vector<float> cut_fractions;
-  std::vector<std::array<float, 3>> triple_fractions;  ///< of the face's edges 01, 12, 02
+  std::vector<FacePoint> triple_points;
+  std::vector<LabelMiddle> middles;  ///< of tets that have one, shape after shape
 
   std::uint64_t divided_tets = 0;  ///< of meshed labels, in tets whose nodes are not alike
   BrickMask finest;                ///< cells that have a part in such a tet
@@ -56,6 +60,7 @@ struct LabelWorkspace {
   LabelSamples samples;
   EdgeSets changes;
   WarpedLabels warped;
+  TriplePoints triples;
 };
 
 /// What is meshed, and how.

@@ -10,11 +10,20 @@
 
 namespace tet {
 
+/// The node of a tet beside a face that the face does not have.
+struct OppositeNode {
+  NodeKind kind{};
+  LatticeCoord step;  ///< from the face's lowest node, doubled
+  int to_node = 0;    ///< the same by halo index
+};
+
 /// All faces that nodes of one kind own with the same two steps to their other nodes; 24 such
 /// families hold every face of the lattice once.
 struct FaceFamily {
   std::array<NodeKind, 3> kind{};
   std::array<LatticeCoord, 3> step{};  ///< doubled coordinates from the lowest node, ascending
+  std::array<int, 3> to_node{};        ///< the same by halo index
+  std::array<OppositeNode, 2> opposite{};
   /// Edges 01, 12, 02 in this order, which is the order in which their cut points are summed.
   std::array<std::uint8_t, 3> edge_family{};
 };
@@ -51,9 +60,18 @@ constexpr FaceFamily family_of_face(const TetShape& shape, std::size_t opposite_
   for (std::size_t i = 0; i < 3; ++i) {
     family.kind[i] = shape.kind[node[i]];
     family.step[i] = at(i) - at(0);
+    family.to_node[i] = shape.offset[node[i]] - shape.offset[node[0]];
     family.edge_family[i] = family_between(at(kFaceEdge[i][0]), at(kFaceEdge[i][1]));
   }
   return family;
+}
+
+constexpr OppositeNode opposite_node(const TetShape& shape, std::size_t node) {
+  const auto low = nodes_of_face(node)[0];
+  const auto at = [&](std::size_t i) {
+    return node_coord(shape.kind[i], halo_index(0, 0, 0) + shape.offset[i]);
+  };
+  return {shape.kind[node], at(node) - at(low), shape.offset[node] - shape.offset[low]};
 }
 
 constexpr FaceTables make_face_tables() {
@@ -61,15 +79,21 @@ constexpr FaceTables make_face_tables() {
   for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
     for (std::size_t i = 0; i < kTetFaces; ++i) {
       const FaceFamily family = family_of_face(kTetShape[shape], i);
-      int known = 0;
+      int known = 0, found = -1;
       for (; known < tables.count; ++known) {
         const FaceFamily& other = tables.family[static_cast<std::size_t>(known)];
-        if (other.kind == family.kind && other.step == family.step) break;
+        if (other.kind == family.kind && other.step == family.step) {
+          found = known;
+          break;
+        }
       }
       if (known == tables.count) {
         tables.family[static_cast<std::size_t>(tables.count++)] = family;
       }
       tables.of_shape[shape][i] = static_cast<std::uint8_t>(known);
+      OppositeNode& beyond =
+          tables.family[static_cast<std::size_t>(known)].opposite[found == known ? 1 : 0];
+      beyond = opposite_node(kTetShape[shape], i);
     }
   }
   return tables;

@@ -22,7 +22,7 @@ namespace tet {
 
 /// Goes up whenever the bytes of some mesh may change, or of the statistics that are stored
 /// with its chunks: part of what names a mesh.
-inline constexpr char kAlgorithmVersion[] = "5";
+inline constexpr char kAlgorithmVersion[] = "6";
 
 /// Warp limits with known angle bounds; see docs/algorithm.md.
 enum class Preset : std::uint8_t { kDefault, kMinAngle, kBothSides };

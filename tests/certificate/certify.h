@@ -33,19 +33,17 @@ struct Certified {
 /// Bounds every angle of every tet of the problems. Deterministic.
 Certified certify(std::span<const Problem> problems, const Goal& goal);
 
-/// How far angles turn when all corners of their tets move by up to some displacement.
-struct CertifiedTurn {
-  double bound_deg = kInfinity;  ///< proven, whatever the angle is; infinite: nothing is
-  double attained_deg = 0;       ///< about the fastest that was seen at a single point
-  std::size_t boxes = 0;
-};
-
-/// Proves that no angle of any tet of the problems turns by more than `enough_deg`, wherever
-/// their parameters are: their orders are not looked at. `displacement` is in spacings. Gives
-/// up after `max_boxes` boxes. Deterministic.
-CertifiedTurn certify_turn(std::span<const Problem> problems,
-                           double displacement,
-                           double enough_deg,
-                           std::size_t max_boxes);
+/// How far an angle turns at most, degrees, when the corners of its tet move by up to
+/// `displacement` and its two faces are at least `width` wide, which is their least height;
+/// both in spacings. Infinite where they may lose their area on the way.
+///
+/// A corner that moves by x turns its face by x / h, h its height above the angle's edge, and
+/// the ends of the edge turn it by x |1 - lambda| / h and x |lambda| / h, where lambda says how
+/// far along the edge the foot of the corner lies. The three add up to 2 / h where the foot is
+/// on the edge. Where it is beyond an end they are 2 cot / e: cot of the acute angle of the
+/// face at the other end, e the edge's length; and that is less than twice the inverse of
+/// another height of the face. So both faces together turn by no more than 4 x / width; on the
+/// way the width loses 2 x at most.
+double greatest_turn_deg(double width, double displacement);
 
 }  // namespace tet::certificate

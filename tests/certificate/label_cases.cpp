@@ -37,7 +37,6 @@ struct LabelledNodes {
   int direction;  ///< of the joker
   WarpLimits limits;
   LabelRule rule;
-  bool around_triples = false;  ///< a middle is the mean of the triple points, not of the nodes
 
   double alpha(int of_direction) const {
     return static_cast<double>(is_long(of_direction) ? limits.alpha_long : limits.alpha_short);
@@ -75,25 +74,35 @@ class LabelProblem {
     if (corner < 10) return cut(static_cast<std::size_t>(corner - 4));
     if (corner == kLabelMiddle) {
       if (nodes_.rule == LabelRule::kMiddleAtANode) return node(0);
-      if (!nodes_.around_triples) return mean_of({node(0), node(1), node(2), node(3)});
-      std::vector<Corner> triples;
-      for (std::size_t i = 0; i < kTetFaces; ++i) {
-        if (is_triple(i)) triples.push_back(triple(i));
-      }
-      return mean_of(triples);
+      return mean_of({node(0), node(1), node(2), node(3)});
     }
     return triple(static_cast<std::size_t>(corner - 10));
   }
 
-  bool is_triple(std::size_t opposite_node) const {
-    const auto [a, b, c] = nodes_of_face(opposite_node);
-    const auto& label = nodes_.label;
-    return label[a] != label[b] && label[b] != label[c] && label[a] != label[c];
+  /// A point of a face whose shares of its nodes are a sixth each at least: from the first node
+  /// along the way to the second, and from there towards the third, but no farther.
+  Corner anywhere_on(const std::array<std::uint8_t, 3>& nodes) {
+    constexpr int kShares = 6;
+    const auto at = [&](std::size_t i) { return nodes_.node[nodes[i]]; };
+    const Place first = in_units(at(1) - at(0)), second = in_units(at(2) - at(1));
+    Corner corner{in_units(at(0)), {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) corner.base[axis] += first[axis] / kShares;
+    const Range range{1.0 / kShares, 1 - 2.0 / kShares};
+    const std::uint8_t longer = add_slide({corner.base, first, range});
+    const std::uint8_t shorter = add_slide({corner.base, second, range});
+    corner.along[longer] = first;
+    corner.along[shorter] = second;
+    problem_.orders.push_back({longer, shorter});
+    return corner;
   }
 
   Corner triple(std::size_t opposite_node) {
     const auto [a, b, c] = nodes_of_face(opposite_node);
     if (nodes_.rule == LabelRule::kTripleAtACut) return cut(edge_between(a, b));
+    if (nodes_.rule == LabelRule::kTripleAnywhere) {
+      if (!triple_[opposite_node]) triple_[opposite_node] = anywhere_on({a, b, c});
+      return *triple_[opposite_node];
+    }
     return mean_of({cut(edge_between(a, b)), cut(edge_between(b, c)), cut(edge_between(a, c))});
   }
 
@@ -142,6 +151,7 @@ class LabelProblem {
   Problem problem_;
   std::array<std::optional<std::uint8_t>, kTetEdge.size()> cut_;
   std::optional<std::uint8_t> warp_;
+  std::array<std::optional<Corner>, kTetFaces> triple_;
 };
 
 /// The nodes of a tet of three labels by role, as core/labels has them.
@@ -204,23 +214,6 @@ void add_three_labels(const LabelledNodes& nodes, std::vector<Problem>& problems
   }
 }
 
-/// The twelve tets by all choices of diagonals, and those around the mean of T1 and T2.
-void add_chosen_three(const LabelledNodes& nodes, std::vector<Problem>& problems) {
-  const std::array<std::uint8_t, 4> roles = roles_of(nodes.label);
-  const auto add = [&](const auto& tets) {
-    for (std::size_t t = 0; t < tets.count; ++t) {
-      problems.push_back(problem_in_roles(nodes, tets.tet[t], roles).problem());
-    }
-  };
-  for (const auto& part : kLabelParts) std::ranges::for_each(part, add);
-  for (const auto& side : kLabelHalves) {
-    for (const auto& starts : side) {
-      for (const auto& shared : starts) std::ranges::for_each(shared, add);
-    }
-  }
-  for (const auto& fans : kLabelFans) std::ranges::for_each(fans, add);
-}
-
 template <class Tets>
 void add_tets(const LabelledNodes& nodes,
               const Tets& tets,
@@ -257,25 +250,6 @@ std::vector<Problem> label_problems_of(const TetShape& shape,
     add_tets(nodes, kFourLabels, "ABCD", problems);
   }
   return problems;
-}
-
-std::vector<Problem> chosen_label_cases(const WarpLimits& limits, LabelRule rule) {
-  std::vector<Problem> problems;
-  for (const TetShape& shape : kTetShape) {
-    LabelledNodes nodes{shape, {}, {1, 2, 3, 4}, 0, limits, rule, true};
-    for (std::size_t i = 0; i < 4; ++i) {
-      nodes.node[i] = node_coord(shape.kind[i], halo_index(0, 0, 0) + shape.offset[i]);
-    }
-    add_tets(nodes, kFourLabels, "ABCD", problems);
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = i + 1; j < 4; ++j) {
-        nodes.label = {1, 2, 3, 4};
-        nodes.label[j] = nodes.label[i];
-        add_chosen_three(nodes, problems);
-      }
-    }
-  }
-  return without_copies(problems);
 }
 
 std::vector<Problem> label_cases(const WarpLimits& limits, LabelRule rule) {

@@ -14,24 +14,20 @@ namespace tet::certificate {
 /// What of the rules is followed: the others only to see the proof fail.
 enum class LabelRule {
   kAsItIs,
-  kCutsAnywhere,   ///< cut points between nodes that stay are left where they are
-  kTripleAtACut,   ///< the triple point is one of the face's cut points
-  kShorterColumn,  ///< the diagonal of A A B starts at the shorter column
-  kMiddleAtANode,  ///< the middle of a fan is its lowest node's place
+  kCutsAnywhere,    ///< cut points between nodes that stay are left where they are
+  kTripleAtACut,    ///< the triple point is one of the face's cut points
+  kTripleAnywhere,  ///< its shares of the face's nodes are a sixth each, the rest is any one's
+  kShorterColumn,   ///< the diagonal of A A B starts at the shorter column
+  kMiddleAtANode,   ///< the middle of a fan is its lowest node's place
   kJokersFarther,  ///< jokers move up to half an edge: to cut points that violate the other end
 };
 
 /// All tets of three labels and a joker (`ABC0`), and those of three and four labels around the
-/// mean of the nodes (`AABC`, `ABCD`), which are taken where no other division is good; up to
-/// isometries. The others are taken only where their angles, as they are computed, are good:
-/// see kGoodLeast.
+/// mean of the nodes (`AABC`, `ABCD`), which are taken where no other division is good; each
+/// with triple points amid their cut points, which are taken where none nearer to what is
+/// wished is good; up to isometries. All others are taken only where they are good, as they are
+/// computed: see kGoodLeast.
 std::vector<Problem> label_cases(const WarpLimits& limits, LabelRule rule = LabelRule::kAsItIs);
-
-/// All tets of three and four labels that are taken only where all angles of their division
-/// lie in kGoodLeast .. kGoodGreatest: parts, halves, and those around a middle amid the triple
-/// points; up to isometries. Nothing is said of where that is.
-std::vector<Problem> chosen_label_cases(const WarpLimits& limits,
-                                        LabelRule rule = LabelRule::kAsItIs);
 
 /// Those of one lattice tet of a shape whose nodes have these labels; kJoker, which moved in
 /// `direction`, at one of them at most.

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <utility>
+
+#include "core/labels/lattice_faces.h"
 
 namespace tet::test {
 namespace {
@@ -65,6 +69,19 @@ class FunctionSampler final : public LabelSampler {
     }
   }
 
+  void sample_triples(BrickCoord brick,
+                      std::span<const TripleFace> faces,
+                      const LabelSamples&,
+                      std::span<FacePoint> points) override {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const FaceFamily& family = kFaceFamily[faces[i].family];
+      const int x = (faces[i].low >> 8) - 2, y = (faces[i].low >> 4 & 15) - 2,
+                z = (faces[i].low & 15) - 2;
+      const LatticeCoord low = in_lattice(family.kind[0], brick, x, y, z);
+      points[i] = functions_.triple({low, low + family.step[1], low + family.step[2]});
+    }
+  }
+
  private:
   const LabelFunctions& functions_;
 };
@@ -72,7 +89,8 @@ class FunctionSampler final : public LabelSampler {
 LabelFunctions random_labels(std::uint32_t seed, std::size_t labels) {
   return {
       [=](LatticeCoord at) { return static_cast<Label>(hash_of(seed, at, -1) % labels); },
-      [=](LatticeCoord low, int direction) { return hostile_fraction(seed, low, direction); }};
+      [=](LatticeCoord low, int direction) { return hostile_fraction(seed, low, direction); },
+      [=](const std::array<LatticeCoord, 3>& face) { return hostile_triple(seed, face); }};
 }
 
 /// An affine function for each label; the largest wins.
@@ -97,12 +115,21 @@ struct Planes {
     const double sum = here + there;
     return static_cast<float>(sum > 0 ? std::clamp(here / sum, 0.0, 1.0) : 0.5);
   }
+  FacePoint triple(const std::array<LatticeCoord, 3>& face) const {
+    std::array<double, 3> u, v;
+    for (std::size_t n = 0; n < 3; ++n) {
+      u[n] = at(label(face[0]), face[n]) - at(label(face[1]), face[n]);
+      v[n] = at(label(face[0]), face[n]) - at(label(face[2]), face[n]);
+    }
+    return common_zero(u, v);
+  }
 };
 
 LabelFunctions functions_of(Planes planes) {
   const auto shared = std::make_shared<const Planes>(std::move(planes));
   return {[shared](LatticeCoord at) { return shared->label(at); },
-          [shared](LatticeCoord low, int d) { return shared->fraction(low, d); }};
+          [shared](LatticeCoord low, int d) { return shared->fraction(low, d); },
+          [shared](const std::array<LatticeCoord, 3>& face) { return shared->triple(face); }};
 }
 
 /// Voronoi cells: |x - p|^2 is less the larger 2 p.x - |p|^2 is.
@@ -134,9 +161,10 @@ LabelFunctions four_along_a_line() {
 
 LabelFunctions with_hostile_fractions(std::uint32_t seed,
                                       std::function<Label(LatticeCoord)> label) {
-  return {std::move(label), [=](LatticeCoord low, int direction) {
-            return hostile_fraction(seed, low, direction);
-          }};
+  return {
+      std::move(label),
+      [=](LatticeCoord low, int direction) { return hostile_fraction(seed, low, direction); },
+      [=](const std::array<LatticeCoord, 3>& face) { return hostile_triple(seed, face); }};
 }
 
 }  // namespace
@@ -167,6 +195,31 @@ float hostile_fraction(std::uint32_t seed, LatticeCoord low, int direction) {
   }
 }
 
+FacePoint hostile_triple(std::uint32_t seed, const std::array<LatticeCoord, 3>& face) {
+  std::uint64_t hash = hash_of(seed, face[0], 20);
+  for (const LatticeCoord& node : {face[1], face[2]}) {
+    hash = mixed(hash ^ hash_of(seed, node, 21));
+  }
+  const float a = unit(mixed(hash ^ 1)), b = unit(mixed(hash ^ 2));
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  switch (hash % 12) {
+    case 0:
+      return {std::round(a), 0};
+    case 1:
+      return {a, 1 - a};
+    case 2:
+      return {std::numeric_limits<float>::quiet_NaN(), b};
+    case 3:
+      return {a, -kInfinity};
+    case 4:
+      return {1e30F * (a - 0.5F), -1e30F * b};
+    case 5:
+      return {8 * a - 4, 8 * b - 4};
+    default:  // within the face
+      return a + b <= 1 ? FacePoint{a, b} : FacePoint{1 - a, 1 - b};
+  }
+}
+
 LabelFunctions surrounded(LabelFunctions functions, const BrickBox& box) {
   const auto within = [box](LatticeCoord at) {
     const auto inside = [](std::int32_t v, std::int32_t min, std::int32_t max) {
@@ -178,7 +231,7 @@ LabelFunctions surrounded(LabelFunctions functions, const BrickBox& box) {
   return {[=, label = functions.label](LatticeCoord at) {
             return within(at) ? label(at) : Label{0};
           },
-          functions.fraction};
+          functions.fraction, functions.triple};
 }
 
 std::vector<LabelCase> label_cases(const BrickBox& box, std::uint32_t seed) {

@@ -1,6 +1,7 @@
 // Labels on the lattice that tests mesh: any function of nodes and edges.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,11 +14,16 @@
 
 namespace tet::test {
 
-/// A label for each node, in doubled coordinates, and a fraction in [0, 1] for each edge, by
-/// its lower node and its direction.
+/// A label for each node, in doubled coordinates, a fraction in [0, 1] for each edge, by its
+/// lower node and its direction, and a point of each face, by its nodes in ascending order.
 struct LabelFunctions {
   std::function<Label(LatticeCoord)> label;
   std::function<float(LatticeCoord, int)> fraction;
+  std::function<FacePoint(const std::array<LatticeCoord, 3>&)> triple = amid_the_nodes;
+
+  static FacePoint amid_the_nodes(const std::array<LatticeCoord, 3>&) {
+    return {1.0F / 3, 1.0F / 3};
+  }
 };
 
 /// Samples functions, node by node.
@@ -36,13 +42,17 @@ class FunctionLabels final : public LabelSource {
 /// the warp, a half, or nearly one of these.
 float hostile_fraction(std::uint32_t seed, LatticeCoord low, int direction);
 
+/// Points drawn from a hash of the face: anywhere in it, at its nodes and edges, far off, and
+/// none.
+FacePoint hostile_triple(std::uint32_t seed, const std::array<LatticeCoord, 3>& face);
+
 struct LabelCase {
   std::string name;
   LabelFunctions functions;
   std::size_t labels = 0;  ///< that there are
 };
 
-/// - any of 2 .. 1,000 labels at each node, with hostile fractions;
+/// - any of 2 .. 1,000 labels at each node, with hostile fractions and points of faces;
 /// - the same within a box of bricks, and label 0 around it: nothing meets the domain's faces;
 /// - sheets and threads one node thin, and checkerboards;
 /// - indicators: affine ones, of which the largest wins, so that three labels meet along lines

@@ -51,8 +51,18 @@ inline double angle_at(const ReferencePlace& a,
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
+/// A triangle's least height.
+inline double width_of(const ReferencePlace& a,
+                       const ReferencePlace& b,
+                       const ReferencePlace& c) {
+  const ReferencePlace ab = minus(b, a), ac = minus(c, a), bc = minus(c, b);
+  const ReferencePlace area = times(ab, ac);
+  const double longest = std::max({dot_of(ab, ab), dot_of(ac, ac), dot_of(bc, bc)});
+  return std::sqrt(dot_of(area, area) / longest);
+}
+
 struct ReferenceAngles {
-  double least = 180, greatest = 0;
+  double least = 180, greatest = 0, width = 1;
   void add(const std::array<ReferencePlace, 4>& p) {
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
@@ -63,10 +73,12 @@ struct ReferenceAngles {
         const double angle = angle_at(p[i], p[j], p[others[0]], p[others[1]]);
         least = std::min(least, angle);
         greatest = std::max(greatest, angle);
+        width = std::min(width, width_of(p[others[0]], p[others[1]], p[i]));
+        width = std::min(width, width_of(p[others[0]], p[others[1]], p[j]));
       }
     }
   }
-  bool good() const { return least >= 12 && greatest <= 148.5; }
+  bool good() const { return least >= 12 && greatest <= 148.5 && width >= 0.04; }
 };
 
 }  // namespace tet::test

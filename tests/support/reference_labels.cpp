@@ -244,14 +244,26 @@ class ReferenceMesh : private ReferenceLattice {
     std::vector<Piece> pieces;
     if (triples.size() == 2) pieces = twelve(node);
     const std::vector<Piece> around = fan(node);
-    if (pieces.empty() || !angles_of(pieces).good()) {
-      for (const auto& places : {triples, nodes}) {
-        middle_[middle] = mean(places);
+    if (pieces.empty() || !angles_of(pieces).good() || !fills(node, pieces)) {
+      for (const double part : {1.0, 0.75, 0.5, 0.25, 0.0}) {
+        middle_[middle] = towards(mean(nodes), mean(triples), part);
         pieces = around;
         if (angles_of(pieces).good()) break;
       }
     }
     emit_all(pieces);
+  }
+
+  /// Whether pieces fill a lattice tet, and none is turned inside out.
+  bool fills(const std::array<Node, 4>& node, const std::vector<Piece>& pieces) {
+    double volume = 0;
+    for (const Piece& piece : pieces) {
+      volume += std::abs(six_volumes({place(piece.corner[0]), place(piece.corner[1]),
+                                      place(piece.corner[2]), place(piece.corner[3])}));
+    }
+    const double whole = std::abs(
+        six_volumes({place({node[0]}), place({node[1]}), place({node[2]}), place({node[3]})}));
+    return volume < whole * (1 + 1e-9);
   }
 
   /// The good one among all twelves, if there is one; else any.
@@ -286,7 +298,7 @@ class ReferenceMesh : private ReferenceLattice {
       }
       if (!possible) continue;
       last = pieces;
-      if (angles_of(last).good()) return last;
+      if (angles_of(last).good() && fills(node, last)) return last;
     }
     return last;
   }

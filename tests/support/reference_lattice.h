@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -95,10 +96,78 @@ class ReferenceLattice {
                      static_cast<double>(std::clamp(fraction(key[0], key[1]), a, 1 - a)));
     }
     if (key.size() == 3) {
-      return mean({place(edge(key[0], key[1])), place(edge(key[1], key[2])),
-                   place(edge(key[0], key[2]))});
+      const auto known = triple_.find(key);
+      return known != triple_.end() ? known->second : triple_[key] = triple(key);
     }
     return middle_.at(key);
+  }
+
+  static Place towards(const Place& from, const Place& to, double part) {
+    return {from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1]),
+            from[2] + part * (to[2] - from[2])};
+  }
+
+  /// Where three labels meet on a face: near what is wished, where all tets at it are good.
+  Place triple(const Key& key) {
+    const std::array<Place, 3> node{place({key[0]}), place({key[1]}), place({key[2]})};
+    const std::array<Place, 3> cut{place(edge(key[0], key[1])), place(edge(key[1], key[2])),
+                                   place(edge(key[0], key[2]))};
+    const Place amid = mean({cut[0], cut[1], cut[2]});
+    const FacePoint wished = functions_.triple({key[0], key[1], key[2]});
+    if (!std::isfinite(wished.second + wished.third)) return amid;
+    double b = static_cast<double>(wished.second), c = static_cast<double>(wished.third);
+    if (const double far = std::max(std::abs(b - 1.0 / 3), std::abs(c - 1.0 / 3)); far > 4) {
+      b = 1.0 / 3 + (b - 1.0 / 3) * 4 / far;
+      c = 1.0 / 3 + (c - 1.0 / 3) * 4 / far;
+    }
+    Place goal;
+    for (std::size_t i = 0; i < 3; ++i) {
+      goal[i] = (1 - b - c) * node[0][i] + b * node[1][i] + c * node[2][i];
+    }
+    constexpr double kLeastShare = 0.125;
+    if (std::min({b, c, 1 - b - c}) < kLeastShare) {
+      // Where all shares are large enough is a smaller triangle with the same middle.
+      const Place centre = mean({node[0], node[1], node[2]});
+      std::array<Place, 3> tip;
+      for (std::size_t i = 0; i < 3; ++i)
+        tip[i] = towards(centre, node[i], 1 - 3 * kLeastShare);
+      std::optional<Place> nearest;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Place side = minus(tip[(i + 1) % 3], tip[i]);
+        const double part = dot_of(minus(goal, tip[i]), side) / dot_of(side, side);
+        const Place at = towards(tip[i], tip[(i + 1) % 3], std::clamp(part, 0.0, 1.0));
+        const auto far = [&](const Place& p) { return dot_of(minus(p, goal), minus(p, goal)); };
+        if (!nearest || far(at) < far(*nearest)) nearest = at;
+      }
+      goal = *nearest;
+    }
+    for (const double part : {1.0, 0.75, 0.5, 0.25}) {
+      const Place at = towards(amid, goal, part);
+      if (is_good_triple(key, cut, at)) return at;
+    }
+    return amid;
+  }
+
+  bool is_good_triple(const Key& key, const std::array<Place, 3>& cut, const Place& at) {
+    // A node, and which of the cut points.
+    constexpr std::array<std::array<std::size_t, 2>, 6> kTriangles{
+        {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}, {0, 2}}};
+    ReferenceAngles angles;
+    for (const Node& step : kDirection) {
+      const Node beyond = key[0] + step;
+      const auto is_next_to = [&](Node n) {
+        return std::ranges::find(kDirection, beyond - n) != kDirection.end();
+      };
+      if (!is_next_to(key[1]) || !is_next_to(key[2])) continue;
+      const Place apex =
+          moved(beyond)
+              ? place({beyond})
+              : mean({place({key[0]}), place({key[1]}), place({key[2]}), place({beyond})});
+      for (const auto& [n, c] : kTriangles) {
+        angles.add({place({key[n]}), cut[c], at, apex});
+      }
+    }
+    return angles.good();
   }
 
   static Key edge(Node a, Node b) { return {std::min(a, b), std::max(a, b)}; }
@@ -176,6 +245,7 @@ class ReferenceLattice {
  private:
   const LabelFunctions& functions_;
   std::map<Node, std::optional<Node>> moved_;
+  std::map<Key, Place> triple_;
 };
 
 }  // namespace tet::test

@@ -64,6 +64,16 @@ class Grains {
               const Label a = label(from), b = label(to);
               const double here = at(a, from) - at(b, from), there = at(b, to) - at(a, to);
               return static_cast<float>(here / (here + there));
+            },
+            [this](const std::array<LatticeCoord, 3>& face) {
+              std::array<double, 3> u, v;
+              std::array<Label, 3> l;
+              for (std::size_t n = 0; n < 3; ++n) l[n] = label(place_of(face[n]));
+              for (std::size_t n = 0; n < 3; ++n) {
+                u[n] = at(l[0], place_of(face[n])) - at(l[1], place_of(face[n]));
+                v[n] = at(l[0], place_of(face[n])) - at(l[2], place_of(face[n]));
+              }
+              return common_zero(u, v);
             }};
   }
 
@@ -148,7 +158,8 @@ void measure(std::uint32_t seed, Fidelity& fidelity) {
   }
 }
 
-// Curves are piecewise straight from one face of the lattice to the next.
+// Curves are piecewise straight from one face of the lattice to the next; amid three cut points
+// on each they would be 0.227 off.
 TEST(LabelFidelity, InterfacesAndCurvesOfExactFieldsAreWhereTheyBelong) {
   Fidelity all;
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) measure(seed, all);
@@ -159,10 +170,10 @@ TEST(LabelFidelity, InterfacesAndCurvesOfExactFieldsAreWhereTheyBelong) {
       all.open_curves.count, all.open_curves.value());
   EXPECT_GT(all.interfaces.count, 40'000U);
   EXPECT_GT(all.curves.count, 2'000U);
-  EXPECT_LE(all.interfaces.value(), 0.05);
-  EXPECT_LE(all.curves.value(), 0.25);
+  EXPECT_LE(all.interfaces.value(), 0.04);
+  EXPECT_LE(all.curves.value(), 0.19);
   EXPECT_GT(all.open_curves.count, 2'000U);
-  EXPECT_LE(all.open_curves.value(), 0.2);
+  EXPECT_LE(all.open_curves.value(), 0.155);
 }
 
 }  // namespace

@@ -58,6 +58,13 @@ class SidesOfVolume final : public LabelSource {
         });
       }
     }
+    /// No face has three labels.
+    void sample_triples(BrickCoord,
+                        std::span<const TripleFace> faces,
+                        const LabelSamples&,
+                        std::span<FacePoint>) override {
+      EXPECT_TRUE(faces.empty());
+    }
 
    private:
     float phi_of(NodeKind kind, int node) const {
