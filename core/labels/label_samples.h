@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/types.h"
+#include "core/labels/interface_probe.h"
 #include "core/labels/label.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_edges.h"
@@ -45,11 +46,13 @@ class LabelSampler {
                                 LabelSamples& samples) = 0;
 };
 
-/// What labels are sampled from. Immutable: any thread may ask for a sampler.
+/// What labels are sampled from. Immutable: any thread may ask for a sampler or a probe.
 class LabelSource {
  public:
   virtual ~LabelSource() = default;
   virtual std::unique_ptr<LabelSampler> sampler() const = 0;
+  /// Tells where labels meet between the nodes; null where that is not known.
+  virtual std::unique_ptr<InterfaceProbe> probe() const { return nullptr; }
 };
 
 }  // namespace tet

@@ -214,7 +214,7 @@ class LabelRefusals(LabelCase):
         self.refuse("--labels", "0", words=("background",))
 
     def test_are_of_what_does_not_go_together(self):
-        for options in (("--iso", "3"), ("--inside", "above"), ("--improve",), ("--manifold",),
+        for options in (("--iso", "3"), ("--inside", "above"), ("--manifold",),
                         ("--preset", "both-sides"), ("--sizing", '{"growth": 0.5}')):
             with self.subTest(options):
                 self.refuse("--labels", "all", *options, words=("--labels", options[0]))

@@ -18,6 +18,9 @@ namespace tet::test {
 struct LabelFunctions {
   std::function<Label(LatticeCoord)> label;
   std::function<float(LatticeCoord, int)> fraction;
+  /// The value of a label anywhere, in units of the spacing, and its slope; the largest wins.
+  /// Null where nothing is known between the nodes.
+  std::function<ValueSlope(Label, const WorldPoint&)> indicator = nullptr;
 };
 
 /// Samples functions, node by node.
@@ -27,6 +30,7 @@ class FunctionLabels final : public LabelSource {
 
   const LabelFunctions& functions() const noexcept { return functions_; }
   std::unique_ptr<LabelSampler> sampler() const override;
+  std::unique_ptr<InterfaceProbe> probe() const override;
 
  private:
   const LabelFunctions functions_;
