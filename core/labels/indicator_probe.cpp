@@ -98,10 +98,11 @@ void IndicatorProbe::find_taps(const Axis& axis, double at, ProbeTaps& taps) con
   for (std::int32_t voxel = low; voxel <= high; ++voxel) {
     // A point that goes up by as much comes nearer by that.
     const ValueSlope weight = kernel(axis, at - stride * voxel);
-    sum += weight.value;
-    sum_slope += weight.slope.x;
+    // Rounded before they are summed: the last bits of exp are not everywhere the same.
     taps.weight.push_back(static_cast<float>(weight.value));
     taps.slope.push_back(static_cast<float>(weight.slope.x));
+    sum += static_cast<double>(taps.weight.back());
+    sum_slope += static_cast<double>(taps.slope.back());
   }
   for (std::size_t i = 0; i < taps.weight.size(); ++i) {
     const double weight = static_cast<double>(taps.weight[i]) / sum;

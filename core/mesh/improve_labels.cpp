@@ -17,7 +17,6 @@ namespace {
 /// Vertices that are brought nearer make room for others when they are relaxed. With two rounds
 /// curves of exact fields end at 0.12 spacings, with three at 0.097 and with five at 0.079.
 constexpr int kRounds = 4;
-constexpr int kSweepsOfRound = 2;
 
 /// The stars around all vertices between labels would take several times as much memory as the
 /// mesh: they are looked at in so many parts, of at least so many vertices.
@@ -85,14 +84,18 @@ class LabelImprover {
   /// nearer still.
   void bring_nearer(std::vector<std::uint64_t>& vertices) {
     Movers movers(mesh_, space_, before_, survey_.angles);
+    Movers::Move how = nullptr;
     std::vector<std::uint64_t> rest;
     const std::size_t part = std::max(kLeastPart, vertices.size() / kParts + 1);
     for (std::size_t begin = 0; begin < vertices.size(); begin += part) {
       const std::size_t count = std::min(part, vertices.size() - begin);
       Sweeper sweeper(mesh_,
                       VertexStars::around(mesh_, std::span(vertices).subspan(begin, count)),
-                      [&] { return Movers::Mover(movers, &LabelMover::approach); });
-      sweep(sweeper);
+                      [&] { return Movers::Mover(movers, how); });
+      for (const Movers::Move next : {&LabelMover::approach, &LabelMover::approach_aside}) {
+        how = next;
+        sweeper.sweep(cancellation_);
+      }
       if (cancellation_.requested()) return;
       sweeper.for_each_open([&](std::uint64_t vertex) { rest.push_back(vertex); });
     }
@@ -106,7 +109,7 @@ class LabelImprover {
     Movers movers(mesh_, space_, before_, survey_.angles);
     Sweeper sweeper(mesh_, VertexStars(mesh_, survey_.bad_tets),
                     [&] { return Movers::Mover(movers, &LabelMover::relax); });
-    sweep(sweeper);
+    sweeper.sweep(cancellation_);
     survey_ = survey_angles(mesh_, good_angles());
   }
 
@@ -119,13 +122,6 @@ class LabelImprover {
   }
 
  private:
-  template <class AnySweeper>
-  void sweep(AnySweeper& sweeper) {
-    for (int i = 0; i < kSweepsOfRound && !cancellation_.requested(); ++i) {
-      sweeper.sweep(cancellation_);
-    }
-  }
-
   TetMesh& mesh_;
   const LabelledSpace& space_;
   const Cancellation& cancellation_;

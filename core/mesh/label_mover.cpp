@@ -91,6 +91,17 @@ std::optional<double> LabelMover::cost_at(const std::optional<WorldPoint>& place
 
 LabelMover::Outcome LabelMover::approach(std::uint64_t vertex,
                                          std::span<const TetCorner> star) {
+  return bring_nearer(vertex, star, false);
+}
+
+LabelMover::Outcome LabelMover::approach_aside(std::uint64_t vertex,
+                                               std::span<const TetCorner> star) {
+  return bring_nearer(vertex, star, true);
+}
+
+LabelMover::Outcome LabelMover::bring_nearer(std::uint64_t vertex,
+                                             std::span<const TetCorner> star,
+                                             bool aside) {
   const WorldPoint start = mesh_.stored_position(vertex);
   const Meeting meeting = meeting_of(star, start);
   if (meeting.fixed || meeting.count < 2) return {{}, true};
@@ -109,18 +120,13 @@ LabelMover::Outcome LabelMover::approach(std::uint64_t vertex,
   for (const double share : {1.0, 0.75, 0.5, 0.25}) {
     InterfaceProjector::Levels levels = projector_.levels();
     for (double& level : levels) level *= 1 - share;
-    const auto place = find_nearer(
-        {start.x + share * way.x, start.y + share * way.y, start.z + share * way.z}, levels);
+    const WorldPoint ahead{start.x + share * way.x, start.y + share * way.y,
+                           start.z + share * way.z};
+    std::optional<WorldPoint> place = projector_.project(ahead, levels);
+    if (!cost_at(place)) place = aside ? find_aside(ahead, levels) : std::nullopt;
     if (place) return {place, share == 1};
   }
   return {};
-}
-
-/// The place ahead where the functions have `levels`, or one beside it.
-std::optional<WorldPoint> LabelMover::find_nearer(const WorldPoint& ahead,
-                                                  const InterfaceProjector::Levels& levels) {
-  const std::optional<WorldPoint> place = projector_.project(ahead, levels);
-  return cost_at(place) ? place : find_aside(ahead, levels);
 }
 
 /// The one that costs least of some beside it.

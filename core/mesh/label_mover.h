@@ -30,6 +30,8 @@ class LabelMover {
 
   /// A place nearer to where the labels around the vertex meet, as near as angles allow.
   Outcome approach(std::uint64_t vertex, std::span<const TetCorner> star);
+  /// Such a place, or where that is barred one as near beside it.
+  Outcome approach_aside(std::uint64_t vertex, std::span<const TetCorner> star);
 
   /// A place with better angles, as near to where labels meet as it is.
   Outcome relax(std::uint64_t vertex, std::span<const TetCorner> star);
@@ -49,8 +51,7 @@ class LabelMover {
 
   Meeting meeting_of(std::span<const TetCorner> star, const WorldPoint& place) const noexcept;
   bool near_domain_face(const WorldPoint& place) const noexcept;
-  std::optional<WorldPoint> find_nearer(const WorldPoint& ahead,
-                                        const InterfaceProjector::Levels& levels);
+  Outcome bring_nearer(std::uint64_t vertex, std::span<const TetCorner> star, bool aside);
   std::optional<WorldPoint> find_aside(const WorldPoint& ahead,
                                        const InterfaceProjector::Levels& levels);
   std::optional<double> cost_at(const std::optional<WorldPoint>& place) noexcept;
