@@ -14,8 +14,8 @@
 
 namespace tet {
 
-/// Of kDeepest the functions are differences of phi, from that of the first label that was
-/// chosen; of kFirst the phi of all solids that meet but the last. Nobody's is 0, and comes
+/// The functions of kDeepest are differences of phi, from that of the first label that was
+/// chosen; those of kFirst the phi of all solids that meet but the last. Nobody's is 0, and comes
 /// last. Of several solids with one label, one is looked at: whose label it is at the point.
 class FieldProbe final : public InterfaceProbe {
  public:

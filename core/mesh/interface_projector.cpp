@@ -98,7 +98,7 @@ bool InterfaceProjector::find_axes(const Slopes& here) noexcept {
     axes_[i] = times(1 / far, rest);
   }
   for (std::size_t i = functions_; i < 3; ++i) {
-    // Of the coordinate axes the one that is farthest from those that there are.
+    // The coordinate axis that is farthest from those that there are.
     Vector best{};
     for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}}) {
       const Vector rest = across(axis, std::span(axes_).first(i));

@@ -19,7 +19,7 @@ namespace tet {
 /// Where some labels meet, as stored positions see it. Not thread-safe: one per task.
 class InterfaceProjector {
  public:
-  /// Of a projected point, spacings.
+  /// A projected point is so near to where it should be; spacings.
   static constexpr double kTolerance = 1e-4;
 
   InterfaceProjector(std::unique_ptr<InterfaceProbe> probe,
