@@ -38,7 +38,7 @@ double FieldProbe::depth_of(std::size_t solid, const WorldPoint& world) {
   return depth;
 }
 
-/// Of those with a label the one whose the point is, or nearly so.
+/// Finds the solid with a label whose the point is, or nearly so.
 std::size_t FieldProbe::solid_of(Label label, const WorldPoint& world) {
   std::vector<std::size_t> of_label;
   for (std::size_t i = 0; i < fields_.size(); ++i) {
