@@ -15,8 +15,9 @@
 namespace tet {
 
 /// The functions of kDeepest are differences of phi, from that of the first label that was
-/// chosen; those of kFirst the phi of all solids that meet but the last. Nobody's is 0, and comes
-/// last. Of several solids with one label, one is looked at: whose label it is at the point.
+/// chosen; those of kFirst the phi of all solids that meet but the last. Nobody's is 0, and
+/// comes last. Of several solids with one label, one is looked at: whose label it is at the
+/// point.
 class FieldProbe final : public InterfaceProbe {
  public:
   /// The fields outlive it.
