@@ -13,6 +13,7 @@
 #include "core/base/brick_box.h"
 #include "core/field/scene_samples.h"
 #include "core/labels/lattice_faces.h"
+#include "core/labels/field_probe.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/stuffing/scene_zeros.h"
 #include "core/stuffing/zero_bracket.h"
@@ -407,6 +408,10 @@ FieldLabels::~FieldLabels() = default;
 
 std::unique_ptr<LabelSampler> FieldLabels::sampler() const {
   return std::make_unique<FieldSampler>(fields_, background_, overlap_, *scratch_);
+}
+
+std::unique_ptr<InterfaceProbe> FieldLabels::probe() const {
+  return std::make_unique<FieldProbe>(fields_, background_, overlap_);
 }
 
 }  // namespace tet

@@ -39,6 +39,7 @@ class FieldLabels final : public LabelSource {
   ~FieldLabels() override;
 
   std::unique_ptr<LabelSampler> sampler() const override;
+  std::unique_ptr<InterfaceProbe> probe() const override;
 
   struct Scratch;
 

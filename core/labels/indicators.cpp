@@ -10,6 +10,7 @@
 
 #include "core/base/vector_clones.h"
 #include "core/labels/convolve.h"
+#include "core/labels/indicator_probe.h"
 #include "core/labels/kernel_taps.h"
 #include "core/labels/lattice_faces.h"
 
@@ -340,6 +341,10 @@ class IndicatorSampler final : public LabelSampler {
 
 std::unique_ptr<LabelSampler> IndicatorLabels::sampler() const {
   return std::make_unique<IndicatorSampler>(*voxels_, rules_);
+}
+
+std::unique_ptr<InterfaceProbe> IndicatorLabels::probe() const {
+  return std::make_unique<IndicatorProbe>(*voxels_, rules_);
 }
 
 }  // namespace tet

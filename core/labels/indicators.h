@@ -43,6 +43,7 @@ class IndicatorLabels final : public LabelSource {
       : voxels_(std::move(voxels)), rules_(rules) {}
 
   std::unique_ptr<LabelSampler> sampler() const override;
+  std::unique_ptr<InterfaceProbe> probe() const override;
 
  private:
   const std::shared_ptr<const LabelVoxels> voxels_;

@@ -7,10 +7,6 @@
 namespace tet {
 namespace {
 
-/// The width of a Gaussian on a lattice much coarser than the voxels, spacings. Of those that
-/// were tried the one whose interfaces are nearest to where they belong.
-constexpr double kCoarse = 0.5;
-
 /// A kernel along one axis: an even function that vanishes from `reach` on.
 struct AxisKernel {
   LabelKernel kind;
@@ -18,13 +14,9 @@ struct AxisKernel {
   double reach;
 
   AxisKernel(const IndicatorRules& rules, double spacing) noexcept : kind(rules.kernel) {
-    // On a lattice coarser than the voxels the kernel grows with it, so that no voxel lies
-    // between two nodes unseen. A Gaussian grows no further than that takes, as variances add:
-    // a wider one draws in what bulges, by the square of its width.
+    // On a lattice coarser than the voxels a kernel grows with it.
     const double step = std::max(1.0, spacing);
-    scale = kind == LabelKernel::kGauss
-                ? std::sqrt(rules.smooth * rules.smooth + kCoarse * kCoarse * (step * step - 1))
-                : step;
+    scale = kind == LabelKernel::kGauss ? gaussian_width(rules.smooth, spacing) : step;
     constexpr double kCutOff = 2 / kDefaultSmooth;
     reach = kind == LabelKernel::kTrilinear   ? scale
             : kind == LabelKernel::kQuadratic ? 1.5 * scale

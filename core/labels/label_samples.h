@@ -11,6 +11,7 @@
 #include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/labels/face_point.h"
+#include "core/labels/interface_probe.h"
 #include "core/labels/label.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/cut_edges.h"
@@ -60,11 +61,13 @@ class LabelSampler {
                               std::span<FacePoint> points) = 0;
 };
 
-/// What labels are sampled from. Immutable: any thread may ask for a sampler.
+/// What labels are sampled from. Immutable: any thread may ask for a sampler or a probe.
 class LabelSource {
  public:
   virtual ~LabelSource() = default;
   virtual std::unique_ptr<LabelSampler> sampler() const = 0;
+  /// Tells where labels meet between the nodes; null where that is not known.
+  virtual std::unique_ptr<InterfaceProbe> probe() const { return nullptr; }
 };
 
 }  // namespace tet

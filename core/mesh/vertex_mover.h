@@ -49,10 +49,6 @@ class VertexMover {
   };
 
   Freedom freedom_of(std::span<const TetCorner> star, const WorldPoint& place) noexcept;
-  bool go_downhill(double step) noexcept;
-  bool go_anywhere(double step) noexcept;
-  bool go(const Vector& way, double step) noexcept;
-  Vector along_surface(const Vector& way) const noexcept;
 
   const TetMesh& mesh_;
   AngleGoal goal_;
@@ -60,12 +56,7 @@ class VertexMover {
   SurfaceProjector projector_;
   Star star_;
 
-  // These belong to the vertex that is being moved.
-  double leaf_ = 0;  // world units
-  WorldPoint home_, place_;
-  Freedom freedom_ = Freedom::kAnywhere;
   Vector slope_{};  // of phi where a vertex on the surface was before the move
-  StarBound bound_;
 };
 
 }  // namespace tet

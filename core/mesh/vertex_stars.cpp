@@ -17,16 +17,26 @@ struct ChosenCorner {
 
 }  // namespace
 
-VertexStars::VertexStars(const TetMesh& mesh, std::span<const std::uint64_t> tets) {
-  choose(mesh, tets);
-  gather(mesh);
-}
+VertexStars::VertexStars(const TetMesh& mesh) : number_(mesh.header.vertex_count, kNotChosen) {}
 
-void VertexStars::choose(const TetMesh& mesh, std::span<const std::uint64_t> tets) {
-  number_.resize(mesh.header.vertex_count, kNotChosen);
+VertexStars::VertexStars(const TetMesh& mesh, std::span<const std::uint64_t> tets)
+    : VertexStars(mesh) {
   for (const std::uint64_t tet : tets) {
     for (const std::uint64_t vertex : mesh.tet(tet)) number_[vertex] = 0;
   }
+  number_chosen();
+  gather(mesh);
+}
+
+VertexStars VertexStars::around(const TetMesh& mesh, std::span<const std::uint64_t> vertices) {
+  VertexStars stars(mesh);
+  for (const std::uint64_t vertex : vertices) stars.number_[vertex] = 0;
+  stars.number_chosen();
+  stars.gather(mesh);
+  return stars;
+}
+
+void VertexStars::number_chosen() {
   for (std::uint64_t vertex = 0; vertex < number_.size(); ++vertex) {
     if (number_[vertex] == kNotChosen) continue;
     number_[vertex] = static_cast<std::uint32_t>(vertex_.size());

@@ -18,7 +18,8 @@ struct TetCorner {
   std::size_t corner() const noexcept { return index % 4; }
 };
 
-/// The vertices of some tets, and for each of them the corners of all tets around it.
+/// Some vertices, as those of some tets, and for each of them the corners of all tets around
+/// it.
 ///
 /// Chosen vertices are numbered in the order of their ids; a star's corners are in the order of
 /// tets. One value for any number of threads.
@@ -28,6 +29,8 @@ class VertexStars {
 
   /// Chooses the vertices of `tets`. Parallel; takes 4 bytes for every vertex of the mesh.
   VertexStars(const TetMesh& mesh, std::span<const std::uint64_t> tets);
+  /// Chooses vertices by their ids, which ascend.
+  static VertexStars around(const TetMesh& mesh, std::span<const std::uint64_t> vertices);
 
   std::size_t size() const noexcept { return vertex_.size(); }
   /// The mesh's id of a chosen vertex.
@@ -39,7 +42,8 @@ class VertexStars {
   std::uint32_t number(std::uint64_t vertex) const noexcept { return number_[vertex]; }
 
  private:
-  void choose(const TetMesh& mesh, std::span<const std::uint64_t> tets);
+  explicit VertexStars(const TetMesh& mesh);
+  void number_chosen();
   void gather(const TetMesh& mesh);
 
   std::vector<std::uint32_t> number_;  // of every vertex of the mesh

@@ -102,9 +102,10 @@ absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshL
 
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits) {
   // The mesh, without fields, and for its poor tets 1.3 times as much again on random signs,
-  // where they are most.
+  // where they are most. Of labels its first positions, too.
   const ChunkSizes sizes(header, whole_of(header));
-  const std::uint64_t bytes = (sizes.total() - sizes.fields) * 5 / 2;
+  const std::uint64_t halves = header.labels.empty() ? 5 : 6;
+  const std::uint64_t bytes = (sizes.total() - sizes.fields) * halves / 2;
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "improving %d vertices and %d tets would take %d bytes; the limit is %d. Use a larger "

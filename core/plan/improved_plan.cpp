@@ -23,7 +23,7 @@ MeshFacts facts_of_improved(const MeshPlan& plan,
 
 }  // namespace
 
-ImprovedPlan::ImprovedPlan(std::shared_ptr<const LatticePlan> unimproved,
+ImprovedPlan::ImprovedPlan(std::shared_ptr<const MovablePlan> unimproved,
                            ByteBuffer positions,
                            const Improvement& improvement,
                            Statistics statistics)

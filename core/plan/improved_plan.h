@@ -5,21 +5,21 @@
 #include <memory>
 
 #include "core/base/byte_buffer.h"
-#include "core/plan/lattice_plan.h"
 #include "core/plan/mesh_plan.h"
+#include "core/plan/movable_plan.h"
 
 namespace tet {
 
-/// Chunks are those of the plan on the lattice, with other positions.
+/// Chunks are those of the plan as it was at first, with other positions.
 class ImprovedPlan final : public MeshPlan {
  public:
   /// `positions` has those of all vertices, as an improvement left them.
-  ImprovedPlan(std::shared_ptr<const LatticePlan> unimproved,
+  ImprovedPlan(std::shared_ptr<const MovablePlan> unimproved,
                ByteBuffer positions,
                const Improvement& improvement,
                Statistics statistics);
 
-  const LatticePlan& unimproved() const noexcept { return *unimproved_; }
+  const MovablePlan& unimproved() const noexcept { return *unimproved_; }
 
   ChunkExtent chunk(std::uint64_t index) const noexcept override;
   QualityStats fill_chunk(std::uint64_t index,
@@ -28,7 +28,7 @@ class ImprovedPlan final : public MeshPlan {
   std::uint64_t bytes() const noexcept override;
 
  private:
-  const std::shared_ptr<const LatticePlan> unimproved_;
+  const std::shared_ptr<const MovablePlan> unimproved_;
   const ByteBuffer positions_;
 };
 

@@ -8,8 +8,8 @@
 #include "core/field/phi_field.h"
 #include "core/mesh/improve.h"
 #include "core/mesh/lattice_to_world.h"
-#include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_request.h"
+#include "core/plan/movable_plan.h"
 
 namespace tet {
 
@@ -21,24 +21,13 @@ struct MeshSource {
   std::shared_ptr<const Scene> stand_in = nullptr;  ///< kept for the field: PreparedMesh
 };
 
-/// Whether a mesh's chunks are measured as they come from its lattice: a mesh that is to be
-/// improved is measured afterwards.
-Statistics statistics_on_lattice(const MeshRequest& request);
-
-class LatticePlan : public MeshPlan {
+class LatticePlan : public MovablePlan {
  public:
   const PhiField& field() const noexcept { return source_.field; }
   const LatticeToWorld& to_world() const noexcept { return source_.to_world; }
 
-  /// Improves the whole mesh as this plan's chunks make it.
-  Improvement improve(TetMesh& mesh, const Cancellation& cancellation) const;
-
-  /// Gives the values of the request's fields to the vertices of `extent`, wherever they lie by
-  /// now: `columns` has their positions.
-  void fill_fields(const ChunkExtent& extent, const ChunkColumns& columns) const noexcept;
-
-  /// Gives them to a whole mesh of this plan. Parallel; run it on a TaskPool.
-  void add_fields(TetMesh& mesh) const;
+  Improvement improve(TetMesh& mesh, const Cancellation& cancellation) const final;
+  void fill_fields(const ChunkExtent& extent, const ChunkColumns& columns) const noexcept final;
 
  protected:
   LatticePlan(MeshFacts facts, MeshSource source);

@@ -67,9 +67,6 @@ constexpr RequestRule kRules[] = {
     {F::kLabels, F::kSizing, kRefused, "$0 do not go with $1",
      "leave the sizing out; labels have sizes of their own, and `levels` holds for all",
      kLabelsOnOneLattice},
-    {F::kLabels, F::kImprove, kRefused, "$0 do not go with $1", "leave one of them out",
-     "Vertices are improved along one surface, and not yet along curves where three labels "
-     "meet."},
     {F::kFaceRegions, F::kLabels, kRefused, "$0 do not go with $1",
      "leave one of them out; faces are named by the labels on their two sides",
      "Regions are pieces of one surface, and labels have one for each two that meet."},

@@ -108,6 +108,16 @@ class Labels(LabelCase):
         self.assertGreater(away.sum(), 1000)
         self.assertTrue((expected == labels)[away].all())
 
+    def test_are_improved_within_their_volumes(self):
+        before = self.report("--labels", "all", "--spacing", "1")
+        after = self.report("--labels", "all", "--spacing", "1", "--improve")
+        self.assertEqual(after["tets"], before["tets"])
+        self.assertGreater(after["improvement"]["moved_vertices"], 1000)
+        self.assertGreater(after["min_dihedral_deg"], 11.99)
+        self.assertLess(after["max_dihedral_deg"], 150.01)
+        for label, plain in zip(after["labels"], before["labels"]):
+            self.assertAlmostEqual(label["volume"], plain["volume"], delta=0.03 * plain["volume"])
+
     def test_share_their_interfaces(self):
         self.mesh_labels("--labels", "all", "--levels", "0")
         mesh, labels = self.labels_of_file()
@@ -214,7 +224,7 @@ class LabelRefusals(LabelCase):
         self.refuse("--labels", "0", words=("background",))
 
     def test_are_of_what_does_not_go_together(self):
-        for options in (("--iso", "3"), ("--inside", "above"), ("--improve",), ("--manifold",),
+        for options in (("--iso", "3"), ("--inside", "above"), ("--manifold",),
                         ("--preset", "both-sides"), ("--sizing", '{"growth": 0.5}')):
             with self.subTest(options):
                 self.refuse("--labels", "all", *options, words=("--labels", options[0]))
@@ -252,6 +262,15 @@ class LabelRefusals(LabelCase):
 class LabelsServed(LabelCase, ServerTest):
     def test_are_the_same_bytes_as_here(self):
         options = ("--labels", "all", "--label-names", self.inputs / "head.ctbl")
+        self.mesh_labels(*options)
+        here = (self.out / "mesh.vtu").read_bytes()
+        for how in ((), ("--packed",)):
+            with self.subTest(how):
+                self.mesh_labels(*options, "--server", self.address, *how)
+                self.assertEqual((self.out / "mesh.vtu").read_bytes(), here)
+
+    def test_that_are_improved_are_the_same_bytes_as_here(self):
+        options = ("--labels", "all", "--spacing", "1", "--improve")
         self.mesh_labels(*options)
         here = (self.out / "mesh.vtu").read_bytes()
         for how in ((), ("--packed",)):

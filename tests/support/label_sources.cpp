@@ -86,6 +86,29 @@ class FunctionSampler final : public LabelSampler {
   const LabelFunctions& functions_;
 };
 
+/// Differences of indicators, from that of the first label.
+class FunctionProbe final : public InterfaceProbe {
+ public:
+  explicit FunctionProbe(const LabelFunctions& functions) : functions_(functions) {}
+
+  bool choose(std::span<const Label> labels, const WorldPoint&) override {
+    labels_.assign(labels.begin(), labels.end());
+    return true;
+  }
+  void at(const WorldPoint& p, std::span<ValueSlope> out) override {
+    const ValueSlope first = functions_.indicator(labels_[0], p);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const auto& [value, slope] = functions_.indicator(labels_[i + 1], p);
+      out[i] = {first.value - value,
+                {first.slope.x - slope.x, first.slope.y - slope.y, first.slope.z - slope.z}};
+    }
+  }
+
+ private:
+  const LabelFunctions& functions_;
+  std::vector<Label> labels_;
+};
+
 LabelFunctions random_labels(std::uint32_t seed, std::size_t labels) {
   return {
       [=](LatticeCoord at) { return static_cast<Label>(hash_of(seed, at, -1) % labels); },
@@ -129,7 +152,11 @@ LabelFunctions functions_of(Planes planes) {
   const auto shared = std::make_shared<const Planes>(std::move(planes));
   return {[shared](LatticeCoord at) { return shared->label(at); },
           [shared](LatticeCoord low, int d) { return shared->fraction(low, d); },
-          [shared](const std::array<LatticeCoord, 3>& face) { return shared->triple(face); }};
+          [shared](const std::array<LatticeCoord, 3>& face) { return shared->triple(face); },
+          [shared](Label label, const WorldPoint& p) {
+            const auto& [a, b, c, d] = shared->plane[label];
+            return ValueSlope{2 * (a * p.x + b * p.y + c * p.z) + d, {2 * a, 2 * b, 2 * c}};
+          }};
 }
 
 /// Voronoi cells: |x - p|^2 is less the larger 2 p.x - |p|^2 is.
@@ -171,6 +198,11 @@ LabelFunctions with_hostile_fractions(std::uint32_t seed,
 
 std::unique_ptr<LabelSampler> FunctionLabels::sampler() const {
   return std::make_unique<FunctionSampler>(functions_);
+}
+
+std::unique_ptr<InterfaceProbe> FunctionLabels::probe() const {
+  if (functions_.indicator == nullptr) return nullptr;
+  return std::make_unique<FunctionProbe>(functions_);
 }
 
 float hostile_fraction(std::uint32_t seed, LatticeCoord low, int direction) {

@@ -24,6 +24,9 @@ struct LabelFunctions {
   static FacePoint amid_the_nodes(const std::array<LatticeCoord, 3>&) {
     return {1.0F / 3, 1.0F / 3};
   }
+  /// The value of a label anywhere, in units of the spacing, and its slope; the largest wins.
+  /// Null where nothing is known between the nodes.
+  std::function<ValueSlope(Label, const WorldPoint&)> indicator = nullptr;
 };
 
 /// Samples functions, node by node.
@@ -33,6 +36,7 @@ class FunctionLabels final : public LabelSource {
 
   const LabelFunctions& functions() const noexcept { return functions_; }
   std::unique_ptr<LabelSampler> sampler() const override;
+  std::unique_ptr<InterfaceProbe> probe() const override;
 
  private:
   const LabelFunctions functions_;

@@ -153,7 +153,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
       MeshFacts{.shape = job.shape,
                 .header = std::move(header),
                 .thin_walls = std::move(surveyed.thin_walls),
-                .statistics = statistics_on_lattice(job.request),
+                .statistics = statistics_before_moves(job.request),
                 .boundary = surveyed.boundary},
       MeshSource{prepared.field, *to_world, job.request.fields, prepared.stand_in},
       std::move(mesh), std::move(first_brick));

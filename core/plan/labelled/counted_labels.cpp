@@ -197,6 +197,24 @@ std::span<const LabelLeaves> CountedLabels::leaves_of(BrickPlace place) const no
   return std::span(leaves.run).subspan(begin, leaves.first[place.brick + 1] - begin);
 }
 
+std::vector<std::uint8_t> CountedLabels::vertices_between_labels() const {
+  std::vector<std::uint8_t> between(first_vertex_.back());
+  for (std::size_t brick = 0; brick < tree_.levels[0].bricks.size(); ++brick) {
+    const LabelledPart part = part_of(brick);
+    if (part.brick == nullptr) continue;
+    std::uint64_t vertex = part.first;
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      const BrickMask& jokers = part.brick->joker[kind];
+      for_each_bit(*part.node[kind], [&](int x, int y, int z) {
+        between[vertex++] = jokers.test(x, y, z) ? 1 : 0;
+      });
+    }
+    std::fill_n(between.begin() + static_cast<std::ptrdiff_t>(vertex),
+                part.brick->other_vertices(), std::uint8_t{1});
+  }
+  return between;
+}
+
 std::uint64_t CountedLabels::bytes() const noexcept {
   std::uint64_t bytes = survey_.bytes + all_heap_bytes(first_vertex_, first_tet_);
   for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();

@@ -44,6 +44,9 @@ class CountedLabels {
   /// Leaves of a brick above the finest level, by label in ascending order.
   std::span<const LabelLeaves> leaves_of(BrickPlace place) const noexcept;
 
+  /// A byte for each vertex: 1 where it lies between labels, 0 within one.
+  std::vector<std::uint8_t> vertices_between_labels() const;
+
   std::uint64_t bytes() const noexcept;
 
  private:

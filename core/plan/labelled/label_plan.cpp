@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/heap_bytes.h"
+#include "core/mesh/improve_labels.h"
 #include "core/plan/budget.h"
 #include "core/plan/fill_watch.h"
 #include "core/plan/labelled/fill_labelled_brick.h"
@@ -99,13 +100,11 @@ std::vector<std::size_t> cut_labels_into_chunks(const CountedLabels& mesh,
 }  // namespace
 
 LabelPlan::LabelPlan(MeshFacts facts,
-                     const LatticeToWorld& to_world,
-                     std::vector<VertexField> fields,
+                     LabelledSource source,
                      CountedLabels mesh,
                      std::vector<std::size_t> first_brick)
-    : MeshPlan(std::move(facts)),
-      to_world_(to_world),
-      fields_(std::move(fields)),
+    : MovablePlan(std::move(facts)),
+      source_(std::move(source)),
       mesh_(std::move(mesh)),
       first_brick_(std::move(first_brick)) {}
 
@@ -121,9 +120,8 @@ ChunkExtent LabelPlan::chunk(std::uint64_t index) const noexcept {
 QualityStats LabelPlan::fill_chunk(std::uint64_t index,
                                    MeshWorkspace& workspace,
                                    ChunkColumns columns) const noexcept {
-  const std::span<const std::byte> positions = columns.positions;
-  const std::span<std::byte> fields = columns.fields;
-  LabelledBrickFiller filler(mesh_, header(), to_world_, statistics(),
+  const ChunkColumns all = columns;
+  LabelledBrickFiller filler(mesh_, header(), source_.to_world, statistics(),
                              workspace.get<LabelledScratch>());
   const FillWatch& watch = workspace.get<FillWatch>();
   for (std::size_t brick = first_brick_[index]; brick < first_brick_[index + 1]; ++brick) {
@@ -136,8 +134,24 @@ QualityStats LabelPlan::fill_chunk(std::uint64_t index,
                columns.regions.subspan(size.regions)};
   }
   TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
-  if (!fields_.empty()) sample_fields(fields_, header(), positions, fields);
+  if (!all.fields.empty()) fill_fields(chunk(index), all);
   return filler.stats();
+}
+
+void LabelPlan::fill_fields(const ChunkExtent&, const ChunkColumns& columns) const noexcept {
+  sample_fields(source_.fields, header(), columns.positions, columns.fields);
+}
+
+Improvement LabelPlan::improve(TetMesh& mesh, const Cancellation& cancellation) const {
+  const auto [min, max] = corner_box(mesh_.rules().domain);
+  const auto point = [](const VoxelCoord& corner) {
+    return WorldPoint{1.0 * corner.x, 1.0 * corner.y, 1.0 * corner.z};
+  };
+  const LabelledSpace space{.source = *source_.labels,
+                            .to_world = source_.to_world,
+                            .domain = {point(min), point(max)},
+                            .kept = mesh_.rules().kept};
+  return improve_labels(mesh, space, mesh_.vertices_between_labels(), cancellation);
 }
 
 std::uint64_t LabelPlan::bytes() const noexcept {
@@ -167,11 +181,12 @@ absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_labels(const LabelJob& job
   if (!to_world.ok()) return to_world.status();
   std::vector<std::size_t> first_brick =
       cut_labels_into_chunks(mesh, job.limits.chunk_bytes, header);
-  return std::make_shared<const LabelPlan>(MeshFacts{.shape = job.shape,
-                                                     .header = std::move(header),
-                                                     .statistics = statistics_of(job.request)},
-                                           *to_world, job.request.fields, std::move(mesh),
-                                           std::move(first_brick));
+  return std::make_shared<const LabelPlan>(
+      MeshFacts{.shape = job.shape,
+                .header = std::move(header),
+                .statistics = statistics_before_moves(job.request)},
+      LabelledSource{job.source, *to_world, job.request.fields}, std::move(mesh),
+      std::move(first_brick));
 }
 
 }  // namespace tet

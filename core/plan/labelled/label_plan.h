@@ -13,9 +13,9 @@
 #include "core/labels/label_samples.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/plan/labelled/counted_labels.h"
-#include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_progress.h"
 #include "core/plan/mesh_request.h"
+#include "core/plan/movable_plan.h"
 #include "core/volume/volume.h"
 
 namespace tet {
@@ -30,23 +30,29 @@ struct LabelJob {
   std::vector<double> largest_leaf = {};  ///< of each, world units; none: any
   KeptLabels kept = {};
   std::string inside_guess = {};  ///< MeshHeader::inside_guess
-  /// Its `levels`, `origin`, `coordinates`, `indices`, `fields` and `skip_statistics`; others
-  /// are not looked at.
+  /// Its `levels`, `origin`, `coordinates`, `indices`, `fields`, `improve` and
+  /// `skip_statistics`; others are not looked at.
   MeshRequest request = {};
   MeshLimits limits = {};
   MeshProgress* progress = nullptr;  ///< may be null
 };
 
+/// What a mesh of labels was made from, and where its lattice lies.
+struct LabelledSource {
+  std::shared_ptr<const LabelSource> labels;
+  LatticeToWorld to_world;
+  std::vector<VertexField> fields = {};
+};
+
 /// Chunks are runs of bricks.
-class LabelPlan final : public MeshPlan {
+class LabelPlan final : public MovablePlan {
  public:
   LabelPlan(MeshFacts facts,
-            const LatticeToWorld& to_world,
-            std::vector<VertexField> fields,
+            LabelledSource source,
             CountedLabels mesh,
             std::vector<std::size_t> first_brick);
 
-  const LatticeToWorld& to_world() const noexcept { return to_world_; }
+  const LatticeToWorld& to_world() const noexcept { return source_.to_world; }
   const CountedLabels& counted() const noexcept { return mesh_; }
 
   ChunkExtent chunk(std::uint64_t index) const noexcept override;
@@ -54,12 +60,14 @@ class LabelPlan final : public MeshPlan {
                           MeshWorkspace& workspace,
                           ChunkColumns columns) const noexcept override;
   std::uint64_t bytes() const noexcept override;
+  Improvement improve(TetMesh& mesh, const Cancellation& cancellation) const override;
+  void fill_fields(const ChunkExtent& extent,
+                   const ChunkColumns& columns) const noexcept override;
 
  private:
   ChunkExtent bricks(std::size_t begin, std::size_t end) const noexcept;
 
-  const LatticeToWorld to_world_;
-  const std::vector<VertexField> fields_;
+  const LabelledSource source_;
   const CountedLabels mesh_;
   const std::vector<std::size_t> first_brick_;  // of each chunk, and the number of bricks
 };

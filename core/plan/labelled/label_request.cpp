@@ -179,7 +179,7 @@ absl::StatusOr<LabelJob> make_label_job(const PlanJob& job) {
   return out;
 }
 
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_label_image(
+absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_label_image(
     const PlanJob& job, const Cancellation& cancellation) {
   const absl::StatusOr<LabelJob> labels = make_label_job(job);
   if (!labels.ok()) return labels.status();

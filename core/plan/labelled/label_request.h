@@ -17,7 +17,7 @@ absl::StatusOr<LabelJob> make_label_job(const PlanJob& job);
 
 /// Plans the mesh of a job whose shape is a segmentation. Errors: those of make_label_job and
 /// plan_labels.
-absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_label_image(
+absl::StatusOr<std::shared_ptr<const LabelPlan>> plan_label_image(
     const PlanJob& job, const Cancellation& cancellation);
 
 }  // namespace tet

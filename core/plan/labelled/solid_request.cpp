@@ -183,6 +183,7 @@ class KeptSolids final : public LabelSource {
       : shape_(std::move(shape)), scenes_(std::move(scenes)), labels_(std::move(labels)) {}
 
   std::unique_ptr<LabelSampler> sampler() const override { return labels_->sampler(); }
+  std::unique_ptr<InterfaceProbe> probe() const override { return labels_->probe(); }
 
  private:
   const Shape shape_;

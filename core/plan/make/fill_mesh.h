@@ -21,7 +21,7 @@ struct FilledMesh {
 };
 
 /// Whether a mesh gets the values of its fields as it is filled, or when its vertices have been
-/// moved: see LatticePlan::add_fields.
+/// moved: see MovablePlan::add_fields.
 enum class FieldValues : std::uint8_t { kNow, kLater };
 
 /// Parallel; run it on a TaskPool. `progress` may be null. `used` is a mesh that is no longer

@@ -82,9 +82,10 @@ absl::StatusOr<MeshResult> make_and_improve(MeshJob job, const Cancellation& can
 absl::StatusOr<MeshResult> mesh_volume(TaskPool& pool,
                                        MeshJob job,
                                        const Cancellation& cancellation) {
-  // The meshes of several grids are improved one by one, by their plan, and a surface is
-  // divided when it is improved.
-  const bool improve_here = job.request.improve && grids_of(job.shape) == nullptr &&
+  // The meshes of several grids are improved one by one, by their plan; so are those of labels,
+  // whose faces are found afterwards, and a surface is divided when it is improved.
+  const bool improve_here = job.request.improve && !job.request.labels &&
+                            grids_of(job.shape) == nullptr &&
                             !have_creases(job.request.face_regions);
   absl::StatusOr<MeshResult> result = absl::UnknownError("not started");
   pool.run([&] {

@@ -23,7 +23,7 @@ namespace {
 
 /// Improves the mesh, which is whole for as long as that takes.
 absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(
-    std::shared_ptr<const LatticePlan> plan,
+    std::shared_ptr<const MovablePlan> plan,
     const PlanJob& job,
     const Cancellation& cancellation) {
   if (auto status = check_improvement_budget(plan->header(), job.limits); !status.ok()) {
@@ -48,13 +48,20 @@ absl::Status check_faces_budget(const MeshHeader& header, const MeshLimits& limi
       header.vertex_count, header.tet_count, bytes, limits.max_plan_bytes));
 }
 
+absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_improved_labels(
+    const PlanJob& job, const Cancellation& cancellation) {
+  auto plan = plan_label_image(job, cancellation);
+  if (!plan.ok() || !job.request.improve) return plan;
+  return improve_plan(*std::move(plan), job, cancellation);
+}
+
 /// Plans a mesh of labels. Which labels meet is known once all of it is made, so with
 /// faces it is whole for as long as that takes.
 absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_with_labels(
     PlanJob job, const Cancellation& cancellation) {
   // A tet has four faces at most, and chunks without them leave room for as many as there are.
   if (job.request.faces) job.limits.chunk_bytes /= 3;
-  auto plan = plan_label_image(job, cancellation);
+  auto plan = plan_improved_labels(job, cancellation);
   if (!plan.ok() || !job.request.faces) return plan;
   if (auto status = check_faces_budget((*plan)->header(), job.limits); !status.ok()) {
     return status;

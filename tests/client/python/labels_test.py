@@ -110,7 +110,8 @@ def test_a_server_makes_the_same_mesh(tmp_path, client, labels, made):
     for encoding in ("plain", "packed"):
         assert_same(client.mesh(labels, faces=True, encoding=encoding), made)
     assert_same(client.mesh(client.upload(labels), faces=True), made)
-    options = {"labels": [4, 7], "label_names": {4: "bone"}, "background": "meshed", "smooth": "thin", "levels": 2}
+    options = {"labels": [4, 7], "label_names": {4: "bone"}, "background": "meshed", "smooth": "thin", "levels": 2,
+               "improve": True}
     there = client.mesh(labels, **options)
     assert_same(there, ts.mesh(labels, **options))
     assert set(there.header.labels) == {ts.MeshLabel(4, "bone"), ts.MeshLabel(7, ""), ts.MeshLabel(0, "")}

@@ -211,6 +211,17 @@ TEST(Indicators, MakeSoundMeshesWithTheVolumesOfTheirLabels) {
   }
 }
 
+TEST(Kernels, TooNarrowToReachAVoxelTakeTheNearest) {
+  for (const double smooth : {1e-300, 0.01, kLeastSmooth}) {
+    TapRow row;
+    find_taps({.smooth = smooth}, 1, 0.5, row);  // amid two
+    ASSERT_EQ(row.weights_of(0).size(), 2U);
+    EXPECT_EQ(row.weights_of(0)[0], 0.5F);
+    find_taps({.smooth = smooth}, 1, 0, row);
+    EXPECT_EQ(row.weights_of(0)[static_cast<std::size_t>(-row.node[0].first)], 1.0F);
+  }
+}
+
 /// What is lost is what a kernel as wide as the lattice's cells cannot do without: a wider one
 /// draws in what bulges, and a narrower one leaves steps between nodes.
 TEST(Indicators, LieWhereTheyBelongOnALatticeCoarserThanTheVoxels) {

@@ -23,6 +23,7 @@ struct LabelMeshing {
   std::size_t chunk_bytes = kChunkBytes;
   CoordinateType coordinates = CoordinateType::kFloat64;
   std::size_t labels = 1000;
+  bool improve = false;
 };
 
 inline LabelJob label_job(std::shared_ptr<const LabelSource> source, const LabelMeshing& how) {
@@ -51,6 +52,7 @@ inline FilledMesh mesh_of(std::shared_ptr<const LabelSource> source,
     auto filled = fill_mesh(**plan, Cancellation(), nullptr);
     ASSERT_TRUE(filled.ok()) << filled.status();
     mesh = *std::move(filled);
+    if (how.improve) (*plan)->improve(mesh.mesh, Cancellation());
   });
   return mesh;
 }
