@@ -285,7 +285,7 @@ TEST(ImprovedLabels, OfSolidsHaveTheirCurvesWhereTheyBelong) {
     expect_no_worse(improved, plain);
     const double before = far_from_circle(plain) / 0.05,
                  after = far_from_circle(improved) / 0.05;
-    // Of the scene the second ball ends in a wedge of 60 degrees, as the first is whole.
+    // The second ball of the scene ends in a wedge of 60 degrees, as the first is whole.
     EXPECT_LT(after, of_scene ? 0.2 : 0.05);
     EXPECT_LT(after, before / 2) << "before " << before;
   }
