@@ -12,8 +12,8 @@
 
 #include "core/base/brick_box.h"
 #include "core/field/scene_samples.h"
-#include "core/labels/lattice_faces.h"
 #include "core/labels/field_probe.h"
+#include "core/labels/lattice_faces.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/stuffing/scene_zeros.h"
 #include "core/stuffing/zero_bracket.h"

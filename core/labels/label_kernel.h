@@ -16,16 +16,17 @@ enum class LabelKernel : std::uint8_t {
 /// The Gaussian's width, voxels: of those that were tried the one whose interfaces are flattest
 /// among those that keep sheets one voxel thin whole (docs/labels.md).
 inline constexpr double kDefaultSmooth = 0.7;
-/// Whatever is narrower gives each node the label of the nearest voxel, as this does; much narrower
-/// ones weigh nothing at all half a voxel away.
+/// Whatever is narrower gives each node the label of the nearest voxel, as this does; much
+/// narrower ones weigh nothing at all half a voxel away.
 inline constexpr double kLeastSmooth = 0.05;
 /// Wider kernels take more voxels a node than is worth it.
 inline constexpr double kMostSmooth = 4;
 
 /// The width of a Gaussian of `smooth` on a lattice of `spacing`, all in voxels. On a lattice
 /// coarser than the voxels it grows, so that no voxel lies between two nodes unseen, and no
-/// further than that takes, as variances add: a wider one draws in what bulges, by the square of
-/// its width. Of those that were tried half a spacing brings interfaces nearest to their places.
+/// further than that takes, as variances add: a wider one draws in what bulges, by the square
+/// of its width. Of those that were tried half a spacing brings interfaces nearest to their
+/// places.
 inline double gaussian_width(double smooth, double spacing) noexcept {
   constexpr double kCoarse = 0.5;
   const double step = std::max(1.0, spacing), least = std::max(smooth, kLeastSmooth);
