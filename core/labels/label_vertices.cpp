@@ -37,6 +37,18 @@ constexpr std::array<LabelShapeSlots, kTetShapes> make_shape_slots() {
   return shapes;
 }
 
+/// Whether three are different, jokers among them.
+bool has_three(const std::array<Label, 4>& label) noexcept {
+  const Label first = label[0];
+  Label second = first;
+  for (const Label l : label) {
+    if (l == first || l == second) continue;
+    if (second != first) return true;
+    second = l;
+  }
+  return false;
+}
+
 /// Twice the coordinates of the node of a kind at a place within the brick.
 LatticeCoord doubled(NodeKind kind, int x, int y, int z) noexcept {
   return {2 * x + kind, 2 * y + kind, 2 * z + kind};
@@ -233,7 +245,8 @@ LabelledTet LabelVertices::tet(std::size_t shape, int cell) const noexcept {
     tet.fraction[e] =
         fraction_[static_cast<std::size_t>(slots.corner[4 + e] + cell - kFirstCutSlot)];
   }
-  for (std::size_t i = 0; has_triples_ && i < kTetFaces; ++i) {
+  if (!has_triples_ || !has_three(tet.label)) return tet;
+  for (std::size_t i = 0; i < kTetFaces; ++i) {
     tet.triple[i] = triple_[static_cast<std::size_t>(slots.corner[label_triple(i)] + cell -
                                                      kFirstTripleSlot)];
   }
