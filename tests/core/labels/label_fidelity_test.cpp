@@ -194,11 +194,11 @@ TEST(LabelFidelity, InterfacesAndCurvesOfExactFieldsAreWhereTheyBelong) {
   EXPECT_LE(all.open_curves.value(), 0.155);
 }
 
-TEST(LabelFidelity, ImprovedOnesAreTwiceAsNearOrNearer) {
+TEST(LabelFidelity, ImprovedOnesAreWithinHalfTheDistance) {
   const Fidelity all = fidelity_of_grains(true);
   EXPECT_LE(all.interfaces.value(), 0.005);
   EXPECT_LE(all.curves.value(), 0.1);
-  EXPECT_LE(all.open_curves.value(), 0.05);
+  EXPECT_LE(all.open_curves.value(), 0.06);
 }
 
 /// How far each vertex where two or three labels meet is from the plane or the line that is
