@@ -8,6 +8,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/field/domain.h"
+#include "core/plan/labelled/label_plan.h"
 #include "core/plan/mesh_place.h"
 
 namespace tet {

@@ -11,6 +11,7 @@
 
 #include "core/plan/labelled/label_domain.h"
 #include "core/plan/labelled/label_numbers.h"
+#include "core/plan/labelled/label_plan.h"
 #include "core/plan/labelled/solid_request.h"
 #include "core/plan/labelled/volume_labels.h"
 #include "core/volume/check_transform.h"

@@ -18,6 +18,7 @@
 #include "core/labels/field_labels.h"
 #include "core/plan/labelled/label_domain.h"
 #include "core/plan/labelled/label_numbers.h"
+#include "core/plan/labelled/label_plan.h"
 #include "core/plan/mesh_place.h"
 #include "core/plan/prepared_mesh.h"
 #include "core/scene/grid_scene.h"
