@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/labels/fill_labels.h"
 
 namespace tet {
 namespace {

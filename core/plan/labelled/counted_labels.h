@@ -6,7 +6,6 @@
 
 #include "core/base/brick_neighbours.h"
 #include "core/base/cancel.h"
-#include "core/labels/fill_labels.h"
 #include "core/labels/label_vertices.h"
 #include "core/lattice/node_numbers.h"
 #include "core/octree/octree.h"
