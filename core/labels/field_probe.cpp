@@ -69,12 +69,13 @@ bool FieldProbe::choose(std::span<const Label> labels, const WorldPoint& near) {
 /// Units of phi; slopes in the lattice.
 ValueSlope FieldProbe::slope_of(std::size_t solid, const WorldPoint& world) {
   if (solid == kNobody) return {};
-  const auto [value, gradient] = phi(solid).slope_at(world);
+  const auto found = phi(solid).slope_at(world);
   const auto along = [&](std::size_t axis) {
-    return lattice_.linear[0][axis] * gradient.x + lattice_.linear[1][axis] * gradient.y +
-           lattice_.linear[2][axis] * gradient.z;
+    return lattice_.linear[0][axis] * found.gradient.x +
+           lattice_.linear[1][axis] * found.gradient.y +
+           lattice_.linear[2][axis] * found.gradient.z;
   };
-  return {value, {along(0), along(1), along(2)}};
+  return {found.phi, {along(0), along(1), along(2)}};
 }
 
 void FieldProbe::at(const WorldPoint& p, std::span<ValueSlope> out) {

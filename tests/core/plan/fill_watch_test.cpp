@@ -71,8 +71,7 @@ std::vector<NamedPlan> plans() {
   creased.faces = true;
   FaceRegion side;
   side.name = "side";
-  side.creases.emplace();
-  side.creases->angle_deg = 40;
+  side.creases = FaceRegion::Creases{.angle_deg = 40};
   creased.face_regions.push_back(side);
   labelled.labels.emplace();
   return {{"graded", planned(ball, plain)},         {"uniform", planned(ball, uniform)},
