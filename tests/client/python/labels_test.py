@@ -149,9 +149,8 @@ def test_names_come_from_a_table(tmp_path, labels):
     (lambda s: ts.mesh(s, smooth="flat"), "neither a width"),
     (lambda s: ts.mesh(s, smooth=9), "0 to 4 voxels"),
     (lambda s: ts.mesh(s, background="kept"), "background 'kept'"),
-    (lambda s: ts.mesh(s, improve=True), "labels"),
     (lambda s: ts.session(s), "do not go with a session"),
-], ids=range(14))
+], ids=range(13))
 def test_what_is_wrong_is_said(labels, call, said):
     with pytest.raises(ts.InvalidArgumentError, match=said):
         call(labels)
