@@ -104,7 +104,7 @@ def judge_surface(vertices, triangles, distance):
 def mesh(contender, solid, wanted, seconds, folder):
     """(Verdict, Run) of the try that came nearest to so many tets."""
     size = contender.guess * (solid.volume / wanted) ** (1 / 3)
-    best = None
+    best = before = None
     for _ in range(TRIES):
         for old in folder.iterdir():
             old.unlink()
@@ -125,8 +125,9 @@ def mesh(contender, solid, wanted, seconds, folder):
               f"{measured.cpu_seconds:.2f} s", file=sys.stderr)
         if best is None or abs(np.log(ratio)) < abs(np.log(best[0])):
             best = ratio, measured, vertices, tets, labels
-        if abs(ratio - 1) < NEAR_ENOUGH:
-            break
+        if abs(ratio - 1) < NEAR_ENOUGH or len(tets) == before:
+            break  # or it does not do as it is asked
+        before = len(tets)
         size *= ratio ** (1 / 2 if contender.surface else 1 / 3)
     _, measured, vertices, tets, labels = best
     if contender.surface:
