@@ -81,7 +81,7 @@ std::array<std::uint64_t, kNodes> FileMesh::nodes_of(std::uint64_t tet) const no
 }
 
 /// The edge of a tet between two of its corners, a place in kTetEdges.
-constexpr std::size_t edge_between(std::size_t a, std::size_t b) noexcept {
+constexpr std::size_t tet_edge_between(std::size_t a, std::size_t b) noexcept {
   std::size_t e = 0;
   while (kTetEdges[e] != std::array{a, b} && kTetEdges[e] != std::array{b, a}) ++e;
   return e;
@@ -99,9 +99,9 @@ auto nodes_of_face(const std::array<std::uint64_t, kNodes>& tet,
     return std::array<std::uint64_t, 6>{tet[a],
                                         tet[b],
                                         tet[c],
-                                        tet[4 + edge_between(a, b)],
-                                        tet[4 + edge_between(b, c)],
-                                        tet[4 + edge_between(c, a)]};
+                                        tet[4 + tet_edge_between(a, b)],
+                                        tet[4 + tet_edge_between(b, c)],
+                                        tet[4 + tet_edge_between(c, a)]};
   }
 }
 

@@ -13,7 +13,7 @@ namespace tet {
 
 /// What the faces around a vertex say, by XOR of their hashes as seen from each tet: those
 /// seen twice cancel, so zero means that all are, but for an accident once in 2^64.
-struct FacesAround {
+struct FacesAroundVertex {
   std::uint64_t all = 0;
   std::uint64_t outside = 0;  ///< of the outside region's tets alone
 
@@ -21,8 +21,9 @@ struct FacesAround {
   bool between_regions() const noexcept { return outside != 0; }
 };
 
-inline FacesAround faces_around(const TetMesh& mesh, std::span<const TetCorner> star) noexcept {
-  FacesAround faces;
+inline FacesAroundVertex faces_around(const TetMesh& mesh,
+                                      std::span<const TetCorner> star) noexcept {
+  FacesAroundVertex faces;
   for (const TetCorner corner : star) {
     const Triangle link = face_of(mesh.tet(corner.tet()), corner.corner());
     const std::uint64_t a = mix_bits(link[0]), b = mix_bits(link[1]), c = mix_bits(link[2]);

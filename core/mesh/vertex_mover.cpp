@@ -40,7 +40,7 @@ VertexMover::VertexMover(const TetMesh& mesh,
 
 VertexMover::Freedom VertexMover::freedom_of(std::span<const TetCorner> star,
                                              const WorldPoint& place) noexcept {
-  const FacesAround faces = faces_around(mesh_, star);
+  const FacesAroundVertex faces = faces_around(mesh_, star);
   // Where both sides are meshed the surface runs between them, and the boundary is a box.
   const bool on_box = mesh_.header.has_regions && faces.on_boundary();
   if (on_box) return Freedom::kNowhere;

@@ -25,7 +25,7 @@ BoxTree tree_over(const DataMesh& mesh) {
   return BoxTree(boxes);
 }
 
-BoxTree tree_over(const DataMesh& mesh, const std::vector<TetFace>& faces) {
+BoxTree tree_over(const DataMesh& mesh, const std::vector<BorderFace>& faces) {
   std::vector<WorldBox> boxes(faces.size());
   for_each_index(
       boxes.size(),
@@ -72,7 +72,7 @@ TetLocator::Walk TetLocator::walk(const WorldPoint& p, std::uint32_t from) const
         static_cast<std::uint32_t>(std::ranges::find(shares, least) - shares.begin());
     if (corner == shares.size()) break;  // numbers that are none: the tet is flat
     const std::uint32_t next = neighbors_.across[tet][corner];
-    if (next == TetNeighbors::kNone) return {{}, TetFace{tet, corner}};
+    if (next == TetNeighbors::kNone) return {{}, BorderFace{tet, corner}};
     tet = next;
   }
   return {};
@@ -92,7 +92,7 @@ std::optional<TetLocator::Place> TetLocator::look_up(const WorldPoint& p) const 
 
 /// Nothing farther than the border's face that was seen is looked at.
 TetLocator::Place TetLocator::nearest(const WorldPoint& p,
-                                      const std::optional<TetFace>& seen) const {
+                                      const std::optional<BorderFace>& seen) const {
   const double to_seen = seen ? squared_distance(p, places_of(mesh_, *seen))
                               : std::numeric_limits<double>::infinity();
   const BoxTree::Nearest near = border_.nearest(

@@ -47,11 +47,11 @@ class TetLocator {
   /// How a walk ended: in the tet around the point, or at a face of the border, or nowhere.
   struct Walk {
     std::optional<Place> found;
-    std::optional<TetFace> border;
+    std::optional<BorderFace> border;
   };
   Walk walk(const WorldPoint& p, std::uint32_t from) const noexcept;
   std::optional<Place> look_up(const WorldPoint& p) const;
-  Place nearest(const WorldPoint& p, const std::optional<TetFace>& seen) const;
+  Place nearest(const WorldPoint& p, const std::optional<BorderFace>& seen) const;
 
   const DataMesh& mesh_;
   TetNeighbors neighbors_;

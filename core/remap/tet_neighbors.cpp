@@ -38,7 +38,7 @@ struct CornersById {
 /// A face at its lowest corner, and the side of it that its tet is on.
 struct FaceAtPoint {
   std::uint64_t others = 0;  ///< the two higher ids
-  TetFace face;
+  BorderFace face;
   int side = 0;  ///< 0: its tet is flat
   friend bool operator<(const FaceAtPoint& a, const FaceAtPoint& b) noexcept {
     return std::pair(a.others, a.face.tet) < std::pair(b.others, b.face.tet);
@@ -110,7 +110,7 @@ class NeighborFinder {
     for (std::size_t i = 0, next = 0; i < faces.size(); i = next) {
       while (next < faces.size() && faces[next].others == faces[i].others) ++next;
       if (next - i != 2 || faces[i].side * faces[i + 1].side >= 0) continue;
-      const TetFace &one = faces[i].face, &other = faces[i + 1].face;
+      const BorderFace &one = faces[i].face, &other = faces[i + 1].face;
       across[one.tet][one.corner] = other.tet;
       across[other.tet][other.corner] = one.tet;
     }
@@ -137,7 +137,7 @@ TetNeighbors find_neighbors(const DataMesh& mesh) {
   return found;
 }
 
-std::array<WorldPoint, 3> places_of(const DataMesh& mesh, const TetFace& face) noexcept {
+std::array<WorldPoint, 3> places_of(const DataMesh& mesh, const BorderFace& face) noexcept {
   const std::array<WorldPoint, 4> t = mesh.places(face.tet);
   return {t[(face.corner + 1) % 4], t[(face.corner + 2) % 4], t[(face.corner + 3) % 4]};
 }

@@ -11,7 +11,7 @@
 namespace tet {
 
 /// A face of a tet: the one across from a corner.
-struct TetFace {
+struct BorderFace {
   std::uint32_t tet = 0, corner = 0;
 };
 
@@ -22,13 +22,13 @@ struct TetNeighbors {
   /// neighbours where no third one has their face, and they lie on its two sides: so what lies
   /// around a face between neighbours is inside, whatever the mesh.
   std::vector<std::array<std::uint32_t, 4>> across;
-  std::vector<TetFace> border;  ///< faces without one beyond, in order
+  std::vector<BorderFace> border;  ///< faces without one beyond, in order
 };
 
 /// Parallel; one result for any number of threads.
 TetNeighbors find_neighbors(const DataMesh& mesh);
 
 /// The corners of a face.
-std::array<WorldPoint, 3> places_of(const DataMesh& mesh, const TetFace& face) noexcept;
+std::array<WorldPoint, 3> places_of(const DataMesh& mesh, const BorderFace& face) noexcept;
 
 }  // namespace tet

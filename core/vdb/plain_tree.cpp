@@ -40,7 +40,7 @@ class ValueReader {
   void read_array(VdbCursor& cursor, std::span<T> values);
 
   ValueFormat format_;
-  ChunkUnpacker unpacker_;
+  RunUnpacker unpacker_;
   T background_{};
   std::vector<std::uint16_t> halves_;
   std::vector<T> stored_;

@@ -44,14 +44,14 @@ void unpack_zlib(std::uint64_t at,
 
 }  // namespace
 
-const std::byte* ChunkUnpacker::packed_bytes(VdbCursor& cursor, std::size_t count) {
+const std::byte* RunUnpacker::packed_bytes(VdbCursor& cursor, std::size_t count) {
   if (count <= VdbCursor::kMostBytes) return cursor.take(count, "packed values");
   packed_.resize(count);
   copy_bytes(cursor, packed_);
   return packed_.data();
 }
 
-void ChunkUnpacker::read(VdbCursor& cursor, std::span<std::byte> bytes) {
+void RunUnpacker::read(VdbCursor& cursor, std::span<std::byte> bytes) {
   if (!compression_.blosc && !compression_.zip) return copy_bytes(cursor, bytes);
   const std::uint64_t at = cursor.position();
   const auto length = cursor.read<std::int64_t>("chunk length");

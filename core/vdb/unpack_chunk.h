@@ -12,9 +12,9 @@
 namespace tet {
 
 /// Unpacks the runs of one file, one after another. Not thread-safe.
-class ChunkUnpacker {
+class RunUnpacker {
  public:
-  explicit ChunkUnpacker(const VdbCompression& compression) : compression_(compression) {}
+  explicit RunUnpacker(const VdbCompression& compression) : compression_(compression) {}
 
   /// Fills `bytes` with the next run, which must have been walked over: it is stored as it is,
   /// or after a length with zlib or blosc. Throws WalkRefusal where it does not unpack.

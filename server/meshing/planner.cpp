@@ -143,7 +143,7 @@ void Planner::load(const std::string& client,
                    Loaded done) {
   const auto then = [done = std::move(done)](Job job, const absl::Status& loaded) {
     if (!loaded.ok()) return done(loaded);
-    done(MeshInput{std::move(job.shape), std::move(job.order.request), std::move(job.grids)});
+    done(PlanInput{std::move(job.shape), std::move(job.order.request), std::move(job.grids)});
   };
   load_shape({client, std::move(order), std::move(watch), then});
 }

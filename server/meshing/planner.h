@@ -26,7 +26,7 @@
 namespace tet {
 
 /// What a mesh is planned from, in memory.
-struct MeshInput {
+struct PlanInput {
   Shape shape;
   MeshRequest request;                ///< with the grids of its sizing and its fields
   std::vector<GridLease> grids = {};  ///< keep the files from being evicted
@@ -82,7 +82,7 @@ struct PlannerThreads {
 class Planner {
  public:
   using Done = std::function<void(absl::StatusOr<PlannedMesh>)>;
-  using Loaded = std::function<void(absl::StatusOr<MeshInput>)>;
+  using Loaded = std::function<void(absl::StatusOr<PlanInput>)>;
 
   Planner(const PlannerThreads& threads,
           DecoderPool& decoders,

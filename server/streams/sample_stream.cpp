@@ -167,14 +167,14 @@ void SampleStream::load(absl::StatusOr<Ticket> ticket) {
     ticket_ = *std::move(ticket);
   }
   engine_.planner.load(call_.client(), order_, watch_,
-                       [self = self()](absl::StatusOr<MeshInput> input) {
+                       [self = self()](absl::StatusOr<PlanInput> input) {
                          self->guard([&] { self->loaded(std::move(input)); });
                        });
 }
 
 /// In one of the client's tasks. From here on this call is no mesh to others, and takes its
 /// turns with chunks.
-void SampleStream::loaded(absl::StatusOr<MeshInput> input) {
+void SampleStream::loaded(absl::StatusOr<PlanInput> input) {
   if (!input.ok()) return close(input.status());
   auto sampler = ShapeSampler::make(std::move(input->shape), std::move(input->request));
   if (!sampler.ok()) return close(about_mesh(sampler.status()));

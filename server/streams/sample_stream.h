@@ -58,7 +58,7 @@ class SampleStream final : public StreamWriter {
   absl::Status take_start(const v1::MeshRequest& request);
   absl::Status take_points(const v1::PointBatch& batch);
   void load(absl::StatusOr<Ticket> ticket);
-  void loaded(absl::StatusOr<MeshInput> input);
+  void loaded(absl::StatusOr<PlanInput> input);
   void give_turn_back();
   void message_done();
 

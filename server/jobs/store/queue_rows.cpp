@@ -81,7 +81,7 @@ std::optional<LeasedRow> lock_leased(SqlTransaction& t, const LeaseId& lease) {
 
 void settle(SqlTransaction& t,
             const LeasedRow& shard,
-            Outcome outcome,
+            ShardOutcome outcome,
             const absl::Status& error,
             const std::string& digests) {
   t.run("DELETE FROM queue WHERE job_id = $1 AND phase = $2 AND number = $3",

@@ -16,7 +16,7 @@ namespace tet {
 enum class ShardState : std::int64_t { kReady = 0, kLeased = 1, kBackingOff = 2 };
 
 /// What became of a row of `shards`. Numbers are stored.
-enum class Outcome : std::int64_t { kDone = 1, kDead = 2 };
+enum class ShardOutcome : std::int64_t { kDone = 1, kDead = 2 };
 
 /// A leased shard, locked.
 struct LeasedRow {
@@ -44,7 +44,7 @@ std::optional<LeasedRow> lock_leased(SqlTransaction& t, const LeaseId& lease);
 /// Moves a leased shard from the queue to those that are done (without error) or dead.
 void settle(SqlTransaction& t,
             const LeasedRow& shard,
-            Outcome outcome,
+            ShardOutcome outcome,
             const absl::Status& error,
             const std::string& digests);
 

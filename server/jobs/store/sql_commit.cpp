@@ -124,7 +124,7 @@ void commit_shard(SqlTransaction& t,
                   JobRow& row,
                   const LeasedRow& shard,
                   const std::string& digests) {
-  settle(t, shard, Outcome::kDone, absl::OkStatus(), digests);
+  settle(t, shard, ShardOutcome::kDone, absl::OkStatus(), digests);
   ++row.job.done_shards;
   if (shard.key.phase == Phase::kMesh) row.job.done_chunks += shard.chunks.size();
   save_job(t, row, JobChange::kShardDone);
@@ -132,7 +132,7 @@ void commit_shard(SqlTransaction& t,
 }
 
 void bury(SqlTransaction& t, JobRow& row, const LeasedRow& shard, const absl::Status& error) {
-  settle(t, shard, Outcome::kDead, error, "");
+  settle(t, shard, ShardOutcome::kDead, error, "");
   ++row.job.dead_shards;
   if (row.job.error.ok()) row.job.error = error;
   save_job(t, row, JobChange::kShardDead);
@@ -215,7 +215,7 @@ absl::Status SqlJobStore::set_plan(const LeaseId& lease, const Plan& plan) {
           absl::InvalidArgumentError(absl::StrCat("job ", row.job.id, " was counted already")),
           "INVALID_PLAN");
     }
-    settle(t, *shard, Outcome::kDone, absl::OkStatus(), "");
+    settle(t, *shard, ShardOutcome::kDone, absl::OkStatus(), "");
     begin_phase(t, row, plan);
     return absl::OkStatus();
   });

@@ -54,13 +54,13 @@ absl::StatusOr<std::vector<std::byte>> MeshCounter::survey(const CountOrder& ord
   return bytes;
 }
 
-absl::StatusOr<MeshInput> MeshCounter::load(const CountOrder& order) {
+absl::StatusOr<PlanInput> MeshCounter::load(const CountOrder& order) {
   MeshOrder mesh = order.mesh;
   mesh.request.fields.clear();  // which no survey looks at
-  std::promise<absl::StatusOr<MeshInput>> promise;
+  std::promise<absl::StatusOr<PlanInput>> promise;
   engine_.planner.load(
       background_client(order.mesh.space), std::move(mesh), order.watch,
-      [&promise](absl::StatusOr<MeshInput> input) { promise.set_value(std::move(input)); });
+      [&promise](absl::StatusOr<PlanInput> input) { promise.set_value(std::move(input)); });
   return promise.get_future().get();
 }
 

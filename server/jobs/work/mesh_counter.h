@@ -39,7 +39,7 @@ class MeshCounter {
                                                 std::int64_t block);
 
  private:
-  absl::StatusOr<MeshInput> load(const CountOrder& order);
+  absl::StatusOr<PlanInput> load(const CountOrder& order);
   void run_large(const CountOrder& order, absl::FunctionRef<void()> work);
 
   MeshEngine& engine_;
