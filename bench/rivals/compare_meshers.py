@@ -172,6 +172,14 @@ HEADER = ["solid", "mesher", "tets", "CPU s", "tets/CPU s", "peak MB", "least an
           "rms of the surface, 1/1000", "volume, %", "remarks"]
 
 
+def write_whole(path, what):
+    """Replaces the file with all that is known so far, or leaves it as it is."""
+    path = pathlib.Path(path)
+    part = path.with_name(path.name + ".part")
+    part.write_text(json.dumps(what, indent=1, default=float), encoding="utf-8")
+    part.replace(path)
+
+
 def print_row(cells):
     print("| " + " | ".join(cells) + " |", flush=True)
 
@@ -204,11 +212,12 @@ def main():
         for contender in meshers:
             rows.append(row_of(contender, solid, args.tets, args.seconds))
             print_row(told(rows[-1]))
-    if args.json:
-        pathlib.Path(args.json).write_text(
-            json.dumps({"date": start, "tets": args.tets, "rows": rows}, indent=1, default=float),
-            encoding="utf-8")
+            if args.json:
+                write_whole(args.json, {"date": start, "tets": args.tets, "rows": rows})
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit(130)

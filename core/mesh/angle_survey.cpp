@@ -37,6 +37,14 @@ AngleSurvey survey_range(const MeshView& view,
 
 }  // namespace
 
+Improvement improvement_from(const AngleSurvey& survey) {
+  Improvement improvement;
+  if (survey.angles.empty()) return improvement;
+  improvement.min_dihedral_before_deg = degrees_of(survey.angles.largest_cosine);
+  improvement.max_dihedral_before_deg = degrees_of(survey.angles.smallest_cosine);
+  return improvement;
+}
+
 AngleSurvey survey_angles(const TetMesh& mesh, const AngleGoal& goal) {
   const std::uint64_t tets = mesh.header.tet_count;
   std::vector<AngleSurvey> ranges((tets + kTetsPerRange - 1) / kTetsPerRange);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/dihedral.h"
+#include "core/mesh/improvement.h"
 #include "core/mesh/star.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -23,6 +24,9 @@ struct AngleSurvey {
     bad_tets.insert(bad_tets.end(), other.bad_tets.begin(), other.bad_tets.end());
   }
 };
+
+/// What an improvement begins with: the angles before it.
+Improvement improvement_from(const AngleSurvey& survey);
 
 /// Measures all tets as they are stored. Parallel; one value for any number of threads.
 AngleSurvey survey_angles(const TetMesh& mesh, const AngleGoal& goal);

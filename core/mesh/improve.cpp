@@ -36,11 +36,7 @@ Improvement improve_mesh(TetMesh& mesh,
                          const Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const AngleSurvey survey = survey_angles(mesh, good_angles());
-  Improvement improvement;
-  if (!survey.angles.empty()) {
-    improvement.min_dihedral_before_deg = degrees_of(survey.angles.largest_cosine);
-    improvement.max_dihedral_before_deg = degrees_of(survey.angles.smallest_cosine);
-  }
+  Improvement improvement = improvement_from(survey);
   if (!survey.bad_tets.empty() && !cancellation.requested()) {
     const AngleRange& angles = survey.angles;
     Sweeper sweeper(mesh, VertexStars(mesh, survey.bad_tets), [&] {

@@ -146,11 +146,7 @@ Improvement improve_labels(TetMesh& mesh,
                            const Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const AngleSurvey survey = survey_angles(mesh, good_angles());
-  Improvement improvement;
-  if (!survey.angles.empty()) {
-    improvement.min_dihedral_before_deg = degrees_of(survey.angles.largest_cosine);
-    improvement.max_dihedral_before_deg = degrees_of(survey.angles.smallest_cosine);
-  }
+  Improvement improvement = improvement_from(survey);
   LabelImprover improver(mesh, space, survey, cancellation);
   std::vector<std::uint64_t> open = ids_of(at_interface);
   for (int round = 0; round < kRounds && !cancellation.requested(); ++round) {

@@ -260,8 +260,7 @@ class LabelRefusals(LabelCase):
 
 
 class LabelsServed(LabelCase, ServerTest):
-    def test_are_the_same_bytes_as_here(self):
-        options = ("--labels", "all", "--label-names", self.inputs / "head.ctbl")
+    def expect_the_same_bytes(self, *options):
         self.mesh_labels(*options)
         here = (self.out / "mesh.vtu").read_bytes()
         for how in ((), ("--packed",)):
@@ -269,14 +268,11 @@ class LabelsServed(LabelCase, ServerTest):
                 self.mesh_labels(*options, "--server", self.address, *how)
                 self.assertEqual((self.out / "mesh.vtu").read_bytes(), here)
 
+    def test_are_the_same_bytes_as_here(self):
+        self.expect_the_same_bytes("--labels", "all", "--label-names", self.inputs / "head.ctbl")
+
     def test_that_are_improved_are_the_same_bytes_as_here(self):
-        options = ("--labels", "all", "--spacing", "1", "--improve")
-        self.mesh_labels(*options)
-        here = (self.out / "mesh.vtu").read_bytes()
-        for how in ((), ("--packed",)):
-            with self.subTest(how):
-                self.mesh_labels(*options, "--server", self.address, *how)
-                self.assertEqual((self.out / "mesh.vtu").read_bytes(), here)
+        self.expect_the_same_bytes("--labels", "all", "--spacing", "1", "--improve")
 
     def test_of_a_vdb_file_are_the_same_bytes_as_here(self):
         for kind in ("int32", "mask"):
