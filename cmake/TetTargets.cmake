@@ -3,6 +3,7 @@
 #   tet_executable(name SOURCES ... DEPENDS ...)  a program in build/<preset>/bin
 #   tet_on_demand(TARGET...)                      what only `everything` or its own name builds
 #   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
+#   tet_is_test(target)             what else is of tests alone: a library of theirs, a program
 #   tet_costs(TEST seconds ...)     tests of this folder that are to begin early
 include(CheckCXXCompilerFlag)
 include(GoogleTest)
@@ -39,6 +40,9 @@ target_compile_options(tet_flags INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # Tables are grown when they are compiled; clang gives up after a million steps.
   target_compile_options(tet_flags INTERFACE -fconstexpr-steps=33554432)
+  # Of C++ GCC's -Wconversion lets pass what changes the sign alone, and so it is in tests.
+  target_compile_options(tet_flags INTERFACE
+    "$<$<BOOL:$<TARGET_PROPERTY:TET_IS_TEST>>:-Wno-sign-conversion>")
 endif()
 if(TET_WERROR)
   target_compile_options(tet_flags INTERFACE -Werror)
@@ -103,6 +107,12 @@ endfunction()
 # bytes.
 add_custom_target(sanitized_tests)
 
+# Tests spend their time in our libraries; optimising the tests themselves costs minutes.
+function(tet_is_test target)
+  target_compile_options(${target} PRIVATE -O1)
+  set_target_properties(${target} PROPERTIES TET_IS_TEST ON)
+endfunction()
+
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
 # most of their tests take. Without it each test is a ctest of its own, and those that are listed as
 # THOROUGH have that label instead of `fast` or `slow`: not among the first to run, and yet
@@ -121,8 +131,7 @@ function(tet_test name)
     math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
   tet_executable(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} GTest::gmock_main)
-  # Tests spend their time in our libraries; optimising the tests themselves costs minutes.
-  target_compile_options(${name} PRIVATE -O1)
+  tet_is_test(${name})
   if(ARG_ONE_PROCESS)
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${name} PROPERTIES

@@ -268,7 +268,7 @@ LabelFunctions surrounded(LabelFunctions functions, const BrickBox& box) {
 
 std::vector<LabelCase> label_cases(const BrickBox& box, std::uint32_t seed) {
   std::vector<LabelCase> cases;
-  for (const std::size_t labels : {2, 3, 4, 5, 8, 30, 1000}) {
+  for (const std::size_t labels : {2U, 3U, 4U, 5U, 8U, 30U, 1000U}) {
     const std::string name = std::to_string(labels) + " random labels";
     cases.push_back({name, random_labels(seed, labels), labels});
     cases.push_back(

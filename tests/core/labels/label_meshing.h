@@ -71,8 +71,8 @@ inline std::map<Label, LabelPart> parts_of(const TetMesh& mesh) {
   std::map<Label, LabelPart> parts;
   for (std::uint64_t t = 0; t < mesh.header.tet_count; ++t) {
     const auto [a, b, c, d] = mesh.view().stored_places(t);
-    const auto to = [&](const WorldPoint& p) {
-      return std::array{p.x - a.x, p.y - a.y, p.z - a.z};
+    const auto to = [&from = a](const WorldPoint& p) {
+      return std::array{p.x - from.x, p.y - from.y, p.z - from.z};
     };
     const auto u = to(b), v = to(c), w = to(d);
     LabelPart& part = parts[mesh.label(t)];
