@@ -59,20 +59,22 @@ class CommitSignal {
 
  private:
   void look() {
-    if (!connect()) return;
-    const auto found = connection_->run("PRAGMA data_version", {});
+    SqliteConnection* const connection = connect();
+    if (connection == nullptr) return;
+    const auto found = connection->run("PRAGMA data_version", {});
     if (!found.ok() || found->rows[0].integer(0) == version_) return;
     version_ = found->rows[0].integer(0);
     ++signal_;
   }
 
-  bool connect() {
+  // Null while there is none.
+  SqliteConnection* connect() {
     const auto now = std::chrono::steady_clock::now();
-    if (connection_ || !open_ || now < next_try_) return connection_ != nullptr;
+    if (connection_ || !open_ || now < next_try_) return connection_.get();
     auto opened = open_();
     if (opened.ok()) connection_ = *std::move(opened);
     next_try_ = now + kBetweenTries;
-    return opened.ok();
+    return connection_.get();
   }
 
   std::mutex mutex_;

@@ -1,6 +1,5 @@
 #include "proto/convert/request.h"
 
-#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -9,6 +8,7 @@
 
 #include "core/scene/scene.h"
 #include "proto/wire/sha256.h"
+#include "tests/proto/convert/requests.h"
 
 namespace tet {
 namespace {
@@ -16,27 +16,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-v1::MeshRequest valid_request() {
-  v1::MeshRequest request;
-  request.set_name(name_of_grid(std::string(64, 'a')));
-  return request;
-}
-
-void set_point(double x, double y, double z, v1::Point& point) {
-  point.set_x(x);
-  point.set_y(y);
-  point.set_z(z);
-}
-
-/// A valid request for both sides within the unit cube.
-v1::MeshRequest boxed_request() {
-  v1::MeshRequest request = valid_request();
-  request.set_preset(v1::PRESET_BOTH_SIDES);
-  set_point(0, 0, 0, *request.mutable_box()->mutable_min());
-  set_point(1, 1, 1, *request.mutable_box()->mutable_max());
-  return request;
-}
 
 std::string refusal(const v1::MeshRequest& request) {
   const auto order = parse_mesh_request(request);
@@ -218,64 +197,6 @@ TEST(Request, HasAsManyLevelsAsASizingLeavesThatBoundsEveryLeaf) {
             1);
 }
 
-TEST(MeshId, IsTheSameForDefaultsSpelledOut) {
-  const auto fog = std::make_shared<Volume>();
-  fog->name = "density";
-  fog->kind = VolumeKind::kFogVolume;
-  fog->transform.voxel_size = 0.25;
-  v1::MeshRequest spelled = valid_request();
-  spelled.set_spacing(0.25);
-  spelled.set_iso(0.5);
-  spelled.set_levels(1);
-  spelled.set_preset(v1::PRESET_DEFAULT);
-  spelled.set_inside(v1::INSIDE_ABOVE);
-  const auto id = [&](const v1::MeshRequest& request) {
-    return mesh_id_of(canonical_request(*parse_mesh_request(request), fog, nullptr));
-  };
-  EXPECT_EQ(id(valid_request()), id(spelled));
-  spelled.set_iso(0.25);
-  EXPECT_NE(id(valid_request()), id(spelled));
-  v1::MeshRequest improved = valid_request();
-  improved.set_improve(true);
-  EXPECT_NE(id(valid_request()), id(improved));
-}
-
-TEST(MeshId, IsAnotherWithFaces) {
-  const auto volume = std::make_shared<Volume>();
-  v1::MeshRequest faces = valid_request();
-  faces.set_faces(true);
-  const auto canonical = [&](const v1::MeshRequest& request) {
-    return canonical_request(*parse_mesh_request(request), volume, nullptr);
-  };
-  EXPECT_TRUE(canonical(faces).faces());
-  EXPECT_NE(mesh_id_of(canonical(faces)), mesh_id_of(canonical(valid_request())));
-  EXPECT_NE(name_of_request(faces), name_of_request(valid_request()));
-}
-
-/// A request with a region of every kind of place.
-v1::MeshRequest request_with_regions() {
-  v1::MeshRequest request = valid_request();
-  v1::FaceRegion& region = *request.add_face_regions();
-  region.set_name("bore");
-  const auto set = [](auto& list, std::initializer_list<double> numbers) {
-    list.Add(numbers.begin(), numbers.end());
-  };
-  set(*region.mutable_box()->mutable_min(), {0, 0, 0});
-  set(*region.mutable_box()->mutable_max(), {1, 2, 3});
-  set(*region.mutable_ball()->mutable_centre(), {1, 1, 1});
-  region.mutable_ball()->set_radius(2);
-  set(*region.mutable_cylinder()->mutable_end(), {0, 0, 4});
-  region.mutable_cylinder()->set_radius(0.5);
-  set(*region.mutable_half_space()->mutable_normal(), {0, 3, 0});
-  region.mutable_half_space()->set_offset(-1);
-  set(*region.mutable_nearest()->mutable_points(), {1, 2, 3, 4, 5, 6});
-  set(*region.mutable_facing()->mutable_direction(), {0, 0, 1});
-  region.mutable_facing()->set_angle_deg(20);
-  region.set_node("bore");
-  region.mutable_creases()->set_angle_deg(35);
-  return request;
-}
-
 TEST(Request, BringsFaceRegionsBackAndAsksForFaces) {
   const v1::MeshRequest request = request_with_regions();
   const auto order = parse_mesh_request(request);
@@ -331,81 +252,6 @@ TEST(Request, RefusesFacesOfNodesAndPatchesInCompactChunks) {
   EXPECT_EQ(refusal_of_stream(), "");
 }
 
-TEST(MeshId, TellsEveryFaceRegionApart) {
-  const auto volume = std::make_shared<Volume>();
-  const auto id = [&](const v1::MeshRequest& request) {
-    return mesh_id_of(canonical_request(*parse_mesh_request(request), volume, nullptr));
-  };
-  v1::MeshRequest request = request_with_regions();
-  const std::string first = id(request);
-  EXPECT_EQ(first, id(request_with_regions()));
-  request.mutable_face_regions(0)->mutable_ball()->set_radius(std::nextafter(2, 3));
-  EXPECT_NE(first, id(request));
-  request = request_with_regions();
-  request.mutable_face_regions(0)->mutable_creases()->set_angle_deg(36);
-  EXPECT_NE(first, id(request));
-  request.clear_face_regions();
-  request.set_faces(true);
-  EXPECT_NE(first, id(request));
-}
-
-TEST(MeshId, IsTheSameWithoutStatistics) {
-  const auto volume = std::make_shared<Volume>();
-  v1::MeshRequest only = valid_request();
-  only.set_skip_statistics(true);
-  const auto canonical = [&](const v1::MeshRequest& request) {
-    return canonical_request(*parse_mesh_request(request), volume, nullptr);
-  };
-  EXPECT_EQ(mesh_id_of(canonical(only)), mesh_id_of(canonical(valid_request())));
-  EXPECT_EQ(name_of_request(only), name_of_request(valid_request()));
-  EXPECT_TRUE(canonical(only).skip_statistics());
-  EXPECT_FALSE(canonical(valid_request()).skip_statistics());
-}
-
-TEST(MeshId, TellsTheSidesApart) {
-  const auto volume = std::make_shared<Volume>();
-  volume->background = 1;
-  const auto canonical = [&](v1::Inside inside, const Shape& shape) {
-    v1::MeshRequest request = valid_request();
-    request.set_inside(inside);
-    request.set_iso(0.25);
-    return canonical_request(*parse_mesh_request(request), shape, nullptr);
-  };
-  for (const Shape& shape : {Shape(volume), Shape(GridList{volume})}) {
-    EXPECT_NE(mesh_id_of(canonical(v1::INSIDE_ABOVE, shape)),
-              mesh_id_of(canonical(v1::INSIDE_BELOW, shape)));
-  }
-  EXPECT_EQ(canonical(v1::INSIDE_UNSPECIFIED, volume).inside(), v1::INSIDE_BELOW);
-  volume->kind = VolumeKind::kFogVolume;
-  EXPECT_EQ(canonical(v1::INSIDE_UNSPECIFIED, volume).inside(), v1::INSIDE_ABOVE);
-}
-
-TEST(MeshId, TellsEveryBoxAndManifoldsApart) {
-  const auto volume = std::make_shared<Volume>();
-  volume->name = "sphere";
-  const auto id = [&](const v1::MeshRequest& request) {
-    return mesh_id_of(canonical_request(*parse_mesh_request(request), volume, nullptr));
-  };
-  const v1::MeshRequest boxed = boxed_request();
-  EXPECT_EQ(id(boxed), id(boxed_request()));
-  v1::MeshRequest other = boxed;
-  other.clear_box();
-  EXPECT_NE(id(other), id(boxed));
-  other = boxed;
-  other.mutable_box()->mutable_max()->set_z(std::nextafter(1.0, 2.0));
-  EXPECT_NE(id(other), id(boxed));
-  other = boxed;
-  other.set_manifold(true);
-  EXPECT_NE(id(other), id(boxed));
-}
-
-v1::MeshRequest scene_request() {
-  v1::MeshRequest request;
-  v1::SceneNode& node = *request.mutable_scene()->add_nodes();
-  node.mutable_sphere()->set_radius(2);
-  return request;
-}
-
 TEST(Request, TakesASceneInPlaceOfAGrid) {
   const auto order = parse_mesh_request(scene_request());
   ASSERT_TRUE(order.ok()) << order.status();
@@ -441,19 +287,6 @@ TEST(Request, RefusesWhatScenesHaveNot) {
       "base_name is for grids: a scene's mesh is sent whole; a session keeps parts of it");
 }
 
-TEST(Request, NamesAMeshByItsScene) {
-  const auto id_of = [](const v1::MeshRequest& request) {
-    const auto order = parse_mesh_request(request);
-    return mesh_id_of(canonical_request(*order, order->made_scene, nullptr));
-  };
-  v1::MeshRequest request = scene_request();
-  const std::string id = id_of(request);
-  request.set_spacing(4.0 / 128);
-  EXPECT_EQ(id_of(request), id) << "its default";
-  request.mutable_scene()->mutable_nodes(0)->mutable_sphere()->set_radius(2.5);
-  EXPECT_NE(id_of(request), id);
-}
-
 TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
   const auto file = [](char digit) { return std::string(64, digit); };
   v1::MeshRequest request;
@@ -471,14 +304,6 @@ TEST(Request, NamesTheFilesThatAMeshIsMadeOf) {
   EXPECT_THAT(files_of(*order), ElementsAre(file('a'), file('b'), file('c')));
   request.mutable_scene()->mutable_nodes(1)->mutable_grid()->set_name("b.vdb");
   EXPECT_THAT(refusal(request), StartsWith("nodes[1].grid.name \"b.vdb\" is not grids/"));
-}
-
-v1::MeshRequest sized_request() {
-  v1::MeshRequest request = scene_request();
-  v1::SizingRegion& region = *request.mutable_sizing()->add_regions();
-  region.set_size(0.5);
-  region.mutable_ball()->set_radius(1);
-  return request;
 }
 
 TEST(Request, TakesASizing) {
@@ -526,28 +351,6 @@ TEST(Request, TakesFieldsAndTheFilesThatTheyAreIn) {
   const std::vector<std::string> files{std::string(digest_of_name(request.name())),
                                        std::string(64, 'b'), std::string(64, 'c')};
   EXPECT_EQ(files_of(*order), files);
-}
-
-TEST(MeshId, TellsEverySizingApart) {
-  const auto id = [](const v1::MeshRequest& request) {
-    const auto order = parse_mesh_request(request);
-    return mesh_id_of(canonical_request(*order, order->made_scene, nullptr));
-  };
-  const v1::MeshRequest sized = sized_request();
-  EXPECT_NE(id(sized), id(scene_request()));
-  v1::MeshRequest other = sized;
-  other.mutable_sizing()->mutable_regions(0)->set_size(std::nextafter(0.5, 1.0));
-  EXPECT_NE(id(other), id(sized));
-  other = sized;
-  other.mutable_sizing()->set_growth(1);
-  EXPECT_EQ(id(other), id(sized)) << "its default";
-  other.mutable_sizing()->set_coarsest(2);
-  const std::string coarse = id(other);
-  other.mutable_sizing()->set_grade_surface(true);
-  EXPECT_NE(id(other), coarse);
-  other = scene_request();
-  other.mutable_sizing();
-  EXPECT_EQ(id(other), id(scene_request())) << "one that asks for nothing";
 }
 
 }  // namespace
