@@ -244,7 +244,11 @@ part("Lives", () => {
       body: JSON.stringify({ job: { mesh: { name: `grids/${sha256}`, spacing: 0.075 } } }) });
     const page = await held.browser.open(held.server.url + "#server");
     await until(page, () => document.querySelector("#workers details"));
-    await page.locator("#workers summary").click();
+    await page.locator("#workers summary").focus();
+    await page.keyboard.press("Enter");
+    await page.evaluate(() => new Promise((told) =>
+      new MutationObserver(told).observe(document.getElementById("workers"), { childList: true, subtree: true })));
+    assert.ok(await page.evaluate(() => document.activeElement.matches("#workers details[open] summary")), "it stays open and has the focus");
     const line = await page.textContent("#workers tr");
     // Whether it counts by itself or in blocks is the server's affair.
     assert.match(line, new RegExp(`:${held.server.process.pid}\\d+works\\d+ s ago(\\d), of your jobs \\1\\s*` +
@@ -271,7 +275,11 @@ part("Lives", () => {
       const bar = document.querySelector(`#job-rows tr[data-job="${job}"] .shards`);
       return bar?.querySelector(".done") && bar.querySelector(".waiting") && !/counting/.test(bar.parentElement.textContent);
     }, job.name);
-    await row.getByRole("button", { name: /^Cancel/ }).click();
+    // The row is told anew meanwhile, and its button stays: neither a press nor the focus is lost.
+    await row.getByRole("button", { name: /^Cancel/ }).focus();
+    await until(page, ([job, before]) => document.querySelector(`#job-rows tr[data-job="${job}"]`).textContent !== before,
+      [job.name, await row.textContent()]);
+    await page.keyboard.press("Enter");
     await page.waitForSelector(`#job-rows tr[data-job="${job.name}"][data-state="cancelled"]`);
     const told = await (await fetch(`${held.server.url}v1/${job.name}`)).json();
     await until(page, (job) => document.querySelector(`#job-rows tr[data-job="${job}"] .shards > .dropped`), job.name);

@@ -4,7 +4,7 @@ import { EmptySchema } from "@bufbuild/protobuf/wkt";
 import { CancelJobRequestSchema, DeleteJobRequestSchema, GetJobRequestSchema, JobChange, JobEventSchema, JobSchema,
   JobState, ListJobsRequestSchema, ListJobsResponseSchema, RetryJobRequestSchema, WatchJobsRequestSchema,
   type Job } from "../generated/tetstream/v1/jobs_pb";
-import { alertOf, count, element, explain, made, options } from "./page";
+import { alertOf, count, element, explain, fillRow, keptRows, made, options } from "./page";
 import { kOutOfRange, RpcError, stream, unary } from "./rpc";
 import { shardsOf } from "./shard_bar";
 
@@ -86,27 +86,31 @@ export class JobsView {
 
   private draw(): void {
     const shown = [...this.jobs.values()].filter((job) => this.wanted(job)).sort((a, b) => (a.name < b.name ? 1 : -1));
-    element("job-rows").replaceChildren(...shown.map((job) => this.row(job)));
+    const lines = keptRows(element("job-rows"), shown.map((job) => job.name));
+    shown.forEach((job, i) => this.tell(job, lines[i]!));
   }
 
-  private row(job: Job): HTMLTableRowElement {
-    const row = made("tr");
-    row.dataset["job"] = job.name;
+  private tell(job: Job, line: HTMLTableRowElement): void {
     const state = JobState[job.state]!.toLowerCase();
-    row.dataset["state"] = state;
-    made("td", job.displayName || job.name.slice(5), row);
-    const cell = made("td", job.cached ? `${state} (stored)` : state, row);
-    if (job.error) made("span", job.error.message, cell).className = "error";
-    made("td", `${count(job.progress?.doneChunks ?? 0)}/${count(job.progress?.chunkCount ?? 0)}`, row);
-    made("td", "", row).append(...shardsOf(job));
-    made("td", Object.entries(job.labels).map(([k, v]) => `${k}=${v}`).join(", "), row);
-    this.addButtons(job, made("td", "", row));
-    return row;
+    // What can be done with a job depends on its state alone: until that changes, its buttons stay.
+    const buttons = line.dataset["state"] === state ? undefined : this.buttonsOf(job);
+    line.dataset["job"] = job.name;
+    line.dataset["state"] = state;
+    const error = made("span", job.error?.message ?? "");
+    error.className = "error";
+    fillRow(line, job.displayName || job.name.slice(5),
+      [job.cached ? `${state} (stored)` : state, ...(job.error ? [error] : [])],
+      `${count(job.progress?.doneChunks ?? 0)}/${count(job.progress?.chunkCount ?? 0)}`,
+      shardsOf(job),
+      Object.entries(job.labels).map(([k, v]) => `${k}=${v}`).join(", "),
+      buttons);
   }
 
-  private addButtons(job: Job, cell: HTMLTableCellElement): void {
+  private buttonsOf(job: Job): HTMLButtonElement[] {
+    const buttons: HTMLButtonElement[] = [];
     const button = (text: string, act: () => Promise<unknown>): void => {
-      const node = made("button", text, cell);
+      const node = made("button", text);
+      buttons.push(node);
       node.type = "button";
       node.setAttribute("aria-label", `${text} ${job.displayName || job.name}`);
       node.addEventListener("click", () => {
@@ -122,7 +126,7 @@ export class JobsView {
     if (job.state === JobState.QUEUED || job.state === JobState.RUNNING) {
       button("Cancel", () => unary("JobService/CancelJob", CancelJobRequestSchema,
         create(CancelJobRequestSchema, { name }), JobSchema, options()));
-      return;
+      return buttons;
     }
     if (job.state !== JobState.SUCCEEDED) {
       button("Retry", () => unary("JobService/RetryJob", RetryJobRequestSchema,
@@ -130,5 +134,6 @@ export class JobsView {
     }
     button("Delete", () => unary("JobService/DeleteJob", DeleteJobRequestSchema,
       create(DeleteJobRequestSchema, { name }), EmptySchema, options()));
+    return buttons;
   }
 }

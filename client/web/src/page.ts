@@ -44,6 +44,33 @@ export function row(table: Element, ...cells: (string | Element)[]): void {
   for (const cell of cells) made("td", "", line).append(cell);
 }
 
+/**
+ * One row of the table for each key, in this order. Rows that are there stay what they are and do not move without need:
+ * a row that is drawn anew under the mouse loses the click, and one under the keyboard loses the focus.
+ */
+export function keptRows(table: Element, keys: string[]): HTMLTableRowElement[] {
+  const before = new Map([...table.children].map((line) => [(line as HTMLTableRowElement).dataset["key"], line as HTMLTableRowElement]));
+  const lines = keys.map((key) => {
+    const line = before.get(key) ?? made("tr");
+    line.dataset["key"] = key;
+    return line;
+  });
+  for (const line of [...table.children].filter((line) => !lines.includes(line as HTMLTableRowElement))) line.remove();
+  lines.forEach((line, i) => {
+    if (table.children[i] !== line) table.insertBefore(line, table.children[i] ?? null);
+  });
+  return lines;
+}
+
+/** Says in each cell of a row what it is to say now; what is undefined stays as it is. */
+export function fillRow(line: HTMLTableRowElement, ...cells: (string | (string | Element)[] | undefined)[]): void {
+  cells.forEach((content, i) => {
+    const cell = line.children[i] ?? made("td", "", line);
+    if (typeof content === "string") cell.textContent = content;
+    else if (content) cell.replaceChildren(...content);
+  });
+}
+
 export function count(n: number | bigint): string {
   return Number(n).toLocaleString("en-US");
 }

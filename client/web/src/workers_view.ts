@@ -3,7 +3,7 @@ import { create } from "@bufbuild/protobuf";
 import { timestampMs, type Timestamp } from "@bufbuild/protobuf/wkt";
 import { ListWorkersRequestSchema, ListWorkersResponseSchema, type LeasedShard,
   type Worker } from "../generated/tetstream/v1/jobs_pb";
-import { count, element, explain, made, options, row } from "./page";
+import { count, element, explain, fillRow, keptRows, made, options, row } from "./page";
 import { RpcError, unary } from "./rpc";
 
 const kMostShown = 200;
@@ -26,14 +26,17 @@ function shardText({ job, firstChunk, endChunk, attempt }: LeasedShard): string 
   return `${job.slice(5)}: ${what}${attempt > 1 ? `, attempt ${attempt}` : ""}`;
 }
 
-/** How many shards it has; what they are, to be opened, as far as they are the caller's. */
-function leases({ leasedShards, shards, name }: Worker): string | HTMLElement {
-  if (shards.length === 0) return count(leasedShards);
-  const details = made("details");
-  made("summary", `${count(leasedShards)}, of your jobs ${shards.length}`, details).setAttribute("aria-label", `Shards of ${name}`);
-  const list = made("ul", "", details);
-  for (const shard of shards) made("li", shardText(shard), list);
-  return details;
+/** How many shards it has; what they are, to be opened, as far as they are the caller's. What is open stays so. */
+function leases({ leasedShards, shards, name }: Worker, cell: Element | undefined): (string | Element)[] | undefined {
+  if (shards.length === 0) return [count(leasedShards)];
+  const before = cell?.querySelector("details");
+  const details = before ?? made("details");
+  const summary = before?.querySelector("summary") ?? made("summary", "", details);
+  const list = before?.querySelector("ul") ?? made("ul", "", details);
+  summary.textContent = `${count(leasedShards)}, of your jobs ${shards.length}`;
+  summary.setAttribute("aria-label", `Shards of ${name}`);
+  list.replaceChildren(...shards.map((shard) => made("li", shardText(shard))));
+  return before ? undefined : [details];
 }
 
 export async function drawWorkers(): Promise<void> {
@@ -41,16 +44,15 @@ export async function drawWorkers(): Promise<void> {
   try {
     const answer = await unary("JobService/ListWorkers", ListWorkersRequestSchema,
       create(ListWorkersRequestSchema, { pageSize: kMostShown }), ListWorkersResponseSchema, options());
-    // What is open stays so.
-    const open = new Set([...table.querySelectorAll("tr:has(details[open])")].map((line) => line.firstElementChild?.textContent));
-    table.replaceChildren();
-    for (const worker of answer.workers) {
-      row(table, worker.name, worker.algorithmVersion, stateOf(worker), ago(worker.seenTime, answer.readTime), leases(worker));
-      const details = table.lastElementChild!.querySelector("details");
-      if (details && open.has(worker.name)) details.open = true;
-    }
-    if (answer.workers.length === 0) row(table, "none was heard of", "", "", "", "");
-    if (answer.nextPageToken) row(table, `and more than these ${kMostShown}`, "", "", "", "");
+    const more = answer.nextPageToken ? [`and more than these ${kMostShown}`] : [];
+    const none = answer.workers.length === 0 ? ["none was heard of"] : [];
+    const lines = keptRows(table, [...answer.workers.map((worker) => worker.name), ...none, ...more]);
+    answer.workers.forEach((worker, i) => {
+      const line = lines[i]!;
+      fillRow(line, worker.name, worker.algorithmVersion, stateOf(worker), ago(worker.seenTime, answer.readTime),
+        leases(worker, line.children[4]));
+    });
+    [...none, ...more].forEach((text, i) => fillRow(lines[answer.workers.length + i]!, text, "", "", "", ""));
   } catch (error) {
     table.replaceChildren();
     const none = error instanceof RpcError && error.code === kUnimplemented;
