@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/base/parallel.h"
@@ -42,8 +43,10 @@ double coordinate(const WorldPoint& p, int axis) noexcept {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 struct Box {
-  WorldPoint min{INFINITY, INFINITY, INFINITY}, max{-INFINITY, -INFINITY, -INFINITY};
+  WorldPoint min{kInfinity, kInfinity, kInfinity}, max{-kInfinity, -kInfinity, -kInfinity};
 
   void add(const WorldPoint& p) noexcept {
     min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
