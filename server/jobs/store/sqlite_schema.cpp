@@ -98,22 +98,27 @@ absl::Status run_steps(SqliteConnection& connection, std::int64_t version) {
   return connection.run_script(absl::StrCat("PRAGMA user_version = ", kVersion));
 }
 
-}  // namespace
-
-absl::Status migrate_sqlite(SqliteConnection& connection) {
-  if (auto begun = connection.begin(); !begun.ok()) return begun.status();
+/// The version of the schema that is there, which is not too new.
+absl::StatusOr<std::int64_t> checked_version(SqliteConnection& connection) {
   const auto found = connection.run("PRAGMA user_version", {});
   if (!found.ok()) return found.status();
   const std::int64_t version = found->rows[0].integer(0);
-  absl::Status status;
-  if (version > kVersion) {
-    status = with_reason(
-        absl::FailedPreconditionError(absl::StrCat("the job store has schema ", version,
-                                                   ", this version knows ", kVersion)),
-        "JOB_STORE_TOO_NEW");
-  } else if (version < kVersion) {
-    status = run_steps(connection, version);
-  }
+  if (version <= kVersion) return version;
+  return with_reason(
+      absl::FailedPreconditionError(absl::StrCat("the job store has schema ", version,
+                                                 ", this version knows ", kVersion)),
+      "JOB_STORE_TOO_NEW");
+}
+
+}  // namespace
+
+absl::Status migrate_sqlite(SqliteConnection& connection) {
+  // Reading takes no turn among those that write: a store that is up to date is opened at once.
+  auto version = checked_version(connection);
+  if (!version.ok() || *version == kVersion) return version.status();
+  if (auto begun = connection.begin(); !begun.ok()) return begun.status();
+  version = checked_version(connection);  // others may have been first
+  const absl::Status status = version.ok() ? run_steps(connection, *version) : version.status();
   if (status.ok()) return connection.commit();
   connection.roll_back();
   return status;

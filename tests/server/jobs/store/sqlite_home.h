@@ -16,7 +16,9 @@ namespace tet::test {
 class SqliteHome final : public StoreHome {
  public:
   std::unique_ptr<JobStore> open(const SqlJobStore::Options& rules) const override {
-    auto store = open_sqlite_job_store({.path = path(), .rules = rules});
+    // However long a busy disk takes over the commits of others.
+    auto store = open_sqlite_job_store(
+        {.path = path(), .busy_timeout = absl::Minutes(5), .rules = rules});
     EXPECT_TRUE(store.ok()) << store.status();
     return store.ok() ? *std::move(store) : nullptr;
   }

@@ -16,6 +16,18 @@ TEST(SqliteJobStore, ManyMayOpenANewStoreAtOnce) {
   open_at_once(home);
 }
 
+TEST(SqliteJobStore, IsOpenedWhileAnotherWrites) {
+  const SqliteHome home;
+  home.open({});
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open(home.path().c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  const auto store =
+      open_sqlite_job_store({.path = home.path(), .busy_timeout = absl::ZeroDuration()});
+  EXPECT_TRUE(store.ok()) << store.status();
+  sqlite3_close(other);
+}
+
 TEST(SqliteJobStore, RefusesAFileOfALaterVersion) {
   const SqliteHome home;
   home.open({});
