@@ -110,6 +110,7 @@ absl::StatusOr<Volume> copy_values(const GridT& grid, Component component, Volum
   volume.kind = kind;
   volume.transform = *transform;
   volume.background = component(grid.background());
+  if (absl::Status s = check_background(volume.background); !s.ok()) return s;
   copy_leaves(grid.tree(), component, volume);
   std::vector<ConstantBrick> constants = copy_tiles(grid.tree(), component, volume);
   return finish_volume(std::move(volume), std::move(constants));

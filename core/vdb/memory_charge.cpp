@@ -51,6 +51,12 @@ std::uint64_t volume_bytes(const TreeOutline& tree) {
              (cubes * sizeof(ConstantCube) + tree.lower_tiles.stored * sizeof(ConstantBrick));
 }
 
+/// A volume without any column. A string has room for thirty letters once it grows at all.
+std::uint64_t empty_volume_bytes(const GridOutline& grid) {
+  constexpr std::uint64_t kLeastRoom = 30;
+  return sizeof(Volume) + std::max<std::uint64_t>(kLeastRoom, grid.name.size());
+}
+
 bool is_scalar(const GridOutline& grid) {
   constexpr std::array<std::string_view, 6> kScalars{"Tree_float_5_4_3", "Tree_double_5_4_3",
                                                      "Tree_int32_5_4_3", "Tree_int64_5_4_3",
@@ -100,8 +106,9 @@ MemoryCharge loading_charge(const VdbOutline& outline,
   MemoryCharge charge;
   for (const GridOutline& grid : outline.grids) {
     if (!will_do(grid, use) || (!grid_name.empty() && grid.name != grid_name)) continue;
-    charge.volume = std::max(charge.volume, grid.tree.volume_bytes);
-    charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + grid.tree.volume_bytes);
+    const std::uint64_t volume = grid.tree.volume_bytes + empty_volume_bytes(grid);
+    charge.volume = std::max(charge.volume, volume);
+    charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + volume);
   }
   if (use == GridUse::kLabels && charge.reading > 0) {
     charge.volume += kLabelTableBytes;

@@ -46,8 +46,9 @@ absl::StatusOr<Volume> read_grid(const OpenGridFile& file,
   volume.name = grid.name;
   volume.kind = use == GridUse::kField ? VolumeKind::kField : VolumeKind::kLevelSet;
   volume.transform = *transform;
-  std::vector<ConstantBrick> constants = read_plain_tree(bytes_of(file), grid, volume);
-  absl::StatusOr<Volume> made = finish_volume(std::move(volume), std::move(constants));
+  auto constants = read_plain_tree(bytes_of(file), grid, volume);
+  if (!constants.ok()) return constants.status();
+  absl::StatusOr<Volume> made = finish_volume(std::move(volume), *std::move(constants));
   if (made.ok() && use == GridUse::kSurface) set_kind(grid_class_of(grid.grid_class), *made);
   return made;
 }

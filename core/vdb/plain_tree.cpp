@@ -107,7 +107,7 @@ class TreeReader {
     cursor_.move_to(grid.tree_at);
   }
 
-  std::vector<ConstantBrick> read();
+  absl::StatusOr<std::vector<ConstantBrick>> read();
 
  private:
   void read_root_tile();
@@ -131,11 +131,12 @@ class TreeReader {
 };
 
 template <class T>
-std::vector<ConstantBrick> TreeReader<T>::read() {
+absl::StatusOr<std::vector<ConstantBrick>> TreeReader<T>::read() {
   cursor_.read<std::int32_t>("buffer count");
   const T background = cursor_.read<T>("background");
   values_.set_background(background);
   volume_.background = static_cast<float>(background);
+  if (absl::Status s = check_background(volume_.background); !s.ok()) return s;
   const auto tiles = cursor_.read<std::uint32_t>("root tile count");
   const auto children = cursor_.read<std::uint32_t>("root child count");
   leaves_.reserve(tree_.leaves);
@@ -251,9 +252,9 @@ PlainRoot read_root(VdbCursor& cursor) {
 
 }  // namespace
 
-std::vector<ConstantBrick> read_plain_tree(const ByteSource& source,
-                                           const GridOutline& grid,
-                                           Volume& volume) {
+absl::StatusOr<std::vector<ConstantBrick>> read_plain_tree(const ByteSource& source,
+                                                           const GridOutline& grid,
+                                                           Volume& volume) {
   return is_double(grid) ? TreeReader<double>(source, grid, volume).read()
                          : TreeReader<float>(source, grid, volume).read();
 }

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include <absl/status/statusor.h>
+
 #include "core/vdb/vdb_cursor.h"
 #include "core/vdb/vdb_outline.h"
 #include "core/volume/volume.h"
@@ -12,10 +14,10 @@ namespace tet {
 
 /// Fills in the volume's background, bricks, values and cubes. Returns the bricks of one value.
 /// `grid` has been walked over and its values are float or double. Throws WalkRefusal where
-/// values do not unpack, or the file is not what it was.
-std::vector<ConstantBrick> read_plain_tree(const ByteSource& source,
-                                           const GridOutline& grid,
-                                           Volume& volume);
+/// values do not unpack, or the file is not what it was. Errors: those of check_background.
+absl::StatusOr<std::vector<ConstantBrick>> read_plain_tree(const ByteSource& source,
+                                                           const GridOutline& grid,
+                                                           Volume& volume);
 
 /// What a list of grids says of a root, its nodes apart.
 struct PlainRoot {

@@ -36,7 +36,7 @@ struct TreeOutline {
 
   std::uint64_t topology_bytes = 0;  ///< memory of OpenVDB's tree without the leaves' values
   std::uint64_t value_bytes = 0;     ///< memory of the leaves' values in OpenVDB's tree
-  std::uint64_t volume_bytes = 0;    ///< most memory a `Volume` of it takes while it is made
+  std::uint64_t volume_bytes = 0;  ///< most memory of a `Volume`'s columns while they are made
 };
 
 /// A map from voxels to the world along the axes: x becomes scale * x + translation.

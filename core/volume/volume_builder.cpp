@@ -104,10 +104,7 @@ absl::Status check_cube(const ConstantCube& cube) {
 
 absl::Status check_constants(const Volume& volume,
                              const std::vector<ConstantBrick>& constants) {
-  if (!std::isfinite(volume.background)) {
-    return absl::FailedPreconditionError(
-        absl::StrFormat("the background value is %g; it must be finite", volume.background));
-  }
+  if (absl::Status s = check_background(volume.background); !s.ok()) return s;
   for (const ConstantBrick& constant : constants) {
     const VoxelCoord min = min_voxel(constant.brick);
     if (!std::isfinite(constant.value)) return not_finite(min, constant.value);
@@ -230,6 +227,12 @@ absl::Status place_cubes(Volume& volume) {
 }
 
 }  // namespace
+
+absl::Status check_background(float background) {
+  if (std::isfinite(background)) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrFormat("the background value is %g; it must be finite", background));
+}
 
 absl::StatusOr<Volume> index_volume(Volume volume,
                                     std::vector<ConstantBrick> constants,

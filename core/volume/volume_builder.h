@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
@@ -18,6 +19,10 @@ struct ConstantBrick {
   BrickCoord brick;
   float value = 0;
 };
+
+/// Whether a volume may have this background. Whoever looks for what differs from it asks
+/// first: everything differs from NaN. Errors: kFailedPrecondition (it is not finite).
+absl::Status check_background(float background);
 
 /// Fills in what follows from a volume's bricks, values, cubes and `constants`: the ranges, the
 /// regions, and the order of the cubes.

@@ -12,8 +12,10 @@
 
 #include "core/vdb/load.h"
 #include "core/vdb/plain_choice.h"
+#include "core/vdb/plain_tree.h"
 #include "core/vdb/read_grid_file.h"
 #include "core/vdb/unpack_chunk.h"
+#include "core/vdb/walk_vdb.h"
 #include "core/volume/flat_grid_list.h"
 #include "core/volume/flat_volume.h"
 #include "tests/core/vdb/vdb_test_files.h"
@@ -200,6 +202,21 @@ TEST_F(PlainGrid, IsRefusedAsOpenVdbRefusesIt) {
   const FloatGrid::Ptr tile = FloatGrid::create(1);
   tile->tree().root().addTile(Coord(0, 0, 4096), 1, false);
   expect_same_of({tile});
+}
+
+/// Everything differs from NaN: all 4096 tiles of a node that stores none of them would.
+TEST_F(PlainGrid, WithoutABackgroundIsRefusedBeforeItsTilesAreGathered) {
+  const FloatGrid::Ptr grid = FloatGrid::create(std::numeric_limits<float>::quiet_NaN());
+  grid->tree().setValueOn(Coord(1, 2, 3), 1);
+  expect_same_of({grid});
+  const std::string bytes = test::vdb_bytes({grid}, {COMPRESS_ACTIVE_MASK, true});
+  const ByteSource source(std::as_bytes(std::span(bytes)));
+  const absl::StatusOr<VdbOutline> outline = walk_vdb(source);
+  ASSERT_TRUE(outline.ok());
+  Volume volume;
+  EXPECT_THAT(read_plain_tree(source, outline->grids[0], volume).status().message(),
+              ::testing::HasSubstr("the background value is nan"));
+  EXPECT_EQ(volume.cubes.capacity(), 0U);
 }
 
 TEST_F(PlainGrid, IsFoundByItsName) {

@@ -281,6 +281,20 @@ TEST_F(WalkVdb, ChargesNoLessThanReadingTakes) {
   EXPECT_LE(outline->grids.back().tree.volume_bytes, 2 * volume->size_bytes());
 }
 
+TEST_F(WalkVdb, ChargesForAVolumeOfHardlyAnything) {
+  for (const std::size_t letters : {1, 15, 16, 29, 31, 200}) {
+    const FloatGrid::Ptr tile = FloatGrid::create(1);
+    tile->setName(std::string(letters, 'n'));
+    tile->tree().addTile(3, openvdb::Coord(0, 0, 0), -1, true);
+    test::write_vdb(path_, {tile});
+    const absl::StatusOr<VdbOutline> outline = walk_vdb(path_);
+    ASSERT_TRUE(outline.ok()) << outline.status();
+    const absl::StatusOr<Volume> volume = load_volume(path_, "");
+    ASSERT_TRUE(volume.ok()) << volume.status();
+    EXPECT_GE(loading_charge(*outline, "").volume, volume->size_bytes()) << letters;
+  }
+}
+
 TEST_F(WalkVdb, HoldsToItsLimits) {
   const std::string bytes = test::vdb_bytes({ball(4, "a"), ball(4, "b")});
   const auto source = ByteSource(std::as_bytes(std::span(bytes)));
