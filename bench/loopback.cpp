@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench/checked.h"
+#include "core/plan/mesh_request.h"
 #include "tests/support/vdb_fixtures.h"
 
 namespace tet::bench {
@@ -44,7 +45,7 @@ v1::MeshRequest Loopback::request_mesh(const BenchMesh& mesh) {
   test::write_fixture(mesh.solid, mesh.voxel_size, file("solid.vdb"));
   v1::MeshRequest request;
   request.set_name(checked(client_->upload_file(file("solid.vdb"), {}, {})));
-  if (!mesh.graded) request.set_levels(0);
+  request.set_levels(mesh.graded ? kMaxLevels : 0);
   request.set_spacing(mesh.voxel_size);
   receive(*client_, request);
   return request;
