@@ -1,6 +1,7 @@
 # How a target of ours is made: flags, sanitizers, ccache, and the three helpers every folder uses.
 #   tet_library(name SOURCES ... DEPENDS ...)     a static library; DEPENDS are public
 #   tet_executable(name SOURCES ... DEPENDS ...)  a program in build/<preset>/bin
+#   tet_module(name DEPENDS ...)                  libtetstream-<name>.so there, which programs load
 #   tet_on_demand(TARGET...)                      what only `everything` or its own name builds
 #   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
 #   tet_is_test(target)             what else is of tests alone: a library of theirs, a program
@@ -71,6 +72,21 @@ function(tet_library name)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC ${ARG_DEPENDS} PRIVATE tet_flags ${ARG_PRIVATE_DEPENDS})
   add_dependencies(everything ${name})
+endfunction()
+
+# NAME_module.cpp, which shows what NAME_module.map says. Installed beside the decoder.
+function(tet_module name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  set(target tetstream_${name})
+  set(map ${CMAKE_CURRENT_SOURCE_DIR}/${name}_module.map)
+  add_library(${target} MODULE ${name}_module.cpp)
+  target_link_libraries(${target} PRIVATE tet_flags ${ARG_DEPENDS})
+  target_link_options(${target} PRIVATE
+    -Wl,--version-script=${map} -Wl,--exclude-libs,ALL -Wl,--no-undefined)
+  set_target_properties(${target} PROPERTIES OUTPUT_NAME tetstream-${name}
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} LINK_DEPENDS ${map})
+  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/tetstream
+    COMPONENT common)
 endfunction()
 
 function(tet_executable name)

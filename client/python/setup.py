@@ -62,7 +62,7 @@ class BuildByCMake(build_ext):
             library = only(prefix, "libtetstream.so.*.*.*")
             shutil.copy2(module, target)
             shutil.copy2(library, target / ".".join(library.name.split(".")[:-1]))  # as the loader knows it
-            for beside in ["tetstream-decoder", "libtetstream-openvdb.so"]:
+            for beside in ["tetstream-decoder", "libtetstream-openvdb.so", "libtetstream-hdf5.so"]:
                 shutil.copy2(only(prefix, beside), target)
 
 

@@ -10,26 +10,10 @@
 #include "core/base/check.h"
 #include "core/base/posix/descriptor.h"
 #include "core/base/posix/transfer.h"
+#include "core/files/hdf5_part.h"
 
 namespace tet {
 namespace {
-
-Hdf5Handle make_space(Hdf5Shape shape) {
-  const auto rank = static_cast<int>(shape.size());
-  return {rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, std::data(shape), nullptr),
-          H5Sclose};
-}
-
-Hdf5Handle without_times(hid_t property_class) {
-  Hdf5Handle properties(H5Pcreate(property_class), H5Pclose);
-  H5Pset_obj_track_times(properties.get(), 0);
-  return properties;
-}
-
-hid_t create_hdf5_file(const std::string& path) {
-  const Hdf5Handle properties = without_times(H5P_FILE_CREATE);
-  return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.get(), H5P_DEFAULT);
-}
 
 /// A file in memory that HDF5 may fill without meeting a full disk, which it does not survive.
 /// The columns it reserves are holes, and take no memory.
@@ -78,81 +62,61 @@ class MemoryFile {
   Descriptor descriptor_;
 };
 
-/// HDF5 prints every failure to stderr unless told not to; ours are told once, by status.
-void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
-
 }  // namespace
 
-Hdf5Handle::Hdf5Handle(Hdf5Handle&& other) noexcept
-    : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-
-bool Hdf5Handle::close() noexcept { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
-
-Hdf5Outline::Hdf5Outline(const std::string& path, const char* group)
-    : file_(create_hdf5_file(path), H5Fclose),
-      group_(H5Gcreate2(file_.get(), group, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose) {}
-
-void Hdf5Outline::attribute(const char* name, hid_t type, Hdf5Shape shape, const void* value) {
-  const Hdf5Handle space = make_space(shape);
-  const Hdf5Handle attribute(
-      H5Acreate2(group_.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  ok_ = ok_ && H5Awrite(attribute.get(), type, value) >= 0;
+void Hdf5Outline::attribute(std::string name, std::span<const std::int64_t> values) {
+  const auto bytes = std::as_bytes(values);
+  items_.push_back({Kind::kAttribute,
+                    std::move(name),
+                    Hdf5Type::kInt64,
+                    {values.size()},
+                    {reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
 }
 
-void Hdf5Outline::group(const char* name) {
-  const Hdf5Handle made(H5Gcreate2(group_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                        H5Gclose);
-  ok_ = ok_ && made.ok();
+void Hdf5Outline::attribute(std::string name, std::string_view text) {
+  items_.push_back({Kind::kAttribute, std::move(name), Hdf5Type::kText, {}, std::string(text)});
 }
 
-void Hdf5Outline::number(const char* name, std::uint64_t value) {
-  const Hdf5Handle space = make_space({1});
-  const Hdf5Handle dataset = create_dataset(name, H5T_STD_I64LE, space);
-  ok_ = ok_ &&
-        H5Dwrite(dataset.get(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value) >= 0;
+void Hdf5Outline::group(std::string name) { items_.push_back({Kind::kGroup, std::move(name)}); }
+
+void Hdf5Outline::number(std::string name, std::uint64_t value) {
+  const auto* const bytes = reinterpret_cast<const char*>(&value);
+  items_.push_back(
+      {Kind::kNumber, std::move(name), Hdf5Type::kInt64, {1}, {bytes, sizeof(value)}});
 }
 
-haddr_t Hdf5Outline::column(const char* name, hid_t type, Hdf5Shape shape) {
-  const Hdf5Handle space = make_space(shape);
-  const Hdf5Handle dataset = create_dataset(name, type, space);
-  ok_ = ok_ && dataset.ok();
-  return ok_ ? H5Dget_offset(dataset.get()) : HADDR_UNDEF;
+Hdf5Outline::Column Hdf5Outline::column(std::string name, Hdf5Type type, Shape shape) {
+  items_.push_back({Kind::kColumn, std::move(name), type, std::move(shape), {}});
+  return columns_++;
 }
 
-Hdf5Handle Hdf5Outline::create_dataset(const char* name, hid_t type, const Hdf5Handle& space) {
-  const Hdf5Handle properties = without_times(H5P_DATASET_CREATE);
-  H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
-  H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
-  H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
-  return {H5Dcreate2(group_.get(), name, type, space.get(), H5P_DEFAULT, properties.get(),
-                     H5P_DEFAULT),
-          H5Dclose};
+std::optional<std::uint64_t> Hdf5Places::of(Hdf5Outline::Column column,
+                                            std::uint64_t row,
+                                            std::size_t row_bytes) const {
+  if (column >= places_.size() || places_[column] == kNowhere) return std::nullopt;
+  return places_[column] + row * row_bytes;
 }
 
-absl::Status put_outline(AtomicFile& file,
-                         BlockWriter& writer,
-                         std::uint64_t column_bytes,
-                         std::size_t parts,
-                         const std::function<bool(const std::string& path)>& lay_out) {
+absl::StatusOr<Hdf5Places> put_outline(AtomicFile& file,
+                                       BlockWriter& writer,
+                                       std::uint64_t column_bytes,
+                                       std::size_t parts,
+                                       const Hdf5Outline& outline) {
   constexpr std::uint64_t kOutlineBytes = 64 * 1024, kPartBytes = 1024;
-  silence_hdf5();
+  const absl::StatusOr<const Hdf5Part*> hdf5 = hdf5_part();
+  if (!hdf5.ok()) return hdf5.status();
   // Limits on file sizes hold for files in memory too, and must not meet HDF5 either.
   absl::Status status = file.resize(column_bytes + kOutlineBytes + parts * kPartBytes);
   if (!status.ok()) return status;
-  const MemoryFile outline;
-  if (!outline.ok() || !lay_out(outline.path())) {
+  const MemoryFile laid_out;
+  std::vector<std::uint64_t> places;
+  if (!laid_out.ok() || !(*hdf5)->lay_out(laid_out.path(), outline, places)) {
     return absl::ResourceExhaustedError("HDF5 cannot lay out a file in memory");
   }
-  if (status = file.resize(outline.size()); !status.ok()) return status;
-  outline.copy_to(writer);
-  return writer.status();
-}
-
-std::optional<std::uint64_t> place_of(haddr_t column,
-                                      std::uint64_t row,
-                                      std::size_t row_bytes) {
-  if (column == HADDR_UNDEF) return std::nullopt;
-  return column + row * row_bytes;
+  if (status = file.resize(laid_out.size()); !status.ok()) return status;
+  laid_out.copy_to(writer);
+  if (!writer.status().ok()) return writer.status();
+  return Hdf5Places(std::move(places));
 }
 
 void write_at(BlockWriter& writer,

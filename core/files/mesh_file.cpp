@@ -9,6 +9,7 @@
 #include <absl/strings/str_join.h>
 
 #include "core/files/file_names.h"
+#include "core/files/hdf5_part.h"
 #include "core/files/write_boundary.h"
 #include "core/files/write_exodus.h"
 #include "core/files/write_inp.h"
@@ -173,6 +174,9 @@ absl::StatusOr<MeshOutput> mesh_output(const std::string& path, std::string_view
 }
 
 absl::Status check_can_write(const MeshOutput& output) {
+  if (output.format == MeshFormat::kVtkHdf || output.format == MeshFormat::kXdmf) {
+    if (auto status = hdf5_part().status(); !status.ok()) return status;
+  }
   if (output.format == MeshFormat::kXdmf) {
     const absl::StatusOr<std::string> columns = columns_path(output.path);
     if (!columns.ok()) return columns.status();

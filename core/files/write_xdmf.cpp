@@ -16,11 +16,14 @@
 namespace tet {
 namespace {
 
-/// The columns' places in the HDF5 file.
+/// The columns of the HDF5 file.
 struct XdmfLayout {
-  haddr_t topology = HADDR_UNDEF, geometry = HADDR_UNDEF, cell_tags = HADDR_UNDEF;
-  haddr_t facets = HADDR_UNDEF, facet_tags = HADDR_UNDEF;
-  std::vector<haddr_t> fields = {};
+  using Column = Hdf5Outline::Column;
+  static constexpr Column kNoColumn = Hdf5Outline::kNoColumn;
+
+  Column topology = kNoColumn, geometry = kNoColumn, cell_tags = kNoColumn;
+  Column facets = kNoColumn, facet_tags = kNoColumn;
+  std::vector<Column> fields = {};
 };
 
 std::string xdmf_text(const std::string& name) {
@@ -42,20 +45,21 @@ class XdmfWriter {
         writer_(columns, column_bytes(), control) {}
 
   absl::Status write_columns() {
-    std::optional<XdmfLayout> layout;
-    const absl::Status status = put_outline(
-        columns_, writer_, column_bytes(), header_.fields.size(), [&](const std::string& path) {
-          layout = lay_out_columns(path);
-          return layout.has_value();
-        });
-    if (!status.ok()) return status;
-    fill(layout->geometry, [&] { write_points(writer_, nodes_, types_.coordinates); });
-    fill(layout->topology, [&] { write_connectivity(writer_, nodes_, types_.ids); });
-    fill(layout->cell_tags, [&] { write_cell_tags(); });
-    fill(layout->facets, [&] { write_facets(); });
-    fill(layout->facet_tags, [&] { write_facet_tags(); });
+    Hdf5Outline outline("Mesh");
+    const XdmfLayout layout = lay_out_columns(outline);
+    const auto places =
+        put_outline(columns_, writer_, column_bytes(), header_.fields.size(), outline);
+    if (!places.ok()) return places.status();
+    const auto fill = [&](XdmfLayout::Column column, const std::function<void()>& write) {
+      write_at(writer_, places->of(column, 0, 0), write);
+    };
+    fill(layout.geometry, [&] { write_points(writer_, nodes_, types_.coordinates); });
+    fill(layout.topology, [&] { write_connectivity(writer_, nodes_, types_.ids); });
+    fill(layout.cell_tags, [&] { write_cell_tags(); });
+    fill(layout.facets, [&] { write_facets(); });
+    fill(layout.facet_tags, [&] { write_facet_tags(); });
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
-      fill(layout->fields[i], [&] { write_field(writer_, nodes_, i); });
+      fill(layout.fields[i], [&] { write_field(writer_, nodes_, i); });
     }
     return writer_.status();
   }
@@ -91,30 +95,24 @@ class XdmfWriter {
            nodes_per_face() * size_of(types_.ids) * faces_.count();
   }
 
-  std::optional<XdmfLayout> lay_out_columns(const std::string& path) const {
+  XdmfLayout lay_out_columns(Hdf5Outline& outline) const {
     const bool wide = types_.coordinates == CoordinateType::kFloat64;
-    const hid_t real = wide ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
-    const hid_t id = types_.ids == IndexType::kUint64 ? H5T_STD_I64LE : H5T_STD_I32LE;
+    const Hdf5Type real = wide ? Hdf5Type::kFloat64 : Hdf5Type::kFloat32;
+    const Hdf5Type id = types_.ids == IndexType::kUint64 ? Hdf5Type::kInt64 : Hdf5Type::kInt32;
     const std::uint64_t tets = header_.tet_count, faces = faces_.count();
-    Hdf5Outline outline(path, "Mesh");
     XdmfLayout layout{.topology = outline.column("topology", id, {tets, shape_.nodes_per_tet}),
                       .geometry = outline.column("geometry", real, {shape_.nodes, 3}),
-                      .cell_tags = outline.column("cell_tags", H5T_STD_I32LE, {tets})};
+                      .cell_tags = outline.column("cell_tags", Hdf5Type::kInt32, {tets})};
     if (faces > 0) {
       layout.facets = outline.column("facets", id, {faces, nodes_per_face()});
-      layout.facet_tags = outline.column("facet_tags", H5T_STD_I32LE, {faces});
+      layout.facet_tags = outline.column("facet_tags", Hdf5Type::kInt32, {faces});
     }
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
       const std::uint64_t components = header_.fields[i].components;
-      layout.fields.push_back(outline.column(absl::StrCat("field_", i).c_str(), H5T_IEEE_F32LE,
+      layout.fields.push_back(outline.column(absl::StrCat("field_", i), Hdf5Type::kFloat32,
                                              {shape_.nodes, components}));
     }
-    if (!outline.close()) return std::nullopt;
     return layout;
-  }
-
-  void fill(haddr_t column, const std::function<void()>& write) {
-    write_at(writer_, place_of(column, 0, 0), write);
   }
 
   void write_cell_tags() {

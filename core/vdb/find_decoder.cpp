@@ -17,7 +17,6 @@ namespace tet {
 namespace {
 
 constexpr const char* kProgram = "tetstream-decoder";
-constexpr const char* kModule = "libtetstream-openvdb.so";
 
 bool is_file(const std::string& path) {
   std::error_code error;
@@ -73,8 +72,8 @@ absl::StatusOr<std::string> find_decoder(const std::string& given) {
       absl::StrCat("there is no decoder program '", absl::StrJoin(paths, "' or '"), "'"));
 }
 
-absl::StatusOr<std::string> find_openvdb_module() {
-  const std::vector<std::string> paths = candidates(kModule);
+absl::StatusOr<std::string> find_module(const char* name) {
+  const std::vector<std::string> paths = candidates(name);
   const auto found = std::find_if(paths.begin(), paths.end(), is_file);
   if (found != paths.end()) return *found;
   return absl::NotFoundError(

@@ -1,4 +1,4 @@
-// Where the decoder's program is, and what it loads.
+// Where the decoder's program is, and modules beside it.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ namespace tet {
 /// kUnavailable (none is there; says where it was looked for).
 absl::StatusOr<std::string> find_decoder(const std::string& given);
 
-/// libtetstream-openvdb.so, in the same folders. Errors: kNotFound (says where it was looked
-/// for).
-absl::StatusOr<std::string> find_openvdb_module();
+/// The module of that file name, in the same folders. Errors: kNotFound (says where it was
+/// looked for).
+absl::StatusOr<std::string> find_module(const char* name);
 
 }  // namespace tet

@@ -9,7 +9,7 @@ import unittest
 
 from command_case import CUBE, DONE, REFUSED, CommandTest, binaries
 
-DECODER, MODULE = "tetstream-decoder", "libtetstream-openvdb.so"
+DECODER, MODULE, HDF5 = "tetstream-decoder", "libtetstream-openvdb.so", "libtetstream-hdf5.so"
 
 
 class Startup(CommandTest):
@@ -53,6 +53,22 @@ class Startup(CommandTest):
             failed = self.run_alone(tetstream, *arguments)
             self.assertIn(failed.returncode, (REFUSED, 3), arguments)
             self.assertIn(MODULE, failed.stderr)
+
+    def test_says_what_is_missing_where_it_takes_hdf5_before_it_meshes(self):
+        if not (binaries() / HDF5).exists():
+            self.skipTest("the programs have HDF5 linked in")
+        tetstream = self.alone()  # without a decoder nothing could be read
+        for name in ("mesh.vtkhdf", "mesh.xdmf"):
+            failed = self.run_alone(tetstream, "mesh", self.inputs / "sphere.vdb", "-o", self.out / name)
+            self.assertNotEqual(failed.returncode, DONE, name)
+            self.assertIn(HDF5, failed.stderr)
+            self.assertFalse((self.out / name).exists())
+        tetstream = self.alone(DECODER, HDF5)
+        mesh, whole = self.out / "mesh.vtkhdf", self.out / "whole.vtkhdf"
+        done = self.run_alone(tetstream, "mesh", self.inputs / "sphere.vdb", "-o", mesh)
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", whole))
+        self.assertEqual(mesh.read_bytes(), whole.read_bytes())
 
     def test_finds_openvdb_where_it_takes_it(self):
         self.assert_done(self.tetstream("info", self.inputs / "vec3.vdb"))
