@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
-#include "core/base/brick_sets.h"
 #include "core/base/parallel.h"
+#include "core/plan/brick/changed_reach.h"
 #include "core/plan/brick/survey.h"
 #include "core/stuffing/brick_geometry.h"
 
@@ -50,13 +50,6 @@ bool same_signs(const StuffedBrick& a, const StuffedBrick& b) {
   return a.plus == b.plus && a.zero == b.zero && a.cut == b.cut;
 }
 
-/// What of a brick is not as it was.
-enum class Change : std::uint8_t {
-  kNone,
-  kVertices,  ///< which it owns, or where they lie
-  kLeaves,    ///< or cells refined, or inside: what bricks on all sides of it look at
-};
-
 /// Tells bricks of one level from those that they were.
 class LevelComparison {
  public:
@@ -67,14 +60,14 @@ class LevelComparison {
         geometry_before_(earlier),
         geometry_(now) {}
 
-  Change change(std::size_t before, std::size_t brick) {
-    if (!same_cells(before, brick)) return Change::kLeaves;
+  /// Whether its leaves are, and the vertices that it owns, and where they lie.
+  bool is_same(std::size_t before, std::size_t brick) {
+    if (!same_cells(before, brick)) return false;
     const LevelNodes& nodes_before = earlier_.mesh.nodes(level_);
     const LevelNodes& nodes = now_.mesh.nodes(level_);
-    const bool same_nodes = nodes_before.corner[before] == nodes.corner[brick] &&
-                            nodes_before.centre[before] == nodes.centre[brick];
-    if (!same_nodes || (level_ == 0 && !same_surface(before, brick))) return Change::kVertices;
-    return Change::kNone;
+    return nodes_before.corner[before] == nodes.corner[brick] &&
+           nodes_before.centre[before] == nodes.centre[brick] &&
+           (level_ > 0 || same_surface(before, brick));
   }
 
  private:
@@ -108,52 +101,81 @@ class LevelComparison {
   Geometry geometry_before_, geometry_;
 };
 
-/// Bricks of a level that are not as they were.
-struct ChangedBricks {
-  std::vector<BrickCoord> vertices, leaves;
+/// Cells that a level divides otherwise than it did; a level without the brick has nothing
+/// there.
+BrickMask changed_cells(const OctreeLevel* before,
+                        std::size_t at_before,
+                        const OctreeLevel* now,
+                        std::size_t at) noexcept {
+  BrickMask cells;
+  const auto add = [&](const MaskColumn OctreeLevel::*masks) {
+    const BrickMask a = before != nullptr && !(before->*masks).empty()
+                            ? (before->*masks)[at_before]
+                            : BrickMask{};
+    const BrickMask b =
+        now != nullptr && !(now->*masks).empty() ? (now->*masks)[at] : BrickMask{};
+    cells |= (a | b) & ~(a & b);
+  };
+  add(&OctreeLevel::leaf);
+  add(&OctreeLevel::refined);
+  return cells;
+}
 
-  void add(BrickCoord brick, Change change) {
-    if (change == Change::kVertices) vertices.push_back(brick);
-    if (change == Change::kLeaves) leaves.push_back(brick);
-  }
+/// What a brick owns.
+struct OwnedNodes {
+  BrickMask corner, centre, cut;
+  /// kAllInside or kAllOutside; else they are moved, or cut, and have places of their own.
+  std::uint32_t side = kAllInside;
 
-  /// Tets have nodes of finer levels, where those have leaves.
-  void add_parents(const ChangedBricks& finer) {
-    const auto parent = [](BrickCoord b) { return BrickCoord{b.x >> 1, b.y >> 1, b.z >> 1}; };
-    std::ranges::transform(finer.vertices, std::back_inserter(vertices), parent);
-    std::ranges::transform(finer.leaves, std::back_inserter(leaves), parent);
-    sort_unique(vertices);
-    sort_unique(leaves);
-  }
-
-  /// Bricks whose tets may be others: they read cells of all 26 bricks around, and vertices of
-  /// the upper ones. Sorted, unique.
-  std::vector<BrickCoord> readers() const {
-    std::vector<BrickCoord> bricks = with_neighbours(leaves);
-    for (const BrickCoord b : vertices) {
-      for_each_brick({{b.x - 1, b.y - 1, b.z - 1}, b},
-                     [&](BrickCoord brick) { bricks.push_back(brick); });
-    }
-    sort_unique(bricks);
-    return bricks;
+  bool keeps_places(const OwnedNodes& now) const noexcept {
+    return side == now.side && side >= kAllInside;
   }
 };
 
+OwnedNodes nodes_of(const CountedMesh& mesh, int level, std::size_t brick) {
+  const LevelNodes& nodes = mesh.nodes(level);
+  OwnedNodes owned{nodes.corner[brick], nodes.centre[brick], {}};
+  if (level > 0) return owned;
+  owned.side = mesh.stuffed(brick);
+  if (owned.side >= kAllInside) return owned;
+  for (const BrickMask& cut : mesh.survey().stuffed[mesh.stuffed(brick)].cut) owned.cut |= cut;
+  return owned;
+}
+
+BrickMask either(const BrickMask& a, const BrickMask& b) { return (a | b) & ~(a & b); }
+
+/// A brick that is not as it was, from what it owned and owns now. Nodes in their lattice
+/// places are kept where they were there before: only the others are changed.
+ChangedBrick changed_brick(BrickCoord brick,
+                           const BrickMask& cells,
+                           const OwnedNodes& before,
+                           const OwnedNodes& now) {
+  const BrickMask corners = either(before.corner, now.corner);
+  if (before.keeps_places(now)) {
+    return {brick, cells, corners, corners | either(before.centre, now.centre)};
+  }
+  return {brick, cells, before.corner | now.corner,
+          before.corner | now.corner | before.centre | now.centre | before.cut | now.cut};
+}
+
 /// Finds the number of each brick in the earlier level where the brick is as it was, else
-/// kNewBrick. `changed` gets the bricks that only one level has, and those that differ.
+/// kNewBrick. `changed` gets the bricks that only one level has, and those that differ; and
+/// `partly_same` the earlier numbers of the latter.
 std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
                                      const ComparedMesh& now,
                                      int level,
-                                     ChangedBricks& changed) {
+                                     std::vector<ChangedBrick>& changed,
+                                     std::vector<std::uint32_t>& partly_same) {
   const auto l = static_cast<std::size_t>(level);
   static const std::vector<BrickCoord> kNone;
   const auto& levels_before = earlier.mesh.tree().levels;
-  const std::vector<BrickCoord>& before =
-      l < levels_before.size() ? levels_before[l].bricks : kNone;
-  const std::vector<BrickCoord>& bricks = now.mesh.tree().levels[l].bricks;
+  const OctreeLevel* const level_before =
+      l < levels_before.size() ? &levels_before[l] : nullptr;
+  const std::vector<BrickCoord>& before = level_before ? level_before->bricks : kNone;
+  const OctreeLevel& level_now = now.mesh.tree().levels[l];
+  const std::vector<BrickCoord>& bricks = level_now.bricks;
   std::vector<std::uint32_t> same(bricks.size(), kNewBrick);
-  std::vector<Change> change(bricks.size(), Change::kNone);
-  std::ranges::set_symmetric_difference(before, bricks, std::back_inserter(changed.leaves));
+  partly_same.assign(bricks.size(), kNewBrick);
   for_each_range(bricks.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
     LevelComparison comparison(earlier, now, level);
     auto at = std::ranges::lower_bound(before, bricks[begin]);
@@ -161,11 +183,29 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
       while (at != before.end() && *at < bricks[i]) ++at;
       if (at == before.end() || *at != bricks[i]) continue;
       const auto number = static_cast<std::size_t>(at - before.begin());
-      change[i] = comparison.change(number, i);
-      if (change[i] == Change::kNone) same[i] = static_cast<std::uint32_t>(number);
+      if (comparison.is_same(number, i)) same[i] = static_cast<std::uint32_t>(number);
     }
   });
-  for (std::size_t i = 0; i < bricks.size(); ++i) changed.add(bricks[i], change[i]);
+  std::size_t at = 0;
+  const auto vanish_below = [&](const BrickCoord* brick) {
+    for (; at < before.size() && (brick == nullptr || before[at] < *brick); ++at) {
+      changed.push_back(changed_brick(before[at], changed_cells(level_before, at, nullptr, 0),
+                                      nodes_of(earlier.mesh, level, at), {}));
+    }
+  };
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    vanish_below(&bricks[i]);
+    const bool was_there = at < before.size() && before[at] == bricks[i];
+    if (same[i] == kNewBrick) {
+      const OctreeLevel* const then = was_there ? level_before : nullptr;
+      const OwnedNodes had = was_there ? nodes_of(earlier.mesh, level, at) : OwnedNodes{};
+      changed.push_back(changed_brick(bricks[i], changed_cells(then, at, &level_now, i), had,
+                                      nodes_of(now.mesh, level, i)));
+      if (was_there) partly_same[i] = static_cast<std::uint32_t>(at);
+    }
+    at += was_there;
+  }
+  vanish_below(nullptr);
   return same;
 }
 
@@ -179,6 +219,32 @@ void add_run(std::vector<KeptRun>& runs, const KeptRun& run) {
     }
   }
   runs.push_back(run);
+}
+
+/// Adds the nodes that a brick has as it had them, where neither is at the surface.
+void add_nodes(const ComparedMesh& earlier,
+               const ComparedMesh& now,
+               int level,
+               std::size_t before,
+               std::size_t brick,
+               std::vector<KeptRun>& runs) {
+  const OwnedNodes had = nodes_of(earlier.mesh, level, before);
+  const OwnedNodes has = nodes_of(now.mesh, level, brick);
+  if (!had.keeps_places(has)) return;
+  std::uint64_t from = earlier.mesh.first_vertex(earlier.mesh.first_brick(level) + before);
+  std::uint64_t to = now.mesh.first_vertex(now.mesh.first_brick(level) + brick);
+  for (const auto& [a, b] :
+       {std::pair(had.corner, has.corner), std::pair(had.centre, has.centre)}) {
+    for (std::size_t x = 0; x < a.slice.size(); ++x) {
+      for (std::uint64_t rest = a.slice[x] | b.slice[x]; rest != 0; rest &= rest - 1) {
+        const bool was = (a.slice[x] & rest & (~rest + 1)) != 0;
+        const bool is = (b.slice[x] & rest & (~rest + 1)) != 0;
+        if (was && is) add_run(runs, {from, to, 1});
+        from += was;
+        to += is;
+      }
+    }
+  }
 }
 
 /// Adds a level's bricks to what is kept or changed, in the order of ids.
@@ -195,6 +261,8 @@ void add_level(const ComparedMesh& earlier,
       add_run(difference.kept.vertices,
               {earlier.mesh.first_vertex(before), now.mesh.first_vertex(brick),
                now.mesh.first_vertex(brick + 1) - now.mesh.first_vertex(brick)});
+    } else if (kept.nodes[i] != kNewBrick) {
+      add_nodes(earlier, now, level, kept.nodes[i], i, difference.kept.vertices);
     }
     if (kept.tets[i] != kNewBrick) {
       const std::size_t before = earlier.mesh.first_brick(level) + kept.tets[i];
@@ -212,32 +280,19 @@ void add_level(const ComparedMesh& earlier,
   }
 }
 
-/// Keeps the bricks of `same` that are not among the sorted `touched`.
-std::vector<std::uint32_t> untouched(std::span<const std::uint32_t> same,
-                                     const std::vector<BrickCoord>& bricks,
-                                     const std::vector<BrickCoord>& touched) {
-  std::vector<std::uint32_t> rest(same.begin(), same.end());
-  auto at = touched.begin();
-  for (std::size_t i = 0; i < bricks.size() && at != touched.end(); ++i) {
-    while (at != touched.end() && *at < bricks[i]) ++at;
-    if (at != touched.end() && *at == bricks[i]) rest[i] = kNewBrick;
-  }
-  return rest;
-}
-
 }  // namespace
 
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now) {
   std::vector<KeptBricks> kept;
-  ChangedBricks finer;
+  std::vector<std::vector<ChangedBrick>> changed;
   for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
-    ChangedBricks changed;
-    std::vector<std::uint32_t> same = find_same(earlier, now, level, changed);
-    changed.add_parents(finer);
-    const auto& bricks = now.mesh.tree().levels[static_cast<std::size_t>(level)].bricks;
-    std::vector<std::uint32_t> same_tets = untouched(same, bricks, changed.readers());
-    kept.push_back({std::move(same), std::move(same_tets)});
-    finer = std::move(changed);
+    KeptBricks level_kept;
+    level_kept.vertices =
+        find_same(earlier, now, level, changed.emplace_back(), level_kept.nodes);
+    level_kept.tets = level_kept.vertices;
+    mark_readers(changed, now.mesh.tree().levels[static_cast<std::size_t>(level)],
+                 level_kept.tets);
+    kept.push_back(std::move(level_kept));
   }
   return kept;
 }
