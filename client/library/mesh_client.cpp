@@ -184,8 +184,8 @@ absl::StatusOr<PointSamples> MeshClient::sample_points(
 }
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> MeshClient::begin_session(
-    const v1::MeshRequest& request, const Cancellation& cancellation) {
-  return RemeshSession::begin(*connection_, request, cancellation);
+    const v1::MeshRequest& request, const Cancellation& cancellation, SessionIds ids) {
+  return RemeshSession::begin(*connection_, request, cancellation, ids);
 }
 
 }  // namespace tet

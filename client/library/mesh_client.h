@@ -30,6 +30,7 @@ namespace v1 = ::tetstream::v1;
 class ChunkSupply;
 class Connection;
 class RemeshSession;
+enum class SessionIds : bool;
 
 /// How often a broken call is taken up again.
 struct RetryPolicy {
@@ -159,8 +160,9 @@ class MeshClient {
 
   /// A mesh that follows its shape, change by change: see remesh_session.h. This client and
   /// `cancellation` outlive it.
-  absl::StatusOr<std::unique_ptr<RemeshSession>> begin_session(
-      const v1::MeshRequest& request, const Cancellation& cancellation);
+  absl::StatusOr<std::unique_ptr<RemeshSession>> begin_session(const v1::MeshRequest& request,
+                                                               const Cancellation& cancellation,
+                                                               SessionIds ids = SessionIds{});
 
  private:
   std::shared_ptr<Connection> connection_;

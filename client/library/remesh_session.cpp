@@ -5,6 +5,9 @@
 
 #include "client/library/mesh_receiver.h"
 #include "client/library/raw_call.h"
+#include "client/library/stable_chunks.h"
+#include "client/library/stream_checks.h"
+#include "client/library/stream_reader.h"
 #include "proto/wire/serialized.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
@@ -19,13 +22,17 @@ constexpr std::size_t kLeafOverhead = 8;
 
 }  // namespace
 
-RemeshSession::RemeshSession(Connection& connection, const Cancellation& cancellation)
+RemeshSession::RemeshSession(Connection& connection,
+                             const Cancellation& cancellation,
+                             SessionIds ids)
     : cancellation_(cancellation),
       call_(connection.server(), cancellation),
       stream_(std::make_unique<RawCall>(connection.server().channel(),
                                         call_.context(),
                                         v1::MeshService::service_full_name(),
-                                        "RemeshSession")) {}
+                                        "RemeshSession")) {
+  if (ids == SessionIds::kStable) stable_ = std::make_unique<StableMesh>();
+}
 
 RemeshSession::~RemeshSession() {
   if (ended_) return;
@@ -34,8 +41,11 @@ RemeshSession::~RemeshSession() {
 }
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
-    Connection& connection, const v1::MeshRequest& request, const Cancellation& cancellation) {
-  std::unique_ptr<RemeshSession> session(new RemeshSession(connection, cancellation));
+    Connection& connection,
+    const v1::MeshRequest& request,
+    const Cancellation& cancellation,
+    SessionIds ids) {
+  std::unique_ptr<RemeshSession> session(new RemeshSession(connection, cancellation, ids));
   v1::RemeshRequest message;
   *message.mutable_start() = request;
   message.set_tell_refusals(true);
@@ -76,6 +86,7 @@ absl::Status RemeshSession::send(const v1::RemeshRequest& message) {
 
 absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
   if (auto sent = send(message); !sent.ok()) return sent;
+  if (stable_) return patch();
   MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh, std::move(used_));
   if (auto status = receive(receiver); !status.ok()) return status;
   if (!receiver.refusal().ok()) {
@@ -90,8 +101,22 @@ absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
   return absl::OkStatus();
 }
 
+/// The mesh becomes the next one where it lies.
+absl::Status RemeshSession::patch() {
+  StableChunks chunks(*stable_);
+  StreamReader reader(
+      chunks, mesh_.mesh_id.empty() ? StreamReader::Base::kNone : StreamReader::Base::kNamed);
+  if (auto status = receive(reader); !status.ok()) return status;
+  if (!reader.refusal().ok()) return reader.refusal();
+  if (reader.compact()) return give_up(bad_stream("compact chunks in a session"));
+  tets_sent_ = reader.tets_sent();
+  mesh_ = std::move(reader.told());
+  return absl::OkStatus();
+}
+
 /// Until the mesh is whole, or its frame refused.
-absl::Status RemeshSession::receive(MeshReceiver& receiver) {
+template <class Receiver>
+absl::Status RemeshSession::receive(Receiver& receiver) {
   while (!receiver.complete() && receiver.refusal().ok()) {
     grpc::ByteBuffer event;
     if (!stream_->read(event)) return broken();

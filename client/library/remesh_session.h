@@ -10,11 +10,17 @@
 #include "client/library/connection.h"
 #include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
+#include "core/mesh/stable_mesh.h"
 
 namespace tet {
 
-class MeshReceiver;
 class RawCall;
+
+/// Which ids a session's vertices and tets have.
+enum class SessionIds : bool {
+  kInOrder,  ///< those of the mesh as it is made as a whole: where one is new, others shift
+  kStable,   ///< what is kept keeps its id, and a frame is patched in place: see StableMesh
+};
 
 /// One session, with one server. Not thread-safe. A frame that the server refuses leaves the
 /// mesh as it was, and the session alive; after any other error it is over: begin another.
@@ -22,9 +28,11 @@ class RemeshSession {
  public:
   /// Receives the mesh of `request`. Both `connection` and `cancellation` outlive the session.
   /// Errors: the server's, kDataLoss (a stream that is none), kCancelled, kDeadlineExceeded.
-  static absl::StatusOr<std::unique_ptr<RemeshSession>> begin(Connection& connection,
-                                                              const v1::MeshRequest& request,
-                                                              const Cancellation& cancellation);
+  static absl::StatusOr<std::unique_ptr<RemeshSession>> begin(
+      Connection& connection,
+      const v1::MeshRequest& request,
+      const Cancellation& cancellation,
+      SessionIds ids = SessionIds::kInOrder);
   ~RemeshSession();
 
   /// The mesh becomes that of another scene, or of a grid with these leaves. Where parts of it
@@ -33,7 +41,12 @@ class RemeshSession {
   absl::Status update(const v1::Scene& scene);
   absl::Status update(const std::vector<v1::LeafUpdate>& leaves);
 
+  /// The mesh, and what was told of it. With stable ids it has no columns.
   const StreamedMesh& mesh() const noexcept { return mesh_; }
+  /// The columns by stable ids, which StableMesh::in_order brings into their order; else
+  /// null. An
+  /// error that ends the session leaves them half patched, and of no use.
+  const StableMesh* stable() const noexcept { return stable_.get(); }
   /// Whether it takes no more frames.
   bool is_over() const noexcept { return ended_; }
   /// Tets of the last change that were sent, and not kept.
@@ -43,11 +56,13 @@ class RemeshSession {
   absl::Status end();
 
  private:
-  RemeshSession(Connection& connection, const Cancellation& cancellation);
+  RemeshSession(Connection& connection, const Cancellation& cancellation, SessionIds ids);
 
   absl::Status send(const v1::RemeshRequest& message);
   absl::Status exchange(const v1::RemeshRequest& message);
-  absl::Status receive(MeshReceiver& receiver);
+  absl::Status patch();
+  template <class Receiver>
+  absl::Status receive(Receiver& receiver);
   absl::Status give_up(absl::Status why);
   absl::Status broken();
 
@@ -57,6 +72,7 @@ class RemeshSession {
   bool ended_ = false;
   StreamedMesh mesh_;
   TetMesh used_;  ///< the mesh before it: memory for the next
+  std::unique_ptr<StableMesh> stable_;
   std::uint64_t tets_sent_ = 0;
 };
 

@@ -29,6 +29,10 @@ struct KeptParts {
 /// and `to` has no fields, whose values may change where nothing else does.
 bool can_splice(const MeshHeader& from, const MeshHeader& to) noexcept;
 
+/// Whether a mesh of `to` can keep these parts of one of `from`. Errors: kInvalidArgument
+/// (headers that cannot be spliced, runs that are out of order or do not fit the meshes).
+absl::Status check_splice(const MeshHeader& from, const MeshHeader& to, const KeptParts& kept);
+
 /// A mesh with the kept parts of `from` in their new places; its other vertices and tets are
 /// unspecified, to be written through `columns_of`. Made in the memory of `used`, a mesh that
 /// is no longer needed, as far as that is enough. Parallel; run it on a TaskPool.

@@ -29,8 +29,9 @@ struct KeptBricks {
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now);
 
 /// A brick's vertices are kept where its leaves, signs, cut points and warps are what they
-/// were, and away from the surface each that was there; its tets where that holds for all cells and vertices that they read. Depends on the two fields and
-/// the request alone. Both meshes have the same rules, spacing and origin. Parallel.
+/// were, and away from the surface each that was there; its tets where that holds for all cells
+/// and vertices that they read. Depends on the two fields and the request alone. Both meshes
+/// have the same rules, spacing and origin. Parallel.
 MeshDifference compare_meshes(const ComparedMesh& earlier, const ComparedMesh& now);
 
 }  // namespace tet

@@ -1,0 +1,111 @@
+#include "core/mesh/slot_layout.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tet {
+namespace {
+
+/// Sorts ranges and joins those that touch.
+void join(std::vector<SlotRange>& ranges) {
+  std::ranges::sort(ranges, {}, &SlotRange::begin);
+  std::size_t kept = 0;
+  for (const SlotRange& range : ranges) {
+    if (kept > 0 && ranges[kept - 1].begin + ranges[kept - 1].count == range.begin) {
+      ranges[kept - 1].count += range.count;
+    } else {
+      ranges[kept++] = range;
+    }
+  }
+  ranges.resize(kept);
+}
+
+}  // namespace
+
+SlotLayout::SlotLayout(std::uint64_t count) : count_(count), slots_(count) {
+  if (count > 0) runs_ = {{0, 0, count}};
+}
+
+std::vector<SlotRange> SlotLayout::follow(std::span<const KeptRun> kept, std::uint64_t count) {
+  const SlotLayout before = std::exchange(*this, {});
+  count_ = count;
+  slots_ = before.slots_;
+  std::vector<SlotRange> given_up;
+  const auto give_up = [&](std::uint64_t from, std::uint64_t end) {
+    before.for_each_run(from, end - from,
+                        [&](std::uint64_t slot, std::uint64_t, std::uint64_t n) {
+                          given_up.push_back({slot, n});
+                        });
+  };
+  std::uint64_t from = 0;
+  for (const KeptRun& run : kept) {
+    give_up(from, run.from);
+    from = run.from + run.count;
+  }
+  give_up(from, before.count_);
+  join(given_up);
+  free_ = before.free_;
+  free_.insert(free_.end(), given_up.begin(), given_up.end());
+  join(free_);
+  std::ranges::reverse(free_);  // the lowest is taken from the end
+
+  std::uint64_t next = 0;
+  for (const KeptRun& run : kept) {
+    fill(next, run.to);
+    before.for_each_run(run.from, run.count,
+                        [&](std::uint64_t slot, std::uint64_t offset, std::uint64_t n) {
+                          add({run.to + offset, slot, n});
+                        });
+    next = run.to + run.count;
+  }
+  fill(next, count);
+  std::ranges::reverse(free_);
+  return given_up;
+}
+
+/// Gives slots to new ones, while `free_` is in descending order.
+void SlotLayout::fill(std::uint64_t first, std::uint64_t end) {
+  while (first < end) {
+    if (free_.empty()) {
+      add({first, slots_, end - first});
+      slots_ += end - first;
+      return;
+    }
+    SlotRange& lowest = free_.back();
+    const std::uint64_t taken = std::min(lowest.count, end - first);
+    add({first, lowest.begin, taken});
+    first += taken;
+    lowest.begin += taken;
+    lowest.count -= taken;
+    if (lowest.count == 0) free_.pop_back();
+  }
+}
+
+void SlotLayout::add(const SlotRun& run) {
+  if (run.count == 0) return;
+  if (!runs_.empty()) {
+    SlotRun& last = runs_.back();
+    if (last.first + last.count == run.first && last.slot + last.count == run.slot) {
+      last.count += run.count;
+      return;
+    }
+  }
+  runs_.push_back(run);
+}
+
+std::vector<KeptRun> SlotLayout::to_slots() const {
+  std::vector<KeptRun> runs;
+  runs.reserve(runs_.size());
+  for (const SlotRun& run : runs_) runs.push_back({run.first, run.slot, run.count});
+  return runs;
+}
+
+std::vector<KeptRun> SlotLayout::from_slots() const {
+  std::vector<KeptRun> runs;
+  runs.reserve(runs_.size());
+  for (const SlotRun& run : runs_) runs.push_back({run.slot, run.first, run.count});
+  std::ranges::sort(runs, {}, &KeptRun::from);
+  return runs;
+}
+
+}  // namespace tet

@@ -1,0 +1,246 @@
+#include "core/mesh/stable_mesh.h"
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <random>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/transfer/mesh_patch.h"
+#include "tests/core/plan/meshing.h"
+#include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
+
+namespace tet::stable_mesh_test {
+namespace {
+
+using test::same_bytes;
+using Plan = std::shared_ptr<const MeshPlan>;
+
+/// About one origin, or nothing could be kept.
+Plan plan_of(Volume volume, MeshRequest request) {
+  request.origin = WorldPoint{0, 0, 0};
+  const auto plan = plan_mesh(
+      {.shape = std::make_shared<const Volume>(std::move(volume)), .request = request});
+  EXPECT_TRUE(plan.ok()) << plan.status();
+  return plan.ok() ? *plan : nullptr;
+}
+
+/// A ball of 24 voxels without what lies near some place; always in the same box, so that all
+/// have one origin.
+Volume dented_ball(float depth, VoxelCoord at, float radius = 24) {
+  return test::narrow_band_volume(
+      VoxelBox{VoxelCoord{-32, -32, -32}, VoxelCoord{32, 32, 32}}, 3, [=](VoxelCoord v) {
+        const auto from = [&](VoxelCoord c) {
+          return std::hypot(static_cast<float>(v.x - c.x), static_cast<float>(v.y - c.y),
+                            static_cast<float>(v.z - c.z));
+        };
+        return std::max(from({0, 0, 0}) - radius, depth - from(at));
+      });
+}
+
+/// `mesh` becomes that of `now` from that of `earlier`, as a session does it: by what is kept.
+void follow(StableMesh& mesh, const Plan& earlier, const Plan& now) {
+  const auto patch = MeshPatch::between(as_bricks(earlier), as_bricks(now));
+  const absl::Status begun =
+      mesh.begin(now->header(), patch == nullptr ? nullptr : &patch->kept());
+  ASSERT_TRUE(begun.ok()) << begun;
+  MeshWorkspace workspace;
+  const std::uint64_t chunks = patch ? patch->patch_count() : now->header().chunk_count;
+  for (std::uint64_t i = 0; i < chunks; ++i) {
+    const ChunkExtent extent = patch ? patch->extent(i) : now->chunk(i);
+    const ChunkColumns columns = mesh.place(extent);
+    if (patch) {
+      patch->fill(i, workspace, columns);
+    } else {
+      now->fill_chunk(i, workspace, columns);
+    }
+    ASSERT_TRUE(mesh.take(extent).ok());
+  }
+}
+
+std::uint64_t slot_of(const SlotLayout& layout, std::uint64_t number) {
+  std::uint64_t found = 0;
+  layout.for_each_run(number, 1,
+                      [&](std::uint64_t slot, std::uint64_t, std::uint64_t) { found = slot; });
+  return found;
+}
+
+void expect_kept_in_place(const SlotLayout& before,
+                          const SlotLayout& now,
+                          std::span<const KeptRun> kept) {
+  for (const KeptRun& run : kept) {
+    for (std::uint64_t i = 0; i < run.count; ++i) {
+      ASSERT_EQ(slot_of(before, run.from + i), slot_of(now, run.to + i));
+    }
+  }
+}
+
+/// Holes, and only they, are tets without corners; no other tet has a hole for a corner.
+void expect_harmless_holes(const StableMesh& mesh) {
+  const auto holes_of = [](const SlotLayout& layout) {
+    std::vector<bool> is_hole(layout.slots(), true);
+    for (const SlotRun& run : layout.runs()) {
+      for (std::uint64_t i = 0; i < run.count; ++i) is_hole[run.slot + i] = false;
+    }
+    return is_hole;
+  };
+  const std::vector<bool> vertices = holes_of(mesh.vertices()), tets = holes_of(mesh.tets());
+  for (std::uint64_t i = 0; i < tets.size(); ++i) {
+    for (const std::uint64_t corner : mesh.slots().tet(i)) {
+      if (tets[i]) {
+        ASSERT_EQ(corner, 0U);
+      } else {
+        ASSERT_FALSE(vertices[corner]);
+      }
+    }
+  }
+}
+
+std::vector<Plan> random_frames(std::uint32_t seed, const MeshRequest& request, int count) {
+  std::mt19937 random(seed);
+  const auto coordinate = [&] { return static_cast<std::int32_t>(random() % 49) - 24; };
+  std::vector<Plan> frames;
+  for (int i = 0; i < count; ++i) {
+    const auto depth = static_cast<float>(random() % 20) / 2;
+    frames.push_back(
+        plan_of(dented_ball(depth, {coordinate(), coordinate(), coordinate()}), request));
+  }
+  return frames;
+}
+
+TEST(StableMesh, IsTheWholeMeshInOrderAndKeepsIdsOfWhatIsKept) {
+  MeshRequest uniform, both_sides, wide;
+  uniform.levels = 0;
+  both_sides.preset = Preset::kBothSides;
+  wide.coordinates = CoordinateType::kFloat64;
+  std::uint32_t seed = 28;
+  for (const MeshRequest& request : {MeshRequest{}, uniform, both_sides, wide}) {
+    SCOPED_TRACE(++seed);
+    StableMesh mesh;
+    Plan earlier;
+    for (const Plan& now : random_frames(seed, request, 6)) {
+      ASSERT_TRUE(now);
+      const SlotLayout vertices = mesh.vertices(), tets = mesh.tets();
+      follow(mesh, earlier, now);
+      const auto whole = mesh.in_order();
+      ASSERT_TRUE(whole.ok()) << whole.status();
+      EXPECT_TRUE(same_bytes(*whole, fill_mesh(*now, Cancellation(), nullptr)->mesh));
+      expect_harmless_holes(mesh);
+      if (!mesh.renumbered()) {
+        const auto patch = MeshPatch::between(as_bricks(earlier), as_bricks(now));
+        expect_kept_in_place(vertices, mesh.vertices(), patch->kept().vertices);
+        expect_kept_in_place(tets, mesh.tets(), patch->kept().tets);
+      }
+      earlier = now;
+    }
+  }
+}
+
+TEST(StableMesh, HasTheSameBytesForTheSameFrames) {
+  StableMesh one, other;
+  Plan earlier;
+  for (const Plan& now : random_frames(5, {}, 5)) {
+    TaskPool(1).run([&] { follow(one, earlier, now); });
+    TaskPool(4).run([&] { follow(other, earlier, now); });
+    EXPECT_TRUE(same_bytes(one.slots(), other.slots()));
+    EXPECT_EQ(one.tets().runs(), other.tets().runs());
+    earlier = now;
+  }
+}
+
+TEST(StableMesh, IsPutInOrderWhereHolesWouldBeMany) {
+  const Plan large = plan_of(dented_ball(0, {0, 0, 40}), {});
+  const Plan half = plan_of(dented_ball(34, {0, 0, 24}), {});
+  const Plan dent = plan_of(dented_ball(35, {0, 0, 24}), {});
+  StableMesh mesh;
+  follow(mesh, nullptr, large);
+  EXPECT_TRUE(mesh.renumbered());
+  follow(mesh, large, half);
+  EXPECT_GT(mesh.tets().holes(), 0U);
+  follow(mesh, half, dent);
+  EXPECT_TRUE(mesh.renumbered());
+  EXPECT_LE(mesh.tets().holes() * 8, mesh.tets().slots());
+  EXPECT_TRUE(same_bytes(*mesh.in_order(), fill_mesh(*dent, Cancellation(), nullptr)->mesh));
+}
+
+TEST(StableMesh, RefusesRunsThatDoNotFitAndStaysAsItWas) {
+  const Plan ball = plan_of(dented_ball(0, {0, 0, 40}), {});
+  StableMesh mesh;
+  follow(mesh, nullptr, ball);
+  const MeshHeader& header = ball->header();
+  constexpr std::uint64_t kFar = ~std::uint64_t{0};
+  for (const KeptRun& run : {KeptRun{0, 0, header.vertex_count + 1}, KeptRun{kFar, 0, 2},
+                             KeptRun{0, kFar, 2}, KeptRun{5, 0, header.vertex_count}}) {
+    const KeptParts vertices{{run}, {}}, tets{{}, {{run.from, run.to, header.tet_count + 1}}};
+    EXPECT_TRUE(absl::IsInvalidArgument(mesh.begin(header, &vertices)));
+    EXPECT_TRUE(absl::IsInvalidArgument(mesh.begin(header, &tets)));
+  }
+  const KeptParts twice{{{0, 0, 10}, {5, 20, 10}}, {}};
+  EXPECT_TRUE(absl::IsInvalidArgument(mesh.begin(header, &twice)));
+  EXPECT_TRUE(same_bytes(*mesh.in_order(), fill_mesh(*ball, Cancellation(), nullptr)->mesh));
+}
+
+/// What a server could say: tets are kept, and their vertices are not.
+TEST(StableMesh, FindsAKeptTetWhoseVertexIsNotKept) {
+  const Plan ball = plan_of(dented_ball(0, {0, 0, 40}), {});
+  StableMesh mesh;
+  follow(mesh, nullptr, ball);
+  MeshHeader header = ball->header();
+  header.vertex_count = 10;
+  const KeptParts kept{{}, {{0, 0, header.tet_count}}};
+  ASSERT_TRUE(mesh.begin(header, &kept).ok());
+  EXPECT_TRUE(absl::IsInvalidArgument(mesh.in_order().status()));
+}
+
+TEST(SlotLayout, FollowsAsOneNumberAfterTheOtherWould) {
+  std::mt19937 random(11);
+  for (int turn = 0; turn < 200; ++turn) {
+    SlotLayout layout(random() % 40);
+    std::vector<std::uint64_t> slots(layout.count());
+    for (std::uint64_t i = 0; i < slots.size(); ++i) slots[i] = i;
+    std::uint64_t total = slots.size();
+    for (int frame = 0; frame < 6; ++frame) {
+      std::vector<KeptRun> kept;
+      std::uint64_t from = random() % 4, to = random() % 4;
+      while (from < slots.size()) {
+        const std::uint64_t count =
+            std::min<std::uint64_t>(1 + random() % 6, slots.size() - from);
+        kept.push_back({from, to, count});
+        from += count + random() % 4;
+        to += count + random() % 4;
+      }
+      const std::uint64_t count = to + random() % 5;
+      std::vector<std::uint64_t> now(count, ~std::uint64_t{0});
+      std::vector<bool> taken(total);
+      for (const KeptRun& run : kept) {
+        for (std::uint64_t i = 0; i < run.count; ++i) {
+          taken[now[run.to + i] = slots[run.from + i]] = true;
+        }
+      }
+      std::uint64_t next = 0;
+      for (std::uint64_t& slot : now) {
+        if (slot != ~std::uint64_t{0}) continue;
+        while (next < total && taken[next]) ++next;
+        if (next == total) taken.push_back(true), ++total;
+        slot = next++;
+      }
+      slots = now;
+      layout.follow(kept, count);
+      ASSERT_EQ(layout.count(), count);
+      ASSERT_EQ(layout.slots(), total);
+      for (std::uint64_t i = 0; i < count; ++i) ASSERT_EQ(slot_of(layout, i), slots[i]);
+      std::uint64_t free = 0;
+      for (const SlotRange& range : layout.free()) free += range.count;
+      ASSERT_EQ(free, layout.holes());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tet::stable_mesh_test
