@@ -1,10 +1,12 @@
 // A mesh of a grid of which one leaf in a hundred changed, from the mesh before: counting,
-// finding what is kept, making the rest and splicing it in, beside making the whole mesh.
+// finding what is kept, making the rest and splicing it in, or patching the mesh in place,
+// beside making the whole mesh.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <utility>
@@ -14,7 +16,9 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
+#include "core/base/scratch_pool.h"
 #include "core/mesh/splice.h"
+#include "core/mesh/stable_mesh.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/plan/mesh_workspace.h"
@@ -23,11 +27,14 @@
 namespace tet::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Plan = std::shared_ptr<const MeshPlan>;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+/// Time of the processor that all threads have taken, in seconds: whatever else the machine
+/// does counts for less than in real time.
+double now() noexcept {
+  std::timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 /// The volume with the hundredth of its leaves that lies nearest to one of them a little
@@ -58,37 +65,81 @@ Plan plan(const std::shared_ptr<const Volume>& volume, const MeshPlan* earlier =
   return plan_mesh({.shape = volume, .earlier = earlier}).value();
 }
 
-/// Seconds of one update, by part.
+/// Seconds of updates, by part; of splicing both ways.
 struct Parts {
-  double plan = 0, compare = 0, fill = 0, splice = 0, whole = 0;
+  double plan = 0, compare = 0, fill = 0, splice = 0, in_place = 0, whole = 0;
+  double sent_tets = 0;
 };
 
-/// Updates as a session does: `updated` becomes the new mesh, in the memory of the one it was.
-void update_once(const Plan& earlier,
-                 const TetMesh& mesh,
-                 const std::shared_ptr<const Volume>& volume,
-                 TetMesh& updated,
-                 Parts& parts,
-                 double& sent_tets) {
-  auto start = Clock::now();
-  const Plan now = plan(volume, earlier.get());
-  parts.plan += seconds_since(start);
-  start = Clock::now();
-  const auto patch = MeshPatch::between(as_bricks(earlier), as_bricks(now));
-  parts.compare += seconds_since(start);
-  start = Clock::now();
-  updated = splice_mesh(mesh, now->header(), patch->kept(), std::move(updated)).value();
-  parts.splice += seconds_since(start);
-  start = Clock::now();
-  for_each_range(patch->patch_count(), 1, [&](std::size_t begin, std::size_t end) {
-    MeshWorkspace workspace;
+/// A mesh as sessions keep it: spliced in the memory of the one before it, and patched in
+/// place.
+struct Meshes {
+  Plan plan;
+  TetMesh mesh, used;
+  StableMesh stable;
+  ScratchPool<MeshWorkspace> workspaces;
+};
+
+/// As a server does, with memory that was used before.
+void fill_patches(const MeshPatch& patch,
+                  ScratchPool<MeshWorkspace>& workspaces,
+                  TetMesh& mesh) {
+  for_each_range(patch.patch_count(), 1, [&](std::size_t begin, std::size_t end) {
+    const ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
     for (std::size_t i = begin; i < end; ++i) {
-      patch->fill(i, workspace, updated.columns_of(patch->extent(i)));
+      patch.fill(i, *workspace, mesh.columns_of(patch.extent(i)));
     }
   });
-  parts.fill += seconds_since(start);
+}
+
+/// Brings patches that were made in the order of ids, as a client does that has received them.
+void patch_in_place(const MeshPatch& patch,
+                    const MeshHeader& header,
+                    const TetMesh& made,
+                    StableMesh& stable) {
+  if (!stable.begin(header, &patch.kept()).ok()) std::abort();
+  for (std::uint64_t i = 0; i < patch.patch_count(); ++i) {
+    const ChunkExtent extent = patch.extent(i);
+    const auto from = const_cast<TetMesh&>(made).columns_of(extent).all();
+    const auto to = stable.place(extent).all();
+    for (std::size_t column = 0; column < from.size(); ++column) {
+      std::ranges::copy(from[column], to[column].begin());
+    }
+    if (!stable.take(extent).ok()) std::abort();
+  }
+}
+
+/// Updates as a session does, both with stable ids and without.
+void update_once(Meshes& meshes, const std::shared_ptr<const Volume>& volume, Parts& parts) {
+  double start = now();
+  Plan next = plan(volume, meshes.plan.get());
+  parts.plan += now() - start;
+  start = now();
+  const auto patch = MeshPatch::between(as_bricks(meshes.plan), as_bricks(next));
+  parts.compare += now() - start;
+  start = now();
+  TetMesh updated =
+      splice_mesh(meshes.mesh, next->header(), patch->kept(), std::move(meshes.used)).value();
+  parts.splice += now() - start;
+  start = now();
+  fill_patches(*patch, meshes.workspaces, updated);
+  parts.fill += now() - start;
+  start = now();
+  patch_in_place(*patch, next->header(), updated, meshes.stable);
+  parts.in_place += now() - start;
   for (std::uint64_t i = 0; i < patch->patch_count(); ++i) {
-    sent_tets += static_cast<double>(patch->extent(i).tet_count);
+    parts.sent_tets += static_cast<double>(patch->extent(i).tet_count);
+  }
+  meshes.plan = std::move(next);
+  meshes.used = std::exchange(meshes.mesh, std::move(updated));
+}
+
+void begin_stable(const MeshPlan& plan, const TetMesh& mesh, StableMesh& stable) {
+  if (!stable.begin(plan.header(), nullptr).ok()) std::abort();
+  const auto from = const_cast<TetMesh&>(mesh).columns().all();
+  const auto to = stable.place(whole_of(plan.header())).all();
+  for (std::size_t column = 0; column < from.size(); ++column) {
+    std::ranges::copy(from[column], to[column].begin());
   }
 }
 
@@ -97,31 +148,36 @@ void remesh(benchmark::State& state, Solid solid, const BenchSize& size) {
   pool.run([&] {
     const auto volume = make_solid(solid, size);
     const auto changed = std::make_shared<const Volume>(inflated_at_one_place(*volume));
-    const Plan earlier = plan(volume);
-    const TetMesh mesh = std::move(fill_mesh(*earlier, {}, nullptr)->mesh);
-    TetMesh updated(mesh.header);
+    Meshes meshes;
+    meshes.plan = plan(volume);
+    meshes.mesh = std::move(fill_mesh(*meshes.plan, {}, nullptr)->mesh);
+    begin_stable(*meshes.plan, meshes.mesh, meshes.stable);
     Parts parts;
-    double sent = 0;
-    update_once(earlier, mesh, changed, updated, parts, sent);  // touches its memory
+    for (const auto& next : {changed, volume})
+      update_once(meshes, next, parts);  // touches memory
     parts = {};
-    sent = 0;
     for (auto _ : state) {
-      update_once(earlier, mesh, changed, updated, parts, sent);
+      for (const auto& next : {changed, volume}) update_once(meshes, next, parts);
       state.PauseTiming();
-      const auto start = Clock::now();
-      benchmark::DoNotOptimize(fill_mesh(*plan(changed), {}, nullptr));
-      parts.whole += seconds_since(start);
+      for (const auto& next : {changed, volume}) {
+        const double start = now();
+        benchmark::DoNotOptimize(fill_mesh(*plan(next), {}, nullptr));
+        parts.whole += now() - start;
+      }
       state.ResumeTiming();
     }
-    const auto runs = static_cast<double>(state.iterations());
-    const double update = parts.plan + parts.compare + parts.fill + parts.splice;
+    const auto runs = 2 * static_cast<double>(state.iterations());
+    const double both = parts.plan + parts.compare + parts.fill;
     state.counters["plan_ms"] = 1e3 * parts.plan / runs;
     state.counters["compare_ms"] = 1e3 * parts.compare / runs;
     state.counters["fill_ms"] = 1e3 * parts.fill / runs;
     state.counters["splice_ms"] = 1e3 * parts.splice / runs;
+    state.counters["in_place_ms"] = 1e3 * parts.in_place / runs;
     state.counters["whole_ms"] = 1e3 * parts.whole / runs;
-    state.counters["times_whole"] = update / parts.whole;
-    state.counters["sent"] = sent / runs / static_cast<double>(earlier->header().tet_count);
+    state.counters["spliced"] = (both + parts.splice) / parts.whole;
+    state.counters["in_place"] = (both + parts.in_place) / parts.whole;
+    state.counters["sent"] =
+        parts.sent_tets / runs / static_cast<double>(meshes.plan->header().tet_count);
   });
 }
 
