@@ -23,6 +23,7 @@ void QualityStats::add_copies(const QualityStats& shape,
   for (std::size_t d = 0; d < histogram.size(); ++d) histogram[d] += count * shape.histogram[d];
 }
 
+TET_VECTOR_CLONES
 void QualityMeter::add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept {
   constexpr std::size_t kSize = TetBatch::kSize;
   for (; tets.size() >= kSize; tets = tets.subspan(kSize)) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 
+#include "core/base/vector_clones.h"
 #include "core/lattice/background_tets.h"
 #include "core/lattice/node_numbers.h"
 #include "core/lattice/reach.h"
@@ -122,12 +123,12 @@ BackgroundCounts count_background(const BackgroundCells& cells) noexcept {
 }
 
 template <class Index>
-Index* fill_background(const BackgroundCells& cells,
-                       NodeNumbers& numbers,
-                       int level,
-                       BrickCoord brick,
-                       Index* tets,
-                       BackgroundCounts& counts) noexcept {
+TET_VECTOR_CLONES Index* fill_background(const BackgroundCells& cells,
+                                         NodeNumbers& numbers,
+                                         int level,
+                                         BrickCoord brick,
+                                         Index* tets,
+                                         BackgroundCounts& counts) noexcept {
   BrickIds<Index> ids(numbers, level, brick);
   return write_background(cells, ids, tets, counts);
 }

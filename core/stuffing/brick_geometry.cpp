@@ -1,5 +1,6 @@
 #include "core/stuffing/brick_geometry.h"
 
+#include "core/base/vector_clones.h"
 #include "core/lattice/reach.h"
 
 namespace tet {
@@ -56,6 +57,7 @@ std::byte* pack(const StuffedLattice& lattice,
 
 }  // namespace
 
+TET_VECTOR_CLONES
 std::byte* pack_geometry(const StuffedLattice& lattice,
                          const StuffedBrick& brick,
                          std::byte* out) noexcept {

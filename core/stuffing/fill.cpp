@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/vector_clones.h"
 #include "core/stuffing/cut_tet.h"
 #include "core/stuffing/surface_faces.h"
 #include "core/stuffing/write_rows.h"
@@ -245,6 +246,7 @@ class CutShape {
   unsigned behind_dents_ = 0;  // the same, opposite faces at the domain's end
 };
 
+TET_VECTOR_CLONES
 void add_cut(const FinestBrick& brick,
              std::size_t shape,
              const BrickMask& cut,
@@ -267,17 +269,33 @@ Index* write_local(std::span<const LocalTet> tets,
   return out;
 }
 
+/// From a cell's slot to the corners of its face across a direction, from where the diagonal
+/// starts, by the direction and by which of the cell's coordinates are odd (4*x + 2*y + z).
+constexpr auto kFaceCornerSlots = [] {
+  std::array<std::array<std::array<std::int16_t, 4>, 8>, kFaceDirections> slots{};
+  for (int direction = 0; direction < kFaceDirections; ++direction) {
+    for (int odd = 0; odd < 8; ++odd) {
+      const int start = diagonal_turn(direction, Cell(odd >> 2, odd >> 1 & 1, odd & 1));
+      for (int turn = 0; turn < 4; ++turn) {
+        const LatticeCoord at = face_turn(direction, (start + turn) & 3);
+        slots[static_cast<std::size_t>(direction)][static_cast<std::size_t>(odd)]
+             [static_cast<std::size_t>(turn)] =
+                 static_cast<std::int16_t>(node_slot(at.x, at.y, at.z));
+      }
+    }
+  }
+  return slots;
+}();
+
 /// `tets` have been written before.
 template <class Index>
-Index* write_half_pyramids_of_finest(const FinestBrick& brick,
-                                     const SlotIds<Index>& ids,
-                                     Index* out,
-                                     std::size_t tets,
-                                     BackgroundCounts& counts) noexcept {
+[[gnu::always_inline]] inline Index* write_half_pyramids_of_finest(
+    const FinestBrick& brick,
+    const SlotIds<Index>& ids,
+    Index* out,
+    std::size_t tets,
+    BackgroundCounts& counts) noexcept {
   const CellNodes& nodes = brick.nodes;
-  const auto corner = [&](int x, int y, int z) {
-    return ids[static_cast<std::size_t>(node_slot(x, y, z))];
-  };
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     const BrickMask cells = half_pyramids_of_finest(nodes, direction);
     counts.half_pyramid += 2 * std::uint64_t{cells.count()};
@@ -285,9 +303,13 @@ Index* write_half_pyramids_of_finest(const FinestBrick& brick,
       brick.faces->around.domain->add_half_pyramids(cells, direction, tets, brick.faces->faces);
     }
     tets += 2 * std::size_t{cells.count()};
+    const auto& corners = kFaceCornerSlots[static_cast<std::size_t>(direction)];
     for_each_bit(cells, [&](int x, int y, int z) {
-      const Index centre = ids[static_cast<std::size_t>(kSlotsOfKind + node_slot(x, y, z))];
-      out = write_half_pyramids(direction, Cell(halo_index(x, y, z)), centre, corner, out);
+      const Index* const at = ids.data() + node_slot(x, y, z);
+      const int odd = (x & 1) * 4 + (y & 1) * 2 + (z & 1);
+      const auto [a, b, c, d] = corners[static_cast<std::size_t>(odd)];
+      out = write_tet(out, at[kSlotsOfKind], at[a], at[b], at[c]);
+      out = write_tet(out, at[kSlotsOfKind], at[a], at[c], at[d]);
     });
   }
   return out;
@@ -296,12 +318,12 @@ Index* write_half_pyramids_of_finest(const FinestBrick& brick,
 }  // namespace
 
 template <class Index>
-Index* fill_finest(const FinestBrick& brick,
-                   const SlotIds<Index>& ids,
-                   Index* tets,
-                   const Index* end,
-                   StuffedTets& stuffed,
-                   BackgroundCounts& counts) noexcept {
+TET_VECTOR_CLONES Index* fill_finest(const FinestBrick& brick,
+                                     const SlotIds<Index>& ids,
+                                     Index* tets,
+                                     const Index* end,
+                                     StuffedTets& stuffed,
+                                     BackgroundCounts& counts) noexcept {
   const Index* const begin = tets;
   const std::size_t first_tet = brick.faces == nullptr ? 0 : brick.faces->first_tet;
   const auto written = [&] { return first_tet + static_cast<std::size_t>(tets - begin) / 4; };

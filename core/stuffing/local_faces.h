@@ -14,12 +14,13 @@
 
 namespace tet {
 
-/// A face of one of a brick's tets.
+/// A face of one of a brick's tets. Without initial values: clearing room for the faces of all
+/// tets would touch 1.2 MB for each mesh.
 struct LocalFace {
-  std::uint32_t tet = 0;      ///< its number within the brick
-  std::uint8_t opposite = 0;  ///< the corner that it is opposite of, as the tet is written
-  std::uint8_t label = 0;     ///< see face_labels_of
-  LocalTet corners{};         ///< of the tet, as it is written; only of faces of the surface
+  std::uint32_t tet;      ///< its number within the brick
+  std::uint8_t opposite;  ///< the corner that it is opposite of, as the tet is written
+  std::uint8_t label;     ///< see face_labels_of
+  LocalTet corners;       ///< of the tet, as it is written; only of faces of the surface
   friend auto operator<=>(const LocalFace&, const LocalFace&) = default;
 };
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "core/base/vector_clones.h"
 #include "core/lattice/background.h"
 #include "core/lattice/node_numbers.h"
 #include "core/lattice/reach.h"
@@ -62,6 +63,7 @@ inline LocalPoint LocalVertices::place(int node,
   return {from.x + step.x, from.y + step.y, from.z + step.z};
 }
 
+TET_VECTOR_CLONES
 void LocalVertices::enter_zeros(const OwnedVertices& from,
                                 const PackedGeometry& packed,
                                 std::size_t o) noexcept {
@@ -83,11 +85,11 @@ void LocalVertices::enter_zeros(const OwnedVertices& from,
 }
 
 template <class Index>
-void LocalVertices::enter_cuts(const OwnedVertices& from,
-                               const PackedGeometry& packed,
-                               std::size_t o,
-                               Index next,
-                               SlotIds<Index>& ids) noexcept {
+TET_VECTOR_CLONES void LocalVertices::enter_cuts(const OwnedVertices& from,
+                                                 const PackedGeometry& packed,
+                                                 std::size_t o,
+                                                 Index next,
+                                                 SlotIds<Index>& ids) noexcept {
   OwnPlaces* const own = o == 0 ? &own_ : nullptr;
   std::size_t first = packed.zeros(), slot = next_slot_;
   for (int family = 0; family < kEdgeFamilies; ++family) {
@@ -153,7 +155,8 @@ void LocalVertices::enter_fans(const VerticesAround& around, SlotIds<Index>& ids
 }
 
 template <class Index>
-void LocalVertices::enter(const VerticesAround& around, SlotIds<Index>& ids) noexcept {
+TET_VECTOR_CLONES void LocalVertices::enter(const VerticesAround& around,
+                                            SlotIds<Index>& ids) noexcept {
   forget();
   for (std::size_t o = 0; o < around.size(); ++o) {
     const OwnedVertices& from = around[o];

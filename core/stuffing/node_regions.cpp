@@ -177,6 +177,7 @@ NodePlanes::NodePlanes(const NodeSets& nodes) noexcept {
   }
 }
 
+TET_VECTOR_CLONES
 NodePlanes NodePlanes::in_star(const NodeSets& nodes) noexcept {
   static const NodePlanes kStar(kBrickStar);
   return NodePlanes(nodes) & kStar;
@@ -190,6 +191,7 @@ NodeSets NodePlanes::sets() const noexcept {
   return nodes;
 }
 
+TET_VECTOR_CLONES
 NodePlanes& NodePlanes::operator|=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
     for (std::size_t w = 0; w < NodePlane::kWords; ++w) plane[i].word[w] |= o.plane[i].word[w];
@@ -197,6 +199,7 @@ NodePlanes& NodePlanes::operator|=(const NodePlanes& o) noexcept {
   return *this;
 }
 
+TET_VECTOR_CLONES
 NodePlanes& NodePlanes::operator&=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
     for (std::size_t w = 0; w < NodePlane::kWords; ++w) plane[i].word[w] &= o.plane[i].word[w];
@@ -204,6 +207,7 @@ NodePlanes& NodePlanes::operator&=(const NodePlanes& o) noexcept {
   return *this;
 }
 
+TET_VECTOR_CLONES
 NodePlanes& NodePlanes::operator-=(const NodePlanes& o) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
     for (std::size_t w = 0; w < NodePlane::kWords; ++w) plane[i].word[w] &= ~o.plane[i].word[w];
@@ -211,6 +215,7 @@ NodePlanes& NodePlanes::operator-=(const NodePlanes& o) noexcept {
   return *this;
 }
 
+TET_VECTOR_CLONES
 bool meet(const NodePlanes& a, const NodePlanes& b) noexcept {
   NodePlane common;
   for (std::size_t i = 0; i < kPlanes; ++i) {

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 
+#include "core/base/vector_clones.h"
 #include "core/stuffing/cell_nodes.h"
 #include "core/stuffing/count_tets.h"
 #include "core/stuffing/node_link.h"
@@ -85,6 +86,7 @@ std::int64_t SurfaceCounts::euler_characteristic() const noexcept {
   return static_cast<std::int64_t>(vertices) - edges + static_cast<std::int64_t>(triangles);
 }
 
+TET_VECTOR_CLONES
 SurveyedSurface survey_surface(const WarpedLattice& lattice,
                                const StuffedBrick& kept) noexcept {
   SurveyedSurface found;

@@ -53,11 +53,11 @@ inline constexpr int kFewCells = 48;
 /// first cell, and `ids` the ids by slot. Four tets are written at a time, so a few places
 /// behind the end may be overwritten, but none from `limit` on.
 template <class Index>
-Index* write_rows(const BrickMask& cells,
-                  const LocalTet& corner,
-                  const Index* ids,
-                  Index* out,
-                  const Index* limit) noexcept {
+[[gnu::always_inline]] inline Index* write_rows(const BrickMask& cells,
+                                                const LocalTet& corner,
+                                                const Index* ids,
+                                                Index* out,
+                                                const Index* limit) noexcept {
   const Index *const a = ids + corner[0], *const b = ids + corner[1],
                      *const c = ids + corner[2], *const d = ids + corner[3];
   for (int x = 0; x < 8; ++x) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 
 #include "core/base/quality.h"
@@ -14,6 +15,19 @@ struct BackgroundShapes {
   QualityStats bcc, bisected, quadrisected, half_pyramid;
   QualityStats halved, in_three;  ///< the two, and the three, tets of a half pyramid
 };
+
+/// What is known of a shape, and how many tets, or halves of pyramids, have it.
+struct CountedShape {
+  QualityStats BackgroundShapes::*shape;
+  std::uint64_t BackgroundCounts::*count;
+};
+constexpr std::array<CountedShape, 6> kCountedShapes{
+    {{&BackgroundShapes::bcc, &BackgroundCounts::bcc},
+     {&BackgroundShapes::bisected, &BackgroundCounts::bisected},
+     {&BackgroundShapes::quadrisected, &BackgroundCounts::quadrisected},
+     {&BackgroundShapes::half_pyramid, &BackgroundCounts::half_pyramid},
+     {&BackgroundShapes::halved, &BackgroundCounts::halved},
+     {&BackgroundShapes::in_three, &BackgroundCounts::in_three}}};
 
 using TetPoints = std::array<LocalPoint, 4>;
 
@@ -52,17 +66,23 @@ double determinant(const std::array<std::array<double, 3>, 3>& m) noexcept {
 
 }  // namespace
 
-void add_background_quality(const BackgroundCounts& counts,
-                            int level,
-                            QualityStats& stats) noexcept {
-  const BackgroundShapes& shapes = background_shapes();
+void BackgroundMeter::add(const BackgroundCounts& counts, int level) noexcept {
   const double scale = std::ldexp(1.0, 3 * level);
-  stats.add_copies(shapes.bcc, counts.bcc, scale);
-  stats.add_copies(shapes.bisected, counts.bisected, scale);
-  stats.add_copies(shapes.quadrisected, counts.quadrisected, scale);
-  stats.add_copies(shapes.half_pyramid, counts.half_pyramid, scale);
-  stats.add_copies(shapes.halved, counts.halved, scale);
-  stats.add_copies(shapes.in_three, counts.in_three, scale);
+  for (const auto& [shape, of_shape] : kCountedShapes) {
+    const std::uint64_t count = counts.*of_shape;
+    if (count == 0) continue;
+    counts_.*of_shape += count;
+    volume_ += static_cast<double>(count) * scale * (background_shapes().*shape).volume;
+  }
+}
+
+QualityStats BackgroundMeter::stats() const noexcept {
+  QualityStats stats;
+  for (const auto& [shape, of_shape] : kCountedShapes) {
+    stats.add_copies(background_shapes().*shape, counts_.*of_shape, 0);
+  }
+  stats.volume = volume_;
+  return stats;
 }
 
 double volume_scale(const LatticeToWorld& to_world) noexcept {

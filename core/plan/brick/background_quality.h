@@ -7,10 +7,20 @@
 
 namespace tet {
 
-/// Adds the tets of leaves of a level; volumes are in units of the finest spacing.
-void add_background_quality(const BackgroundCounts& counts,
-                            int level,
-                            QualityStats& stats) noexcept;
+/// Gathers the statistics of background tets. They are counted, and only in the end spread over
+/// the histogram, as a brick has few of them.
+class BackgroundMeter {
+ public:
+  /// Adds the tets of leaves of a level.
+  void add(const BackgroundCounts& counts, int level) noexcept;
+
+  /// The volume is in units of the finest spacing, and added in the order of the calls.
+  QualityStats stats() const noexcept;
+
+ private:
+  BackgroundCounts counts_;
+  double volume_ = 0;
+};
 
 /// What a volume in units of the spacing is in the world.
 double volume_scale(const LatticeToWorld& to_world) noexcept;

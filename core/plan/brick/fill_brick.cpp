@@ -5,7 +5,6 @@
 
 #include "core/base/check.h"
 #include "core/base/vec3.h"
-#include "core/plan/brick/background_quality.h"
 
 namespace tet {
 
@@ -215,7 +214,7 @@ Index* BrickFiller::fill_finest_tets(MeshRegion region,
       ids<Index>(), out, limit, stuffed, counts);
   if (statistics_ == Statistics::kMeasured) {
     meter_.add_tets(workspace_.vertices.points(), stuffed.from(0));
-    add_background_quality(counts, 0, background_);
+    background_.add(counts, 0);
   }
   return out;
 }
@@ -232,8 +231,7 @@ Index* BrickFiller::fill_background_tets(BrickPlace place,
   BackgroundCounts counts;
   out = fill_background(cells, numbers_, place.level, brick, out, counts);
   if (has_faces_) add_background_faces(cells, outer_, tets, workspace_.faces);
-  if (statistics_ == Statistics::kMeasured)
-    add_background_quality(counts, place.level, background_);
+  if (statistics_ == Statistics::kMeasured) background_.add(counts, place.level);
   return out;
 }
 
@@ -245,7 +243,7 @@ QualityStats BrickFiller::stats() const noexcept {
 
 QualityStats BrickFiller::stats_of_run() const noexcept {
   QualityStats stats = meter_.stats();
-  stats.add(background_);
+  stats.add(background_.stats());
   stats.volume *= volume_scale(to_world_);
   return stats;
 }

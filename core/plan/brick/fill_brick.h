@@ -14,6 +14,7 @@
 #include "core/mesh/face_labeller.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/plan/brick/background_quality.h"
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/survey.h"
 #include "core/plan/brick/write_positions.h"
@@ -119,7 +120,7 @@ class BrickFiller {
   std::size_t filled_ = 0;          // bricks
   QualityStats runs_;               // filled before; then of the one being filled
   QualityMeter meter_;
-  QualityStats background_;
+  BackgroundMeter background_;
 };
 
 }  // namespace tet

@@ -271,6 +271,18 @@ class Surveyor {
   ScratchPool<SurveyWorkspace> workspaces_;
 };
 
+/// True where no edge of the nodes that a brick knows is cut, and none of them is zero: they
+/// are all on one side then, and no node moves. That is every fifth brick whose samples,
+/// which reach further, are on both sides.
+bool misses_surface(const CutPoints& cuts) noexcept {
+  const auto has_zero = [&](NodeKind kind) {
+    return (kKnownNodes - cuts.signs.inside[kind] - cuts.signs.outside[kind]).any();
+  };
+  return std::ranges::none_of(cuts.edges.run,
+                              [](const CutEdges::Run& run) { return run.count != 0; }) &&
+         !has_zero(kCorner) && !has_zero(kCentre);
+}
+
 }  // namespace
 
 bool stuff_brick(PhiSampler& sampler,
@@ -284,6 +296,7 @@ bool stuff_brick(PhiSampler& sampler,
   find_signs(workspace.samples, lattice.cuts.signs);
   if (lattice.cuts.signs.one_sided()) return false;
   find_cut_points(workspace.samples, sampler, brick, lattice.cuts);
+  if (misses_surface(lattice.cuts)) return false;
   warp_lattice(lattice.cuts, rules.limits, lattice.warped);
   if (restored != nullptr) restore_nodes(restored->around(brick), rules.limits, lattice);
   return true;

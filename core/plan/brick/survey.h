@@ -31,8 +31,8 @@ struct StuffingWorkspace {
 };
 
 /// Stuffs a brick: the method, from its samples to its warped lattice. False, and no lattice,
-/// when every sample lies on one side of the surface; at voxels there are then no samples
-/// either. `restored` may be null.
+/// when all nodes that the brick knows lie on one side of the surface; at voxels there may then
+/// be no samples either. `restored` may be null.
 bool stuff_brick(PhiSampler& sampler,
                  BrickCoord brick,
                  const StuffingRules& rules,

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/base/check.h"
-#include "core/plan/brick/background_quality.h"
 #include "core/plan/brick/fill_brick.h"
 #include "core/plan/brick/write_positions.h"
 
@@ -102,7 +101,7 @@ void LabelledBrickFiller::fill_finest(std::size_t brick,
   mirror<Index>(columns.tets);
   if (statistics_ != Statistics::kMeasured) return;
   meter_.add_tets(scratch_.vertices.points(), filled.divided);
-  add_background_quality(filled.counts, 0, background_);
+  background_.add(filled.counts, 0);
 }
 
 void LabelledBrickFiller::write_finest_positions(std::size_t brick,
@@ -153,7 +152,7 @@ void LabelledBrickFiller::fill_coarse(BrickPlace place,
   TET_CHECK(out == tets.data() + tets.size());
   mirror<Index>(columns.tets);
   if (statistics_ == Statistics::kMeasured) {
-    add_background_quality(counts, place.level, background_);
+    background_.add(counts, place.level);
   }
 }
 
@@ -173,7 +172,7 @@ QualityStats LabelledBrickFiller::stats() const noexcept {
 
 QualityStats LabelledBrickFiller::stats_of_run() const noexcept {
   QualityStats stats = meter_.stats();
-  stats.add(background_);
+  stats.add(background_.stats());
   stats.volume *= volume_scale(to_world_);
   return stats;
 }

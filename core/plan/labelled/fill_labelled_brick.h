@@ -11,6 +11,7 @@
 #include "core/labels/fill_labels.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/plan/brick/background_quality.h"
 #include "core/plan/labelled/counted_labels.h"
 
 namespace tet {
@@ -71,7 +72,7 @@ class LabelledBrickFiller {
   std::size_t filled_ = 0;      // bricks
   QualityStats runs_;           // filled before; then of the one being filled
   QualityMeter meter_;
-  QualityStats background_;
+  BackgroundMeter background_;
 };
 
 }  // namespace tet
