@@ -132,7 +132,7 @@ struct Server::Parts {
   bool works() const { return !admission.is_ending() && probes.works(); }
   void tell_health();
   std::vector<Reading> slow_readings() const;
-  std::string metrics_text();
+  std::string metrics_text(bool for_operators);
 
   const Config config;
   std::unique_ptr<ServerTls> tls;  ///< null where the port is plain
@@ -141,7 +141,7 @@ struct Server::Parts {
   Admission admission{admission_limits(config)};
   CallRegistry calls{*access, admission};
   TaskPool disk{kDiskThreads};
-  FairTasks disk_turns{disk};
+  FairTasks disk_turns{disk, &calls.clients()};
   MeshEngine engine{config, calls, *store};
   GridService grid_service{*store,          calls,         disk_turns,
                            engine.decoders, engine.stalls, config.resident_bytes};
@@ -236,7 +236,7 @@ bool Server::Parts::listen() {
 
 absl::Status Server::Parts::open_metrics() {
   if (config.metrics_listen.empty()) return absl::OkStatus();
-  auto opened = MetricsPort::open(config.metrics_listen, {[this] { return metrics_text(); },
+  auto opened = MetricsPort::open(config.metrics_listen, {[this] { return metrics_text(true); },
                                                           [this] { return works(); }});
   if (opened.ok()) metrics = *std::move(opened);
   return opened.status();
@@ -248,13 +248,13 @@ absl::Status Server::Parts::open_http() {
     return history.tell(MetricHistory::Clock::now(), families);
   };
   auto opened =
-      HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); }, tell,
+      HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(false); }, tell,
                               [this] { return works(); }, grpc_address()});
   if (!opened.ok()) return opened.status();
   http = *std::move(opened);
   open_port = http.get();
   const auto sample = [this] {
-    history.take(MetricHistory::Clock::now(), metrics_text());
+    history.take(MetricHistory::Clock::now(), metrics_text(false));
   };
   sample();
   sampling = std::make_unique<Heartbeat>(MetricHistory::kInterval, sample);
@@ -283,12 +283,14 @@ std::vector<Reading> Server::Parts::slow_readings() const {
   return readings;
 }
 
-std::string Server::Parts::metrics_text() {
-  return calls.metrics().text([this] {
+/// Any token may read them over HTTP: who the others are, and what they use, is not for them.
+std::string Server::Parts::metrics_text(bool for_operators) {
+  return calls.metrics().text([this, for_operators] {
     std::vector<Reading> readings = latest.get();
     const auto add = [&](std::vector<Reading> more) {
       for (Reading& reading : more) readings.push_back(std::move(reading));
     };
+    if (for_operators) add(calls.clients().readings());
     add(probes.readings());
     if (jobs != nullptr) add({jobs->up()});
     add(unread.readings());
