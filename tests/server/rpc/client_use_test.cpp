@@ -1,6 +1,7 @@
 #include "server/rpc/client_use.h"
 
 #include <chrono>
+#include <memory>
 #include <set>
 #include <string>
 #include <thread>
@@ -51,7 +52,7 @@ TEST(ClientUse, HasOneSeriesForNamesThatAreToldAlike) {
   ClientUse use;
   const std::string longest(1000, 'a');
   for (const std::string& name : {longest + "b", longest + "c"}) ++use.name(name).calls;
-  for (const std::string& name : {"CN=\xff", "CN=\xfe", "CN=\n"}) ++use.name(name).calls;
+  for (const char* const name : {"CN=\xff", "CN=\xfe", "CN=\n"}) ++use.name(name).calls;
   std::set<std::pair<std::string, std::string>> series;
   for (const Reading& reading : use.readings()) {
     EXPECT_TRUE(series.emplace(reading.name, reading.labels.at(0).second).second);
@@ -62,15 +63,17 @@ TEST(ClientUse, HasOneSeriesForNamesThatAreToldAlike) {
 TEST(ClientUse, HasTheTimeOfTasksWhoseverTheyAre) {
   ClientUse use;
   use.name("alice");
-  {
-    TaskPool pool(2);
-    FairTasks tasks(pool, &use);
-    const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); };
-    for (const char* client : {"alice", "127.0.0.1", "jobs of team"}) tasks.post(client, nap);
-    EXPECT_TRUE(is_background("jobs of team"));
+  const std::string jobs = background_client("team");
+  auto pool = std::make_unique<TaskPool>(2);
+  FairTasks tasks(*pool, &use);
+  const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); };
+  for (const std::string& client : {std::string("alice"), std::string("127.0.0.1"), jobs}) {
+    tasks.post(client, nap);
   }
+  pool.reset();  // when all are done
   const char* const name = "tetstream_client_work_seconds_total";
-  for (const char* client : {"alice", ClientUse::kOthers, "jobs of team"}) {
+  for (const std::string& client :
+       {std::string("alice"), std::string(ClientUse::kOthers), jobs}) {
     EXPECT_GE(told(use, name, client), 0.002) << client;
   }
 }
