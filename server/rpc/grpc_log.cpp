@@ -44,9 +44,9 @@ void log_protobuf(google::protobuf::LogLevel level,
   static Sieve sieve;
   const auto left_out = sieve.pass();
   if (!left_out) return;
-  log_event(level >= google::protobuf::LOGLEVEL_ERROR ? spdlog::level::warn
-                                                      : spdlog::level::info,
-            "protobuf", {{"message", message}, {"left_out", *left_out}});
+  log_event(
+      level >= google::protobuf::LOGLEVEL_ERROR ? spdlog::level::warn : spdlog::level::info,
+      "protobuf", {{"message", message}, {"left_out", *left_out}});
 }
 
 }  // namespace
