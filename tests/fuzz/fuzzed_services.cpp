@@ -105,8 +105,10 @@ std::string ball_file() {
   head.resize(0x75, ' ');
   file += head + "\n";
   for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
-    const double middle = (kEdge - 1) / 2.0, x = i % kEdge - middle,
-                 y = i / kEdge % kEdge - middle, z = i / kEdge / kEdge - middle;
+    const int column = i / kEdge;
+    const auto from_middle = [](int place) { return place - (kEdge - 1) / 2.0; };
+    const double x = from_middle(i % kEdge), y = from_middle(column % kEdge),
+                 z = from_middle(column / kEdge);
     const auto phi = static_cast<float>(std::sqrt(x * x + y * y + z * z) - 4);
     file.append(reinterpret_cast<const char*>(&phi), sizeof phi);
   }

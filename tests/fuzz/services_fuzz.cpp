@@ -216,7 +216,7 @@ static const bool is_checked =
     replay_checks().emplace("services_fuzz", [] { services().check_all_answered(); }).second;
 #else
 /// Leaks are not looked for after each input: the server's threads hold things at any moment.
-// NOLINTNEXTLINE(bugprone-reserved-identifier)
+// NOLINTNEXTLINE(bugprone-reserved-identifier, readability-identifier-naming)
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
 /// The first input does not wait for the server's start.
