@@ -19,6 +19,7 @@
 #include "server/http/http_port.h"
 #include "server/jobs/store/open_job_store.h"
 #include "server/jobs_in_server.h"
+#include "server/ops/end_connections.h"
 #include "server/ops/guard.h"
 #include "server/ops/latest_readings.h"
 #include "server/ops/logging.h"
@@ -42,6 +43,7 @@ namespace {
 
 constexpr int kDiskThreads = 2;
 constexpr std::chrono::seconds kGoodbye{1};
+constexpr std::chrono::seconds kLastBytes{2};
 constexpr std::chrono::hours kForever{24 * 365};
 constexpr std::chrono::milliseconds kHeartbeat{100};
 constexpr std::chrono::milliseconds kHealthBeat{500};
@@ -130,7 +132,7 @@ struct Server::Parts {
   bool works() const { return !admission.is_ending() && probes.works(); }
   void tell_health();
   std::vector<Reading> slow_readings() const;
-  std::string metrics_text();
+  std::string metrics_text(bool for_operators);
 
   const Config config;
   std::unique_ptr<ServerTls> tls;  ///< null where the port is plain
@@ -139,7 +141,7 @@ struct Server::Parts {
   Admission admission{admission_limits(config)};
   CallRegistry calls{*access, admission};
   TaskPool disk{kDiskThreads};
-  FairTasks disk_turns{disk};
+  FairTasks disk_turns{disk, &calls.clients()};
   MeshEngine engine{config, calls, *store};
   GridService grid_service{*store,          calls,         disk_turns,
                            engine.decoders, engine.stalls, config.resident_bytes};
@@ -234,8 +236,8 @@ bool Server::Parts::listen() {
 
 absl::Status Server::Parts::open_metrics() {
   if (config.metrics_listen.empty()) return absl::OkStatus();
-  auto opened = MetricsPort::open(
-      config.metrics_listen, {[this] { return metrics_text(); }, [this] { return works(); }});
+  auto opened = MetricsPort::open(config.metrics_listen, {[this] { return metrics_text(true); },
+                                                          [this] { return works(); }});
   if (opened.ok()) metrics = *std::move(opened);
   return opened.status();
 }
@@ -245,12 +247,15 @@ absl::Status Server::Parts::open_http() {
   const auto tell = [this](absl::string_view families) {
     return history.tell(MetricHistory::Clock::now(), families);
   };
-  auto opened = HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(); },
-                                        tell, [this] { return works(); }, grpc_address()});
+  auto opened =
+      HttpPort::open(config, {*server, tls.get(), [this] { return metrics_text(false); }, tell,
+                              [this] { return works(); }, grpc_address()});
   if (!opened.ok()) return opened.status();
   http = *std::move(opened);
   open_port = http.get();
-  const auto sample = [this] { history.take(MetricHistory::Clock::now(), metrics_text()); };
+  const auto sample = [this] {
+    history.take(MetricHistory::Clock::now(), metrics_text(false));
+  };
   sample();
   sampling = std::make_unique<Heartbeat>(MetricHistory::kInterval, sample);
   return absl::OkStatus();
@@ -278,12 +283,14 @@ std::vector<Reading> Server::Parts::slow_readings() const {
   return readings;
 }
 
-std::string Server::Parts::metrics_text() {
-  return calls.metrics().text([this] {
+/// Any token may read them over HTTP: who the others are, and what they use, is not for them.
+std::string Server::Parts::metrics_text(bool for_operators) {
+  return calls.metrics().text([this, for_operators] {
     std::vector<Reading> readings = latest.get();
     const auto add = [&](std::vector<Reading> more) {
       for (Reading& reading : more) readings.push_back(std::move(reading));
     };
+    if (for_operators) add(calls.clients().readings());
     add(probes.readings());
     if (jobs != nullptr) add({jobs->up()});
     add(unread.readings());
@@ -371,6 +378,8 @@ void Server::stop(std::chrono::seconds drain) {
   parts_->http.reset();
   parts_->health_service.end();
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
+  // gRPC would wait for the peer of each connection that it writes to just now.
+  const Heartbeat ending(kLastBytes, [port = parts_->port] { end_connections(port); });
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
   // gRPC is done; the last tasks of cancelled calls may not be.
   parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kForever);

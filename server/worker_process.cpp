@@ -45,6 +45,7 @@ std::vector<Reading> WorkerProcess::Parts::slow_readings() const {
 std::string WorkerProcess::Parts::metrics_text() {
   return calls.metrics().text([this] {
     std::vector<Reading> readings = latest.get();
+    for (Reading& reading : calls.clients().readings()) readings.push_back(std::move(reading));
     for (Reading& reading : read_process()) readings.push_back(std::move(reading));
     return readings;
   });

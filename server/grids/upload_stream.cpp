@@ -110,6 +110,7 @@ absl::Status UploadStream::end_piece() {
   upload_->advance(piece_.size);
   bytes_in_ += piece_.size;
   call_.registry().metrics().upload_received(piece_.size);
+  call_.use().received_bytes += piece_.size;
   piece_ = {};
   response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
   return upload_->has_all() ? commit() : absl::OkStatus();

@@ -34,8 +34,8 @@ void give_way() {
   ::setpriority(PRIO_PROCESS, 0, kBackgroundNice);
 }
 
-LargePlans::LargePlans(int threads, std::size_t at_once, std::size_t of_client)
-    : of_client_(of_client) {
+LargePlans::LargePlans(int threads, std::size_t at_once, std::size_t of_client, ClientUse* use)
+    : of_client_(of_client), use_(use) {
   for (std::size_t i = 0; i < at_once; ++i) {
     pools_.push_back(std::make_unique<TaskPool>(threads));
     idle_.push_back(pools_.back().get());
@@ -82,6 +82,7 @@ void LargePlans::start_waiting() {
 void LargePlans::finished(TaskPool* pool,
                           const std::string& client,
                           std::chrono::nanoseconds use) {
+  if (use_ != nullptr) use_->of(client).work_ns += use.count();
   const std::lock_guard lock(mutex_);
   waiting_.charge(client, use);
   idle_.push_back(pool);

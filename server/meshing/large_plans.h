@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "server/rpc/client_use.h"
 #include "server/rpc/fair_queue.h"
 
 namespace tet {
@@ -25,8 +26,12 @@ namespace tet {
 /// Thread safety: any thread may call `post`. The destructor waits for all that was posted.
 class LargePlans {
  public:
-  /// Pools of `threads` (0: every core) each; one client has at most so many of them.
-  LargePlans(int threads, std::size_t at_once, std::size_t of_client = SIZE_MAX);
+  /// Pools of `threads` (0: every core) each; one client has at most so many of them. The time
+  /// of plans is counted in `use`, unless that is null.
+  LargePlans(int threads,
+             std::size_t at_once,
+             std::size_t of_client = SIZE_MAX,
+             ClientUse* use = nullptr);
   ~LargePlans();
 
   void post(const std::string& client, std::function<void()> work);
@@ -37,6 +42,7 @@ class LargePlans {
   void finished(TaskPool* pool, const std::string& client, std::chrono::nanoseconds use);
 
   const std::size_t of_client_;
+  ClientUse* const use_;
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable all_idle_;
   struct Waiting {

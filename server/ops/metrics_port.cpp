@@ -8,6 +8,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "server/ops/end_connections.h"
 #include "server/ops/listen_address.h"
 
 namespace tet {
@@ -68,16 +69,18 @@ struct MetricsPort::Impl {
       answer_yes_or_no(response, pages.ready());
     });
   }
+  // The library would wait for each connection that says nothing, and for those behind it.
   ~Impl() {
     server.stop();
+    end_connections(port);
     if (thread.joinable()) thread.join();
   }
 
   bool bind(const ListenAddress& asked) {
     const std::string host = asked.bare_host();
-    const int port = asked.port == 0                         ? server.bind_to_any_port(host)
-                     : server.bind_to_port(host, asked.port) ? asked.port
-                                                             : -1;
+    port = asked.port == 0                         ? server.bind_to_any_port(host)
+           : server.bind_to_port(host, asked.port) ? asked.port
+                                                   : -1;
     address = absl::StrCat(asked.host, ":", port);
     return port > 0;
   }
@@ -85,6 +88,7 @@ struct MetricsPort::Impl {
   const MetricsPages pages;
   httplib::Server server;
   std::string address;
+  int port = 0;
   std::thread thread;
 };
 

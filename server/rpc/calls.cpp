@@ -30,6 +30,11 @@ spdlog::level::level_enum level_of(const absl::Status& status) {
   }
 }
 
+/// Whether an operator has named whoever made a call that was let in.
+bool has_name(const Access& access, const grpc::ServerContextBase& context) {
+  return access.needs_token() || !peer_of(context).subject.empty();
+}
+
 }  // namespace
 
 void CallRegistry::cut() {
@@ -76,7 +81,10 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
     : registry_(registry),
       method_(std::move(method)),
       caller_(registry.access().admit(context, method_)),
-      client_(caller_.ok() ? caller_->name : name_of_peer(context)) {
+      client_(caller_.ok() ? caller_->name : name_of_peer(context)),
+      use_(caller_.ok() && has_name(registry.access(), context)
+               ? registry.clients().name(client_)
+               : registry.clients().of(client_)) {
   auto ticket = registry.admission().admit_call(client_);
   admitted_ = ticket.status();
   if (ticket.ok()) ticket_ = *std::move(ticket);
@@ -119,6 +127,8 @@ double Call::seconds() const {
 grpc::Status Call::finish(const absl::Status& status) {
   const std::string reason = reason_of(status);
   registry_.metrics().call_ended(method_, status.code(), reason, seconds());
+  ++use_.calls;
+  if (!status.ok()) ++use_.refusals;
   fields_["status"] = absl::StatusCodeToString(status.code());
   if (!status.ok()) note("reason", reason);
   fields_["duration_ms"] = 1e3 * seconds();

@@ -22,6 +22,7 @@
 #include "server/ops/metrics.h"
 #include "server/rpc/access.h"
 #include "server/rpc/admission.h"
+#include "server/rpc/client_use.h"
 #include "server/rpc/fair_tasks.h"
 
 namespace tet {
@@ -50,6 +51,8 @@ class CallRegistry {
   int running() const;
   Metrics& metrics() { return metrics_; }
   const Metrics& metrics() const { return metrics_; }
+  ClientUse& clients() { return clients_; }
+  const ClientUse& clients() const { return clients_; }
 
  private:
   friend class Call;
@@ -64,6 +67,7 @@ class CallRegistry {
   bool cut_ = false;
   std::map<const Call*, std::function<void()>> on_cut_;
   Metrics metrics_;
+  ClientUse clients_;
 };
 
 /// One call, from its arrival until nothing of it is left: counted while it exists, and logged
@@ -88,6 +92,9 @@ class Call {
   /// certificate, or the host of the peer, without its port.
   const std::string& client() const { return client_; }
 
+  /// What this client has used.
+  ClientCounts& use() const { return use_; }
+
   /// The namespace that the caller's grids are in. Only of a call that was admitted.
   const std::string& space() const { return caller_->space; }
 
@@ -110,6 +117,7 @@ class Call {
   const std::string method_;
   const absl::StatusOr<Caller> caller_;
   const std::string client_;
+  ClientCounts& use_;
   Ticket ticket_;
   absl::Status admitted_;
   const CallRegistry::Clock::time_point start_ = CallRegistry::Clock::now();

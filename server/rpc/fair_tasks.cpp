@@ -25,6 +25,7 @@ void FairTasks::run_next() {
   const auto begin = std::chrono::steady_clock::now();
   contain("a client's task", task->work);
   const auto use = std::chrono::steady_clock::now() - begin;
+  if (use_ != nullptr) use_->of(task->client).work_ns += use.count();
   task->work = nullptr;  // what it holds goes without the lock
   const std::lock_guard lock(mutex_);
   waiting_.charge(task->client, use);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/parallel.h"
+#include "server/rpc/client_use.h"
 #include "server/rpc/fair_queue.h"
 
 namespace tet {
@@ -19,7 +20,8 @@ namespace tet {
 /// destroyed.
 class FairTasks {
  public:
-  explicit FairTasks(TaskPool& pool) : pool_(pool) {}
+  /// The time of tasks is counted in `use`, unless that is null.
+  explicit FairTasks(TaskPool& pool, ClientUse* use = nullptr) : pool_(pool), use_(use) {}
   void post(const std::string& client, std::function<void()> task);
 
  private:
@@ -31,6 +33,7 @@ class FairTasks {
   };
 
   TaskPool& pool_;
+  ClientUse* const use_;
   std::mutex mutex_;
   FairQueue<Task> waiting_;
 };

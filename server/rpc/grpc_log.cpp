@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <absl/strings/match.h>
+#include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 
 #include "server/ops/logging.h"
@@ -35,10 +36,26 @@ void log_message(gpr_log_func_args* args) {
       "grpc", {{"message", std::string(args->message)}, {"left_out", *left_out}});
 }
 
+/// Called while messages are parsed, whoever sent them.
+void log_protobuf(google::protobuf::LogLevel level,
+                  const char* /*file*/,
+                  int /*line*/,
+                  const std::string& message) {
+  static Sieve sieve;
+  const auto left_out = sieve.pass();
+  if (!left_out) return;
+  log_event(
+      level >= google::protobuf::LOGLEVEL_ERROR ? spdlog::level::warn : spdlog::level::info,
+      "protobuf", {{"message", message}, {"left_out", *left_out}});
+}
+
 }  // namespace
 
 bool stopped_listening() noexcept { return deaf; }
 
-void log_grpc_messages() { gpr_set_log_function(log_message); }
+void log_grpc_messages() {
+  gpr_set_log_function(log_message);
+  google::protobuf::SetLogHandler(log_protobuf);
+}
 
 }  // namespace tet

@@ -290,6 +290,7 @@ void ChunkStream::after_chunk() {
     call_.note("first_chunk_ms", 1e3 * seconds);
   }
   engine_.calls.metrics().chunk_sent(slot.made.tets, slot.made.bytes);
+  call_.use().sent_bytes += slot.made.bytes;
   quality_.add(slot.made.quality);
   tets_written_ += slot.made.tets;
   bytes_written_ += slot.made.bytes;

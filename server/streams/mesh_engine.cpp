@@ -68,9 +68,9 @@ MeshEngine::MeshEngine(const Config& server_config,
               {config.resident_bytes, config.plan_bytes},
               mesh_limits(config)),
       pool(static_cast<int>(config.threads)),
-      longer(static_cast<int>(config.threads), 1),
-      large(static_cast<int>(config.threads), kLongPlansAtOnce, 1),
-      loads(static_cast<int>(config.threads), kLoadsAtOnce, kLoadsOfClient),
+      longer(static_cast<int>(config.threads), 1, SIZE_MAX, &calls.clients()),
+      large(static_cast<int>(config.threads), kLongPlansAtOnce, 1, &calls.clients()),
+      loads(static_cast<int>(config.threads), kLoadsAtOnce, kLoadsOfClient, &calls.clients()),
       decoders(decoder_settings(config)) {}
 
 Admission::Place MeshEngine::admit(const Call& call,

@@ -61,7 +61,7 @@ struct MeshEngine {
   PlanTurns turns;
   Planner planner;
   // Last, so that their tasks end before what is above, which they use.
-  FairTasks short_tasks{pool};
+  FairTasks short_tasks{pool, &calls.clients()};
   TaskPool pool;  ///< chunks and short plans
   // Each on as many threads again: the system shares the cores.
   LargePlans longer;  ///< plans in turns of half a second

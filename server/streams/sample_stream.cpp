@@ -282,6 +282,7 @@ bool SampleStream::after_write() {
   if (writes_header_) return true;
   Piece& piece = slot_of(next_++);
   engine_.calls.metrics().points_sampled(piece.points, piece.bytes);
+  call_.use().sent_bytes += piece.bytes;
   points_sent_ += piece.points;
   bytes_sent_ += piece.bytes;
   piece = {};

@@ -70,6 +70,9 @@ class Crowd:
 
     def again(self, each, begin):
         """Keeps `each` calls of every client under way."""
+        for _, call in self.calls:
+            if call.ended:
+                call.close()
         self.calls = [call for call in self.calls if not call[1].ended]
         for client in range(CLIENTS):
             for _ in range(each - sum(owner == client for owner, _ in self.calls)):

@@ -12,6 +12,7 @@ import time
 import unittest
 
 from fault_case import GENEROUS_END, FaultTest, binaries, unused_port, wait_until
+from raw_http2 import RawCall, field
 from waiting import fetch, samples_of
 
 CALLS = 60
@@ -58,7 +59,23 @@ class Stuck(StuckTest):
             said = self.call(address, "job", "list")
             self.assertEqual(said.returncode, 0, said.stderr)
         self.assertEqual(samples_of(metrics)["tetstream_log_dropped_lines_total"], 0)
-        self.assertIn(self.ends_in_time(process), (0, 3))
+        self.assertEqual(self.ends_in_time(process), 0)
+
+    def test_what_protobuf_says_of_messages_that_strangers_send_stops_no_call(self):
+        read, write = os.pipe()
+        self.addCleanup(os.close, read)
+        fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, SMALL_PIPE)
+        process, address, _ = self.launch(write)
+        os.close(write)
+        port = int(address.rsplit(":", 1)[1])
+        for _ in range(CALLS):  # each of which it has a line of two hundred bytes about
+            call = RawCall(port, "/tetstream.v1.GridService/FindMissingGrids")
+            call.ask(field(1, b"\xff\xfe"))
+            self.assertTrue(call.wait_for_end(), "the server reads no more messages")
+            call.close()
+        said = self.call(address, "job", "list")
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertEqual(self.ends_in_time(process), 0)
 
     def test_what_does_not_fit_is_dropped_and_counted_and_told_when_the_reader_is_back(self):
         read, write = os.pipe()

@@ -17,6 +17,9 @@ using FuzzTarget = int (*)(const std::uint8_t* data, std::size_t size);
 /// The targets of this program by name; empty where libFuzzer calls its only one.
 std::map<std::string, FuzzTarget>& fuzz_targets();
 
+/// What holds once a target has run over all its first inputs, which fuzz_replay then asks.
+std::map<std::string, void (*)()>& replay_checks();
+
 /// Ends the process in a way that libFuzzer and ctest see.
 inline void require(bool promise) {
   if (!promise) std::abort();

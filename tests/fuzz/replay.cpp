@@ -14,6 +14,11 @@ std::map<std::string, FuzzTarget>& fuzz_targets() {
   return targets;
 }
 
+std::map<std::string, void (*)()>& replay_checks() {
+  static std::map<std::string, void (*)()> checks;
+  return checks;
+}
+
 namespace {
 
 int replay(FuzzTarget target, const std::filesystem::path& folder) {
@@ -43,5 +48,7 @@ int main(int argc, char** argv) {
   }
   int files = 0;
   for (int i = 2; i < argc; ++i) files += tet::replay(target->second, argv[i]);
+  const auto check = tet::replay_checks().find(target->first);
+  if (check != tet::replay_checks().end()) check->second();
   return files > 0 ? 0 : 1;  // none would show nothing
 }

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Checks Markdown files: relative links, their #anchors and the `paths` of our folders lead somewhere, nothing
-is left to be filled in, docs/README.md lists every page beside it, and CHANGELOG.md begins with the newest version.
+"""Checks Markdown files: relative links, their #anchors and the `paths` of our folders lead somewhere, and there
+are the `Suite.Tests` that stand in a line with a path of tests; nothing is left to be filled in, docs/README.md lists every page beside it, and CHANGELOG.md begins with the newest version.
 
     check_docs.py [ROOT]
 """
+import functools
 import pathlib
 import re
 import sys
@@ -17,6 +18,9 @@ PLACEHOLDER = re.compile(r"\b(XX+|TBD|FIXME)\b")
 # A file or folder of the tree in backticks; a placeholder in capitals, as in `tests/fuzz/corpus/TARGET`, is none.
 PATH = re.compile(r"`((?:core|server|client|proto|bench|tests|scripts|docs|deploy|docker|cmake)/[\w./-]+)`")
 CAPITALS = re.compile(r"/[A-Z]+(/|$)")
+TEST_NAME = re.compile(r"`([A-Z]\w*\.(?:test_\w+|[A-Z]\w*))`")
+CPP_TEST = re.compile(r"^TEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\)", re.MULTILINE)
+PYTHON_TEST = re.compile(r"^(?:class (\w+)|    def (test_\w+))", re.MULTILINE)
 INDEX, CHANGELOG = "docs/README.md", "CHANGELOG.md"
 SECTION = re.compile(r"^## (.*?) *$", re.MULTILINE)
 VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+) \((\d{4}-\d\d-\d\d|unreleased)\)")
@@ -62,6 +66,30 @@ def lost_paths(root, path):
             yield f"there is no {name}"
 
 
+@functools.lru_cache(maxsize=None)
+def tests_of(root):
+    """The names of all tests: Suite.Name, and Class.test_name in Python."""
+    names = set()
+    for path in (root / "tests").rglob("*_test.cpp"):
+        names |= {".".join(found) for found in CPP_TEST.findall(path.read_text(encoding="utf-8"))}
+    for path in (root / "tests").rglob("*_test.py"):
+        suite = None
+        for begun, test in PYTHON_TEST.findall(path.read_text(encoding="utf-8")):
+            suite = begun or suite
+            names.add(f"{suite}.{test}")
+    return names
+
+
+def lost_tests(root, path):
+    """Tests that a line names beside a path of tests, and that are not there."""
+    if path.name == CHANGELOG:
+        return
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if "`tests/" in line:
+            yield from (f"there is no test {name}" for name in TEST_NAME.findall(line)
+                        if name not in tests_of(root))
+
+
 def pages_not_listed(root):
     """Pages of the folder docs that its index does not link to."""
     index = root / INDEX
@@ -94,7 +122,8 @@ def find_errors(root):
     files = markdown_files(root)
     errors = [] if files else [f"there is no Markdown under {root}"]
     errors += [f"{path.relative_to(root)}: {error}" for path in files
-               for error in [*broken_links(path), *placeholders(path), *lost_paths(root, path)]]
+               for error in [*broken_links(path), *placeholders(path), *lost_paths(root, path),
+                             *lost_tests(root, path)]]
     return [*errors, *pages_not_listed(root), *changelog_errors(root)]
 
 

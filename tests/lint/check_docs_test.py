@@ -45,6 +45,19 @@ class CheckDocs(unittest.TestCase):
                          ["README.md: there is no docs/gone.md"])
         self.assertEqual(errors_of("", {"CHANGELOG.md": "`docs/gone.md` is gone"}), [])
 
+    def test_refuses_a_test_that_is_not_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "tests").mkdir()
+            (root / "tests/a_test.cpp").write_text("TEST(Store, Lives) {}\nTEST_F(Disk,\n       Fills) {}\n")
+            (root / "tests/a_test.py").write_text("class Farm(Case):\n    def test_it(self):\n        pass\n")
+            page = root / "README.md"
+            page.write_text("`tests/a_test.cpp` (`Store.Lives`, `Disk.Fills`, `Farm.test_it`)\n`Any.Thing`\n")
+            self.assertEqual(check_docs.find_errors(root), [])
+            page.write_text("`tests/a_test.py`: `Store.Dies`, `Farm.test_that`\n")
+            self.assertEqual(check_docs.find_errors(root), [
+                "README.md: there is no test Store.Dies", "README.md: there is no test Farm.test_that"])
+
     def test_refuses_an_index_that_lacks_a_page(self):
         self.assertEqual(errors_of("", {"docs/README.md": "[a](page.md#its-here)"}), [])
         self.assertEqual(errors_of("", {"docs/README.md": "page.md"}),

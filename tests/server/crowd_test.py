@@ -9,6 +9,7 @@ import pathlib
 import re
 import resource
 import signal
+import socket
 import statistics
 import subprocess
 import sys
@@ -33,7 +34,7 @@ def grid_name(content):
 
 
 class Server:
-    """tetstreamd on a free port, stopped at the end of the test."""
+    """tetstreamd on a free port, stopped at the end of the test while its clients are still there."""
 
     def __init__(self, test, **settings):
         folder = tempfile.TemporaryDirectory()
@@ -47,18 +48,20 @@ class Server:
         self.process = subprocess.Popen(
             [os.environ.get("TETSTREAMD", binaries() / "tetstreamd")]
             + [f"--{key.replace('_', '-')}={value}" for key, value in settings.items()])
-        test.addCleanup(self.stop)
+        # Whatever its clients do, it ends by itself and in time (3: something did not end).
+        test.addCleanup(lambda: test.assertEqual(self.stop(), 0))
         wait_until(port_file.exists)
         self.port = int(port_file.read_text())
         self.address = f"127.0.0.1:{self.port}"
 
     def stop(self):
+        """Its exit code."""
         self.process.terminate()
         try:
-            self.process.wait(GENEROUS_END)
+            return self.process.wait(GENEROUS_END)
         except subprocess.TimeoutExpired:
             self.process.kill()
-            self.process.wait()
+            return self.process.wait()
 
     def status(self, key):
         """A number of /proc/.../status, in bytes."""
@@ -159,6 +162,28 @@ class Readers(CrowdTest):
         self.assertEqual(client.returncode, 0, errors)
         self.assertEqual((self.out / "whole.vtu").read_bytes(),
                          (self.out / "resumed.vtu").read_bytes())
+
+
+class Ending(CrowdTest):
+    def test_connections_that_take_nothing_keep_no_server(self):
+        server = Server(self, max_streams=100, stall_seconds=3600)
+        self.mesh(server)
+        before = server.streams_so_far()
+        for i in range(100):
+            # What gRPC has begun to write waits for the connection, and that for whoever does not read.
+            self.call(server, STREAM, source=f"127.0.0.{2 + i % 20}", window=1 << 30,
+                      receive_buffer=4096).ask(self.request)
+        wait_until(lambda: server.streams_so_far() >= before + 100)
+        self.assertEqual(server.stop(), 0)
+
+    def test_connections_that_say_nothing_to_the_metrics_keep_no_server(self):
+        server = Server(self)
+        host, port = server.metrics.rsplit(":", 1)
+        for _ in range(40):
+            silent = socket.create_connection((host, int(port)))
+            self.addCleanup(silent.close)
+            silent.sendall(b"GET /metrics HTTP/1.1\r\n")
+        self.assertEqual(server.stop(), 0)
 
 
 class HealthWatchers(CrowdTest):

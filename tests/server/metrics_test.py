@@ -95,6 +95,53 @@ class Metrics(ServerTest):
         self.assertEqual(fetch(self.server.metrics, "/metrics/../../etc/passwd")[0], 404)
 
 
+class Clients(unittest.TestCase):
+    """A server that asks for tokens."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        made = subprocess.run([binaries() / "tetstreamd", "--new-token", "alice"], check=True,
+                              capture_output=True, text=True, timeout=GENEROUS_END)
+        for name, text in (("tokens.toml", made.stdout),
+                           ("token", re.search(r"tetstream_[\w-]+", made.stderr)[0] + "\n")):
+            (self.folder / name).touch(mode=0o600)
+            (self.folder / name).write_text(text)
+        self.server = self.enterContext(RunningServer(
+            self.folder / "store", "--tokens", self.folder / "tokens.toml", "--http-listen", "127.0.0.1:0"))
+
+    def used(self, what, client):
+        return self.server.samples()[f'tetstream_client_{what}_total{{client="{client}"}}']
+
+    def test_are_told_by_their_names_to_operators_alone(self):
+        ball = self.folder / "ball.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", "0.05", ball], check=True)
+        made = self.server.tetstream("mesh", ball, "-o", self.folder / "m.vtu",
+                                     "--token-file", self.folder / "token")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        sent = wait_until(lambda: next(
+            (line for line in self.server.log("call") if line["method"] == "StreamMesh"), None))
+        self.assertEqual(self.used("sent_bytes", "alice"), sent["bytes_out"])
+        self.assertEqual(self.used("received_bytes", "alice"), ball.stat().st_size)
+        self.assertEqual(self.used("calls", "alice"), len(self.server.log("call")))
+        self.assertGreater(self.used("work_seconds", "alice"), 0)
+        self.assertEqual(self.used("calls", "(others)"), 0)
+        request = urllib.request.Request(
+            f"http://{self.server.ready['http']}/metrics",
+            headers={"Authorization": "Bearer " + (self.folder / "token").read_text().strip()})
+        with urllib.request.urlopen(request, timeout=GENEROUS_END) as answer:
+            told = answer.read().decode()
+        self.assertIn("tetstream_calls_total", told)
+        self.assertNotIn("tetstream_client_", told)
+
+    def test_without_a_good_token_are_told_together(self):
+        (self.folder / "token").write_text("tetstream_" + "x" * 43 + "\n")
+        refused = self.server.tetstream("job", "list", "--token-file", self.folder / "token")
+        self.assertNotEqual(refused.returncode, 0)
+        wait_until(lambda: self.used("refusals", "(others)") > 0)
+        told = {name for name in self.server.samples() if name.startswith("tetstream_client_calls")}
+        self.assertEqual(told, {'tetstream_client_calls_total{client="(others)"}'})
+
+
 class Dashboard(ServerTest):
     """Grafana's dashboard, and what it asks Prometheus for."""
 

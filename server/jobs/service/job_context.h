@@ -37,7 +37,7 @@ struct JobContext {
   const JobHealth& health;
   JobNotifier notifier{jobs};
   ClientTally watches;  ///< WatchJobs under way
-  FairTasks threads{pool};
+  FairTasks threads{pool, &engine.calls.clients()};
   TaskPool pool{4};  ///< its threads wait for the store, not for cores; ends before the above
 };
 

@@ -11,6 +11,7 @@
 #include "proto/convert/status.h"
 #include "server/jobs/results/stored_mesh.h"
 #include "server/jobs/store/store_errors.h"
+#include "server/rpc/background.h"
 
 namespace tet {
 
@@ -242,6 +243,8 @@ absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& sh
                                                                  const PlannedMesh& planned,
                                                                  MeshFolder& folder) {
   const ChunkSource source{planned.plan, nullptr};
+  const std::string client = background_client(shard.order.mesh.space);
+  const WorkTimer timer(engine_.calls.clients().of(client));
   std::vector<ChunkDigest> digests;
   for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
     const absl::Status wanted = check_cancelled(shard.order.watch->cancellation);
