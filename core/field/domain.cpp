@@ -106,14 +106,15 @@ constexpr double kMostUnits = 512;
 absl::StatusOr<BrickBox> whole_bricks(const absl::StatusOr<LatticeBox>& asked,
                                       const char* what) {
   if (!asked.ok()) return asked.status();
+  constexpr std::int32_t kMostSpacings = kMaxVoxelCoord / 2;
   double longest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double reach = std::max(std::abs(asked->min[axis]), std::abs(asked->max[axis]));
-    if (!(reach <= kMaxVoxelCoord / 2)) {
+    if (!(reach <= kMostSpacings)) {
       return absl::InvalidArgumentError(
           absl::StrFormat("the %s reaches %g spacings from the origin; the limit is %d. Use a "
                           "larger spacing",
-                          what, reach, kMaxVoxelCoord / 2));
+                          what, reach, kMostSpacings));
     }
     longest = std::max(longest, asked->max[axis] - asked->min[axis]);
   }

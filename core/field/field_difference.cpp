@@ -17,6 +17,8 @@ namespace tet {
 namespace {
 
 bool same_bits(const float* a, const float* b) noexcept {
+  // 0 and -0 differ here, and a NaN is itself.
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
   return std::memcmp(a, b, kBrickCells * sizeof(float)) == 0;
 }
 

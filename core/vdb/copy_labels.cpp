@@ -61,6 +61,20 @@ void copy_leaf(const typename GridT::TreeType::LeafNodeType& leaf, Brick& brick)
   }
 }
 
+/// The voxels from `first` on.
+template <class GridT>
+void copy_brick(const typename GridT::ConstAccessor& values,
+                const openvdb::Coord& first,
+                Brick& brick) {
+  if (const auto* leaf = values.probeConstLeaf(first)) {
+    copy_leaf<GridT>(*leaf, brick);
+  } else if constexpr (kIsMask<GridT>) {
+    brick.fill(values.isValueOn(first) ? 1 : 0);
+  } else {
+    brick.fill(static_cast<std::int64_t>(values.getValue(first)));
+  }
+}
+
 template <class GridT>
 absl::StatusOr<LabelVolume> copy_bricks(const GridT& grid,
                                         const VoxelTransform& transform,
@@ -73,13 +87,7 @@ absl::StatusOr<LabelVolume> copy_bricks(const GridT& grid,
     for (std::int32_t y = low(box.min.y); y <= low(box.max.y); ++y) {
       for (std::int32_t z = low(box.min.z); z <= low(box.max.z); ++z) {
         const openvdb::Coord first(x * kBrickEdge, y * kBrickEdge, z * kBrickEdge);
-        if (const auto* leaf = values.probeConstLeaf(first)) {
-          copy_leaf<GridT>(*leaf, brick);
-        } else if constexpr (kIsMask<GridT>) {
-          brick.fill(values.isValueOn(first) ? 1 : 0);
-        } else {
-          brick.fill(static_cast<std::int64_t>(values.getValue(first)));
-        }
+        copy_brick<GridT>(values, first, brick);
         if (absl::Status s = builder.add_brick({x, y, z}, brick); !s.ok()) return s;
       }
     }

@@ -120,7 +120,8 @@ absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
   // It gets ready while the file is walked over.
   std::optional<absl::StatusOr<Decoder>> first(start());
   const auto take = [&] {
-    absl::StatusOr<Decoder> decoder = first ? *std::move(first) : start();
+    if (!first) return start();
+    absl::StatusOr<Decoder> decoder = *std::move(first);
     first.reset();
     return decoder;
   };

@@ -49,7 +49,7 @@ class IndexSpaceMesh {
  public:
   explicit IndexSpaceMesh(const TriangleSurface& surface) : surface_(&surface) {}
 
-  // OpenVDB's names.
+  // OpenVDB's names. NOLINTBEGIN(readability-identifier-naming)
   std::size_t polygonCount() const { return surface_->triangles.size(); }
   std::size_t pointCount() const { return surface_->vertices.size(); }
   std::size_t vertexCount(std::size_t /*polygon*/) const { return 3; }
@@ -57,6 +57,7 @@ class IndexSpaceMesh {
     const WorldPoint& p = surface_->vertices[surface_->triangles[polygon][corner]];
     point = Vec3d(p.x, p.y, p.z);
   }
+  // NOLINTEND(readability-identifier-naming)
 
  private:
   const TriangleSurface* surface_;
