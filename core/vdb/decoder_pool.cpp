@@ -121,9 +121,7 @@ absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
   std::optional<absl::StatusOr<Decoder>> first(start());
   const auto take = [&] {
     if (!first) return start();
-    absl::StatusOr<Decoder> decoder = *std::move(first);
-    first.reset();
-    return decoder;
+    return *std::exchange(first, std::nullopt);
   };
   return decode_request(request, settings.max_time, take, cancelled);
 }
