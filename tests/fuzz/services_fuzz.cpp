@@ -212,7 +212,7 @@ Services& services() {
 }  // namespace
 
 #ifndef TET_LIBFUZZER
-static const bool is_checked =
+static const bool kIsChecked =
     replay_checks().emplace("services_fuzz", [] { services().check_all_answered(); }).second;
 #else
 /// Leaks are not looked for after each input: the server's threads hold things at any moment.

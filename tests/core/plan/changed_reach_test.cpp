@@ -67,6 +67,14 @@ std::vector<std::uint32_t> marked(const std::vector<std::vector<ChangedBrick>>& 
   return tets;
 }
 
+/// Whether a node is in the closed cube of a leaf of `step` nodes' distances.
+bool holds(VoxelCoord leaf, VoxelCoord node, std::int32_t step) {
+  const auto within = [&](std::int32_t l, std::int32_t n) {
+    return n >= step * l && n <= step * (l + 1);
+  };
+  return within(leaf.x, node.x) && within(leaf.y, node.y) && within(leaf.z, node.z);
+}
+
 TEST(ChangedReach, HasTheLeavesWithANodeOfAFinerLevelInTheirClosedCube) {
   std::mt19937 random(3);
   for (int turn = 0; turn < 300; ++turn) {
@@ -79,11 +87,8 @@ TEST(ChangedReach, HasTheLeavesWithANodeOfAFinerLevelInTheirClosedCube) {
       std::vector<std::vector<ChangedBrick>> changed(finer + 1);
       changed[0].push_back({brick, {}, nodes, nodes});
       const std::int32_t step = std::int32_t{1} << finer;
-      const auto has = [&](VoxelCoord leaf, VoxelCoord node) {
-        const auto within = [&](std::int32_t l, std::int32_t n) {
-          return n >= step * l && n <= step * (l + 1);
-        };
-        return within(leaf.x, node.x) && within(leaf.y, node.y) && within(leaf.z, node.z);
+      const auto has = [step](VoxelCoord leaf, VoxelCoord node) {
+        return holds(leaf, node, step);
       };
       EXPECT_EQ(marked(changed, level), expected(level, points_of(nodes, brick), has));
     }

@@ -198,6 +198,43 @@ TEST(StableMesh, FindsAKeptTetWhoseVertexIsNotKept) {
   EXPECT_TRUE(absl::IsInvalidArgument(mesh.in_order().status()));
 }
 
+constexpr std::uint64_t kNoSlot = ~std::uint64_t{0};
+
+/// Runs of some of `count` numbers, in their order, at numbers of the next mesh.
+std::vector<KeptRun> some_runs(std::mt19937& random, std::uint64_t count) {
+  std::vector<KeptRun> runs;
+  std::uint64_t from = random() % 4, to = random() % 4;
+  while (from < count) {
+    const std::uint64_t kept = std::min<std::uint64_t>(1 + random() % 6, count - from);
+    runs.push_back({from, to, kept});
+    from += kept + random() % 4;
+    to += kept + random() % 4;
+  }
+  return runs;
+}
+
+/// The slots of the next mesh's `count` numbers, found one by one; `total` of them there are.
+std::vector<std::uint64_t> slots_after(const std::vector<std::uint64_t>& slots,
+                                       const std::vector<KeptRun>& kept,
+                                       std::uint64_t count,
+                                       std::uint64_t& total) {
+  std::vector<std::uint64_t> now(count, kNoSlot);
+  std::vector<bool> taken(total);
+  for (const KeptRun& run : kept) {
+    for (std::uint64_t i = 0; i < run.count; ++i) {
+      taken[now[run.to + i] = slots[run.from + i]] = true;
+    }
+  }
+  std::uint64_t next = 0;
+  for (std::uint64_t& slot : now) {
+    if (slot != kNoSlot) continue;
+    while (next < total && taken[next]) ++next;
+    if (next == total) taken.push_back(true), ++total;
+    slot = next++;
+  }
+  return now;
+}
+
 TEST(SlotLayout, FollowsAsOneNumberAfterTheOtherWould) {
   std::mt19937 random(11);
   for (int turn = 0; turn < 200; ++turn) {
@@ -206,31 +243,10 @@ TEST(SlotLayout, FollowsAsOneNumberAfterTheOtherWould) {
     for (std::uint64_t i = 0; i < slots.size(); ++i) slots[i] = i;
     std::uint64_t total = slots.size();
     for (int frame = 0; frame < 6; ++frame) {
-      std::vector<KeptRun> kept;
-      std::uint64_t from = random() % 4, to = random() % 4;
-      while (from < slots.size()) {
-        const std::uint64_t count =
-            std::min<std::uint64_t>(1 + random() % 6, slots.size() - from);
-        kept.push_back({from, to, count});
-        from += count + random() % 4;
-        to += count + random() % 4;
-      }
-      const std::uint64_t count = to + random() % 5;
-      std::vector<std::uint64_t> now(count, ~std::uint64_t{0});
-      std::vector<bool> taken(total);
-      for (const KeptRun& run : kept) {
-        for (std::uint64_t i = 0; i < run.count; ++i) {
-          taken[now[run.to + i] = slots[run.from + i]] = true;
-        }
-      }
-      std::uint64_t next = 0;
-      for (std::uint64_t& slot : now) {
-        if (slot != ~std::uint64_t{0}) continue;
-        while (next < total && taken[next]) ++next;
-        if (next == total) taken.push_back(true), ++total;
-        slot = next++;
-      }
-      slots = now;
+      const std::vector<KeptRun> kept = some_runs(random, slots.size());
+      const std::uint64_t end = kept.empty() ? 0 : kept.back().to + kept.back().count;
+      const std::uint64_t count = end + random() % 9;
+      slots = slots_after(slots, kept, count, total);
       layout.follow(kept, count);
       ASSERT_EQ(layout.count(), count);
       ASSERT_EQ(layout.slots(), total);
