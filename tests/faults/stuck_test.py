@@ -49,12 +49,17 @@ class StuckTest(FaultTest):
 
 
 class Stuck(StuckTest):
-    def test_a_log_that_nobody_reads_stops_no_call_and_no_end(self):
+    def launch_unread(self):
+        """A server whose log is a small pipe that nobody reads."""
         read, write = os.pipe()
         self.addCleanup(os.close, read)
         fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, SMALL_PIPE)
-        process, address, metrics = self.launch(write)
+        launched = self.launch(write)
         os.close(write)
+        return launched
+
+    def test_a_log_that_nobody_reads_stops_no_call_and_no_end(self):
+        process, address, metrics = self.launch_unread()
         for _ in range(CALLS):
             said = self.call(address, "job", "list")
             self.assertEqual(said.returncode, 0, said.stderr)
@@ -62,11 +67,7 @@ class Stuck(StuckTest):
         self.assertEqual(self.ends_in_time(process), 0)
 
     def test_what_protobuf_says_of_messages_that_strangers_send_stops_no_call(self):
-        read, write = os.pipe()
-        self.addCleanup(os.close, read)
-        fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, SMALL_PIPE)
-        process, address, _ = self.launch(write)
-        os.close(write)
+        process, address, _ = self.launch_unread()
         port = int(address.rsplit(":", 1)[1])
         for _ in range(CALLS):  # each of which it has a line of two hundred bytes about
             call = RawCall(port, "/tetstream.v1.GridService/FindMissingGrids")
