@@ -44,8 +44,7 @@ class RemeshSession {
   /// The mesh, and what was told of it. With stable ids it has no columns.
   const StreamedMesh& mesh() const noexcept { return mesh_; }
   /// The columns by stable ids, which StableMesh::in_order brings into their order; else
-  /// null. An
-  /// error that ends the session leaves them half patched, and of no use.
+  /// null. An error that ends the session leaves them half patched, and of no use.
   const StableMesh* stable() const noexcept { return stable_.get(); }
   /// Whether it takes no more frames.
   bool is_over() const noexcept { return ended_; }

@@ -120,7 +120,13 @@ absl::Status StableMesh::begin(const MeshHeader& header, const KeptParts* kept) 
     renumbered_ = true;
   }
   header_ = header;
-  if (auto status = make_room(kept != nullptr); !status.ok()) return status;
+  if (auto status = make_room(kept != nullptr); !status.ok()) {
+    vertices_ = tets_ = SlotLayout();
+    header_ = MeshHeader();
+    mesh_ = TetMesh();
+    room_ = {};
+    return status;
+  }
   clear(vertices, tets);
   new_ids_ = vertices_.to_slots();
   ids_.emplace(new_ids_, header_.vertex_count);

@@ -45,7 +45,8 @@ class StableMesh {
   /// Begins the next mesh, which keeps `kept` of this one, or nothing where that is null. Where
   /// holes are more than an eighth, or runs many, this one is first put in order. Then all that
   /// is not kept comes chunk by chunk. Parallel; run it on a TaskPool. Errors: those of
-  /// check_splice, and of in_order; then everything is as it was, but in order perhaps.
+  /// check_splice, and of in_order; then everything is as it was, but in order perhaps. Where
+  /// there is no memory for the next mesh (kResourceExhausted), nothing is left of this one.
   absl::Status begin(const MeshHeader& header, const KeptParts* kept);
   /// Where the columns of a chunk are to be written; its ids are those of the mesh in its own
   /// order, all of them below `header().vertex_count`.
