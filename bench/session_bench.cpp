@@ -69,23 +69,28 @@ void follow(benchmark::State& state, RemeshSession& session, const Change& chang
 }
 
 /// `levels` 0 for uniform meshes. A frame moves the scene by a hundredth of a turn.
-void follow_scene(benchmark::State& state, MakeScene make, double spacing, int levels) {
+void follow_scene(benchmark::State& state,
+                  MakeScene make,
+                  double spacing,
+                  int levels,
+                  bool statistics = true) {
   Loopback loopback;
   v1::MeshRequest request;
   *request.mutable_scene() = make(0);
   request.set_spacing(spacing);
   request.set_levels(levels);
+  request.set_skip_statistics(!statistics);
   const Cancellation never;
   const auto session = checked(loopback.client().begin_session(request, never));
   follow(state, *session, [&](double frame) { return session->update(make(0.0628 * frame)); });
 }
 
-/// A hundredth of the leaves of a volume, their surface moved out and in.
-std::vector<v1::LeafUpdate> breathing(const Volume& volume, double frame) {
-  std::vector<v1::LeafUpdate> leaves(volume.bricks.size() / 100 + 1);
+/// One in `share` of the leaves of a volume, their surface moved out and in.
+std::vector<v1::LeafUpdate> breathing(const Volume& volume, double frame, std::size_t share) {
+  std::vector<v1::LeafUpdate> leaves((volume.bricks.size() - 1) / share + 1);
   const float depth = 0.2F * volume.background * std::sin(static_cast<float>(frame));
   for (std::size_t i = 0; i < leaves.size(); ++i) {
-    const std::size_t brick = volume.bricks.size() / 2 + i;
+    const std::size_t brick = (volume.bricks.size() - leaves.size()) / 2 + i;
     std::vector<float> values(kBrickCells);
     for (std::size_t v = 0; v < values.size(); ++v) {
       values[v] = volume.values[brick * kBrickCells + v] - depth;
@@ -98,14 +103,15 @@ std::vector<v1::LeafUpdate> breathing(const Volume& volume, double frame) {
   return leaves;
 }
 
-void follow_grid(benchmark::State& state, double radius) {
+void follow_grid(benchmark::State& state, double radius, std::size_t share, bool statistics) {
   Loopback loopback;
-  const v1::MeshRequest request = loopback.request_mesh({"sphere", 1 / radius, true});
+  v1::MeshRequest request = loopback.request_mesh({"sphere", 1 / radius, true});
+  request.set_skip_statistics(!statistics);
   const Volume volume = checked(load_volume(loopback.file("solid.vdb"), ""));
   const Cancellation never;
   const auto session = checked(loopback.client().begin_session(request, never));
   follow(state, *session,
-         [&](double frame) { return session->update(breathing(volume, frame)); });
+         [&](double frame) { return session->update(breathing(volume, frame, share)); });
 }
 
 }  // namespace
@@ -117,6 +123,7 @@ int main(int argc, char** argv) {
   const auto add = [](const std::string& name, auto run) {
     benchmark::RegisterBenchmark(name.c_str(), run)
         ->Unit(benchmark::kMillisecond)
+        ->MeasureProcessCPUTime()  // of the server and the client
         ->UseRealTime();
   };
   constexpr int kGraded = 24;
@@ -124,7 +131,11 @@ int main(int argc, char** argv) {
   add("session/moon/graded", [](auto& state) { follow_scene(state, moon, 0.0213, kGraded); });
   add("session/sliding/graded",
       [](auto& state) { follow_scene(state, sliding, 0.0213, kGraded); });
-  add("session/grid/graded", [](auto& state) { follow_grid(state, 47); });
+  add("session/sliding/graded_only",
+      [](auto& state) { follow_scene(state, sliding, 0.0213, kGraded, false); });
+  add("session/grid/graded", [](auto& state) { follow_grid(state, 47, 100, true); });
+  add("session/whole_grid/graded", [](auto& state) { follow_grid(state, 47, 1, true); });
+  add("session/whole_grid/graded_only", [](auto& state) { follow_grid(state, 47, 1, false); });
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

@@ -6,7 +6,7 @@
 #include "core/base/parallel.h"
 #include "core/graded/field_points.h"
 #include "core/lattice/bcc.h"
-#include "core/stuffing/zero_bracket.h"
+#include "core/stuffing/zero_brackets.h"
 
 namespace tet {
 namespace {
@@ -64,10 +64,8 @@ class EdgeBatch {
     along_[count_] = mesh_.node[high] - at;
     bounds_.add(at);
     bounds_.add(mesh_.node[high]);
-    bracket_[count_] = {};
-    bracket_[count_].begin(static_cast<double>(mesh_.phi[low]),
-                           static_cast<double>(mesh_.phi[high]));
-    open_[count_] = count_;
+    low_phi_[count_] = mesh_.phi[low];
+    high_phi_[count_] = mesh_.phi[high];
     ++count_;
   }
   bool full() const noexcept { return count_ == FieldPoints::kSize; }
@@ -75,11 +73,15 @@ class EdgeBatch {
   /// Finds all zeros, writes their fractions, and is empty again.
   void find(LatticeSampler& sampler, float* fraction) noexcept {
     sampler.focus(bounds_);
-    std::size_t left = count_;
-    for (int step = 0; step < ZeroBracket::kMaxSteps && left > 0; ++step)
-      left = narrow(sampler, left);
-    for (std::size_t i = 0; i < count_; ++i)
-      fraction[i] = static_cast<float>(bracket_[i].zero());
+    brackets_.begin(low_phi_.data(), high_phi_.data(), count_);
+    for (int step = 0; step < ZeroBracket::kMaxSteps && brackets_.open() > 0; ++step) {
+      for (std::size_t i = 0; i < brackets_.open(); ++i) {
+        put(i, brackets_.which()[i], brackets_.next()[i]);
+      }
+      sampler.sample(points_, brackets_.open(), phi_.data());
+      brackets_.narrow(phi_.data(), fraction);
+    }
+    brackets_.end(fraction);
     count_ = 0;
     bounds_ = {};
   }
@@ -91,24 +93,14 @@ class EdgeBatch {
     points_.z[place] = 0.5 * (start_[edge].z + t * along_[edge].z);
   }
 
-  std::size_t narrow(LatticeSampler& sampler, std::size_t left) noexcept {
-    for (std::size_t i = 0; i < left; ++i) put(i, open_[i], bracket_[open_[i]].next);
-    sampler.sample(points_, left, phi_.data());
-    std::size_t still = 0;
-    for (std::size_t i = 0; i < left; ++i) {
-      bracket_[open_[i]].narrow(phi_[i]);
-      if (!bracket_[open_[i]].done) open_[still++] = open_[i];
-    }
-    return still;
-  }
-
   const BackgroundMesh& mesh_;
   const SurfaceEdges& edges_;
   std::size_t count_ = 0;
   NodeBounds bounds_;
   std::array<LatticeCoord, FieldPoints::kSize> start_, along_;
-  std::array<ZeroBracket, FieldPoints::kSize> bracket_;
-  std::array<std::size_t, FieldPoints::kSize> open_;
+  std::array<float, FieldPoints::kSize> low_phi_, high_phi_;
+  static_assert(FieldPoints::kSize <= ZeroBrackets::kCapacity);
+  ZeroBrackets brackets_;
   FieldPoints points_;
   std::array<double, FieldPoints::kSize> phi_;
 };

@@ -1,21 +1,48 @@
 #include "core/stuffing/scene_zeros.h"
 
+#include "core/base/vector_clones.h"
 #include "core/scene/scene_evaluator.h"
-#include "core/stuffing/zero_bracket.h"
+#include "core/stuffing/zero_brackets.h"
 
 namespace tet {
 namespace {
 
-/// Doubled lattice coordinates of a lower node, of the whole lattice: what a point on its edge
-/// is computed from must not depend on the brick.
-struct EdgeStart {
-  double x = 0, y = 0, z = 0;
+/// Doubled lattice coordinates of lower nodes, of the whole lattice: what a point on an edge is
+/// computed from must not depend on the brick.
+struct EdgeStarts {
+  std::array<double, kSceneEdges> x, y, z;
+
+  /// Becomes those of `all` that `which` lists.
+  void take(const EdgeStarts& all, const std::uint16_t* which, std::size_t count) noexcept {
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = all.x[which[i]];
+      y[i] = all.y[which[i]];
+      z[i] = all.z[which[i]];
+    }
+  }
 };
 
-EdgeStart start_of(const SceneEdges& edges, std::uint16_t low) noexcept {
-  const LatticeCoord node = node_coord(edges.kind, low);
-  return {16.0 * edges.brick.x + node.x, 16.0 * edges.brick.y + node.y,
-          16.0 * edges.brick.z + node.z};
+TET_VECTOR_CLONES
+void find_starts(const SceneEdges& edges, EdgeStarts& out) noexcept {
+  const double x = 16.0 * edges.brick.x, y = 16.0 * edges.brick.y, z = 16.0 * edges.brick.z;
+  const std::uint16_t* low = edges.low.data();
+  for (std::size_t i = 0; i < edges.low.size(); ++i) {
+    const LatticeCoord node = node_coord(edges.kind, low[i]);
+    out.x[i] = x + node.x;
+    out.y[i] = y + node.y;
+    out.z[i] = z + node.z;
+  }
+}
+
+/// Points at `t` of edges that lie side by side.
+TET_VECTOR_CLONES
+void put_points(const double* start,
+                const double* t,
+                std::size_t count,
+                double along,
+                double half,
+                double* out) noexcept {
+  for (std::size_t i = 0; i < count; ++i) out[i] = half * (start[i] + t[i] * along);
 }
 
 }  // namespace
@@ -23,35 +50,24 @@ EdgeStart start_of(const SceneEdges& edges, std::uint16_t low) noexcept {
 void find_scene_zeros(PhiSampler& sampler, const SceneEdges& edges, float* fraction) noexcept {
   const LatticeCoord along = kDirection[static_cast<std::size_t>(edges.direction)];
   const double half = 0.5 * sampler.field().spacing_voxels;
-  const std::size_t count = edges.low.size();
-  std::array<ZeroBracket, kSceneEdges> bracket;
-  std::array<EdgeStart, kSceneEdges> start;
-  std::array<std::uint16_t, kSceneEdges> open;  // edges whose zero is still looked for
-  for (std::size_t i = 0; i < count; ++i) {
-    start[i] = start_of(edges, edges.low[i]);
-    bracket[i].begin(static_cast<double>(edges.low_phi[i]),
-                     static_cast<double>(edges.high_phi[i]));
-    open[i] = static_cast<std::uint16_t>(i);
-  }
+  EdgeStarts all, open;
+  find_starts(edges, all);
+  static_assert(kSceneEdges <= ZeroBrackets::kCapacity);
+  ZeroBrackets brackets;
+  brackets.begin(edges.low_phi, edges.high_phi, edges.low.size());
+  const EdgeStarts* start = &all;
   scene::Points points;
-  std::size_t left = count;
-  for (int step = 0; step < ZeroBracket::kMaxSteps && left > 0; ++step) {
-    for (std::size_t i = 0; i < left; ++i) {
-      const EdgeStart& from = start[open[i]];
-      const double t = bracket[open[i]].next;
-      points.x[i] = half * (from.x + t * along.x);
-      points.y[i] = half * (from.y + t * along.y);
-      points.z[i] = half * (from.z + t * along.z);
-    }
-    const double* phi = sampler.scene().evaluate(points, left);
-    std::size_t still = 0;
-    for (std::size_t i = 0; i < left; ++i) {
-      bracket[open[i]].narrow(phi[i]);
-      if (!bracket[open[i]].done) open[still++] = open[i];
-    }
-    left = still;
+  for (int step = 0; step < ZeroBracket::kMaxSteps && brackets.open() > 0; ++step) {
+    const std::size_t count = brackets.open();
+    put_points(start->x.data(), brackets.next(), count, along.x, half, points.x.data());
+    put_points(start->y.data(), brackets.next(), count, along.y, half, points.y.data());
+    put_points(start->z.data(), brackets.next(), count, along.z, half, points.z.data());
+    brackets.narrow(sampler.scene().evaluate(points, count), fraction);
+    if (brackets.open() == count) continue;
+    open.take(all, brackets.which(), brackets.open());
+    start = &open;
   }
-  for (std::size_t i = 0; i < count; ++i) fraction[i] = static_cast<float>(bracket[i].zero());
+  brackets.end(fraction);
 }
 
 }  // namespace tet
