@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/vector_clones.h"
+
 namespace tet {
 namespace {
 
@@ -22,12 +24,20 @@ struct AxisNodes {
   }
 };
 
+/// A slice of a halo's samples.
+using Slice = std::array<float, kCorners * kCorners>;
+
+TET_VECTOR_CLONES
+void clamp_all(const double* phi, std::size_t count, Slice& out) noexcept {
+  for (std::size_t i = 0; i < count; ++i) out[i] = PhiField::clamped(phi[i]);
+}
+
 /// Samples count^3 nodes, slice by slice; the first lies at brick cell kHaloMin + `shift`.
+template <std::size_t count>
 void sample_nodes(SceneEvaluator& evaluator,
                   double spacing,
                   BrickCoord brick,
                   double shift,
-                  std::size_t count,
                   std::array<float, kHaloNodes>& column) noexcept {
   const auto nodes = [&](std::int32_t at) {
     return AxisNodes(8.0 * at + kHaloMin + shift, count, spacing);
@@ -40,12 +50,12 @@ void sample_nodes(SceneEvaluator& evaluator,
       points.z[j * count + k] = z.at[k];
     }
   }
+  alignas(64) Slice slice;
   for (std::size_t i = 0; i < count; ++i) {
     std::fill_n(points.x.begin(), count * count, x.at[i]);
-    const double* phi = evaluator.evaluate(points, count * count);
+    clamp_all(evaluator.evaluate(points, count * count), count * count, slice);
     for (std::size_t j = 0; j < count; ++j) {
-      float* const row = &column[i * kHaloSlice + j * kHaloRow];
-      for (std::size_t k = 0; k < count; ++k) row[k] = PhiField::clamped(*phi++);
+      std::copy_n(&slice[j * count], count, &column[i * kHaloSlice + j * kHaloRow]);
     }
   }
 }
@@ -64,8 +74,8 @@ void sample_scene(SceneEvaluator& evaluator,
                   BrickCoord brick,
                   BrickSamples& samples) noexcept {
   focus_on_samples(evaluator, spacing, brick);
-  sample_nodes(evaluator, spacing, brick, 0, kCorners, samples.corner);
-  sample_nodes(evaluator, spacing, brick, 0.5, kCentres, samples.centre);
+  sample_nodes<kCorners>(evaluator, spacing, brick, 0, samples.corner);
+  sample_nodes<kCentres>(evaluator, spacing, brick, 0.5, samples.centre);
 }
 
 }  // namespace tet
