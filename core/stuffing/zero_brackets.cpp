@@ -33,8 +33,10 @@ ZeroBracket bracket_at(const Columns& columns, std::size_t i) noexcept {
           columns.old[i], columns.f_old[i], columns.next[i]};
 }
 
+/// Returns how many are done.
 TET_VECTOR_CLONES
-void take_all(const double* phi, std::size_t count, Columns& columns) noexcept {
+std::uint64_t take_all(const double* phi, std::size_t count, Columns& columns) noexcept {
+  std::uint64_t done = 0;
   for (std::size_t i = 0; i < count; ++i) {
     ZeroBracket bracket = bracket_at(columns, i);
     bracket.take(phi[i]);
@@ -44,8 +46,10 @@ void take_all(const double* phi, std::size_t count, Columns& columns) noexcept {
     columns.f_other[i] = bracket.f_other;
     columns.old[i] = bracket.old;
     columns.f_old[i] = bracket.f_old;
-    columns.done[i] = bracket.done ? ~std::uint64_t{0} : 0;
+    columns.done[i] = bracket.done ? 1 : 0;
+    done += columns.done[i];
   }
+  return done;
 }
 
 TET_VECTOR_CLONES
@@ -66,7 +70,13 @@ void ZeroBrackets::begin(const float* at_0, const float* at_1, std::size_t count
 }
 
 void ZeroBrackets::narrow(const double* phi, float* zeros) noexcept {
-  take_all(phi, open_, columns_);
+  const std::uint64_t done = take_all(phi, open_, columns_);
+  if (done == open_) return end(zeros);  // most are done after as many steps
+  if (done > 0) close_done(zeros);
+  find_next_of_all(open_, columns_);
+}
+
+void ZeroBrackets::close_done(float* zeros) noexcept {
   std::size_t still = 0;
   for (std::size_t i = 0; i < open_; ++i) {
     if (columns_.done[i] != 0) {
@@ -77,7 +87,6 @@ void ZeroBrackets::narrow(const double* phi, float* zeros) noexcept {
     }
   }
   open_ = still;
-  find_next_of_all(open_, columns_);
 }
 
 void ZeroBrackets::end(float* zeros) noexcept {

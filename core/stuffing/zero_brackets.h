@@ -31,7 +31,7 @@ class ZeroBrackets {
   /// Ends those that are still open: their zeros are as near as they are known.
   void end(float* zeros) noexcept;
 
-  /// The members of ZeroBracket. `done` is as wide as they are: 0, or all bits.
+  /// The members of ZeroBracket. `done` is as wide as they are: 0 or 1.
   struct Columns {
     using Column = std::array<double, kCapacity>;
     alignas(64) Column x, f, other, f_other, old, f_old, next;
@@ -39,6 +39,7 @@ class ZeroBrackets {
   };
 
  private:
+  void close_done(float* zeros) noexcept;
   float zero(std::size_t i) const noexcept;
   void move(std::size_t from, std::size_t to) noexcept;
 
