@@ -20,6 +20,9 @@ class GridSampler {
  public:
   explicit GridSampler(const GridSource& grid);
 
+  /// Until the next focus most points of that leaf lie in the cube around `centre`.
+  void focus(const Instruction& leaf, const WorldPoint& centre, double half_edge) noexcept;
+
   /// Writes a leaf's phi at the first `count` points. A value depends on its point alone.
   void evaluate(const Instruction& leaf,
                 const Points& points,
@@ -43,11 +46,21 @@ class GridSampler {
     alignas(64) std::array<std::array<float, kMaxPoints>, 8> corner;
   };
 
+  /// Voxels of the grid, side by side: those of the last box that was worth copying.
+  struct Block {
+    static constexpr std::int64_t kMaxVoxels = 1 << 12;
+    VoxelBox box;
+    std::array<float, kMaxVoxels> values;
+  };
+
+  bool copy_block(std::size_t count) noexcept;
   void gather(std::size_t count) noexcept;
 
   VolumeReader reader_;
   const ValueBounds* bounds_;
+  VoxelBox focus_;  ///< voxels; empty where nobody said where points lie
   Places places_;
+  Block block_;
 
   static void place(const Instruction& leaf,
                     const Points& points,
@@ -57,6 +70,11 @@ class GridSampler {
                     const Places& places,
                     std::size_t count,
                     Values& values) noexcept;
+  static void blend_block(const Instruction& leaf,
+                          const Block& block,
+                          const Places& places,
+                          std::size_t count,
+                          Values& values) noexcept;
 };
 
 }  // namespace tet::scene

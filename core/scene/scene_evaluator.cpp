@@ -98,6 +98,14 @@ std::uint32_t SceneEvaluator::only_part(std::uint32_t op, double rounding) const
 }
 
 void SceneEvaluator::focus(const WorldPoint& centre, double half_edge) noexcept {
+  focus_program(centre, half_edge);
+  for (const std::uint32_t i : active_) {
+    const Instruction& op = scene_->program[i];
+    if (op.op == Op::kGrid) grids_[op.grid].focus(op, centre, half_edge);
+  }
+}
+
+void SceneEvaluator::focus_program(const WorldPoint& centre, double half_edge) noexcept {
   if (scene_->program.size() == 1 || stops(scene_->program.size())) return;
   centre_ = centre;
   half_edge_ = half_edge;

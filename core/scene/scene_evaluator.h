@@ -80,6 +80,7 @@ class SceneEvaluator {
   std::vector<Interval> intervals_;
   std::vector<bool> wanted_;
 
+  void focus_program(const WorldPoint& centre, double half_edge) noexcept;
   /// Counts values that are about to be made, and looks where there were enough.
   bool stops(std::size_t values) noexcept;
   /// Calls `body` with a program's instructions in order. False once it has stopped.

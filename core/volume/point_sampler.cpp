@@ -1,12 +1,11 @@
 #include "core/volume/point_sampler.h"
 
 #include <algorithm>
-#include <cstring>
-#include <utility>
 
 #include "core/base/vector_clones.h"
 #include "core/volume/check_transform.h"
 #include "core/volume/to_voxel.h"
+#include "core/volume/voxel_block.h"
 
 namespace tet {
 namespace {
@@ -16,9 +15,6 @@ using Block = PointSampler::Block;
 
 /// Beyond all that a volume may store there is background, however far.
 constexpr double kFarthest = kMaxVoxelCoord + 16;
-
-/// Copying a voxel into a block takes about a sixteenth of looking up a point by itself.
-constexpr std::int64_t kVoxelsPerPoint = 16;
 
 /// Not a number counts as far away, too.
 inline double within_reach(double at) noexcept {
@@ -109,85 +105,12 @@ float interpolate(VolumeReader& reader, const Places& places, std::size_t i) noe
   return static_cast<float>(between(low, high, x));
 }
 
-/// Box of the eight voxels of all points.
-TET_VECTOR_CLONES
-VoxelBox box_of(const Places& places, std::size_t count) noexcept {
-  std::array<std::int32_t, 3> min, max;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto& voxel = places.voxel[axis];
-    min[axis] = max[axis] = voxel[0];
-    for (std::size_t i = 0; i < count; ++i) {
-      min[axis] = std::min(min[axis], voxel[i]);
-      max[axis] = std::max(max[axis], voxel[i]);
-    }
-  }
-  return {{min[0], min[1], min[2]}, {max[0] + 1, max[1] + 1, max[2] + 1}};
-}
-
 /// Widened by the eight voxels of a point.
 VoxelBox with_point(const VoxelBox& box, const Places& places, std::size_t i) noexcept {
   const VoxelCoord at{places.voxel[0][i], places.voxel[1][i], places.voxel[2][i]};
   return {{std::min(box.min.x, at.x), std::min(box.min.y, at.y), std::min(box.min.z, at.z)},
           {std::max(box.max.x, at.x + 1), std::max(box.max.y, at.y + 1),
            std::max(box.max.z, at.z + 1)}};
-}
-
-std::int64_t voxels_in(const VoxelBox& box) noexcept {
-  const auto edge = [](std::int32_t min, std::int32_t max) {
-    // Longer ones need not be told apart, and their product is a number yet.
-    return std::min<std::int64_t>(std::int64_t{max} - min + 1, 1 << 20);
-  };
-  return edge(box.min.x, box.max.x) * edge(box.min.y, box.max.y) * edge(box.min.z, box.max.z);
-}
-
-/// Calls `copy(brick, the part of the box in it)` for each brick that the box reaches into.
-template <class Copy>
-void for_each_brick(const VoxelBox& box, const Copy& copy) noexcept {
-  constexpr std::int32_t kShift = 3;
-  const auto part = [](std::int32_t brick, std::int32_t min, std::int32_t max) {
-    const std::int32_t first = brick * kBrickEdge;
-    return std::pair(std::max(first, min), std::min(first + kBrickEdge - 1, max));
-  };
-  for (std::int32_t x = box.min.x >> kShift; x <= box.max.x >> kShift; ++x) {
-    const auto [x0, x1] = part(x, box.min.x, box.max.x);
-    for (std::int32_t y = box.min.y >> kShift; y <= box.max.y >> kShift; ++y) {
-      const auto [y0, y1] = part(y, box.min.y, box.max.y);
-      for (std::int32_t z = box.min.z >> kShift; z <= box.max.z >> kShift; ++z) {
-        const auto [z0, z1] = part(z, box.min.z, box.max.z);
-        copy(BrickCoord{x, y, z}, VoxelBox{{x0, y0, z0}, {x1, y1, z1}});
-      }
-    }
-  }
-}
-
-/// Most rows are whole: those are copied without a call.
-inline void copy_row(const float* from, std::size_t count, float* to) noexcept {
-  if (count == kBrickEdge) {
-    std::memcpy(to, from, kBrickEdge * sizeof(float));
-  } else {
-    std::copy_n(from, count, to);
-  }
-}
-
-/// Copies the voxels of the block's box.
-void fill_block(VolumeReader& reader, Block& block) noexcept {
-  const VoxelCoord min = block.box.min;
-  for_each_brick(block.box, [&](BrickCoord coord, const VoxelBox& part) {
-    const VolumeReader::Brick brick = reader.brick(coord);
-    const auto count = static_cast<std::size_t>(part.max.z - part.min.z + 1);
-    for (std::int32_t x = part.min.x; x <= part.max.x; ++x) {
-      for (std::int32_t y = part.min.y; y <= part.max.y; ++y) {
-        float* const row = block.values.data() +
-                           ((x - min.x) * block.rows + y - min.y) * block.row + part.min.z -
-                           min.z;
-        if (brick.values == nullptr) {
-          std::fill_n(row, count, brick.range.min);
-        } else {
-          copy_row(brick.values + ((x & 7) * 8 + (y & 7)) * 8 + (part.min.z & 7), count, row);
-        }
-      }
-    }
-  });
 }
 
 /// Up to which of the points, from `begin` on, all lie in one block, the box of which is set.
@@ -225,7 +148,7 @@ void PointSampler::sample_run(std::size_t begin,
   block.row = block.box.max.z - block.box.min.z + 1;
   for (std::size_t c = 0; c < readers_.size(); ++c) {
     if (together) {
-      fill_block(readers_[c], block);
+      copy_voxels(readers_[c], block.box, block.values.data());
       interpolate(block, places, begin, end, found.data());
     } else {
       for (std::size_t i = begin; i < end; ++i) {
@@ -243,7 +166,8 @@ void PointSampler::sample(const Points& points,
   auto& [places, block, found] = workspace;
   if (points.count == 0) return;
   locate(to_voxel_, points, places);
-  block.box = box_of(places, points.count);
+  block.box = box_of_cells(places.voxel[0].data(), places.voxel[1].data(),
+                           places.voxel[2].data(), points.count);
   if (voxels_in(block.box) <= Block::kMaxVoxels) {
     return sample_run(0, points.count, workspace, values, stride);
   }
