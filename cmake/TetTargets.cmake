@@ -97,6 +97,15 @@ function(tet_executable name)
   add_dependencies(everything ${name})
 endfunction()
 
+# Has gRPC, protobuf and Abseil in the program: for one that starts often and ends soon. The others share
+# Debian's libraries, as does what is linked with a sanitizer.
+function(tet_link_archives target)
+  if(TET_ARCHIVES AND NOT TET_SANITIZE)
+    set(linker ${PROJECT_SOURCE_DIR}/cmake/link_archives)
+    set_target_properties(${target} PROPERTIES RULE_LAUNCH_LINK ${linker} LINK_DEPENDS ${linker})
+  endif()
+endfunction()
+
 # For what no test runs: trials, campaigns, searches, and libraries that only these use.
 function(tet_on_demand)
   set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)

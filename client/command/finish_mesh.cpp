@@ -23,14 +23,16 @@ absl::Status write_made_mesh(const MeshOutput& output,
                              MadeMesh& made,
                              ProgressBar& bar,
                              const Cancellation& interruption) {
-  const Stopwatch watch;
-  bar.begin("writing");
-  const WriteControl control{.cancellation = &interruption,
-                             .progress = [&](double fraction) { bar.update(fraction, 1); }};
-  const absl::Status status =
-      write_mesh_file(output, {made.mesh, made.middles ? &*made.middles : nullptr}, control);
-  made.stages.push_back({"writing", watch.seconds()});
-  if (!status.ok()) return status;
+  if (!made.is_written) {
+    const Stopwatch watch;
+    bar.begin("writing");
+    const WriteControl control{.cancellation = &interruption,
+                               .progress = [&](double fraction) { bar.update(fraction, 1); }};
+    const absl::Status status =
+        write_mesh_file(output, {made.mesh, made.middles ? &*made.middles : nullptr}, control);
+    made.stages.push_back({"writing", watch.seconds()});
+    if (!status.ok()) return status;
+  }
   for (const std::string& change : changed_names(output.format, made.mesh.header)) {
     bar.say_lines("note: " + for_terminal(change), stderr);
   }

@@ -16,8 +16,8 @@ namespace tet {
 /// A mesh from a server, and the stages that it took.
 MadeMesh made_of(StreamedMesh&& streamed, std::vector<Stage> stages);
 
-/// Writes the mesh file, adds the stage, and notes the names that the format changes. Errors:
-/// those of write_mesh_file.
+/// Writes the mesh file and adds the stage, unless it is written, and notes the names that the
+/// format changes. Errors: those of write_mesh_file.
 absl::Status write_made_mesh(const MeshOutput& output,
                              MadeMesh& made,
                              ProgressBar& bar,

@@ -6,6 +6,7 @@
 #include "client/command/mesh_maker.h"
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
+#include "client/command/written_mesh.h"
 #include "core/base/parallel.h"
 #include "core/plan/make/mesher.h"
 
@@ -29,8 +30,14 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     std::call_once(planned, [&] { bar.begin("meshing"); });
     bar.update(fraction, 1);
   };
+  WrittenMesh written(options, interruption);
   absl::StatusOr<MeshResult> result = mesh_volume(
-      pool, {.shape = input->shape, .request = *request, .progress = show}, interruption);
+      pool,
+      {.shape = input->shape,
+       .request = *request,
+       .progress = show,
+       .choose_taker = [&](const MeshHeader& header) { return written.choose_taker(header); }},
+      interruption);
   if (!result.ok()) return result.status();
   MadeMesh made{.mesh = std::move(result->mesh),
                 .quality = result->quality,
@@ -45,6 +52,12 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   if (!options.report.empty() || options.order > 1) {
     made.shape = std::move(input->shape);
     made.fields = request->fields;
+  }
+  if (written.is_begun()) {
+    watch.lap();
+    bar.begin("writing");
+    if (auto status = written.finish(made); !status.ok()) return status;
+    made.stages.push_back({"writing", watch.lap()});
   }
   if (made.improvement) made.stages.push_back({"improving", result->improve_seconds});
   return made;

@@ -1,6 +1,7 @@
 // The two ways to make a mesh: in this process, or on a server. Both make the same bytes.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,11 @@ struct Stage {
 
 struct MadeMesh {
   TetMesh mesh;
+  /// The file has its name already: the mesh was written as it was made, and `mesh` is nothing
+  /// but its header.
+  bool is_written = false;
+  /// Tets inside, of such a mesh of both sides.
+  std::uint64_t tets_inside = 0;
   QualityStats quality;  ///< empty where the request skips statistics
   /// The boundary of the inside, if it was counted with the mesh; else it has to be measured.
   std::optional<BoundaryTopology> boundary;

@@ -113,14 +113,16 @@ Json json_of(const Improvement& improvement, const QualityStats& after) {
           {"seconds", improvement.seconds}};
 }
 
-std::string tets_of_each_side(const TetMesh& mesh) {
+std::string tets_of_each_side(const MadeMesh& made) {
+  const TetMesh& mesh = made.mesh;
   if (!mesh.header.labels.empty()) {
     const std::size_t labels = mesh.header.labels.size();
     return absl::StrFormat(" of %d label%s", labels, labels == 1 ? "" : "s");
   }
   if (!mesh.header.has_regions) return "";
-  return absl::StrFormat(" (%d inside, %d outside)", count_tets(mesh, MeshRegion::kInside),
-                         count_tets(mesh, MeshRegion::kOutside));
+  const std::uint64_t inside =
+      made.is_written ? made.tets_inside : count_tets(mesh, MeshRegion::kInside);
+  return absl::StrFormat(" (%d inside, %d outside)", inside, mesh.header.tet_count - inside);
 }
 
 /// Reports on one part as if there were no other tets.
@@ -199,7 +201,7 @@ void add_fidelity(const MadeMesh& made, Json& report) {
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds) {
   return absl::StrFormat("%s: %d vertices, %d tets%s%s%s%s%s, %.2f s", output,
                          made.mesh.header.vertex_count, made.mesh.header.tet_count,
-                         tets_of_each_side(made.mesh), tets_of_each_part(made.mesh),
+                         tets_of_each_side(made), tets_of_each_part(made.mesh),
                          angles_of(made.quality), restored_nodes(made.boundary),
                          faces_of_each_region(made.mesh), seconds);
 }

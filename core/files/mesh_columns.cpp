@@ -22,10 +22,26 @@ double largest_coordinate(const WorldBox& box) noexcept {
 
 template <class Number>
 void write_points_as(BlockWriter& writer, const FileMesh& mesh) {
-  writer.rows(mesh.shape().nodes, [&](std::uint64_t i) {
+  writer.rows_side_by_side(mesh.shape().nodes, [&](std::uint64_t i) {
     const auto [x, y, z] = mesh.node(i);
     return std::array{static_cast<Number>(x), static_cast<Number>(y), static_cast<Number>(z)};
   });
+}
+
+/// Rows whose values follow from their numbers are made so many at a time: in vectors.
+constexpr std::size_t kRowsAtOnce = 64;
+
+/// Writes `value_of(i)` for each i below `count`.
+template <class ValueOf>
+void write_values_of(BlockWriter& writer, std::uint64_t count, const ValueOf& value_of) {
+  using Value = std::invoke_result_t<ValueOf, std::uint64_t>;
+  writer.rows_side_by_side(count / kRowsAtOnce, [&](std::uint64_t batch) {
+    std::array<Value, kRowsAtOnce> values;
+    for (std::size_t i = 0; i < kRowsAtOnce; ++i) values[i] = value_of(batch * kRowsAtOnce + i);
+    return values;
+  });
+  const std::uint64_t done = count / kRowsAtOnce * kRowsAtOnce;
+  writer.rows(count - done, [&](std::uint64_t i) { return value_of(done + i); });
 }
 
 template <class Number>
@@ -33,13 +49,14 @@ void write_offsets_as(BlockWriter& writer,
                       std::size_t nodes_per_tet,
                       std::uint64_t first,
                       std::uint64_t count) {
-  writer.rows(
-      count, [&](std::uint64_t i) { return static_cast<Number>(nodes_per_tet * (first + i)); });
+  write_values_of(writer, count, [&](std::uint64_t i) {
+    return static_cast<Number>(nodes_per_tet * (first + i));
+  });
 }
 
 template <class Id, std::size_t kNodes>
 void write_connectivity_as(BlockWriter& writer, const FileMesh& mesh) {
-  writer.rows(mesh.mesh.header.tet_count, [&](std::uint64_t i) {
+  writer.rows_side_by_side(mesh.mesh.header.tet_count, [&](std::uint64_t i) {
     std::array<Id, kNodes> ids;
     std::ranges::transform(mesh.nodes_of<kNodes>(i), ids.begin(),
                            [](std::uint64_t id) { return static_cast<Id>(id); });
@@ -71,7 +88,7 @@ class FieldRows {
 template <std::size_t kComponents>
 void write_numbered(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
   const FieldRows<kComponents> rows(mesh, field);
-  writer.rows(mesh.shape().nodes, [&](std::uint64_t i) {
+  writer.rows_side_by_side(mesh.shape().nodes, [&](std::uint64_t i) {
     const auto number = static_cast<std::int32_t>(i + 1);
     std::array<double, kComponents> values;
     std::ranges::copy(rows(i), values.begin());
@@ -132,9 +149,9 @@ void write_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
     writer.bytes(mesh.mesh.fields.bytes());
     if (mesh.middles != nullptr) writer.bytes(mesh.middles->fields.bytes());
   } else if (mesh.mesh.header.fields[field].components == 1) {
-    writer.rows(nodes, FieldRows<1>(mesh, field));
+    writer.rows_side_by_side(nodes, FieldRows<1>(mesh, field));
   } else {
-    writer.rows(nodes, FieldRows<3>(mesh, field));
+    writer.rows_side_by_side(nodes, FieldRows<3>(mesh, field));
   }
 }
 
@@ -194,16 +211,46 @@ void write_label_values(BlockWriter& writer, const TetMesh& mesh, std::size_t va
     return mesh.header.labels[mesh.label(tet)].value;
   };
   if (value_bytes == sizeof(std::int64_t)) {
-    writer.rows(mesh.header.tet_count, value);
+    writer.rows_side_by_side(mesh.header.tet_count, value);
   } else {
-    writer.rows(mesh.header.tet_count,
-                [&](std::uint64_t tet) { return static_cast<std::int32_t>(value(tet)); });
+    writer.rows_side_by_side(mesh.header.tet_count, [&](std::uint64_t tet) {
+      return static_cast<std::int32_t>(value(tet));
+    });
   }
 }
 
 void write_types(BlockWriter& writer, std::size_t nodes_per_tet, std::uint64_t count) {
   const std::uint8_t type = nodes_per_tet == 4 ? kVtkTetra : kVtkQuadraticTetra;
-  writer.rows(count, [&](std::uint64_t) { return type; });
+  write_values_of(writer, count, [&](std::uint64_t) { return type; });
+}
+
+void write_columns(BlockWriter& writer,
+                   const FileColumns& columns,
+                   const FileMesh& part,
+                   const ChunkExtent& place) {
+  const ColumnTypes& types = columns.types;
+  const ColumnStarts& starts = columns.starts;
+  const std::size_t nodes_per_tet = columns.shape.nodes_per_tet;
+  const MeshHeader& header = part.mesh.header;
+  // Has `write` write from a row of a column on, where there is that column.
+  const auto at = [&](const ColumnStarts::Start& column, std::uint64_t row,
+                      std::size_t row_bytes, const auto& write) {
+    if (!column) return;
+    writer.move_to(*column + row * row_bytes);
+    write();
+  };
+  at(starts.points, place.first_vertex, 3 * size_of(types.coordinates),
+     [&] { write_points(writer, part, types.coordinates); });
+  at(starts.connectivity, place.first_tet, nodes_per_tet * size_of(types.ids),
+     [&] { write_connectivity(writer, part, types.ids); });
+  at(starts.regions, place.first_tet, 1, [&] { writer.bytes(part.mesh.regions.bytes()); });
+  const std::size_t label_bytes = header.labels.empty() ? 0 : label_value_bytes(header);
+  at(starts.labels, place.first_tet, label_bytes,
+     [&] { write_label_values(writer, part.mesh, label_bytes); });
+  for (std::size_t i = 0; i < starts.fields.size(); ++i) {
+    at(starts.fields[i], place.first_vertex, header.fields[i].components * sizeof(float),
+       [&] { write_field(writer, part, i); });
+  }
 }
 
 }  // namespace tet

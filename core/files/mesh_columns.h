@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "core/files/block_writer.h"
 #include "core/files/file_mesh.h"
@@ -67,5 +69,28 @@ void write_label_values(BlockWriter& writer, const TetMesh& mesh, std::size_t va
 std::size_t label_value_bytes(const MeshHeader& header) noexcept;
 /// `count` times VTK's number for tets of so many nodes.
 void write_types(BlockWriter& writer, std::size_t nodes_per_tet, std::uint64_t count);
+
+/// Where the columns of a file begin; unset where it has none, or none of any bytes.
+struct ColumnStarts {
+  using Start = std::optional<std::uint64_t>;
+  Start points = {}, connectivity = {}, regions = {}, labels = {};
+  std::vector<Start> fields = {};
+};
+
+/// How a file has the columns that come with vertices and tets, and where. Everything else of
+/// it is written already.
+struct FileColumns {
+  FileShape shape;
+  ColumnTypes types;
+  ColumnStarts starts;
+};
+
+/// Writes those rows of the columns that some vertices and tets have (their ids are those of
+/// the whole mesh). A mesh of second order is written as a whole. Thread-safe, with a writer
+/// for each thread.
+void write_columns(BlockWriter& writer,
+                   const FileColumns& columns,
+                   const FileMesh& part,
+                   const ChunkExtent& place);
 
 }  // namespace tet

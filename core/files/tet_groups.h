@@ -21,6 +21,11 @@ struct TetGroup {
   std::uint64_t first_tet = 0, tets = 0;
   /// Has all tets of a mesh with labels, sorted by label: `first_tet` is then a place in there.
   std::shared_ptr<const std::vector<std::uint64_t>> order = nullptr;
+
+  /// The tet of this number among its own, in the mesh's order; not of a region.
+  std::uint64_t tet(std::uint64_t i) const noexcept {
+    return order == nullptr ? first_tet + i : (*order)[first_tet + i];
+  }
 };
 
 /// The numbers that labels have in files whose tags are positive integers: their values where

@@ -111,8 +111,8 @@ void write_nodes(BlockWriter& writer, const FileMesh& mesh, std::int32_t volume)
   // All are the first volume's; 0: not parametric.
   writer.number(std::array<std::int32_t, 3>{kVolume, volume, 0});
   writer.number(count);
-  writer.rows(count, [](std::uint64_t i) { return i + 1; });
-  writer.rows(count, [&](std::uint64_t i) {
+  writer.rows_side_by_side(count, [](std::uint64_t i) { return i + 1; });
+  writer.rows_side_by_side(count, [&](std::uint64_t i) {
     const auto [x, y, z] = mesh.node(i);
     return std::array{x, y, z};
   });
@@ -124,13 +124,17 @@ template <std::size_t kNodes>
 void write_volume(BlockWriter& writer, const FileMesh& mesh, const TetGroup& volume) {
   writer.number(std::array<std::int32_t, 3>{kVolume, volume.tag, element_type(kNodes)});
   writer.number(volume.tets);
-  TetsOfGroup tets(mesh.mesh, volume);
-  writer.rows(volume.tets, [&](std::uint64_t) {
-    const std::uint64_t tet = tets.next();
+  const auto row = [&](std::uint64_t tet) {
     auto nodes = mesh.nodes_of<kNodes>(tet);
     if constexpr (kNodes == 10) std::swap(nodes[8], nodes[9]);  // Gmsh's order
     return element(tet + 1, nodes);
-  });
+  };
+  if (volume.region) {
+    TetsOfGroup tets(mesh.mesh, volume);
+    writer.rows(volume.tets, [&](std::uint64_t) { return row(tets.next()); });
+  } else {
+    writer.rows_side_by_side(volume.tets, [&](std::uint64_t i) { return row(volume.tet(i)); });
+  }
 }
 
 /// The triangles of one surface, numbered behind the tets.
@@ -143,7 +147,7 @@ void write_surface(BlockWriter& writer,
   writer.number(std::array<std::int32_t, 3>{kSurface, surface.tag, kType});
   writer.number(surface.faces);
   const std::uint64_t first = mesh.mesh.header.tet_count + 1 + surface.first;
-  writer.rows(surface.faces, [&](std::uint64_t i) {
+  writer.rows_side_by_side(surface.faces, [&](std::uint64_t i) {
     const TetFace face = faces[surface.first + i];
     return element(first + i,
                    nodes_of_face(mesh.nodes_of<kNodes>(face.tet()), face.opposite()));

@@ -1,10 +1,8 @@
 #include "core/files/write_vtkhdf.h"
 
 #include <array>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
@@ -80,75 +78,44 @@ Layout lay_out(Hdf5Outline& outline,
 
 }  // namespace
 
-struct VtkHdfWriter::Impl {
-  ColumnTypes types;
-  Layout layout;
-  Hdf5Places places;
-  BlockWriter writer;
-};
-
-VtkHdfWriter::VtkHdfWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-VtkHdfWriter::VtkHdfWriter(VtkHdfWriter&&) noexcept = default;
-VtkHdfWriter::~VtkHdfWriter() = default;
-
-absl::StatusOr<VtkHdfWriter> VtkHdfWriter::begin(AtomicFile& file,
-                                                 const MeshHeader& mesh,
-                                                 const FileShape& shape,
-                                                 const WriteControl& control) {
+absl::StatusOr<FileColumns> begin_vtkhdf(AtomicFile& file,
+                                         BlockWriter& writer,
+                                         const MeshHeader& mesh,
+                                         const FileShape& shape) {
   const ColumnTypes types = choose_column_types(mesh, shape);
-  const std::uint64_t tets = mesh.tet_count;
-  const std::uint64_t column_bytes = column_sizes(mesh, shape, types, tets + 1).total();
+  const std::uint64_t bytes = column_sizes(mesh, shape, types, mesh.tet_count + 1).total();
   Hdf5Outline outline("VTKHDF");
   const Layout layout = lay_out(outline, mesh, shape, types);
-  auto impl = std::unique_ptr<Impl>(
-      new Impl{types, layout, {}, BlockWriter(file, column_bytes, control)});
-  BlockWriter& writer = impl->writer;
-  auto places =
-      put_outline(file, writer, column_bytes, mesh.fields.size() + mesh.parts.size(), outline);
+  const auto places =
+      put_outline(file, writer, bytes, mesh.fields.size() + mesh.parts.size(), outline);
   if (!places.ok()) return places.status();
-  impl->places = *std::move(places);
-  write_at(writer, impl->places.of(layout.offsets, 0, 0),
+  const auto of = [&](Column column) { return places->of(column, 0, 0); };
+  FileColumns columns{.shape = shape,
+                      .types = types,
+                      .starts = {.points = of(layout.points),
+                                 .connectivity = of(layout.connectivity),
+                                 .regions = of(layout.regions),
+                                 .labels = of(layout.labels)}};
+  for (const Column field : layout.fields) columns.starts.fields.push_back(of(field));
+  const std::uint64_t tets = mesh.tet_count;
+  write_at(writer, of(layout.offsets),
            [&] { write_offsets(writer, shape.nodes_per_tet, 0, tets + 1, types.ids); });
-  write_at(writer, impl->places.of(layout.types, 0, 0),
-           [&] { write_types(writer, shape.nodes_per_tet, tets); });
-  write_at(writer, impl->places.of(layout.parts, 0, 0),
-           [&] { write_part_numbers(writer, mesh); });
+  write_at(writer, of(layout.types), [&] { write_types(writer, shape.nodes_per_tet, tets); });
+  write_at(writer, of(layout.parts), [&] { write_part_numbers(writer, mesh); });
   if (!writer.status().ok()) return writer.status();
-  return VtkHdfWriter(std::move(impl));
-}
-
-absl::Status VtkHdfWriter::put(const FileMesh& nodes, const ChunkExtent& place) {
-  const TetMesh& part = nodes.mesh;
-  const ColumnTypes& as = impl_->types;
-  const Layout& layout = impl_->layout;
-  const Hdf5Places& places = impl_->places;
-  BlockWriter& to = impl_->writer;
-  write_at(to, places.of(layout.points, place.first_vertex, 3 * size_of(as.coordinates)),
-           [&] { write_points(to, nodes, as.coordinates); });
-  write_at(to,
-           places.of(layout.connectivity, place.first_tet,
-                     nodes.shape().nodes_per_tet * size_of(as.ids)),
-           [&] { write_connectivity(to, nodes, as.ids); });
-  write_at(to, places.of(layout.regions, place.first_tet, 1),
-           [&] { to.bytes(part.regions.bytes()); });
-  if (!part.header.labels.empty()) {
-    const std::size_t bytes = label_value_bytes(part.header);
-    write_at(to, places.of(layout.labels, place.first_tet, bytes),
-             [&] { write_label_values(to, part, bytes); });
-  }
-  for (std::size_t i = 0; i < layout.fields.size(); ++i) {
-    const std::size_t row_bytes = part.header.fields[i].components * sizeof(float);
-    write_at(to, places.of(layout.fields[i], place.first_vertex, row_bytes),
-             [&] { write_field(to, nodes, i); });
-  }
-  return to.status();
+  return columns;
 }
 
 absl::Status write_vtkhdf(AtomicFile& file, const FileMesh& mesh, const WriteControl& control) {
   const MeshHeader& header = mesh.mesh.header;
-  auto writer = VtkHdfWriter::begin(file, header, mesh.shape(), control);
-  if (!writer.ok()) return writer.status();
-  return writer->put(mesh, whole_of(header));
+  const FileShape shape = mesh.shape();
+  const ColumnTypes types = choose_column_types(header, shape);
+  BlockWriter writer(file, column_sizes(header, shape, types, header.tet_count + 1).total(),
+                     control);
+  const absl::StatusOr<FileColumns> columns = begin_vtkhdf(file, writer, header, shape);
+  if (!columns.ok()) return columns.status();
+  write_columns(writer, *columns, mesh, whole_of(header));
+  return writer.status();
 }
 
 }  // namespace tet

@@ -124,38 +124,51 @@ std::string header_text(const MeshHeader& mesh,
 
 }  // namespace
 
-absl::Status write_vtu(AtomicFile& file, const FileMesh& all, const WriteControl& control) {
-  const TetMesh& mesh = all.mesh;
-  const FileShape shape = all.shape();
-  const ColumnTypes types = choose_column_types(mesh.header, shape);
-  const std::uint64_t tets = mesh.header.tet_count;
-  const ColumnSizes sizes = column_sizes(mesh.header, shape, types, tets);
-
-  BlockWriter writer(file, sizes.total(), control);
-  writer.text(header_text(mesh.header, shape, types, sizes));
-  writer.number(sizes.points);
-  write_points(writer, all, types.coordinates);
-  writer.number(sizes.connectivity);
-  write_connectivity(writer, all, types.ids);
-  writer.number(sizes.offsets);
-  write_offsets(writer, shape.nodes_per_tet, 1, tets, types.ids);  // where each tet ends
-  writer.number(sizes.types);
-  write_types(writer, shape.nodes_per_tet, tets);
-  if (mesh.header.has_regions) {
-    writer.number(sizes.regions);
-    writer.bytes(mesh.regions.bytes());
-  } else if (!mesh.header.labels.empty()) {
-    writer.number(sizes.regions);
-    write_label_values(writer, mesh, label_value_bytes(mesh.header));
+FileColumns begin_vtu(BlockWriter& writer, const MeshHeader& mesh, const FileShape& shape) {
+  const ColumnTypes types = choose_column_types(mesh, shape);
+  const ColumnSizes sizes = column_sizes(mesh, shape, types, mesh.tet_count);
+  const std::string text = header_text(mesh, shape, types, sizes);
+  writer.text(text);
+  std::uint64_t end = text.size();
+  // Begins a column behind the one before.
+  const auto column = [&](std::uint64_t bytes) {
+    writer.move_to(end);
+    writer.number(bytes);
+    end += kSizeBytes + bytes;
+    return end - bytes;
+  };
+  FileColumns columns{.shape = shape, .types = types, .starts = {}};
+  ColumnStarts& starts = columns.starts;
+  starts.points = column(sizes.points);
+  starts.connectivity = column(sizes.connectivity);
+  column(sizes.offsets);
+  write_offsets(writer, shape.nodes_per_tet, 1, mesh.tet_count, types.ids);  // each tet's end
+  column(sizes.types);
+  write_types(writer, shape.nodes_per_tet, mesh.tet_count);
+  if (mesh.has_regions) {
+    starts.regions = column(sizes.regions);
+  } else if (!mesh.labels.empty()) {
+    starts.labels = column(sizes.regions);
   } else if (sizes.parts > 0) {
-    writer.number(sizes.parts);
-    write_part_numbers(writer, mesh.header);
+    column(sizes.parts);
+    write_part_numbers(writer, mesh);
   }
-  for (std::size_t i = 0; i < mesh.header.fields.size(); ++i) {
-    writer.number(field_bytes(shape, mesh.header.fields[i]));
-    write_field(writer, all, i);
+  for (const FieldArray& field : mesh.fields) {
+    starts.fields.emplace_back(column(field_bytes(shape, field)));
   }
+  writer.move_to(end);
   writer.text("\n  </AppendedData>\n</VTKFile>\n");
+  return columns;
+}
+
+absl::Status write_vtu(AtomicFile& file, const FileMesh& mesh, const WriteControl& control) {
+  const MeshHeader& header = mesh.mesh.header;
+  const FileShape shape = mesh.shape();
+  const ColumnTypes types = choose_column_types(header, shape);
+  BlockWriter writer(file, column_sizes(header, shape, types, header.tet_count).total(),
+                     control);
+  const FileColumns columns = begin_vtu(writer, header, shape);
+  write_columns(writer, columns, mesh, whole_of(header));
   return writer.status();
 }
 

@@ -117,18 +117,20 @@ class XdmfWriter {
 
   void write_cell_tags() {
     if (header_.has_regions) {
-      writer_.rows(header_.tet_count,
-                   [&](std::uint64_t i) { return static_cast<std::int32_t>(mesh_.region(i)); });
-      return;
-    }
-    if (!header_.labels.empty()) {
-      writer_.rows(header_.tet_count, [tags = tags_of_labels(header_), this](std::uint64_t i) {
-        return tags[mesh_.label(i)];
+      writer_.rows_side_by_side(header_.tet_count, [&](std::uint64_t i) {
+        return static_cast<std::int32_t>(mesh_.region(i));
       });
       return;
     }
+    if (!header_.labels.empty()) {
+      writer_.rows_side_by_side(header_.tet_count,
+                                [tags = tags_of_labels(header_), this](std::uint64_t i) {
+                                  return tags[mesh_.label(i)];
+                                });
+      return;
+    }
     for (const TetGroup& group : tets_) {
-      writer_.rows(group.tets, [&](std::uint64_t) { return group.tag; });
+      writer_.rows_side_by_side(group.tets, [&](std::uint64_t) { return group.tag; });
     }
   }
 
@@ -142,7 +144,7 @@ class XdmfWriter {
 
   template <class Id, std::size_t kNodes>
   void write_facets_as() {
-    writer_.rows(faces_.count(), [&](std::uint64_t i) {
+    writer_.rows_side_by_side(faces_.count(), [&](std::uint64_t i) {
       const auto of_tet = nodes_.template nodes_of<kNodes>(faces_[i].tet());
       const auto nodes = nodes_of_face(of_tet, faces_[i].opposite());
       std::array<Id, nodes.size()> ids;
@@ -154,7 +156,7 @@ class XdmfWriter {
 
   void write_facet_tags() {
     for (const FaceGroup& group : faces_.groups()) {
-      writer_.rows(group.faces, [&](std::uint64_t) { return group.tag; });
+      writer_.rows_side_by_side(group.faces, [&](std::uint64_t) { return group.tag; });
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -16,6 +17,7 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kBoxFaces = 6;
+constexpr std::size_t kVerticesPerRange = 65536;
 constexpr std::array kBoxFaceNames{"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
 // ---- Which faces are there ----
@@ -37,22 +39,65 @@ std::uint64_t salt_of(std::uint32_t group) noexcept {
   return mix_bits(group + std::uint64_t{1});
 }
 
+/// Tets that one task looks at for xor_seen_faces. They follow each other in space, mostly, and
+/// so do vertices: the more there are, the fewer belong to another task.
+constexpr std::uint64_t kTetsPerTask = std::uint64_t{1} << 19;
+
+/// Where the vertices begin that belong to each task, and one more: about where those of its
+/// tets begin. Any other choice gives the same sums.
+std::vector<std::uint64_t> first_of_tasks(const TetMesh& mesh) {
+  const std::uint64_t tasks = (mesh.header.tet_count + kTetsPerTask - 1) / kTetsPerTask;
+  std::vector<std::uint64_t> first(tasks + 1);
+  for (std::uint64_t task = 1; task < tasks; ++task) {
+    auto tet = mesh.tet(task * kTetsPerTask);
+    std::ranges::sort(tet);
+    first[task] = std::max(first[task - 1], tet[1]);
+  }
+  first[tasks] = mesh.header.vertex_count;
+  return first;
+}
+
+/// Calls `add(vertex, hashes)` for the corners of a tet, with the XOR of the hashes of the
+/// three faces around each, as the tet sees them.
+template <class Add>
+void hash_faces(const TetMesh& mesh, std::uint64_t i, const Add& add) {
+  const auto tet = mesh.tet(i);
+  const std::uint64_t salt = salt_of(group_of(mesh, i));
+  std::array<std::uint64_t, 4> corner;
+  for (std::size_t k = 0; k < 4; ++k) corner[k] = mix_bits(tet[k]);
+  const std::uint64_t sum = corner[0] + corner[1] + corner[2] + corner[3] + salt;
+  std::array<std::uint64_t, 4> face;  // opposite each corner; whatever the order of its own
+  for (std::size_t k = 0; k < 4; ++k) face[k] = mix_bits(sum - corner[k]);
+  const std::uint64_t all = face[0] ^ face[1] ^ face[2] ^ face[3];
+  for (std::size_t k = 0; k < 4; ++k) add(tet[k], all ^ face[k]);
+}
+
 /// For every vertex, the XOR of the hashes of the faces around it, as each tet sees them: what
 /// two tets of one group share cancels. A vertex of the boundary, or between groups, is left
 /// with zero by accident only, once in 2^64.
+///
+/// A task adds to its own vertices, and to those of others in a second column, which all share:
+/// in whatever order, the sums are the same.
 std::vector<std::uint64_t> xor_seen_faces(const TetMesh& mesh) {
+  const std::vector<std::uint64_t> first = first_of_tasks(mesh);
+  const std::size_t tasks = first.size() - 1;
   std::vector<std::uint64_t> seen(mesh.header.vertex_count);
-  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
-    const auto tet = mesh.tet(i);
-    const std::uint64_t salt = salt_of(group_of(mesh, i));
-    std::array<std::uint64_t, 4> corner;
-    for (std::size_t k = 0; k < 4; ++k) corner[k] = mix_bits(tet[k]);
-    const std::uint64_t sum = corner[0] + corner[1] + corner[2] + corner[3] + salt;
-    std::array<std::uint64_t, 4> face;  // opposite each corner; whatever the order of its own
-    for (std::size_t k = 0; k < 4; ++k) face[k] = mix_bits(sum - corner[k]);
-    const std::uint64_t all = face[0] ^ face[1] ^ face[2] ^ face[3];
-    for (std::size_t k = 0; k < 4; ++k) seen[tet[k]] ^= all ^ face[k];
-  }
+  std::vector<std::uint64_t> shared(tasks > 1 ? seen.size() : 0);
+  for_each_index(tasks, [&](std::size_t task) {
+    const std::uint64_t begin = first[task], count = first[task + 1] - begin;
+    const std::uint64_t end = std::min(mesh.header.tet_count, (task + 1) * kTetsPerTask);
+    for (std::uint64_t i = task * kTetsPerTask; i < end; ++i) {
+      hash_faces(mesh, i, [&](std::uint64_t vertex, std::uint64_t hashes) {
+        if (vertex - begin < count) {
+          seen[vertex] ^= hashes;
+        } else {
+          std::atomic_ref(shared[vertex]).fetch_xor(hashes, std::memory_order_relaxed);
+        }
+      });
+    }
+  });
+  for_each_index(
+      shared.size(), [&](std::size_t i) { seen[i] ^= shared[i]; }, kVerticesPerRange);
   return seen;
 }
 
@@ -147,7 +192,6 @@ GroupedFaces find_grouped_faces(const TetMesh& mesh) {
   ByLowest by_lowest(candidates, mesh.header.vertex_count);
   std::vector<FaceSide> sides(candidates.size(), FaceSide::kNone);
   std::vector<LabelNumber> behind(candidates.size(), kNoLabelBehind);
-  constexpr std::size_t kVerticesPerRange = 65536;
   for_each_index(
       mesh.header.vertex_count,
       [&](std::size_t vertex) {

@@ -3,11 +3,12 @@
     TETSTREAM_BIN=build/release/bin python3 tests/client/cli_formats_test.py [unittest options]
 """
 
+import os
 import pathlib
 import re
 import unittest
 
-from command_case import REFUSED, USAGE, CommandTest
+from command_case import REFUSED, USAGE, CommandTest, binaries
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "formats.md"
 
@@ -42,6 +43,19 @@ class Formats(CommandTest):
                                                 "--format", name))
                 self.assertEqual(self.contents(self.out / "mesh"), by_ending)
                 self.assertGreater(sum(map(len, by_ending)), 1000)
+
+    def test_that_take_parts_keep_no_mesh_in_memory(self):
+        for ending in (".vtu", ".vtkhdf"):
+            with self.subTest(ending):
+                file = self.out / f"mesh{ending}"
+                program = str(binaries() / "tetstream")
+                arguments = ["mesh", str(self.inputs / "sphere.vdb"), "-o", str(file), "--threads", "2",
+                             "--levels", "0", "--spacing", "0.02"]
+                started = os.posix_spawn(program, [program, *arguments], os.environ)
+                _, status, used = os.wait4(started, 0)
+                self.assertEqual(os.waitstatus_to_exitcode(status), 0)
+                self.assertGreater(file.stat().st_size, 100e6)
+                self.assertLess(used.ru_maxrss * 1024, file.stat().st_size / 2)
 
     def contents(self, path):
         """Of the file, or of the files of the folder; removes them."""

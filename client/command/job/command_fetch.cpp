@@ -22,7 +22,7 @@
 #include "core/base/printable.h"
 #include "core/base/utf8.h"
 #include "core/files/mesh_file.h"
-#include "core/files/write_vtkhdf.h"
+#include "core/files/parts_file.h"
 
 namespace tet {
 namespace {
@@ -150,17 +150,12 @@ class Fetcher {
     const auto header = checked_header(job.header());
     if (!header.ok()) return header.status();
     const std::string& path = output.path;
-    auto file = AtomicFile::create(path);
+    auto file = PartsFile::create(output, *header, cancellation_);
     if (!file.ok()) return file.status();
-    const WriteControl control{.cancellation = &cancellation_, .progress = {}};
-    auto writer = VtkHdfWriter::begin(*file, *header, shape_of(*header), control);
-    if (!writer.ok()) return writer.status();
     session_.bar.begin("receiving", "tets");
     absl::Status status = session_.jobs.read_parts(
         job, arguments_.streams,
-        [&](const TetMesh& part, const ChunkExtent& place) {
-          return writer->put({part}, place);
-        },
+        [&](const TetMesh& part, const ChunkExtent& place) { return file->put(part, place); },
         receiving(), cancellation_);
     if (status.ok()) status = file->commit();
     if (!status.ok()) return status;

@@ -49,6 +49,11 @@ class AtomicFile {
   absl::Status write(std::span<const std::byte> bytes);
   void move_to(std::uint64_t offset) noexcept { position_ = offset; }
 
+  /// Writes at a place of the file, wherever `write` is. Any thread may call this one.
+  absl::Status write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+    return file_.write_at(offset, bytes);
+  }
+
   /// Makes the file `bytes` long, and claims the disk for them where the file system can.
   absl::Status resize(std::uint64_t bytes) { return file_.reserve(bytes); }
 

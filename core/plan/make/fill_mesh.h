@@ -32,6 +32,18 @@ absl::StatusOr<FilledMesh> fill_mesh(const MeshPlan& plan,
                                      TetMesh used = {},
                                      FieldValues fields = FieldValues::kNow);
 
+/// Takes a part of a mesh that has just been made, with the ids of the whole mesh; the part is
+/// gone afterwards. Called from any of the pool's threads, in any order. An error ends the
+/// mesh.
+using TakePart = std::function<absl::Status(const TetMesh& part, const ChunkExtent& place)>;
+
+/// Makes the mesh that fill_mesh makes, and keeps none of it: each part is made in memory that
+/// the one before had. Returns its quality. Errors: those of fill_mesh, and of `take`.
+absl::StatusOr<QualityStats> fill_parts(const MeshPlan& plan,
+                                        const Cancellation& cancellation,
+                                        const ProgressFunction& progress,
+                                        const TakePart& take);
+
 /// Measures a mesh whose positions moved since as its chunks would have been: the statistics
 /// are the same to the last bit.
 QualityStats measure_chunks(const MeshPlan& plan, const TetMesh& mesh);

@@ -31,10 +31,28 @@ absl::Status fill_result(const MeshPlan& plan,
   if (!filled.ok()) return filled.status();
   result.mesh = std::move(filled->mesh);
   result.quality = filled->quality;
-  result.thin_walls = plan.thin_walls();
-  result.boundary = plan.boundary();
   result.fill_seconds = seconds_since(start);
   return absl::OkStatus();
+}
+
+/// Gives the mesh of a plan away part by part.
+absl::Status give_away(const MeshPlan& plan,
+                       const MeshJob& job,
+                       const TakePart& take,
+                       const Cancellation& cancellation,
+                       MeshResult& result) {
+  const Clock::time_point start = Clock::now();
+  const auto quality = fill_parts(plan, cancellation, job.progress, take);
+  if (!quality.ok()) return quality.status();
+  result.mesh.header = plan.header();
+  result.quality = *quality;
+  result.fill_seconds = seconds_since(start);
+  return absl::OkStatus();
+}
+
+void add_facts(const MeshPlan& plan, MeshResult& result) {
+  result.thin_walls = plan.thin_walls();
+  result.boundary = plan.boundary();
 }
 
 /// Makes the mesh as the plan has it, improved or not.
@@ -48,9 +66,13 @@ absl::StatusOr<MeshResult> make_planned(MeshJob job, const Cancellation& cancell
   result.improvement = (*plan)->improvement();
   if (result.improvement) result.improve_seconds = result.improvement->seconds;
   result.plan_seconds -= result.improve_seconds;
-  if (auto status = fill_result(**plan, job, 1, cancellation, result); !status.ok()) {
-    return status;
-  }
+  add_facts(**plan, result);
+  absl::StatusOr<TakePart> take = TakePart();
+  if (job.choose_taker) take = job.choose_taker((*plan)->header());
+  if (!take.ok()) return take.status();
+  const absl::Status status = *take ? give_away(**plan, job, *take, cancellation, result)
+                                    : fill_result(**plan, job, 1, cancellation, result);
+  if (!status.ok()) return status;
   return result;
 }
 
@@ -62,6 +84,7 @@ absl::StatusOr<MeshResult> make_and_improve(MeshJob job, const Cancellation& can
       {.shape = job.shape, .request = job.request, .limits = job.limits}, cancellation);
   if (!plan.ok()) return plan.status();
   result.plan_seconds = seconds_since(start);
+  add_facts(**plan, result);
   constexpr double kShareOfFilling = 0.5;  // of the time, about
   if (auto status = fill_result(**plan, job, kShareOfFilling, cancellation, result);
       !status.ok()) {

@@ -1,6 +1,7 @@
 // The whole mesh at once, into memory.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include <absl/status/statusor.h>
@@ -12,6 +13,10 @@
 
 namespace tet {
 
+/// Says who takes a mesh of this header part by part, once that is known; null where it is to
+/// be made as a whole. An error ends the mesh.
+using ChooseTaker = std::function<absl::StatusOr<TakePart>(const MeshHeader& header)>;
+
 /// What a whole mesh is made from.
 struct MeshJob {
   Shape shape = {};
@@ -21,6 +26,9 @@ struct MeshJob {
   /// A mesh that is no longer needed: whoever makes one mesh after another in the same memory
   /// saves the first touch of its pages, up to a third of the time.
   TetMesh used = {};
+  /// Where this is set and gives somebody, the result's mesh is nothing but its header. Not
+  /// asked for meshes that are improved where they lie.
+  ChooseTaker choose_taker = nullptr;
 };
 
 struct MeshResult {

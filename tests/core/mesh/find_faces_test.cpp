@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -86,6 +87,29 @@ TEST(FindFaces, FindsTheBoundaryOfAnyMeshInTheOrderOfItsTets) {
     ASSERT_TRUE(is_one_of_the_tet) << i;
     ASSERT_LE(mesh.face_tet(i == 0 ? 0 : i - 1), mesh.face_tet(i));
   }
+}
+
+/// The mesh with its vertices counted the other way round: those of its first tets come last.
+TetMesh with_reversed_ids(const TetMesh& mesh) {
+  std::vector<WorldPoint> positions;
+  for (std::uint64_t i = mesh.header.vertex_count; i-- > 0;)
+    positions.push_back(mesh.vertex(i));
+  std::vector<Corners> tets;
+  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    Corners tet = mesh.tet(i);
+    for (std::uint64_t& id : tet) id = mesh.header.vertex_count - 1 - id;
+    tets.push_back(tet);
+  }
+  return make_mesh(positions, tets);
+}
+
+TEST(FindFaces, FindsThoseOfAMeshThatSeveralTasksLookThrough) {
+  constexpr int kEdge = 60;  // 1.3 million tets
+  const TetMesh mesh = kuhn_mesh(kEdge);
+  const std::vector<TetFace> faces = find_boundary_faces(mesh);
+  EXPECT_EQ(faces.size(), std::size_t{12} * kEdge * kEdge);
+  EXPECT_TRUE(std::ranges::is_sorted(faces, {}, &TetFace::index));
+  EXPECT_EQ(find_boundary_faces(with_reversed_ids(mesh)), faces);
 }
 
 TEST(FindFaces, HasWhatLiesBetweenInsideAndOutsideOnceAsTheInsides) {
