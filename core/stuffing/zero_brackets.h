@@ -19,9 +19,9 @@ class ZeroBrackets {
   void begin(const float* at_0, const float* at_1, std::size_t count) noexcept;
 
   std::size_t open() const noexcept { return open_; }
-  /// Of each one that is open: which it was when they began.
+  /// Says of each one that is open which it was when they began.
   const std::uint16_t* which() const noexcept { return which_.data(); }
-  /// What each one that is open tries next.
+  /// Holds what each one that is open tries next.
   const double* next() const noexcept { return columns_.next.data(); }
 
   /// phi is `phi[i]` where the i-th that is open tried. The zeros of those that are done go to
