@@ -23,11 +23,12 @@ done
 """
 # Refuses a batch if a file that it includes has the word "slip".
 CLANG_TIDY = r"""#!/bin/bash
-case $1 in
-  --version) echo "version $(cat version)"; exit ;;
-  --dump-config) cat config; echo "${@:2}"; exit ;;
-esac
 batch=${!#}
+case $3 in
+  --version) echo "version $(cat version)"; exit ;;
+  --dump-config) cat config; echo "$@"; exit ;;
+esac
+for option; do [[ $option != --config-file=* ]] || echo "${option#*=}" >>given; done
 echo "$(basename "$batch")" >>read
 sed -n 's/#include "\(.*\)"/\1/p' "$batch" | tr '\n' '\0' | xargs -0 grep -H slip && exit 1
 exit 0
@@ -61,11 +62,11 @@ class LintBatches(unittest.TestCase):
                    for file in (self.root / "first.cxx", self.root / "second.cxx", generated)]
         self.write("compile_commands.json", json.dumps(entries))
 
-    def lint(self, *options):
+    def lint(self, *options, build="."):
         """The batches that were read, and how the script ended."""
         (self.root / "read").unlink(missing_ok=True)
         path = f"{self.root}:{os.environ['PATH']}"
-        self.done = subprocess.run([LINT_BATCHES, ".", "2", *options], cwd=self.root, text=True,
+        self.done = subprocess.run([LINT_BATCHES, build, "2", *options], cwd=self.root, text=True,
                                    env={**os.environ, "PATH": path}, capture_output=True, check=False)
         self.assertEqual(self.done.stderr, "")
         read = self.root / "read"
@@ -112,6 +113,19 @@ class LintBatches(unittest.TestCase):
         self.compile_with("-O2")
         self.assertEqual(self.lint("--checks=-one"), both)
         self.assertEqual(self.lint("--checks=-one"), ([], 0))
+
+    def test_sources_are_read_with_what_their_folder_asks_for(self):
+        (self.root / "tests" / "core").mkdir(parents=True)
+        self.write(".clang-tidy", "of all")
+        self.write("tests/.clang-tidy", "of tests")
+        unity = self.root / "build" / "tests" / "core" / "unity.cxx"
+        unity.parent.mkdir(parents=True)
+        self.write("build/tests/core/unity.cxx", "")
+        entries = [{"directory": str(self.root), "file": str(file), "command": f"clang++ -o o -c {file}"}
+                   for file in (unity, self.root / "first.cxx")]
+        self.write("build/compile_commands.json", json.dumps(entries))
+        self.assertEqual(self.lint(build="build"), (["first.cxx", "unity.cxx"], 0))
+        self.assertEqual((self.root / "given").read_text(), "tests/.clang-tidy\n")
 
     def test_a_batch_that_does_not_compile_is_never_taken_for_clean(self):
         self.write("first.cxx", '#include "missing.h"\n')
