@@ -199,7 +199,7 @@ ChannelArguments channel_arguments(const Config& config) {
 absl::Status Server::Parts::open_jobs() {
   auto opened = JobsAtWork::open(config, engine, StoreUse::kOwn);
   if (opened.ok() && *opened != nullptr) {
-    jobs = std::make_unique<JobsInServer>(*std::move(opened), engine, *store);
+    jobs = std::make_unique<JobsInServer>(std::move(*opened), engine, *store);
     engine.results = jobs->work->results.get();
     store->ask_before_evicting([this] { return grids_of_jobs(*jobs->work->store); });
   }
@@ -238,7 +238,7 @@ absl::Status Server::Parts::open_metrics() {
   if (config.metrics_listen.empty()) return absl::OkStatus();
   auto opened = MetricsPort::open(config.metrics_listen, {[this] { return metrics_text(true); },
                                                           [this] { return works(); }});
-  if (opened.ok()) metrics = *std::move(opened);
+  if (opened.ok()) metrics = std::move(*opened);
   return opened.status();
 }
 

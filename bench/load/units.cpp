@@ -102,7 +102,7 @@ std::string show_number(double number) {
     if (number < 999.5) return absl::StrFormat("%.3g%s", number, suffix);
     number /= 1000;
   }
-  return absl::StrFormat(number < 999.5 ? "%.3gG" : "%.0fG", number);
+  return number < 999.5 ? absl::StrFormat("%.3gG", number) : absl::StrFormat("%.0fG", number);
 }
 
 }  // namespace tet::load

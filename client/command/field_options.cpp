@@ -49,6 +49,7 @@ absl::Status check_field_file(const VertexField& field, const std::string& input
 absl::StatusOr<std::vector<VertexField>> understand_fields(
     const std::vector<std::string>& options) {
   std::vector<VertexField> fields;
+  fields.reserve(options.size());
   for (const std::string& option : options) fields.push_back(parse_field(option));
   if (absl::Status status = check_fields(fields); !status.ok()) {
     return absl::InvalidArgumentError(absl::StrCat("--field: ", status.message()));

@@ -44,7 +44,7 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
                 .boundary = result->boundary,
                 .improvement = result->improvement,
                 .thin_walls = std::move(result->thin_walls),
-                .surface = std::move(input->surface),
+                .surface = input->surface,
                 .stages = {{"reading", reading_seconds},
                            {"planning", result->plan_seconds},
                            {"meshing", result->fill_seconds}}};

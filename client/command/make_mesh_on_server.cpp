@@ -64,7 +64,7 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
       {.encoding = encoding_of(options), .skip_cache = options.skip_cache, .used = {}});
   if (!streamed.ok()) return streamed.status();
   MadeMesh made = made_of(*std::move(streamed), stream.stages(uploading_seconds));
-  made.surface = std::move(request->surface);
+  made.surface = request->surface;
   return made;
 }
 

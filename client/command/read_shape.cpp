@@ -48,7 +48,7 @@ absl::StatusOr<ReadShape> convert_surface(const MeshOptions& options,
   bar.say_lines(for_terminal(options.input) + ": " + describe_conversion(converted->report),
                 stderr);
   return ReadShape{std::make_shared<const Volume>(std::move(converted->volume)),
-                   std::move(converted->report)};
+                   converted->report};
 }
 
 absl::StatusOr<Volume> read_grid(const MeshOptions& options, const Cancellation& interruption) {

@@ -187,6 +187,7 @@ const MeshFormatRow& row_of(MeshFormat format) {
 
 std::vector<std::string> mesh_format_names() {
   std::vector<std::string> names;
+  names.reserve(kRows.size());
   for (const MeshFormatRow& row : kRows) names.push_back(text_of(row.name));
   return names;
 }

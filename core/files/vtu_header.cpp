@@ -110,7 +110,7 @@ class TagReader {
       std::string_view key = rest.substr(0, equals);
       while (!key.empty() && is_space(key.back())) key.remove_suffix(1);
       rest = take_space(rest.substr(equals + 1));
-      const char quote = rest.empty() ? 0 : rest.front();
+      const char quote = rest.empty() ? '\0' : rest.front();
       const std::size_t end = rest.size() > 1 ? rest.find(quote, 1) : std::string_view::npos;
       if ((quote != '"' && quote != '\'') || end == std::string_view::npos) {
         return wrong(absl::StrCat("its tag ", shown(text), " is no XML"));

@@ -107,6 +107,7 @@ std::vector<double> meta_numbers(const std::string& text, std::size_t count, con
         absl::StrFormat("its %s has %d numbers and not %d", what, words.size(), count));
   }
   std::vector<double> numbers;
+  numbers.reserve(words.size());
   for (const std::string_view word : words) numbers.push_back(number_of(word, what));
   return numbers;
 }
@@ -170,6 +171,7 @@ ImageArray read_meta_array(const MetaFields& fields) {
         absl::StrFormat("its NDims is %d, and its DimSize has %d", dimensions, words.size()));
   }
   std::vector<std::int64_t> sizes;
+  sizes.reserve(words.size());
   for (const std::string_view word : words) sizes.push_back(integer_of(word, "DimSize"));
   set_size(sizes, array);
   set_meta_axes(fields, words.size(), array);

@@ -103,6 +103,7 @@ std::vector<std::int64_t> sizes_of(const NrrdFields& fields) {
         absl::StrFormat("its dimension is %d, and it has %d sizes", dimension, words.size()));
   }
   std::vector<std::int64_t> sizes;
+  sizes.reserve(words.size());
   for (const std::string_view word : words) sizes.push_back(integer_of(word, "sizes"));
   return sizes;
 }

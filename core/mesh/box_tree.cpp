@@ -76,11 +76,13 @@ void BoxTree::add_level(std::size_t count) {
     for (std::size_t i = 0; i < kWidth; ++i) {
       const std::size_t child = n * kWidth + i;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const bool is_one = child < count;
-        nodes[n].min[axis][i] =
-            is_one ? *std::ranges::min_element(below[child].min[axis]) : kInfinity;
-        nodes[n].max[axis][i] =
-            is_one ? *std::ranges::max_element(below[child].max[axis]) : -kInfinity;
+        float low = kInfinity, high = -kInfinity;
+        if (child < count) {
+          low = *std::ranges::min_element(below[child].min[axis]);
+          high = *std::ranges::max_element(below[child].max[axis]);
+        }
+        nodes[n].min[axis][i] = low;
+        nodes[n].max[axis][i] = high;
       }
     }
   }

@@ -105,8 +105,8 @@ class SceneLook {
     edges_ = {(max.x - min.x) / kAcross, (max.y - min.y) / kAcross, (max.z - min.z) / kAcross};
     const double half = 0.5 * std::max({edges_.x, edges_.y, edges_.z});
     for (int i = 0; i < kAcross * kAcross * kAcross; ++i) {
-      const WorldPoint low{min.x + i / 16 * edges_.x, min.y + i / 4 % 4 * edges_.y,
-                           min.z + i % 4 * edges_.z};
+      const int x = i / (kAcross * kAcross), y = i / kAcross % kAcross, z = i % kAcross;
+      const WorldPoint low{min.x + x * edges_.x, min.y + y * edges_.y, min.z + z * edges_.z};
       const WorldPoint middle{low.x + 0.5 * edges_.x, low.y + 0.5 * edges_.y,
                               low.z + 0.5 * edges_.z};
       if (may_meet(middle, half)) cubes_.push_back(low);
@@ -243,7 +243,8 @@ BrickPrices price_bricks(const Volume& volume, const MeshRequest& request, doubl
       price_of_brick(volume, iso, finer, off) * static_cast<double>(volume.bricks.size());
   double inside = bricks_inside(volume, iso);
   for (const ConstantCube& cube : volume.cubes) {
-    const double edge = cube.edge / kBrickEdge;
+    const std::int32_t bricks_across = cube.edge / kBrickEdge;
+    const double edge = bricks_across;
     surface += 6 * edge * edge * (kFaceOfCube + off * finer * finer);
     inside += edge * edge * edge;
   }

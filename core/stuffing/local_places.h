@@ -60,9 +60,10 @@ inline constexpr auto kLatticePoints = [] {
   for (int slot = 0; slot < kFirstCutSlot; ++slot) {
     const int node = slot % kSlotsOfKind;
     const float half = slot < kSlotsOfKind ? 0 : 0.5F;
-    points[static_cast<std::size_t>(slot)] = {static_cast<float>(node / 81) + half,
-                                              static_cast<float>(node / 9 % 9) + half,
-                                              static_cast<float>(node % 9) + half};
+    const int x = node / 81, y = node / 9 % 9, z = node % 9;
+    points[static_cast<std::size_t>(slot)] = {static_cast<float>(x) + half,
+                                              static_cast<float>(y) + half,
+                                              static_cast<float>(z) + half};
   }
   return points;
 }();

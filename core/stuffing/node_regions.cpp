@@ -179,8 +179,8 @@ NodePlanes::NodePlanes(const NodeSets& nodes) noexcept {
 
 TET_VECTOR_CLONES
 NodePlanes NodePlanes::in_star(const NodeSets& nodes) noexcept {
-  static const NodePlanes kStar(kBrickStar);
-  return NodePlanes(nodes) & kStar;
+  static const NodePlanes star(kBrickStar);
+  return NodePlanes(nodes) & star;
 }
 
 NodeSets NodePlanes::sets() const noexcept {

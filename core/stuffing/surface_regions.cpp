@@ -128,9 +128,9 @@ SurfaceRegions::SurfaceRegions(const WarpedLattice& lattice)
 
 bool SurfaceRegions::have_one_sheet() const noexcept {
   if (too_many || inside.size() != 1 || others.size() != 1) return false;
-  static const NodePlanes kOwn({kOwnNodes, kOwnNodes});
+  static const NodePlanes own({kOwnNodes, kOwnNodes});
   // Around others' nodes not all can be seen here.
-  return !(inner - kOwn).any();
+  return !(inner - own).any();
 }
 
 }  // namespace tet

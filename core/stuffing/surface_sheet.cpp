@@ -47,10 +47,10 @@ std::array<NodePlanes, 13> nodes_in_common() noexcept {
 /// Later bricks with which this one shares both `+` and other nodes: as what they share hangs
 /// together, the surface crosses an edge of it.
 std::uint16_t later_bricks(const NodePlanes& plus, const NodePlanes& other) noexcept {
-  static const std::array<NodePlanes, 13> kCommon = nodes_in_common();
+  static const std::array<NodePlanes, 13> common = nodes_in_common();
   unsigned later = 0;
-  for (unsigned place = 0; place < kCommon.size(); ++place) {
-    const bool both = meet(plus, kCommon[place]) && meet(other, kCommon[place]);
+  for (unsigned place = 0; place < common.size(); ++place) {
+    const bool both = meet(plus, common[place]) && meet(other, common[place]);
     later |= static_cast<unsigned>(both) << place;
   }
   return static_cast<std::uint16_t>(later);

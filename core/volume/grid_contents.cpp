@@ -26,6 +26,20 @@ VoxelBox part_of(const VoxelBox& image, const BrickCoord& brick) noexcept {
           {high(brick.x, image.max.x), high(brick.y, image.max.y), high(brick.z, image.max.z)}};
 }
 
+/// Adds each voxel of a brick's `part` to the box of its label. values: one per voxel.
+void add_voxels(const VoxelBox& part,
+                const std::uint16_t* values,
+                std::vector<VoxelBox>& boxes) noexcept {
+  for (std::int32_t x = part.min.x; x <= part.max.x; ++x) {
+    for (std::int32_t y = part.min.y; y <= part.max.y; ++y) {
+      for (std::int32_t z = part.min.z; z <= part.max.z; ++z) {
+        const VoxelCoord at{x, y, z};
+        add({at, at}, boxes[values[(x & 7) * 64 + (y & 7) * 8 + (z & 7)]]);
+      }
+    }
+  }
+}
+
 /// Boxes around the voxels of each label, by number.
 std::vector<VoxelBox> boxes_of(const LabelVolume& volume) {
   constexpr VoxelBox kNone{{INT32_MAX, INT32_MAX, INT32_MAX},
@@ -45,15 +59,7 @@ std::vector<VoxelBox> boxes_of(const LabelVolume& volume) {
         }
         const std::uint16_t* const values =
             volume.values.data() + std::size_t{brick} * kBrickCells;
-        for (std::int32_t i = part.min.x; i <= part.max.x; ++i) {
-          for (std::int32_t j = part.min.y; j <= part.max.y; ++j) {
-            for (std::int32_t k = part.min.z; k <= part.max.z; ++k) {
-              const VoxelCoord at{i, j, k};
-              const auto label = values[(i & 7) * 64 + (j & 7) * 8 + (k & 7)];
-              add({at, at}, boxes[label]);
-            }
-          }
-        }
+        add_voxels(part, values, boxes);
       }
     }
   }

@@ -44,6 +44,7 @@ BrickCoord first_brick(VoxelCoord min) noexcept {
 std::vector<BrickCoord> cubes_around(const std::vector<LeafValues>& leaves, std::int32_t edge) {
   const std::int32_t mask = ~(edge / kBrickEdge - 1);
   std::vector<BrickCoord> cubes;
+  cubes.reserve(leaves.size());
   for (const LeafValues& leaf : leaves) {
     cubes.push_back({leaf.brick.x & mask, leaf.brick.y & mask, leaf.brick.z & mask});
   }

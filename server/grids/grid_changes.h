@@ -35,7 +35,7 @@ struct GridChange {
 /// Not thread-safe.
 class GridChanges {
  public:
-  explicit GridChanges(std::filesystem::path store) : path_(store / "grids.changes") {}
+  explicit GridChanges(const std::filesystem::path& store) : path_(store / "grids.changes") {}
 
   /// The file, locked: a turn, which ends when the file is closed. Errors: those of
   /// lock_patiently.

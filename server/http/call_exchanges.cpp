@@ -80,11 +80,11 @@ class CallExchange : public Exchange, public CallSink {
   void on_written() override {}
 
  protected:
-  void call(std::string method, grpc::ByteBuffer message, bool last) {
+  void call(std::string method, const grpc::ByteBuffer& message, bool last) {
     order_.method = std::move(method);
     call_ = std::make_shared<ForwardedCall>(place_.loop, *this);
     call_->start(order_, place_.stub);
-    call_->write(std::move(message), last);
+    call_->write(message, last);
   }
 
   /// Sends the answer of a call as JSON.

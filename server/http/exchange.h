@@ -59,6 +59,8 @@ class Exchange {
   virtual ~Exchange() = default;
   virtual void start(std::string body) = 0;
   /// The next bytes of a body that is read piece by piece; `last` where nothing is left.
+  // By value, as whoever wants the pieces keeps them.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param)
   virtual void on_body(std::string /*piece*/, bool /*last*/) {}
   virtual void on_room() {}
   /// Whoever asked has gone.

@@ -51,7 +51,7 @@ void ForwardedCall::OnReadDone(bool ok) {
     if (!ok || self->sink_ == nullptr) return self->release();
     grpc::ByteBuffer message;
     message.Swap(&self->incoming_);
-    self->sink_->on_message(std::move(message));
+    self->sink_->on_message(message);
   });
 }
 

@@ -11,67 +11,17 @@
 #include "core/base/thread_time.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/plan/plan_price.h"
-#include "core/vdb/decode_file.h"
 #include "proto/convert/scene_request.h"
 #include "proto/convert/status.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
-#include "server/grids/verify.h"
+#include "server/meshing/load_grid.h"
 #include "server/ops/guard.h"
 #include "server/rpc/explain.h"
 
 namespace tet {
 
 namespace {
-
-DecodeTask task_of(const VolumeKey& key) {
-  if (key.labels) return DecodeTask::kLabels;
-  return key.component ? DecodeTask::kField : DecodeTask::kVolume;
-}
-
-/// What a decoder made, checked.
-absl::StatusOr<GridInMemory> grid_made_of(const absl::StatusOr<SealedBlock>& block,
-                                          const FileRequest& request,
-                                          const VolumeCache::Cancelled& abandoned) {
-  const Cancellation cancellation(Cancellation::Clock::time_point::max(), abandoned);
-  if (request.task == DecodeTask::kLabels) {
-    absl::StatusOr<LabelVolume> labels = labels_of(block, request, cancellation);
-    if (!labels.ok()) return labels.status();
-    return std::make_shared<const LabelVolume>(*std::move(labels));
-  }
-  absl::StatusOr<Volume> volume = volume_of(block, request, cancellation);
-  if (!volume.ok()) return volume.status();
-  return std::make_shared<const Volume>(*std::move(volume));
-}
-
-/// Has a stored grid read by a decoder. The file and what is handed back are checked on threads
-/// for that: either takes as long as it is large.
-VolumeCache::Loader loader(LargePlans& loads, DecoderPool& decoders, std::uint64_t max_bytes) {
-  return [&loads, &decoders, max_bytes](const VolumeCache::Load& load,
-                                        VolumeCache::Cancelled abandoned,
-                                        VolumeCache::LoadDone done) {
-    const VolumeKey& key = load.key;
-    const FileRequest request{task_of(key),  load.path, name_of_grid(key.digest),
-                              key.grid_name, max_bytes, key.component.value_or(0)};
-    loads.post(
-        load.client, [&loads, &decoders, client = load.client, request,
-                      abandoned = std::move(abandoned), done = std::move(done)]() mutable {
-          const absl::Status intact =
-              guarded("reading a grid", [&] { return verify_stored(request.path, abandoned); });
-          if (!intact.ok()) return done(intact);
-          decoders.decode(
-              request, abandoned,
-              [&loads, client, request, abandoned,
-               done = std::move(done)](absl::StatusOr<SealedBlock> decoded) {
-                auto block = std::make_shared<absl::StatusOr<SealedBlock>>(std::move(decoded));
-                loads.post(client, [request, abandoned, done, block] {
-                  done(guarded("reading a grid",
-                               [&] { return grid_made_of(*block, request, abandoned); }));
-                });
-              });
-        });
-  };
-}
 
 /// Says why a stored grid could not be loaded.
 absl::Status explained(const absl::Status& status,
@@ -122,7 +72,7 @@ Planner::Planner(const PlannerThreads& threads,
       plans_(memory.plan_bytes),
       volumes_(threads.tasks,
                memory.volume_bytes,
-               loader(threads.loads, decoders, memory.volume_bytes),
+               grid_loader(threads.loads, decoders, memory.volume_bytes),
                [this] { plans_.forget(); }) {}
 
 void Planner::plan(const std::string& client,

@@ -80,6 +80,7 @@ std::uint64_t sum_of(const Config& config) {
 }
 
 /// The largest value of a budget with which all fit; 0 if none does.
+// NOLINTNEXTLINE(performance-unnecessary-value-param): the budget of the copy is set.
 std::uint64_t largest_that_fits(Config config, std::uint64_t Config::*budget) {
   std::uint64_t fits = 0;
   for (std::uint64_t step = std::bit_floor(config.memory); step > 0; step /= 2) {

@@ -51,6 +51,7 @@ std::vector<prometheus::MetricFamily> to_families(const std::vector<Reading>& re
     family.metric.push_back(to_metric(reading));
   }
   std::vector<prometheus::MetricFamily> list;
+  list.reserve(families.size());
   for (auto& [name, family] : families) list.push_back(std::move(family));
   return list;
 }

@@ -127,8 +127,8 @@ Admission::Place Admission::queue_mesh(const std::string& client,
         status = check_queue(client);
       }
       if (status.ok()) {
-        place = queue_.push(
-            client, {client, deadline, Clock::now() + limits_.queue_time, std::move(answer)});
+        place = queue_.push(client, {client, deadline, Clock::now() + limits_.queue_time,
+                                     std::exchange(answer, nullptr)});
       } else {
         ticket = std::move(status);
       }

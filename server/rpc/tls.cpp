@@ -122,7 +122,7 @@ absl::StatusOr<TlsMaterial> load_tls(const TlsFiles& files) {
   const auto read = [](const std::string& path, mode_t forbidden, std::string& text) {
     if (path.empty()) return absl::OkStatus();
     auto found = read_small_file(path, forbidden);
-    if (found.ok()) text = *std::move(found);
+    if (found.ok()) text = std::move(*found);
     return found.status();
   };
   absl::Status status = read(files.cert, 0, material.cert);

@@ -31,7 +31,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
     MeshEngine& engine, grpc::CallbackServerContext& context, const grpc::ByteBuffer& request) {
   const std::shared_ptr<MeshStream> stream(new MeshStream(engine, context));
   auto order = guarded("StreamMesh", [&] { return parse(request); });
-  if (order.ok()) stream->order_ = *std::move(order);
+  if (order.ok()) stream->order_ = std::move(*order);
   return ChunkStream::start(stream, order.status());
 }
 

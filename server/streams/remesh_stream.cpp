@@ -48,7 +48,7 @@ v1::FrameRefusal refusal_of(const absl::Status& why) {
 /// gRPC's side, with what it reads.
 class RemeshStream::Reads final : public ChunkReactorOf<Reactor> {
  public:
-  explicit Reads(std::shared_ptr<RemeshStream> stream)
+  explicit Reads(const std::shared_ptr<RemeshStream>& stream)
       : ChunkReactorOf<Reactor>(stream), session_(*stream) {}
 
   void OnReadDone(bool ok) override { session_.read_done(ok); }

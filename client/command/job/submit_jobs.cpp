@@ -44,11 +44,11 @@ absl::Status store_input(const MeshInput& input, const Store& store, v1::MeshReq
     auto scene = read_scene_message(input.path, [&](const std::string& path) {
       return store({path, {}, {}});
     });
-    if (scene.ok()) *mesh.mutable_scene() = *std::move(scene);
+    if (scene.ok()) *mesh.mutable_scene() = std::move(*scene);
     return scene.status();
   }
   auto name = store(input);
-  if (name.ok()) mesh.set_name(*std::move(name));
+  if (name.ok()) mesh.set_name(std::move(*name));
   return name.status();
 }
 

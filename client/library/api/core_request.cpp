@@ -68,6 +68,7 @@ absl::StatusOr<std::vector<tet::FaceRegion>> face_regions_of(const std::string& 
 
 std::vector<tet::LabelRange> to_core(const std::vector<LabelRange>& ranges) {
   std::vector<tet::LabelRange> core;
+  core.reserve(ranges.size());
   for (const LabelRange& range : ranges) core.push_back({range.first, range.last});
   return core;
 }

@@ -83,6 +83,7 @@ class ArrayBricks {
         for (std::size_t z = begin[2]; z < end[2]; ++z) {
           const T label = values_[row + z];
           if (!std::in_range<std::int64_t>(label)) return too_large(label, {x, y, z});
+          // NOLINTNEXTLINE(bugprone-signed-char-misuse): signed bytes are numbers.
           brick_[to + z - begin[2]] = static_cast<std::int64_t>(label);
         }
       }

@@ -71,6 +71,7 @@ std::vector<std::pair<std::int64_t, std::uint64_t>> counts_of(const Labels& labe
 
 std::vector<LabelRange> ranges_of(const std::vector<Ends>& ends) {
   std::vector<LabelRange> ranges;
+  ranges.reserve(ends.size());
   for (const auto& [first, last] : ends) ranges.push_back({first, last});
   return ranges;
 }

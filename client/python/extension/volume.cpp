@@ -56,6 +56,7 @@ Volume from_surface_file(const std::string& path, double voxel_size, OpenSurface
 Scene scene_from_json(const std::string& json,
                       const std::vector<std::pair<std::string, Volume>>& volumes) {
   std::vector<SceneGrid> grids;
+  grids.reserve(volumes.size());
   for (const auto& [name, volume] : volumes) grids.push_back({name, volume});
   const py::gil_scoped_release released;
   Result<Scene> scene = Scene::from_json(json, grids);

@@ -167,11 +167,11 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
                                      std::vector<ChangedBrick>& changed,
                                      std::vector<std::uint32_t>& partly_same) {
   const auto l = static_cast<std::size_t>(level);
-  static const std::vector<BrickCoord> kNone;
+  static const std::vector<BrickCoord> none;
   const auto& levels_before = earlier.mesh.tree().levels;
   const OctreeLevel* const level_before =
       l < levels_before.size() ? &levels_before[l] : nullptr;
-  const std::vector<BrickCoord>& before = level_before ? level_before->bricks : kNone;
+  const std::vector<BrickCoord>& before = level_before ? level_before->bricks : none;
   const OctreeLevel& level_now = now.mesh.tree().levels[l];
   const std::vector<BrickCoord>& bricks = level_now.bricks;
   std::vector<std::uint32_t> same(bricks.size(), kNewBrick);

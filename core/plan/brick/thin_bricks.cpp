@@ -43,6 +43,7 @@ struct Group {
 /// belong together.
 std::vector<std::size_t> find_groups(const std::vector<ThinBrick>& bricks) {
   std::vector<BrickCoord> coords;
+  coords.reserve(bricks.size());
   for (const ThinBrick& thin : bricks) coords.push_back(thin.brick);
   const BrickIndex index(coords);
   std::vector<std::size_t> leader(bricks.size());

@@ -157,6 +157,7 @@ std::vector<MeshLabel> meshed_labels(const std::vector<std::int64_t>& values,
   std::vector<LabelName> names = choice.names;
   std::ranges::sort(names, {}, &LabelName::value);
   std::vector<MeshLabel> labels;
+  labels.reserve(values.size() + 1);
   for (const std::int64_t value : values) {
     labels.push_back({value, name_of_label(names, value)});
   }

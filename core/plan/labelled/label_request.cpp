@@ -97,17 +97,18 @@ absl::Status check_label_spacing(const LabelChoice& choice,
 absl::StatusOr<BrickBox> bricks_of_image(const LatticeAxes& axes,
                                          const LabelChoice& choice,
                                          const std::array<double, 3>& spacing_voxels) {
+  constexpr std::int32_t kMostReach = kMaxVoxelCoord / 2;
   std::array<std::int32_t, 3> min{}, max{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double ratio = spacing_voxels[axis];
     // A node beside the image's end may move.
     const double reach = reach_of(choice, ratio) / ratio + 1;
     const double low = axes.low[axis] / ratio - reach, high = axes.high[axis] / ratio + reach;
-    if (!(std::max(std::abs(low), std::abs(high)) <= kMaxVoxelCoord / 2)) {
+    if (!(std::max(std::abs(low), std::abs(high)) <= kMostReach)) {
       return absl::InvalidArgumentError(absl::StrFormat(
           "the image reaches %g spacings from the origin; the limit is %d. Use a larger "
           "spacing",
-          std::max(std::abs(low), std::abs(high)), kMaxVoxelCoord / 2));
+          std::max(std::abs(low), std::abs(high)), kMostReach));
     }
     min[axis] = static_cast<std::int32_t>(std::floor(low / kBrickEdge));
     max[axis] = static_cast<std::int32_t>(std::floor(high / kBrickEdge));

@@ -187,7 +187,7 @@ absl::StatusOr<ChunkDigest> ResultStore::put_chunk(MeshFolder& folder,
   std::unique_ptr<Room> room;
   auto digest = folder.put_chunk(chunk, [&](std::uint64_t bytes) -> absl::Status {
     auto reserved = reserve(bytes);
-    if (reserved.ok()) room = *std::move(reserved);
+    if (reserved.ok()) room = std::move(*reserved);
     return reserved.status();
   });
   if (digest.ok() && room != nullptr) room->use();

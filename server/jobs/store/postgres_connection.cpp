@@ -94,6 +94,7 @@ SqlResult rows_of(const PGresult* result) {
   SqlResult read;
   for (int row = 0; row < PQntuples(result); ++row) {
     std::vector<SqlValue> values;
+    values.reserve(static_cast<std::size_t>(PQnfields(result)));
     for (int i = 0; i < PQnfields(result); ++i) values.push_back(column(result, row, i));
     read.rows.emplace_back(std::move(values));
   }

@@ -131,7 +131,7 @@ absl::StatusOr<CreatedJob> SqlJobStore::create(const NewJob& wanted) {
     created = {row.job, false};
     if (!claim_request(t, wanted, row.job.id)) {
       auto job = job_of_request(t, wanted);
-      if (job.ok()) created = {*std::move(job), true};
+      if (job.ok()) created = {std::move(*job), true};
       return job.status();
     }
     if (auto full = check_room(t, wanted.space); !full.ok()) return full;

@@ -83,7 +83,9 @@ SqlValue column(sqlite3_stmt* statement, int i) {
 
 SqlRow row_of(sqlite3_stmt* statement) {
   std::vector<SqlValue> values;
-  for (int i = 0; i < sqlite3_column_count(statement); ++i) {
+  const int columns = sqlite3_column_count(statement);
+  values.reserve(static_cast<std::size_t>(columns));
+  for (int i = 0; i < columns; ++i) {
     values.push_back(column(statement, i));
   }
   return SqlRow(std::move(values));

@@ -354,6 +354,7 @@ void JobWorker::heed(const std::vector<HeldShard>& shards,
 
 std::vector<LeaseId> JobWorker::ids_of(const std::vector<HeldShard>& shards) {
   std::vector<LeaseId> ids;
+  ids.reserve(shards.size());
   for (const HeldShard& shard : shards) ids.push_back(shard->lease.id);
   return ids;
 }

@@ -69,7 +69,8 @@ TEST(PointSampler, InterpolatesBetweenEightVoxelsAsAReaderDoes) {
   }
   // Points follow each other as those of a mesh do, and go beyond the bricks with values.
   for (int i = 0; i < 4096; ++i) {
-    points.push_back({18.3 + 0.7 * (i / 256), -4.1 + 0.7 * (i / 16 % 16), 0.7 * (i % 16)});
+    const int x = i / 256, y = i / 16 % 16, z = i % 16;
+    points.push_back({18.3 + 0.7 * x, -4.1 + 0.7 * y, 0.7 * z});
   }
   PointSampler sampler(volumes);
   const std::vector<float> values = sampled(sampler, points);
