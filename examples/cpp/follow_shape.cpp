@@ -12,9 +12,9 @@
 tetstream::Scene shape(int step) {
   return tetstream::Scene::from_json(R"({"nodes": [
     {"name": "still", "sphere": {"radius": 1}},
-    {"name": "moving", "sphere": {"center": [)" +
-                                     std::to_string(0.9 + 0.01 * step) +
-                                     R"(, 0, 0], "radius": 0.3}},
+    {"name": "small", "sphere": {"radius": 0.3}},
+    {"name": "moving", "transform": {"of": "small", "translation": [)" +
+                                     std::to_string(0.9 + 0.01 * step) + R"(, 0, 0]}},
     {"union": {"of": ["still", "moving"]}}]})")
       .value();
 }
