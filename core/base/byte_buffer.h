@@ -23,6 +23,8 @@ class ByteBuffer {
   std::span<std::byte> bytes() noexcept { return {bytes_.get(), size_.value}; }
   std::span<const std::byte> bytes() const noexcept { return {bytes_.get(), size_.value}; }
   std::size_t size() const noexcept { return size_.value; }
+  /// The most bytes that another one may have in this one's memory.
+  std::size_t capacity() const noexcept { return capacity_.value; }
 
  private:
   struct Free {

@@ -6,13 +6,16 @@
 namespace tet {
 namespace {
 
-/// Sorts ranges and joins those that touch.
+std::uint64_t end_of(const SlotRange& range) { return range.begin + range.count; }
+
+/// Sorts ranges, and joins those that touch or overlap.
 void join(std::vector<SlotRange>& ranges) {
   std::ranges::sort(ranges, {}, &SlotRange::begin);
   std::size_t kept = 0;
   for (const SlotRange& range : ranges) {
-    if (kept > 0 && ranges[kept - 1].begin + ranges[kept - 1].count == range.begin) {
-      ranges[kept - 1].count += range.count;
+    if (kept > 0 && end_of(ranges[kept - 1]) >= range.begin) {
+      SlotRange& last = ranges[kept - 1];
+      last.count = std::max(end_of(last), end_of(range)) - last.begin;
     } else {
       ranges[kept++] = range;
     }
@@ -26,7 +29,7 @@ SlotLayout::SlotLayout(std::uint64_t count) : count_(count), slots_(count) {
   if (count > 0) runs_ = {{0, 0, count}};
 }
 
-std::vector<SlotRange> SlotLayout::follow(std::span<const KeptRun> kept, std::uint64_t count) {
+SlotChange SlotLayout::follow(std::span<const KeptRun> kept, std::uint64_t count) {
   const SlotLayout before = std::exchange(*this, {});
   count_ = count;
   slots_ = before.slots_;
@@ -49,31 +52,35 @@ std::vector<SlotRange> SlotLayout::follow(std::span<const KeptRun> kept, std::ui
   join(free_);
   std::ranges::reverse(free_);  // the lowest is taken from the end
 
+  std::vector<SlotRange> changed = given_up;
   std::uint64_t next = 0;
   for (const KeptRun& run : kept) {
-    fill(next, run.to);
+    fill(next, run.to, changed);
     before.for_each_run(run.from, run.count,
                         [&](std::uint64_t slot, std::uint64_t offset, std::uint64_t n) {
                           add({run.to + offset, slot, n});
                         });
     next = run.to + run.count;
   }
-  fill(next, count);
+  fill(next, count, changed);
   std::ranges::reverse(free_);
-  return given_up;
+  join(changed);
+  return {std::move(given_up), std::move(changed)};
 }
 
 /// Gives slots to new ones, while `free_` is in descending order.
-void SlotLayout::fill(std::uint64_t first, std::uint64_t end) {
+void SlotLayout::fill(std::uint64_t first, std::uint64_t end, std::vector<SlotRange>& filled) {
   while (first < end) {
     if (free_.empty()) {
       add({first, slots_, end - first});
+      filled.push_back({slots_, end - first});
       slots_ += end - first;
       return;
     }
     SlotRange& lowest = free_.back();
     const std::uint64_t taken = std::min(lowest.count, end - first);
     add({first, lowest.begin, taken});
+    filled.push_back({lowest.begin, taken});
     first += taken;
     lowest.begin += taken;
     lowest.count -= taken;

@@ -22,6 +22,13 @@ struct SlotRange {
   friend bool operator==(const SlotRange&, const SlotRange&) = default;
 };
 
+/// What becomes of slots from one mesh to the next. Each list is sorted, and its ranges are
+/// apart from each other.
+struct SlotChange {
+  std::vector<SlotRange> given_up;  ///< new ones may be there
+  std::vector<SlotRange> changed;   ///< those that were given up, and those that new ones got
+};
+
 /// The slot of every vertex, or every tet, of one mesh, and those that are nobody's. What it is
 /// depends on the meshes that it has followed, and on nothing else.
 class SlotLayout {
@@ -32,8 +39,8 @@ class SlotLayout {
 
   /// Follows to a mesh of `count` that keeps `kept`: those that are kept stay in their slots,
   /// and the others get, in their order, the lowest that are free; what those do not hold is
-  /// added at the end. Returns the slots that were given up, sorted; new ones may be there.
-  std::vector<SlotRange> follow(std::span<const KeptRun> kept, std::uint64_t count);
+  /// added at the end.
+  SlotChange follow(std::span<const KeptRun> kept, std::uint64_t count);
 
   std::uint64_t count() const noexcept { return count_; }
   /// Slots, holes with them.
@@ -56,7 +63,7 @@ class SlotLayout {
 
  private:
   void add(const SlotRun& run);
-  void fill(std::uint64_t first, std::uint64_t end);
+  void fill(std::uint64_t first, std::uint64_t end, std::vector<SlotRange>& filled);
 
   std::uint64_t count_ = 0, slots_ = 0;
   std::vector<SlotRun> runs_;

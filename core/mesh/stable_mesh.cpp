@@ -68,6 +68,23 @@ std::vector<SlotRun> pieces_of(const std::vector<SlotRun>& runs) {
   return pieces;
 }
 
+std::vector<SlotRange> all_of(const SlotLayout& layout) {
+  if (layout.slots() == 0) return {};
+  return {{0, layout.slots()}};
+}
+
+bool has_room(const TetMesh& mesh, const MeshHeader& header) noexcept {
+  const ChunkSizes sizes(header, whole_of(header));
+  return sizes.positions <= mesh.positions.capacity() && sizes.tets <= mesh.tets.capacity() &&
+         sizes.regions <= mesh.regions.capacity() && sizes.fields <= mesh.fields.capacity() &&
+         sizes.faces <= mesh.faces.capacity() && sizes.face_tets <= mesh.face_tets.capacity() &&
+         sizes.face_labels <= mesh.face_labels.capacity();
+}
+
+void copy_bytes(const ByteBuffer& from, ByteBuffer& to) noexcept {
+  std::ranges::copy(from.bytes(), to.bytes().begin());
+}
+
 absl::Status no_memory(const MeshHeader& header) {
   return absl::ResourceExhaustedError(absl::StrFormat("no memory for %d vertices and %d tets",
                                                       header.vertex_count, header.tet_count));
@@ -82,22 +99,27 @@ absl::StatusOr<TetMesh> StableMesh::in_order() const {
   } catch (const std::bad_alloc&) {
     return no_memory(header_);
   }
+  // Who has these came whole, in order.
+  copy_bytes(mesh_->fields, mesh.fields);
+  copy_bytes(mesh_->faces, mesh.faces);
+  copy_bytes(mesh_->face_tets, mesh.face_tets);
+  copy_bytes(mesh_->face_labels, mesh.face_labels);
   const std::size_t vertex_bytes = 3 * size_of(header_.coordinate_type);
   const std::vector<SlotRun> vertices = pieces_of(vertices_.runs()),
                              tets = pieces_of(tets_.runs());
   for_each_index(vertices.size(), [&](std::size_t i) {
-    copy_rows(mesh_.positions.bytes(), vertices[i].slot, mesh.positions.bytes(),
+    copy_rows(mesh_->positions.bytes(), vertices[i].slot, mesh.positions.bytes(),
               vertices[i].first, vertices[i].count, vertex_bytes);
   });
   const std::vector<KeptRun> numbers = vertices_.from_slots();
   const NewIds ids(numbers, vertices_.slots());
   std::atomic<bool> all_kept{true};
   for_each_index(tets.size(), [&](std::size_t i) {
-    copy_rows(mesh_.regions.bytes(), tets[i].slot, mesh.regions.bytes(), tets[i].first,
+    copy_rows(mesh_->regions.bytes(), tets[i].slot, mesh.regions.bytes(), tets[i].first,
               tets[i].count, header_.region_bytes());
     const bool moved = header_.index_type == IndexType::kUint32
-                           ? move_piece<std::uint32_t>(ids, mesh_, tets[i], mesh)
-                           : move_piece<std::uint64_t>(ids, mesh_, tets[i], mesh);
+                           ? move_piece<std::uint32_t>(ids, *mesh_, tets[i], mesh)
+                           : move_piece<std::uint64_t>(ids, *mesh_, tets[i], mesh);
     if (!moved) all_kept = false;
   });
   if (!all_kept) return absl::InvalidArgumentError("a kept tet has a vertex that is not kept");
@@ -106,7 +128,7 @@ absl::StatusOr<TetMesh> StableMesh::in_order() const {
 
 absl::Status StableMesh::begin(const MeshHeader& header, const KeptParts* kept) {
   renumbered_ = false;
-  std::vector<SlotRange> vertices, tets;
+  SlotChange vertices, tets;
   if (kept != nullptr) {
     if (auto status = check_splice(header_, header, *kept); !status.ok()) return status;
     if (is_worn(header)) {
@@ -123,11 +145,13 @@ absl::Status StableMesh::begin(const MeshHeader& header, const KeptParts* kept) 
   if (auto status = make_room(kept != nullptr); !status.ok()) {
     vertices_ = tets_ = SlotLayout();
     header_ = MeshHeader();
-    mesh_ = TetMesh();
-    room_ = {};
+    mesh_ = std::make_shared<TetMesh>();
+    changed_vertices_ = changed_tets_ = {};
     return status;
   }
-  clear(vertices, tets);
+  clear(vertices.given_up, tets.given_up);
+  changed_vertices_ = renumbered_ ? all_of(vertices_) : std::move(vertices.changed);
+  changed_tets_ = renumbered_ ? all_of(tets_) : std::move(tets.changed);
   new_ids_ = vertices_.to_slots();
   ids_.emplace(new_ids_, header_.vertex_count);
   return absl::OkStatus();
@@ -148,10 +172,9 @@ absl::Status StableMesh::put_in_order() {
   }
   absl::StatusOr<TetMesh> mesh = in_order();
   if (!mesh.ok()) return mesh.status();
-  mesh_ = *std::move(mesh);
+  mesh_ = std::make_shared<TetMesh>(*std::move(mesh));
   vertices_ = SlotLayout(header_.vertex_count);
   tets_ = SlotLayout(header_.tet_count);
-  room_ = {header_.vertex_count, header_.tet_count};
   renumbered_ = true;
   return absl::OkStatus();
 }
@@ -166,28 +189,27 @@ MeshHeader StableMesh::header_of(const Totals& slots) const {
 /// Makes room for the slots that there are now: more than that where it has to be made at all.
 absl::Status StableMesh::make_room(bool keeps) {
   const Totals slots{vertices_.slots(), tets_.slots()};
-  const bool has_room = slots.vertices <= room_.vertices && slots.tets <= room_.tets;
-  if (keeps && !has_room) {
-    room_ = {slots.vertices + slots.vertices / kMostHoles,
-             slots.tets + slots.tets / kMostHoles};
-  } else if (!keeps) {
-    room_ = slots;
-  }
   try {
-    if (keeps && !has_room) {
-      const TetMesh before = std::exchange(mesh_, TetMesh(header_of(room_)));
-      const auto copy = [](const ByteBuffer& from, ByteBuffer& to) {
-        std::ranges::copy(from.bytes(), to.bytes().begin());
-      };
-      copy(before.positions, mesh_.positions);
-      copy(before.tets, mesh_.tets);
-      copy(before.regions, mesh_.regions);
-    }
-    mesh_ = TetMesh(header_of(slots), std::move(mesh_));
+    if (!has_room(*mesh_, header_of(slots))) move_elsewhere(slots, keeps);
+    *mesh_ = TetMesh(header_of(slots), std::move(*mesh_));
   } catch (const std::bad_alloc&) {
     return no_memory(header_of(slots));
   }
   return absl::OkStatus();
+}
+
+/// Other memory: this one's is freed as soon as nobody reads it.
+void StableMesh::move_elsewhere(const Totals& slots, bool keeps) {
+  const bool is_first = mesh_->tets.capacity() == 0;
+  const std::shared_ptr<const TetMesh> before = keeps ? mesh_ : nullptr;
+  mesh_ = nullptr;
+  const Totals roomy{slots.vertices + slots.vertices / kMostHoles,
+                     slots.tets + slots.tets / kMostHoles};
+  mesh_ = std::make_shared<TetMesh>(header_of(is_first ? slots : roomy));
+  if (!before) return;
+  copy_bytes(before->positions, mesh_->positions);
+  copy_bytes(before->tets, mesh_->tets);
+  copy_bytes(before->regions, mesh_->regions);
 }
 
 /// What a slot has had is gone, whether or not it becomes another's.
@@ -198,16 +220,16 @@ void StableMesh::clear(const std::vector<SlotRange>& vertices,
     std::memset(column.data() + range.begin * row, 0, range.count * row);
   };
   for (const SlotRange& range : vertices) {
-    zero(mesh_.positions.bytes(), range, 3 * size_of(header_.coordinate_type));
+    zero(mesh_->positions.bytes(), range, 3 * size_of(header_.coordinate_type));
   }
   for (const SlotRange& range : tets) {
-    zero(mesh_.tets.bytes(), range, 4 * size_of(header_.index_type));
-    zero(mesh_.regions.bytes(), range, header_.region_bytes());
+    zero(mesh_->tets.bytes(), range, 4 * size_of(header_.index_type));
+    zero(mesh_->regions.bytes(), range, header_.region_bytes());
   }
 }
 
 ChunkColumns StableMesh::place(const ChunkExtent& chunk) {
-  if (lies_in_order(vertices_) && lies_in_order(tets_)) return mesh_.columns_of(chunk);
+  if (lies_in_order(vertices_) && lies_in_order(tets_)) return mesh_->columns_of(chunk);
   chunk_ = TetMesh(header_of_chunk(header_, chunk), std::move(chunk_));
   return chunk_.columns();
 }
@@ -217,20 +239,21 @@ absl::Status StableMesh::take(const ChunkExtent& chunk) {
   const std::size_t vertex_bytes = 3 * size_of(header_.coordinate_type);
   vertices_.for_each_run(chunk.first_vertex, chunk.vertex_count,
                          [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
-                           copy_rows(chunk_.positions.bytes(), at, mesh_.positions.bytes(),
+                           copy_rows(chunk_.positions.bytes(), at, mesh_->positions.bytes(),
                                      slot, count, vertex_bytes);
                          });
   bool all_there = true;
-  tets_.for_each_run(
-      chunk.first_tet, chunk.tet_count,
-      [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
-        copy_rows(chunk_.regions.bytes(), at, mesh_.regions.bytes(), slot, count,
-                  header_.region_bytes());
-        const SlotRun piece{slot, at, count};
-        all_there = all_there && (header_.index_type == IndexType::kUint32
-                                      ? move_piece<std::uint32_t>(*ids_, chunk_, piece, mesh_)
-                                      : move_piece<std::uint64_t>(*ids_, chunk_, piece, mesh_));
-      });
+  tets_.for_each_run(chunk.first_tet, chunk.tet_count,
+                     [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
+                       copy_rows(chunk_.regions.bytes(), at, mesh_->regions.bytes(), slot,
+                                 count, header_.region_bytes());
+                       const SlotRun piece{slot, at, count};
+                       all_there =
+                           all_there &&
+                           (header_.index_type == IndexType::kUint32
+                                ? move_piece<std::uint32_t>(*ids_, chunk_, piece, *mesh_)
+                                : move_piece<std::uint64_t>(*ids_, chunk_, piece, *mesh_));
+                     });
   if (all_there) return absl::OkStatus();
   return absl::InvalidArgumentError("a tet has a vertex that the mesh has not");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -28,7 +29,11 @@ class StableMesh {
   StableMesh& operator=(const StableMesh&) = delete;
 
   /// The columns by slot; the totals of its header are numbers of slots.
-  const TetMesh& slots() const noexcept { return mesh_; }
+  const TetMesh& slots() const noexcept { return *mesh_; }
+  /// What keeps the memory of these columns for a reader that may outlive them. Whoever holds
+  /// it sees what becomes of them, or what was there before they moved elsewhere: a next mesh
+  /// is written to the same memory where that has room.
+  std::shared_ptr<const TetMesh> memory() const noexcept { return mesh_; }
   /// The header of the mesh as it is in its own order.
   const MeshHeader& header() const noexcept { return header_; }
   /// Which slot each vertex and each tet has.
@@ -36,6 +41,10 @@ class StableMesh {
   const SlotLayout& tets() const noexcept { return tets_; }
   /// Whether the last `begin` gave every vertex and tet the slot of its own number.
   bool renumbered() const noexcept { return renumbered_; }
+  /// Slots that are not what they were before the last `begin`, empty ones with them: where it
+  /// renumbered, all. Sorted, apart from each other.
+  const std::vector<SlotRange>& changed_vertices() const noexcept { return changed_vertices_; }
+  const std::vector<SlotRange>& changed_tets() const noexcept { return changed_tets_; }
 
   /// The mesh in its own order, byte for byte the one that is made as a whole. Parallel; run it
   /// on a TaskPool. Errors: kInvalidArgument (a kept tet has a vertex that is not kept),
@@ -49,7 +58,9 @@ class StableMesh {
   /// there is no memory for the next mesh (kResourceExhausted), nothing is left of this one.
   absl::Status begin(const MeshHeader& header, const KeptParts* kept);
   /// Where the columns of a chunk are to be written; its ids are those of the mesh in its own
-  /// order, all of them below `header().vertex_count`.
+  /// order, all of them below `header().vertex_count`. Where nothing is kept, the columns of
+  /// all chunks are apart from each other and final, so that any thread may write its own; else
+  /// they are valid until the next call, and wait for `take`.
   ChunkColumns place(const ChunkExtent& chunk);
   /// The chunk has been written. Errors: kInvalidArgument (an id beyond the mesh).
   absl::Status take(const ChunkExtent& chunk);
@@ -62,14 +73,15 @@ class StableMesh {
   bool is_worn(const MeshHeader& header) const noexcept;
   absl::Status put_in_order();
   absl::Status make_room(bool keeps);
+  void move_elsewhere(const Totals& slots, bool keeps);
   MeshHeader header_of(const Totals& slots) const;
   void clear(const std::vector<SlotRange>& vertices,
              const std::vector<SlotRange>& tets) noexcept;
 
   MeshHeader header_;
-  TetMesh mesh_;
-  Totals room_;  ///< slots that there is memory for
+  std::shared_ptr<TetMesh> mesh_ = std::make_shared<TetMesh>();
   SlotLayout vertices_, tets_;
+  std::vector<SlotRange> changed_vertices_, changed_tets_;
   std::vector<KeptRun> new_ids_;  ///< of vertices, by their numbers
   std::optional<NewIds> ids_;     ///< refers to those
   TetMesh chunk_;                 ///< one that is being received, where slots are no numbers

@@ -89,6 +89,18 @@ class Examples(unittest.TestCase):
         self.assertRegex(said, r"^4 bone: \d{4,} tets\n7 : \d{4,} tets\n$")
         self.assertIn(b"VTKFile", (self.here / "tissues.vtu").read_bytes()[:200])
 
+    def test_changes_are_followed_here_and_by_a_server(self):
+        here = run(self.out / "follow_shape", cwd=self.here)
+        self.assertEqual(here, run(self.out / "follow_shape", self.server.address, cwd=self.here))
+        frames = re.findall(r"^(\d+) tets, (\d+) slots changed(, all of them)?$", here, re.MULTILINE)
+        self.assertEqual(len(frames), 5, here)
+        self.assertTrue(frames[0][2])
+        for tets, changed, renumbered in frames[1:]:
+            self.assertFalse(renumbered)
+            self.assertLess(0, int(changed))
+            self.assertLess(int(changed), int(tets) / 2)
+        self.assertIn(b"VTKFile", (self.here / "followed.vtu").read_bytes()[:200])
+
     def test_a_server_that_is_not_there_is_told_in_words(self):
         nobody = f"127.0.0.1:{running_server.unused_port()}"
         done = subprocess.run([self.out / "first_mesh", nobody], cwd=self.here, check=False,

@@ -2,12 +2,12 @@
 #include <utility>
 
 #include "client/library/api/core_request.h"
+#include "client/library/api/local_frames.h"
 #include "client/library/api/mesh_impl.h"
 #include "client/library/api/session_impl.h"
 #include "client/library/api/to_public.h"
 #include "core/base/parallel.h"
 #include "core/plan/make/mesher.h"
-#include "core/plan/request_rules.h"
 
 namespace tetstream {
 namespace {
@@ -18,7 +18,7 @@ tet::TrailerFacts facts_about(const tet::MeshResult& result) {
   return facts;
 }
 
-class LocalFrames final : public FrameMaker {
+class LocalFrames final : public FrameMaker<FrameMesh> {
  public:
   LocalFrames(tet::MeshRequest request,
               const WorkOptions& options,
@@ -32,7 +32,7 @@ class LocalFrames final : public FrameMaker {
     auto made = tet::mesh_volume(pool_, {.shape = *std::move(shape), .request = request_},
                                  cancellation_);
     if (!made.ok()) return to_public(made.status());
-    keep_lattice(made->mesh.header);
+    keep_lattice(made->mesh.header, request_);
     const std::uint64_t tets = made->mesh.header.tet_count;
     return FrameMesh{public_mesh(std::move(made->mesh), facts_about(*made)), tets};
   }
@@ -45,13 +45,6 @@ class LocalFrames final : public FrameMaker {
   Status end() override { return {}; }
 
  private:
-  /// All frames lie on the lattice of the first, about its origin, as on a server.
-  void keep_lattice(const tet::MeshHeader& header) {
-    request_.spacing = header.spacing;
-    request_.coordinates = header.coordinate_type;
-    request_.origin = header.origin;
-  }
-
   tet::MeshRequest request_;
   tet::TaskPool pool_;
   const tet::Cancellation& cancellation_;
@@ -63,11 +56,8 @@ Result<Session> begin(const Solid& solid,
                       const Request& request,
                       const WorkOptions& options) {
   return guarded([&]() -> Result<Session> {
-    absl::StatusOr<tet::MeshRequest> core = core_request(request);
+    absl::StatusOr<tet::MeshRequest> core = session_request(request);
     if (!core.ok()) return to_public(core.status());
-    const absl::Status fits = check_features(
-        features_of(*core) | tet::Features{tet::Feature::kSession}, tet::field_names(*core));
-    if (!fits.ok()) return to_public(fits);
     auto session = std::make_unique<Session::Impl>(options);
     auto frames =
         std::make_unique<LocalFrames>(*std::move(core), options, session->work.cancellation());

@@ -1,11 +1,13 @@
-// Sessions with a server.
+// Sessions with a server, of either kind.
 #include <algorithm>
+#include <concepts>
 #include <utility>
 
 #include "client/library/api/changed_leaves.h"
 #include "client/library/api/client_impl.h"
 #include "client/library/api/mesh_impl.h"
 #include "client/library/api/session_impl.h"
+#include "client/library/api/stable_session_impl.h"
 #include "client/library/api/to_public.h"
 #include "client/library/api/volume_impl.h"
 #include "client/library/remesh_session.h"
@@ -29,29 +31,39 @@ tet::TetMesh copy_of(const tet::TetMesh& mesh) {
   return copy;
 }
 
-class ServedFrames final : public FrameMaker {
+tet::TrailerFacts facts_about(const tet::RemeshSession& session) {
+  const tet::StreamedMesh& mesh = session.mesh();
+  tet::TrailerFacts facts{std::nullopt, mesh.boundary, mesh.improvement, mesh.thin_walls};
+  // Where parts were kept it is that of the rest.
+  const bool whole = session.tets_sent() == mesh.mesh.header.tet_count;
+  if (whole && !mesh.quality.empty()) facts.quality = mesh.quality;
+  return facts;
+}
+
+template <class Frame>
+class ServedFrames final : public FrameMaker<Frame> {
  public:
   ServedFrames(std::shared_ptr<const Client::Impl> client,
                std::unique_ptr<tet::RemeshSession> session,
                const tet::Cancellation& cancellation)
       : client_(std::move(client)), session_(std::move(session)), cancellation_(cancellation) {}
 
-  Result<FrameMesh> now() const {
+  Frame now() const {
     const tet::StreamedMesh& mesh = session_->mesh();
-    tet::TrailerFacts facts{std::nullopt, mesh.boundary, mesh.improvement, mesh.thin_walls};
-    // Where parts were kept it is that of the rest.
-    const bool whole = session_->tets_sent() == mesh.mesh.header.tet_count;
-    if (whole && !mesh.quality.empty()) facts.quality = mesh.quality;
-    return FrameMesh{public_mesh(copy_of(mesh.mesh), facts, mesh.mesh_id),
-                     session_->tets_sent()};
+    const tet::TrailerFacts facts = facts_about(*session_);
+    if constexpr (std::same_as<Frame, StableFrame>) {
+      return {session_->stable(), facts, mesh.mesh_id, session_->tets_sent()};
+    } else {
+      return {public_mesh(copy_of(mesh.mesh), facts, mesh.mesh_id), session_->tets_sent()};
+    }
   }
 
-  Result<FrameMesh> make(const Volume& before, const Volume& after) override {
+  Result<Frame> make(const Volume& before, const Volume& after) override {
     const auto leaves =
         changed_leaves(*before.impl().components.front(), *after.impl().components.front());
     return leaves.ok() ? after_update(session_->update(*leaves)) : to_public(leaves.status());
   }
-  Result<FrameMesh> make(const Scene& scene) override {
+  Result<Frame> make(const Scene& scene) override {
     const auto message = stored_scene(*client_->meshes, scene, cancellation_);
     return message.ok() ? after_update(session_->update(*message))
                         : to_public(message.status());
@@ -60,7 +72,7 @@ class ServedFrames final : public FrameMaker {
   Status end() override { return to_public(session_->end()); }
 
  private:
-  Result<FrameMesh> after_update(const absl::Status& status) const {
+  Result<Frame> after_update(const absl::Status& status) const {
     if (!status.ok()) return to_public(status);
     return now();
   }
@@ -70,19 +82,50 @@ class ServedFrames final : public FrameMaker {
   const tet::Cancellation& cancellation_;
 };
 
-Result<Session> begin_with(const std::shared_ptr<const Client::Impl>& client,
-                           const absl::StatusOr<v1::MeshRequest>& message,
-                           std::unique_ptr<Session::Impl> session) {
-  if (!message.ok()) return to_public(message.status());
-  const tet::Cancellation& cancellation = session->work.cancellation();
-  auto begun = client->meshes->begin_session(*message, cancellation);
-  if (!begun.ok()) return to_public(begun.status());
-  auto frames = std::make_unique<ServedFrames>(client, *std::move(begun), cancellation);
-  Result<FrameMesh> first = frames->now();
-  if (!first.ok()) return first.status();
-  session->now = *std::move(first);
-  session->maker = std::move(frames);
+Session begun(std::unique_ptr<Session::Impl> session,
+              std::unique_ptr<FrameMaker<FrameMesh>> maker,
+              FrameMesh first) {
+  session->now = std::move(first);
+  session->maker = std::move(maker);
   return Session(std::move(session));
+}
+
+/// Uploads what the session begins with, and names it.
+absl::StatusOr<v1::MeshRequest> message_with(const Client::Impl& client,
+                                             const Volume& volume,
+                                             const Request& request,
+                                             const tet::Cancellation& cancellation) {
+  const auto name = upload_volume(*client.meshes, volume, {}, cancellation);
+  if (!name.ok()) return name.status();
+  return message_of(*client.meshes, StoredVolume{*name}, request, cancellation);
+}
+absl::StatusOr<v1::MeshRequest> message_with(const Client::Impl& client,
+                                             const Scene& scene,
+                                             const Request& request,
+                                             const tet::Cancellation& cancellation) {
+  return message_of(*client.meshes, scene, request, cancellation);
+}
+
+template <class Kind, class Frame, class Solid>
+Result<Kind> begin_with(const std::shared_ptr<const Client::Impl>& client,
+                        const Solid& solid,
+                        const Request& request,
+                        const WorkOptions& options) {
+  return guarded([&]() -> Result<Kind> {
+    auto session = std::make_unique<typename Kind::Impl>(options);
+    if constexpr (std::same_as<Solid, Volume>) session->volume = solid;
+    const tet::Cancellation& cancellation = session->work.cancellation();
+    const auto message = message_with(*client, solid, request, cancellation);
+    if (!message.ok()) return to_public(message.status());
+    constexpr tet::SessionIds kIds =
+        std::same_as<Frame, StableFrame> ? tet::SessionIds::kStable : tet::SessionIds::kInOrder;
+    auto served = client->meshes->begin_session(*message, cancellation, kIds);
+    if (!served.ok()) return to_public(served.status());
+    auto frames =
+        std::make_unique<ServedFrames<Frame>>(client, *std::move(served), cancellation);
+    Frame first = frames->now();
+    return begun(std::move(session), std::move(frames), std::move(first));
+  });
 }
 
 }  // namespace
@@ -90,26 +133,25 @@ Result<Session> begin_with(const std::shared_ptr<const Client::Impl>& client,
 Result<Session> Client::begin_session(const Volume& volume,
                                       const Request& request,
                                       const WorkOptions& options) const {
-  return guarded([&]() -> Result<Session> {
-    auto session = std::make_unique<Session::Impl>(options);
-    session->volume = volume;
-    const tet::Cancellation& cancellation = session->work.cancellation();
-    const auto name = upload_volume(*impl_->meshes, volume, {}, cancellation);
-    if (!name.ok()) return to_public(name.status());
-    const auto message = message_of(*impl_->meshes, StoredVolume{*name}, request, cancellation);
-    return begin_with(impl_, message, std::move(session));
-  });
+  return begin_with<Session, FrameMesh>(impl_, volume, request, options);
 }
 
 Result<Session> Client::begin_session(const Scene& scene,
                                       const Request& request,
                                       const WorkOptions& options) const {
-  return guarded([&]() -> Result<Session> {
-    auto session = std::make_unique<Session::Impl>(options);
-    const auto message =
-        message_of(*impl_->meshes, scene, request, session->work.cancellation());
-    return begin_with(impl_, message, std::move(session));
-  });
+  return begin_with<Session, FrameMesh>(impl_, scene, request, options);
+}
+
+Result<StableSession> Client::begin_stable_session(const Volume& volume,
+                                                   const Request& request,
+                                                   const WorkOptions& options) const {
+  return begin_with<StableSession, StableFrame>(impl_, volume, request, options);
+}
+
+Result<StableSession> Client::begin_stable_session(const Scene& scene,
+                                                   const Request& request,
+                                                   const WorkOptions& options) const {
+  return begin_with<StableSession, StableFrame>(impl_, scene, request, options);
 }
 
 }  // namespace tetstream

@@ -1,9 +1,10 @@
-// What a public session holds.
+// What public sessions hold, of either kind.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <absl/status/statusor.h>
 
@@ -22,24 +23,76 @@ struct FrameMesh {
 };
 
 /// Makes the mesh of each frame, after the first.
+template <class Frame>
 class FrameMaker {
  public:
   virtual ~FrameMaker() = default;
-  virtual Result<FrameMesh> make(const Volume& before, const Volume& after) = 0;
-  virtual Result<FrameMesh> make(const Scene& scene) = 0;
+  virtual Result<Frame> make(const Volume& before, const Volume& after) = 0;
+  virtual Result<Frame> make(const Scene& scene) = 0;
   /// A frame has failed, and nobody can make another.
   virtual bool is_over() const = 0;
   virtual Status end() = 0;
 };
 
-struct Session::Impl {
-  explicit Impl(const WorkOptions& options) : work(options) {}
+/// A shape that changes, and the frame that is shown of it.
+template <class Frame>
+class FollowedShape {
+ public:
+  explicit FollowedShape(const WorkOptions& options) : work(options) {}
+
+  Status update(const Volume& next);
+  Status update(const Scene& scene);
+  Status end();
 
   Work work;  // first: the maker uses its cancellation
-  std::unique_ptr<FrameMaker> maker;
+  std::unique_ptr<FrameMaker<Frame>> maker;
   std::optional<Volume> volume;  ///< as it is now; nothing in the session of a scene
-  std::optional<FrameMesh> now;
+  std::optional<Frame> now;
   bool over = false;
+
+ private:
+  static Status is_past() {
+    return {StatusCode::kFailedPrecondition, "the session is over: begin another"};
+  }
+  /// Takes the next frame, unless it has failed.
+  Status take(Result<Frame> frame) {
+    if (!frame.ok()) {
+      over = maker->is_over();
+      return frame.status();
+    }
+    now = *std::move(frame);
+    return {};
+  }
+};
+
+template <class Frame>
+Status FollowedShape<Frame>::update(const Volume& next) {
+  if (over) return is_past();
+  if (!volume) {
+    return {StatusCode::kInvalidArgument, "the session began with a scene: give it a scene"};
+  }
+  Status status = take(guarded([&]() -> Result<Frame> { return maker->make(*volume, next); }));
+  if (status.ok()) volume = next;
+  return status;
+}
+
+template <class Frame>
+Status FollowedShape<Frame>::update(const Scene& scene) {
+  if (over) return is_past();
+  if (volume) {
+    return {StatusCode::kInvalidArgument, "the session began with a volume: give it a volume"};
+  }
+  return take(guarded([&]() -> Result<Frame> { return maker->make(scene); }));
+}
+
+template <class Frame>
+Status FollowedShape<Frame>::end() {
+  if (std::exchange(over, true)) return {};
+  return guarded([&] { return maker->end(); });
+}
+
+struct Session::Impl : FollowedShape<FrameMesh> {
+  using FollowedShape::FollowedShape;
 };
 
 }  // namespace tetstream

@@ -2,15 +2,20 @@
 
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "client/python/extension/arrays.h"
 #include "client/python/extension/bindings.h"
 #include "tetstream/client.h"
+#include "tetstream/stable_session.h"
 
 namespace tetstream::python {
 namespace {
 
-/// A session, watched for as long as it lives. One thread at a time may be in it, which Python
-/// sees to.
+/// A session of either kind, watched for as long as it lives. One thread at a time may be in
+/// it, which Python sees to.
+template <class Kind>
 class HeldSession {
  public:
   template <class Function>
@@ -26,9 +31,13 @@ class HeldSession {
   HeldSession(const HeldSession&) = delete;
   HeldSession& operator=(const HeldSession&) = delete;
 
-  Mesh mesh() const { return session_->mesh(); }
+  auto mesh() const { return session_->mesh(); }
   std::uint64_t tets_sent() const { return session_->tets_sent(); }
   bool is_over() const { return session_->is_over(); }
+
+  Mesh in_order() {
+    return value_of(watch_.call([&] { return session_->in_order(); }));
+  }
 
   template <class Solid>
   void update(const Solid& solid) {
@@ -46,42 +55,115 @@ class HeldSession {
 
  private:
   Watch watch_;
-  std::optional<Session> session_;
+  std::optional<Kind> session_;
 };
 
+using HeldPlain = HeldSession<Session>;
+using HeldStable = HeldSession<StableSession>;
+
 template <class Solid>
-std::unique_ptr<HeldSession> session_here(const Solid& solid,
-                                          const Request& request,
-                                          const CallOptions& options) {
-  return std::make_unique<HeldSession>(
+std::unique_ptr<HeldPlain> session_here(const Solid& solid,
+                                        const Request& request,
+                                        const CallOptions& options) {
+  return std::make_unique<HeldPlain>(
       options, [&](const WorkOptions& work) { return begin_session(solid, request, work); });
 }
 
 template <class Solid>
-std::unique_ptr<HeldSession> session_there(const Client& client,
-                                           const Solid& solid,
-                                           const Request& request,
-                                           const CallOptions& options) {
-  return std::make_unique<HeldSession>(options, [&](const WorkOptions& work) {
+std::unique_ptr<HeldPlain> session_there(const Client& client,
+                                         const Solid& solid,
+                                         const Request& request,
+                                         const CallOptions& options) {
+  return std::make_unique<HeldPlain>(options, [&](const WorkOptions& work) {
     return client.begin_session(solid, request, work);
   });
+}
+
+template <class Solid>
+std::unique_ptr<HeldStable> stable_session_here(const Solid& solid,
+                                                const Request& request,
+                                                const CallOptions& options) {
+  return std::make_unique<HeldStable>(options, [&](const WorkOptions& work) {
+    return begin_stable_session(solid, request, work);
+  });
+}
+
+template <class Solid>
+std::unique_ptr<HeldStable> stable_session_there(const Client& client,
+                                                 const Solid& solid,
+                                                 const Request& request,
+                                                 const CallOptions& options) {
+  return std::make_unique<HeldStable>(options, [&](const WorkOptions& work) {
+    return client.begin_stable_session(solid, request, work);
+  });
+}
+
+template <class Held>
+py::class_<Held> bind_held(py::module_& module, const char* name) {
+  return py::class_<Held>(module, name)
+      .def_property_readonly("mesh", &Held::mesh)
+      .def_property_readonly("tets_sent", &Held::tets_sent)
+      .def_property_readonly("is_over", &Held::is_over)
+      .def("update", &Held::template update<Volume>)
+      .def("update", &Held::template update<Scene>)
+      .def("end", &Held::end)
+      .def("stop", &Held::stop);
+}
+
+/// Rows of a range's begin and end, in memory of their own.
+template <std::vector<SlotRange> StableMesh::*ranges>
+py::array rows_of(const StableMesh& mesh) {
+  std::vector<std::int64_t> numbers;
+  for (const SlotRange& range : mesh.*ranges) {
+    numbers.push_back(static_cast<std::int64_t>(range.begin));
+    numbers.push_back(static_cast<std::int64_t>(range.end));
+  }
+  return ArrayMaker().make(std::span<const std::int64_t>(numbers), 2);
+}
+
+/// An array of the columns, which holds the mesh of which it is, and by it their memory.
+template <class Function>
+auto of_columns(const Function& array) {
+  return [array](const py::object& self) {
+    const auto& mesh = self.cast<const StableMesh&>();
+    return array(ArrayMaker(self), mesh.columns, mesh.header);
+  };
+}
+
+void bind_stable_mesh(py::module_& module) {
+  py::class_<StableMesh>(module, "StableMesh")
+      .def_property_readonly(
+          "header", [](const StableMesh& mesh) { return python::to_python(mesh.header); })
+      .def_property_readonly(
+          "points", of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
+                                  const MeshHeader&) { return maker.points(columns); }))
+      .def_property_readonly("tets",
+                             of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
+                                           const MeshHeader&) { return maker.tets(columns); }))
+      .def_property_readonly(
+          "regions", of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
+                                   const MeshHeader& h) { return maker.regions(columns, h); }))
+      .def_property_readonly("empty_vertices", &rows_of<&StableMesh::empty_vertices>)
+      .def_property_readonly("empty_tets", &rows_of<&StableMesh::empty_tets>)
+      .def_property_readonly("changed_vertices", &rows_of<&StableMesh::changed_vertices>)
+      .def_property_readonly("changed_tets", &rows_of<&StableMesh::changed_tets>)
+      .def_readonly("renumbered", &StableMesh::renumbered);
 }
 
 }  // namespace
 
 void bind_session(py::module_& module) {
-  py::class_<HeldSession>(module, "Session")
-      .def_property_readonly("mesh", &HeldSession::mesh)
-      .def_property_readonly("tets_sent", &HeldSession::tets_sent)
-      .def_property_readonly("is_over", &HeldSession::is_over)
-      .def("update", &HeldSession::update<Volume>)
-      .def("update", &HeldSession::update<Scene>)
-      .def("end", &HeldSession::end)
-      .def("stop", &HeldSession::stop);
+  bind_held<HeldPlain>(module, "Session");
   module.def("session", &session_here<Volume>);
   module.def("session", &session_here<Scene>);
   module.def("session_there", &session_there<Volume>);
   module.def("session_there", &session_there<Scene>);
+  bind_stable_mesh(module);
+  bind_held<HeldStable>(module, "StableSession").def("in_order", &HeldStable::in_order);
+  module.def("stable_session", &stable_session_here<Volume>);
+  module.def("stable_session", &stable_session_here<Scene>);
+  module.def("stable_session_there", &stable_session_there<Volume>);
+  module.def("stable_session_there", &stable_session_there<Scene>);
 }
 
 }  // namespace tetstream::python

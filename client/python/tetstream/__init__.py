@@ -28,7 +28,7 @@ meshes on a server; a client also has sessions, which follow a shape that moves,
 `tetstream.Error`, of a class for each kind. `help(tetstream.Client.mesh)` has all options.
 """
 
-from ._async import AsyncClient, AsyncJobs, AsyncJobWatch, AsyncMeshStream, AsyncSession
+from ._async import AsyncClient, AsyncJobs, AsyncJobWatch, AsyncMeshStream, AsyncSession, AsyncStableSession
 from ._backends import Capabilities
 from ._client import Client, Estimate
 from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceededError, Error,
@@ -45,20 +45,22 @@ from ._session import Session
 from ._share import Share
 from ._solid import (Solid, box, capsule, cone, cylinder, diamond, difference, ellipsoid, grid, gyroid, half_space,
                      intersection, read_scene, schwarz_p, sphere, torus, union)
+from ._stable import StableMesh, StableSession
 from ._stream import MeshStream
 from ._tetstream import version
 from ._volume import Volume
 
 __all__ = [
-    "AccessError", "AsyncClient", "AsyncJobWatch", "AsyncJobs", "AsyncMeshStream", "AsyncSession", "Boundary",
-    "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError", "DeadlineExceededError", "Error",
+    "AccessError", "AsyncClient", "AsyncJobWatch", "AsyncJobs", "AsyncMeshStream", "AsyncSession",
+    "AsyncStableSession", "Boundary", "CancelledError", "Capabilities", "Chunk", "Client", "DataLossError", "DeadlineExceededError", "Error",
     "Estimate", "FaceLabel", "FailedPreconditionError", "Fidelity", "FieldArray", "Header", "Improvement",
     "InternalError", "InvalidArgumentError", "Job", "JobEvent", "JobProgress", "JobWatch", "Jobs", "Labels",
     "Mesh", "MeshLabel", "MeshPart", "MeshStream", "NotFoundError", "Quality", "Ratio", "Request",
-    "ResourceExhaustedError", "Samples", "Session", "Shapes", "Share", "Solid", "Statistics", "StatusCode",
-    "StoredVolume", "SurfaceDistance", "ThinWalls", "UnavailableError", "Volume", "box", "capsule", "cone",
+    "ResourceExhaustedError", "Samples", "Session", "Shapes", "Share", "Solid", "StableMesh", "StableSession",
+    "Statistics", "StatusCode", "StoredVolume", "SurfaceDistance", "ThinWalls", "UnavailableError", "Volume", "box", "capsule", "cone",
     "cylinder", "diamond", "difference", "ellipsoid", "estimate", "grid", "gyroid", "half_space",
-    "intersection", "mesh", "read_scene", "sample", "schwarz_p", "session", "sphere", "stream", "torus",
+    "intersection", "mesh", "read_scene", "sample", "schwarz_p", "session", "sphere", "stable_session",
+    "stream", "torus",
     "union", "version",
 ]
 
@@ -70,3 +72,4 @@ stream = _here.stream
 estimate = _here.estimate
 sample = _here.sample
 session = _here.session
+stable_session = _here.stable_session

@@ -19,6 +19,7 @@ from ._mesh import Chunk, Mesh
 from ._request import stop_of_context
 from ._session import Session
 from ._share import Share
+from ._stable import StableMesh, StableSession
 from ._stream import MeshStream
 
 P = ParamSpec("P")
@@ -163,6 +164,46 @@ class AsyncSession(_Wrapped[Session]):
             await self.close()
 
 
+class AsyncStableSession(_Wrapped[StableSession]):
+    """A `StableSession` for asyncio. A task that is cancelled in `update` or `in_order` ends it."""
+
+    @property
+    def mesh(self) -> StableMesh:
+        """As it is now."""
+        return self._sync.mesh
+
+    @property
+    def tets_sent(self) -> int:
+        """Tets of the last frame that were sent, or made here."""
+        return self._sync.tets_sent
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it takes no more frames."""
+        return self._sync.is_over
+
+    @functools.wraps(StableSession.update)
+    async def update(self, frame: Any) -> StableMesh:
+        return await _run(self._sync._session.stop, self._sync.update, frame)
+
+    @functools.wraps(StableSession.in_order)
+    async def in_order(self) -> Mesh:
+        return await _run(self._sync._session.stop, self._sync.in_order)
+
+    async def close(self) -> None:
+        """Tells the server that this was all."""
+        await _run(self._sync._session.stop, self._sync.close)
+
+    async def __aenter__(self) -> AsyncStableSession:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            await self.close()
+
+
 class AsyncJobWatch(_Wrapped[JobWatch]):
     """A `JobWatch` for asyncio: `async for event in watch`, which may be left at any time."""
 
@@ -236,6 +277,7 @@ class AsyncClient(_Wrapped[Client]):
     stream = _call_for(AsyncMeshStream, Client.stream)
     sample = _call(Client.sample)
     session = _call_for(AsyncSession, Client.session)
+    stable_session = _call_for(AsyncStableSession, Client.stable_session)
     upload = _call(Client.upload)
     upload_file = _call(Client.upload_file)
     capabilities = _call(Client.capabilities)

@@ -56,6 +56,7 @@ class Backend(Protocol):
         self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
     ) -> dict[str, Any]: ...
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session: ...
+    def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession: ...
     def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene: ...
     def capabilities(self, options: _tetstream.Options) -> Capabilities: ...
     def check_health(self, service: str, options: _tetstream.Options) -> None: ...
@@ -91,6 +92,9 @@ class Here:
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
         return _tetstream.session(self.frame(request.volume, options), request._wire(), options)
+
+    def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession:
+        return _tetstream.stable_session(self.frame(request.volume, options), request._wire(), options)
 
     def capabilities(self, options: _tetstream.Options) -> Capabilities:
         return Capabilities(_tetstream.version(), "", 0, 0, 0, 0)
@@ -164,6 +168,10 @@ class Served:
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
         return _tetstream.session_there(self.client, self.frame(request.volume, options), request._wire(),
                                         options)
+
+    def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession:
+        return _tetstream.stable_session_there(self.client, self.frame(request.volume, options),
+                                               request._wire(), options)
 
     def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene:
         """What a session is given: volumes are needed here, to see what changes."""

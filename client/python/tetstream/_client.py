@@ -22,6 +22,7 @@ from ._request import (Box, Coordinates, Encoding, FaceRegions, Inside, Preset, 
 from ._samples import Samples, rows_of
 from ._served_jobs import ServedJobs
 from ._session import Session
+from ._stable import StableSession
 from ._share import SharedStream
 from ._stream import MeshStream
 from ._volume import Volume
@@ -341,6 +342,23 @@ class Client:
         request = Request._of(volume, spacing=spacing)
         backend = self._backend
         return Session(backend.session(request, options_of(timeout=timeout, threads=threads)), backend)
+
+    def stable_session(
+        self,
+        volume: VolumeLike,
+        *,
+        spacing: float | None = None,
+        threads: int = 0,
+        timeout: float | None = None,
+    ) -> StableSession:
+        """Begins a session whose vertices and tets keep their ids, and whose arrays are patched in place.
+
+        volume, spacing, threads, timeout   as of `session`
+        """
+        request = Request._of(volume, spacing=spacing)
+        backend = self._backend
+        options = options_of(timeout=timeout, threads=threads)
+        return StableSession(backend.stable_session(request, options), backend)
 
     @property
     def jobs(self) -> Jobs:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <utility>
 
@@ -56,10 +57,18 @@ CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation
   if (!cancellation.requested()) find_vertices(cancellation);
   if (cancellation.requested()) return;
   if (const ComparedMesh* earlier = surveyed.earlier) {
-    count_bricks(cancellation, &earlier->mesh, find_kept_bricks(*earlier, {*this, field}));
+    kept_ = find_kept_bricks(*earlier, {*this, field});
+    earlier_serial_ = earlier->mesh.serial_;
+    count_bricks(cancellation, &earlier->mesh, kept_);
   } else {
     count_bricks(cancellation, nullptr, {});
   }
+  survey_.known = {};  // places in a survey that may be gone before this mesh is
+}
+
+std::uint64_t CountedMesh::next_serial() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules, bool faces)
@@ -226,6 +235,9 @@ std::uint64_t CountedMesh::bytes() const noexcept {
   for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();
   for (const LevelNodes& nodes : nodes_) {
     bytes += nodes.bytes();
+  }
+  for (const KeptBricks& kept : kept_) {
+    bytes += all_heap_bytes(kept.vertices, kept.tets, kept.nodes);
   }
   return bytes;
 }

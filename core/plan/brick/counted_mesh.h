@@ -10,6 +10,7 @@
 #include "core/lattice/node_numbers.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/octree/octree.h"
+#include "core/plan/brick/kept_bricks.h"
 #include "core/plan/brick/survey.h"
 #include "core/stuffing/cell_nodes.h"
 #include "core/stuffing/domain_faces.h"
@@ -19,7 +20,6 @@
 namespace tet {
 
 class CountedMesh;
-struct KeptBricks;
 
 /// A brick of the mesh: its octree level and its place among that level's bricks.
 struct BrickPlace {
@@ -114,6 +114,10 @@ class CountedMesh {
   /// What the survey kept of a finest brick: see MeshStructure::stuffed.
   std::uint32_t stuffed(std::size_t brick) const noexcept { return stuffed_[brick]; }
   const Survey& survey() const noexcept { return survey_; }
+  /// What it keeps of an earlier mesh by find_kept_bricks; null unless it was counted after it.
+  const std::vector<KeptBricks>* kept_of(const CountedMesh& earlier) const noexcept {
+    return earlier.serial_ == earlier_serial_ ? &kept_ : nullptr;
+  }
   /// Memory it takes.
   std::uint64_t bytes() const noexcept;
 
@@ -145,6 +149,7 @@ class CountedMesh {
                                bool at_surface,
                                CellNodes& nodes) const noexcept;
   void find_domain();
+  static std::uint64_t next_serial() noexcept;
 
   StuffingRules rules_;
   bool has_faces_ = false;
@@ -157,7 +162,11 @@ class CountedMesh {
   std::vector<std::size_t> first_brick_;                 // of each level
   std::vector<std::uint64_t> first_vertex_, first_tet_;  // one more than bricks: totals
   std::vector<std::uint64_t> first_face_;                // the same, or empty
-  CellBox domain_;                                       // of all leaves, where it is needed
+  /// Different from that of every other mesh of the process; names them where they may be gone.
+  std::uint64_t serial_ = next_serial();
+  std::uint64_t earlier_serial_ = 0;  ///< of the mesh that it was counted after; 0: of none
+  std::vector<KeptBricks> kept_;      ///< of that one
+  CellBox domain_;                    // of all leaves, where it is needed
 };
 
 }  // namespace tet

@@ -90,6 +90,7 @@ class LevelComparison {
     if (a >= kAllInside || b >= kAllInside) return a == b;
     const Survey& survey_before = earlier_.mesh.survey();
     const Survey& survey = now_.mesh.survey();
+    if (!survey.known.empty() && survey.known[b] == a) return true;
     if (!same_signs(survey_before.stuffed[a], survey.stuffed[b])) return false;
     if (!survey.fans.empty() && survey_before.fans[a] != survey.fans[b]) return false;
     return std::ranges::equal(geometry_before_.of_brick(before), geometry_.of_brick(brick));
@@ -299,7 +300,10 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const Comp
 
 MeshDifference compare_meshes(const ComparedMesh& earlier, const ComparedMesh& now) {
   MeshDifference difference;
-  const std::vector<KeptBricks> kept = find_kept_bricks(earlier, now);
+  std::vector<KeptBricks> found;
+  const std::vector<KeptBricks>* known = now.mesh.kept_of(earlier.mesh);
+  if (known == nullptr) found = find_kept_bricks(earlier, now);
+  const std::vector<KeptBricks>& kept = known != nullptr ? *known : found;
   for (std::size_t level = 0; level < kept.size(); ++level) {
     add_level(earlier, now, static_cast<int>(level), kept[level], difference);
   }

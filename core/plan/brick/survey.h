@@ -47,6 +47,8 @@ struct KeptGeometry {
   std::uint64_t block_bytes = 0;  ///< of all blocks
 };
 
+inline constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};
+
 /// The surface's parts near one brick of a survey.
 struct PartsOfBrick {
   std::uint32_t brick = 0;  ///< its place
@@ -60,6 +62,9 @@ struct Survey {
   std::vector<BrickMask> finest;  ///< cells that must stay finest; possibly none
   std::vector<FanMasks> fans;     ///< where both sides are meshed; empty otherwise
   KeptGeometry geometry;
+  /// The place of each in the earlier survey that it was taken from, else kNotKnown: until the
+  /// mesh is counted, and where there was one.
+  std::vector<std::uint32_t> known;
   std::vector<ThinBrick> thin;  ///< sorted; few, and not all of them among `bricks`
   std::shared_ptr<const RestoredNodes> restored;  ///< may be null
 

@@ -78,6 +78,7 @@ void add_findings(std::span<const BrickCoord> candidates,
     if (!known && findings.surveyed[i] == nullptr) continue;
     survey.bricks.push_back(candidates[i]);
     survey.geometry.of_brick.push_back(findings.geometry[i]);
+    if (earlier != nullptr) survey.known.push_back(findings.known[i]);
     if (known) {
       add_known(earlier->survey, findings.known[i], survey);
     } else {

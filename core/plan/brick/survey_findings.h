@@ -23,8 +23,6 @@ struct SurveyedBrick {
   bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
 };
 
-inline constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};
-
 /// What was found of each of some candidates.
 struct Findings {
   // Most candidates have no part in the surface where the lattice is finer than the voxels.

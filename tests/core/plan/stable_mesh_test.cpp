@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -235,6 +236,31 @@ std::vector<std::uint64_t> slots_after(const std::vector<std::uint64_t>& slots,
   return now;
 }
 
+/// Slots of the earlier mesh or of the next one, without those that were kept.
+std::set<std::uint64_t> changed_slots(const std::vector<std::uint64_t>& before,
+                                      const std::vector<KeptRun>& kept,
+                                      const std::vector<std::uint64_t>& now) {
+  std::set<std::uint64_t> changed(before.begin(), before.end());
+  changed.insert(now.begin(), now.end());
+  for (const KeptRun& run : kept) {
+    for (std::uint64_t i = 0; i < run.count; ++i) changed.erase(before[run.from + i]);
+  }
+  return changed;
+}
+
+void expect_slots(const std::vector<SlotRange>& ranges,
+                  const std::set<std::uint64_t>& expected) {
+  std::set<std::uint64_t> slots;
+  std::uint64_t end = 0;
+  for (const SlotRange& range : ranges) {
+    ASSERT_GT(range.count, 0U);
+    ASSERT_TRUE(slots.empty() || range.begin > end);
+    for (std::uint64_t i = 0; i < range.count; ++i) slots.insert(range.begin + i);
+    end = range.begin + range.count;
+  }
+  EXPECT_EQ(slots, expected);
+}
+
 TEST(SlotLayout, FollowsAsOneNumberAfterTheOtherWould) {
   std::mt19937 random(11);
   for (int turn = 0; turn < 200; ++turn) {
@@ -246,8 +272,9 @@ TEST(SlotLayout, FollowsAsOneNumberAfterTheOtherWould) {
       const std::vector<KeptRun> kept = some_runs(random, slots.size());
       const std::uint64_t end = kept.empty() ? 0 : kept.back().to + kept.back().count;
       const std::uint64_t count = end + random() % 9;
+      const std::vector<std::uint64_t> before = slots;
       slots = slots_after(slots, kept, count, total);
-      layout.follow(kept, count);
+      expect_slots(layout.follow(kept, count).changed, changed_slots(before, kept, slots));
       ASSERT_EQ(layout.count(), count);
       ASSERT_EQ(layout.slots(), total);
       for (std::uint64_t i = 0; i < count; ++i) ASSERT_EQ(slot_of(layout, i), slots[i]);

@@ -15,6 +15,7 @@
 #include "tetstream/sample.h"
 #include "tetstream/scene.h"
 #include "tetstream/session.h"
+#include "tetstream/stable_session.h"
 #include "tetstream/status.h"
 #include "tetstream/stream.h"
 #include "tetstream/volume.h"
@@ -134,6 +135,15 @@ class TETSTREAM_API Client {
   Result<Session> begin_session(const Scene& scene,
                                 const Request& request = {},
                                 const WorkOptions& options = {}) const;
+
+  /// Begins a session there whose vertices and tets keep their ids, and which is patched in
+  /// place here.
+  Result<StableSession> begin_stable_session(const Volume& volume,
+                                             const Request& request = {},
+                                             const WorkOptions& options = {}) const;
+  Result<StableSession> begin_stable_session(const Scene& scene,
+                                             const Request& request = {},
+                                             const WorkOptions& options = {}) const;
 
   Result<Capabilities> capabilities(const WorkOptions& options = {}) const;
   /// kOk where the server says that it serves: "readiness", "liveness" or "jobs".

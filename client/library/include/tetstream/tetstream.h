@@ -11,6 +11,7 @@
 #include "tetstream/sample.h"
 #include "tetstream/scene.h"
 #include "tetstream/session.h"
+#include "tetstream/stable_session.h"
 #include "tetstream/status.h"
 #include "tetstream/stream.h"
 #include "tetstream/transfer.h"

@@ -1,0 +1,99 @@
+// Meshes that follow their shapes under ids that do not move, patched in place.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tetstream/export.h"
+#include "tetstream/mesh.h"
+#include "tetstream/request.h"
+#include "tetstream/scene.h"
+#include "tetstream/status.h"
+#include "tetstream/volume.h"
+
+namespace tetstream {
+
+/// Slots from `begin` on, up to but without `end`.
+struct SlotRange {
+  std::uint64_t begin = 0, end = 0;
+  friend bool operator==(const SlotRange&, const SlotRange&) = default;
+};
+
+/// A mesh by slots. A vertex or a tet that is kept from one frame to the next keeps its slot,
+/// which is its id; new ones get the lowest that are empty. Lists of ranges are sorted, and
+/// their ranges are apart from each other.
+///
+/// Spans are valid until the next update, which writes to the same memory, and until the
+/// session is gone; whoever has to read them for longer holds `memory`.
+struct StableMesh {
+  /// The mesh in its own order: its totals count vertices and tets, and not slots.
+  MeshHeader header;
+  /// Arrays with a row for each slot: `columns.vertex_count()` and `columns.tet_count()` are
+  /// numbers of slots. In an empty slot a vertex lies at the origin and belongs to no tet, and
+  /// a tet is four times vertex 0, of volume 0, with region 0.
+  MeshColumns columns;
+  std::vector<SlotRange> empty_vertices, empty_tets;
+  /// Slots that have another vertex or tet than in the frame before, or none any more: all that
+  /// has to be read again. With the first frame, and where it is renumbered, all of them.
+  std::vector<SlotRange> changed_vertices, changed_tets;
+  /// Every vertex and tet has the id that it has in the mesh's own order, whatever it had
+  /// before: in the first frame, where nothing could be kept, and where more than an eighth of
+  /// the slots would be empty.
+  bool renumbered = false;
+  /// Keeps the memory of `columns`, whatever an update makes of what is there. An update that
+  /// needs more room, or renumbers, moves the columns elsewhere and leaves this as it was.
+  std::shared_ptr<const void> memory;
+};
+
+/// A session whose mesh is patched in place: an update takes time in proportion to what is new,
+/// and copies nothing else. Its ids depend on all of its frames in their order, and on nothing
+/// else; they are the same here and on a server. `in_order` is the mesh that `Session` has.
+///
+/// A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After
+/// any other failure, of the connection for instance, the session is over, and its mesh is
+/// empty, with `memory` null: begin another.
+///
+/// Not thread-safe. The options that it began with watch and stop all of it.
+class TETSTREAM_API StableSession {
+ public:
+  const StableMesh& mesh() const noexcept;
+
+  /// The mesh in its own order: another one, in memory of its own, byte for byte the one that
+  /// is made as a whole. Takes time in proportion to all of it. Errors: kFailedPrecondition (a
+  /// failure has ended the session), kResourceExhausted (no memory), kInvalidArgument (the
+  /// server said that it keeps a tet, and not its vertices).
+  Result<Mesh> in_order() const;
+
+  /// The mesh becomes that of another volume, or scene. Errors: those of Session::update.
+  Status update(const Volume& volume);
+  Status update(const Scene& scene);
+
+  /// Tets of the last frame that were made here or sent by the server; the others were kept.
+  std::uint64_t tets_sent() const noexcept;
+  /// Whether it takes no more frames.
+  bool is_over() const noexcept;
+  /// Tells the server that this was all; the mesh stays. Errors: what the session ended with.
+  Status end();
+
+  ~StableSession();
+  StableSession(StableSession&&) noexcept;
+  StableSession& operator=(StableSession&&) noexcept;
+
+  struct Impl;
+  explicit StableSession(std::unique_ptr<Impl> impl);
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Begins a session in this process, which makes again what differs from the frame before.
+/// Errors: those of mesh.
+TETSTREAM_API Result<StableSession> begin_stable_session(const Volume& volume,
+                                                         const Request& request = {},
+                                                         const WorkOptions& options = {});
+TETSTREAM_API Result<StableSession> begin_stable_session(const Scene& scene,
+                                                         const Request& request = {},
+                                                         const WorkOptions& options = {});
+
+}  // namespace tetstream

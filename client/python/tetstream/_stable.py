@@ -1,0 +1,178 @@
+"""Meshes that follow their shapes under ids that do not move."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _tetstream
+from ._backends import Backend
+from ._errors import FailedPreconditionError, StatusCode
+from ._header import Header
+from ._mesh import Mesh
+from ._request import Meshable, options_of
+
+
+class StableMesh:
+    """A frame of a `StableSession`, by slots: a vertex or tet that is kept keeps its slot, which is its id.
+
+    Arrays have a row for each slot. In an empty one a vertex lies at the header's origin and belongs to no tet, and a
+    tet is four times vertex 0, of volume 0, with region 0. New vertices and tets get the lowest empty slots.
+
+    local_points     (n, 3) float32 or float64, relative to header.origin
+    tets             (m, 4) uint32 or uint64, slots of vertices
+    regions          (m,) uint8, 1 inside and 2 outside; None unless both sides are meshed
+    empty_vertices, empty_tets       (k, 2) int64: rows of the first slot of a run, and the one behind its last
+    changed_vertices, changed_tets   (k, 2) int64, such runs: all that is not what it was in the frame before
+    renumbered       whether the ids are new ones, those of the mesh in its own order
+    header           totals, origin, spacing; `vertex_count` and `tet_count` leave empty slots out
+
+    The first three are views of the session's memory, without a copy and read-only. An update writes to that memory,
+    unless it needs other: then it leaves this where it is. So an array that was taken before an update may always be
+    read, and keeps its memory alive, but shows the frame before, the next, or some of either. Ask the mesh of each frame
+    for its arrays, and copy what has to stay. The mesh itself is that of one frame: after the next, and after a failure
+    that ends the session, it raises FailedPreconditionError.
+    """
+
+    def __init__(self, mesh: _tetstream.StableMesh) -> None:
+        self._mesh: _tetstream.StableMesh | None = mesh
+
+    @property
+    def header(self) -> Header:
+        """Of the mesh in its own order."""
+        return Header._of(self._now.header)
+
+    @property
+    def local_points(self) -> NDArray[np.floating[Any]]:
+        """Shape (n, 3): coordinates relative to `header.origin`."""
+        return self._now.points
+
+    @property
+    def tets(self) -> NDArray[np.unsignedinteger[Any]]:
+        """Shape (m, 4): slots of vertices. det(b - a, c - a, d - a) is positive, but of empty slots."""
+        return self._now.tets
+
+    @property
+    def regions(self) -> NDArray[np.uint8] | None:
+        """Shape (m,): 1 inside, 2 outside, 0 in empty slots; None unless both sides are meshed."""
+        return self._now.regions
+
+    @property
+    def empty_vertices(self) -> NDArray[np.int64]:
+        """Shape (k, 2): runs of slots without a vertex, sorted and apart."""
+        return self._now.empty_vertices
+
+    @property
+    def empty_tets(self) -> NDArray[np.int64]:
+        """Shape (k, 2): runs of slots without a tet, sorted and apart."""
+        return self._now.empty_tets
+
+    @property
+    def changed_vertices(self) -> NDArray[np.int64]:
+        """Shape (k, 2): runs of slots that have another vertex than before or none any more; all of
+        them where the mesh is renumbered."""
+        return self._now.changed_vertices
+
+    @property
+    def changed_tets(self) -> NDArray[np.int64]:
+        """Shape (k, 2): runs of slots that have another tet than before or none any more; all of them
+        where the mesh is renumbered."""
+        return self._now.changed_tets
+
+    @property
+    def renumbered(self) -> bool:
+        """Whether ids of the frame before mean nothing here: in the first frame, where nothing could
+        be kept, and where more than an eighth of the slots would be empty."""
+        return self._now.renumbered
+
+    @property
+    def _now(self) -> _tetstream.StableMesh:
+        if self._mesh is None:
+            raise FailedPreconditionError(
+                "this is the mesh of an earlier frame, which was patched in place: ask the session for the one "
+                "that it has now (or copy arrays before the update)", StatusCode.FAILED_PRECONDITION)
+        return self._mesh
+
+    def __repr__(self) -> str:
+        if self._mesh is None:
+            return "<tetstream.StableMesh: of an earlier frame>"
+        return (f"<tetstream.StableMesh: {self.header.tet_count:,} tets in {len(self.tets):,} slots, "
+                f"{sum(end - first for first, end in self.changed_tets.tolist()):,} of them changed>")
+
+
+class StableSession:
+    """A mesh that follows its shape and is patched in place: frames in, changed slots out.
+
+        with client.stable_session(ball, spacing=0.1) as session:
+            for frame in frames:
+                mesh = session.update(frame)
+                for first, end in mesh.changed_tets:
+                    upload(mesh.tets[first:end])
+
+    An update takes time in proportion to what is new, and copies nothing else. The same frames give the same ids here
+    and on a server; they depend on all of the frames, in their order. `in_order()` is the mesh that a `Session` has.
+
+    A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After any other error the
+    session is over, and has no mesh: begin another. One thread at a time may be in it.
+    """
+
+    def __init__(self, session: _tetstream.StableSession, backend: Backend) -> None:
+        self._session = session
+        self._backend = backend
+        self.mesh = StableMesh(session.mesh)
+
+    mesh: StableMesh
+    """As it is now."""
+
+    @property
+    def tets_sent(self) -> int:
+        """Tets of the last frame that were sent, or made here; the others were kept."""
+        return self._session.tets_sent
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it takes no more frames."""
+        return self._session.is_over
+
+    def update(self, frame: Meshable) -> StableMesh:
+        """The mesh of the next frame. The one before is patched in place, and its `StableMesh` raises from now on.
+
+        Errors: those of `Session.update`.
+        """
+        was_over = self.is_over
+        shape = self._backend.frame(frame, options_of())
+        try:
+            self._session.update(shape)
+        except BaseException:
+            if self.is_over and not was_over:
+                self.mesh._mesh = None
+            raise
+        self.mesh._mesh = None
+        self.mesh = StableMesh(self._session.mesh)
+        return self.mesh
+
+    def in_order(self) -> Mesh:
+        """The mesh in its own order, as a copy, with all of its arrays: byte for byte the one that is made as a whole.
+
+        Errors: FailedPreconditionError (a failure has ended the session), ResourceExhaustedError (no memory).
+        """
+        return Mesh(self._session.in_order())
+
+    def close(self) -> None:
+        """Tells the server that this was all. The mesh stays as it is."""
+        self._session.end()
+
+    def __enter__(self) -> StableSession:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+
+    def __repr__(self) -> str:
+        return f"<tetstream.StableSession: {self.mesh!r}>"

@@ -1,0 +1,20 @@
+// Which bricks of a mesh are those of an earlier one.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace tet {
+
+inline constexpr std::uint32_t kNewBrick = ~std::uint32_t{0};
+
+/// Says for each brick of a level which brick of the earlier mesh's level has its vertices, or
+/// its tets: kNewBrick where none has.
+///
+/// Where a brick is not kept, `nodes` says which brick it was: what neither moved to the
+/// surface has some of its nodes as it had them.
+struct KeptBricks {
+  std::vector<std::uint32_t> vertices, tets, nodes;
+};
+
+}  // namespace tet
