@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -208,17 +209,21 @@ absl::Status place_cubes(Volume& volume) {
   auto& cubes = volume.cubes;
   std::sort(cubes.begin(), cubes.end(),
             [](const ConstantCube& a, const ConstantCube& b) { return a.min < b.min; });
+  // Few of them: to look for them alone is quicker than among the small ones.
+  std::vector<ConstantCube> largest;
+  std::ranges::copy_if(cubes, std::back_inserter(largest),
+                       [](const ConstantCube& cube) { return cube.edge == kLargestCube; });
   for (std::size_t i = 0; i < cubes.size(); ++i) {
     const bool again = i > 0 && cubes[i].min == cubes[i - 1].min;
     if (again ||
-        (cubes[i].edge != kLargestCube && covered(cubes, cubes[i].min, kLargestCube))) {
+        (cubes[i].edge != kLargestCube && covered(largest, cubes[i].min, kLargestCube))) {
       return absl::InvalidArgumentError(
           absl::StrFormat("the constant cube at %s overlaps another", to_string(cubes[i].min)));
     }
   }
   for (const Region& region : volume.regions) {
     const VoxelCoord min = min_voxel(region.min);
-    if (covered(cubes, min, kRegionVoxels) || covered(cubes, min, kLargestCube)) {
+    if (covered(cubes, min, kRegionVoxels) || covered(largest, min, kLargestCube)) {
       return absl::InvalidArgumentError(
           absl::StrFormat("a constant cube overlaps bricks near voxel %s", to_string(min)));
     }
