@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "tests/core/plan/meshing.h"
 #include "tests/support/conformity.h"
 #include "tests/support/reference_labels.h"
+#include "tests/support/sanitized.h"
 
 namespace tet {
 namespace {
@@ -31,8 +33,20 @@ double volume_of(const TetMesh& mesh) {
   return volume;
 }
 
+/// All cases. A sanitizer sees the random ones of three labels, with which up to three of them
+/// meet in a tet in every way, and of a thousand, with which four do in nearly all.
+std::vector<LabelCase> cases(std::uint32_t seed) {
+  std::vector<LabelCase> all = label_cases(kBox, seed);
+  if (!test::kSanitized) return all;
+  std::erase_if(all, [](const LabelCase& labels) {
+    const bool is_random = labels.name.find("random") != std::string::npos;
+    return is_random && labels.labels != 3 && labels.labels != 1000;
+  });
+  return all;
+}
+
 TEST(LabelMesh, ConformsWithinTheBoundsOnAnyLabels) {
-  for (const LabelCase& labels : label_cases(kBox, 1)) {
+  for (const LabelCase& labels : cases(1)) {
     for (const int levels : {0, kMaxLevels}) {
       SCOPED_TRACE(labels.name + ", levels " + std::to_string(levels));
       const FilledMesh filled = mesh_of(
@@ -165,7 +179,7 @@ TEST(LabelMesh, LeavesOutOneLabelAndNothingElse) {
 }
 
 TEST(LabelMesh, HasTheSameBytesForAnyThreadsAndChunks) {
-  for (const LabelCase& labels : label_cases(kBox, 7)) {
+  for (const LabelCase& labels : cases(7)) {
     SCOPED_TRACE(labels.name);
     LabelMeshing how{.domain = kBox, .levels = 1, .threads = 1};
     how.coordinates = CoordinateType::kFloat32;

@@ -19,6 +19,7 @@
 #include "core/scene/scene_evaluator.h"
 #include "core/transfer/compact_chunk.h"
 #include "tests/support/counted_looks.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scenes.h"
 
 namespace tet {
@@ -144,7 +145,8 @@ TEST(DenseScene, StopsBeingPlannedWithinABrick) {
       const auto plan = plan_mesh(job, never.cancellation);
       ASSERT_TRUE(plan.ok()) << plan.status();
       EXPECT_GT(never.looks, asked.looks);
-      for (std::size_t at = 1; at < never.looks; at += never.looks / 4) {
+      const std::size_t cuts = test::kSanitized ? 2 : 4;
+      for (std::size_t at = 1; at < never.looks; at += never.looks / cuts) {
         CountedLooks cut{at};
         EXPECT_EQ(plan_mesh(job, cut.cancellation).status().code(),
                   absl::StatusCode::kCancelled);
@@ -211,7 +213,8 @@ void expect_to_stop_within_a_brick(const PlanJob& job,
   const std::size_t looks = fill_until(never);
   const auto [begin, end] = plan->bricks_of_chunk(0);
   EXPECT_GT(looks, looks_of_brick * (end - begin));
-  for (std::size_t at = 0; at < looks; at += looks / 3) {
+  const std::size_t cuts = test::kSanitized ? 2 : 3;
+  for (std::size_t at = 0; at < looks; at += looks / cuts) {
     CountedLooks cut{at};
     EXPECT_EQ(fill_until(cut), at + 1);  // nobody looks again
     EXPECT_EQ(fill(*plan, workspace), whole);

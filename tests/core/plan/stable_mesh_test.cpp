@@ -14,6 +14,7 @@
 
 #include "core/transfer/mesh_patch.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
@@ -120,12 +121,13 @@ TEST(StableMesh, IsTheWholeMeshInOrderAndKeepsIdsOfWhatIsKept) {
   uniform.levels = 0;
   both_sides.preset = Preset::kBothSides;
   wide.coordinates = CoordinateType::kFloat64;
+  const int frames = test::kSanitized ? 3 : 6;
   std::uint32_t seed = 28;
   for (const MeshRequest& request : {MeshRequest{}, uniform, both_sides, wide}) {
     SCOPED_TRACE(++seed);
     StableMesh mesh;
     Plan earlier;
-    for (const Plan& now : random_frames(seed, request, 6)) {
+    for (const Plan& now : random_frames(seed, request, frames)) {
       ASSERT_TRUE(now);
       const SlotLayout vertices = mesh.vertices(), tets = mesh.tets();
       follow(mesh, earlier, now);

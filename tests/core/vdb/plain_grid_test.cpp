@@ -19,6 +19,7 @@
 #include "core/volume/flat_grid_list.h"
 #include "core/volume/flat_volume.h"
 #include "tests/core/vdb/vdb_test_files.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"
 
@@ -89,8 +90,12 @@ class PlainGrid : public ::testing::Test {
   }
 
   void expect_same_of(const openvdb::GridCPtrVec& grids, const std::string& name = "") {
-    for (const std::uint32_t compression : kCompressions) {
+    for (std::size_t c = 0; c < kCompressions.size(); ++c) {
+      const std::uint32_t compression = kCompressions[c];
       for (const bool offsets : {true, false}) {
+        // A sanitizer sees each compression once: with masks and without, each with offsets and
+        // without.
+        if (test::kSanitized && offsets != ((c + c / 2) % 2 == 0)) continue;
         SCOPED_TRACE(testing::Message() << "compression " << compression << offsets);
         write(test::vdb_bytes(grids, {compression, offsets}));
         expect_same(name);
@@ -145,6 +150,8 @@ typename GridT::Ptr random_grid(unsigned seed, double background, int values) {
 TEST_F(PlainGrid, IsReadAsOpenVdbReadsIt) {
   for (unsigned seed = 0; seed < 2; ++seed) {
     for (const int values : {1, 2, 3, 40}) {
+      // A sanitizer sees each number of values once, and each seed.
+      if (test::kSanitized && values % 2 == static_cast<int>(seed)) continue;
       SCOPED_TRACE(testing::Message() << "seed " << kSeed + seed << " values " << values);
       const auto grid = random_grid<FloatGrid>(kSeed + seed, seed % 2 == 0 ? 3 : -0.5, values);
       expect_same_of({grid});
