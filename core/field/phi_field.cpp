@@ -187,6 +187,7 @@ VoxelTransform PhiField::lattice_transform() const noexcept {
 PhiSampler::PhiSampler(const PhiField& field) : field_(field) {
   if (field.scene == nullptr) {
     reader_.emplace(*field.volume);
+    if (!field.at_voxels()) block_ = std::make_unique<VoxelBlock>();
   } else {
     scene_ = std::make_unique<SceneEvaluator>(*field.scene);
   }
@@ -241,6 +242,39 @@ void PhiSampler::interpolate(BrickCoord brick, BrickSamples& samples) noexcept {
   };
   fill(kHaloMin, kUsedRows, samples.corner);
   fill(kHaloMin + 0.5, kUsedRows - 1, samples.centre);
+}
+
+/// Whether the block has the voxels around the points of a brick and its halo.
+bool PhiSampler::copy_around(BrickCoord brick) noexcept {
+  const auto voxel = [&](std::int32_t at, int node) {
+    return static_cast<std::int32_t>(std::floor(field_.spacing_voxels * (8.0 * at + node)));
+  };
+  const VoxelBox box{
+      {voxel(brick.x, kHaloMin), voxel(brick.y, kHaloMin), voxel(brick.z, kHaloMin)},
+      {voxel(brick.x, kMaxCorner) + 1, voxel(brick.y, kMaxCorner) + 1,
+       voxel(brick.z, kMaxCorner) + 1}};
+  if (block_ == nullptr || voxels_in(box) > VoxelBlock::kMaxVoxels) return false;
+  if (block_->box.min != box.min || block_->box.max != box.max) block_->copy(*reader_, box);
+  return true;
+}
+
+void PhiSampler::sample_points(BrickCoord brick, Points& points) noexcept {
+  auto& [x, y, z, phi] = points;
+  if (!copy_around(brick)) {
+    for (std::size_t i = 0; i < kPoints; ++i) phi[i] = at(x[i], y[i], z[i]);
+    return;
+  }
+  const double s = field_.spacing_voxels;
+  Points scaled;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    scaled.x[i] = s * x[i];
+    scaled.y[i] = s * y[i];
+    scaled.z[i] = s * z[i];
+  }
+  alignas(64) std::array<double, kPoints> values;
+  interpolate_in(*block_, scaled.x.data(), scaled.y.data(), scaled.z.data(), kPoints,
+                 values.data());
+  for (std::size_t i = 0; i < kPoints; ++i) phi[i] = field_.phi(static_cast<float>(values[i]));
 }
 
 bool PhiSampler::inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {

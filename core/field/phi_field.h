@@ -14,6 +14,7 @@
 #include "core/volume/inside.h"
 #include "core/volume/volume.h"
 #include "core/volume/volume_reader.h"
+#include "core/volume/voxel_block.h"
 
 namespace tet {
 
@@ -112,15 +113,26 @@ class PhiSampler {
   /// phi at a lattice point (units of the spacing): trilinear, or the scene's.
   float at(double x, double y, double z) noexcept;
 
+  /// As many points of a brick and its halo as edges are worked on at a time, and phi there.
+  static constexpr std::size_t kPoints = 16;
+  struct Points {
+    alignas(64) std::array<double, kPoints> x, y, z;
+    alignas(64) std::array<float, kPoints> phi;
+  };
+  /// phi at each of the points, as `at` tells it. Not for scenes.
+  void sample_points(BrickCoord brick, Points& points) noexcept;
+
   /// The evaluator of a scene, focused on the brick that was sampled last and its halo.
   SceneEvaluator& scene() noexcept { return *scene_; }
 
  private:
   void gather_values(BrickCoord brick, BrickSamples& samples) noexcept;
   void interpolate(BrickCoord brick, BrickSamples& samples) noexcept;
+  bool copy_around(BrickCoord brick) noexcept;
 
   PhiField field_;
   std::optional<VolumeReader> reader_;     // of a volume
+  std::unique_ptr<VoxelBlock> block_;      // around a brick, where the lattice is not on voxels
   std::unique_ptr<SceneEvaluator> scene_;  // of a scene
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/vector_clones.h"
-#include "core/volume/voxel_block.h"
 
 namespace tet::scene {
 namespace {
@@ -38,14 +37,6 @@ struct VoxelSpan {
     last = static_cast<std::int32_t>(std::floor(within_reach(centre + room))) + 1;
   }
 };
-
-bool contains(const VoxelBox& outer, const VoxelBox& inner) noexcept {
-  const auto within = [](std::int32_t low, std::int32_t min, std::int32_t max,
-                         std::int32_t high) { return low <= min && max <= high; };
-  return within(outer.min.x, inner.min.x, inner.max.x, outer.max.x) &&
-         within(outer.min.y, inner.min.y, inner.max.y, outer.max.y) &&
-         within(outer.min.z, inner.min.z, inner.max.z, outer.max.z);
-}
 
 /// Reads one cell after another. Those beside each other mostly lie in one brick, or reach from
 /// it into the same neighbours: each of them is looked up once.
@@ -154,15 +145,14 @@ bool GridSampler::copy_block(std::size_t count) noexcept {
   if (count < kFewest) return false;
   // Cells that lie beside each other are looked up in half the time of any points.
   const std::int64_t most =
-      std::min(kVoxelsPerPoint / 2 * static_cast<std::int64_t>(count), Block::kMaxVoxels);
-  if (contains(focus_, box) && voxels_in(focus_) <= Block::kMaxVoxels) {
-    block_.box = focus_;
+      std::min(kVoxelsPerPoint / 2 * static_cast<std::int64_t>(count), VoxelBlock::kMaxVoxels);
+  if (contains(focus_, box) && voxels_in(focus_) <= VoxelBlock::kMaxVoxels) {
+    block_.copy(reader_, focus_);
   } else if (voxels_in(box) <= most) {
-    block_.box = box;
+    block_.copy(reader_, box);
   } else {
     return false;
   }
-  copy_voxels(reader_, block_.box, block_.values.data());
   return true;
 }
 
@@ -196,7 +186,7 @@ void GridSampler::blend(const Instruction& leaf,
 
 TET_VECTOR_CLONES
 void GridSampler::blend_block(const Instruction& leaf,
-                              const Block& block,
+                              const VoxelBlock& block,
                               const Places& places,
                               std::size_t count,
                               Values& values) noexcept {

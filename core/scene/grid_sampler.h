@@ -9,6 +9,7 @@
 #include "core/scene/grid_source.h"
 #include "core/scene/instruction.h"
 #include "core/volume/volume_reader.h"
+#include "core/volume/voxel_block.h"
 
 namespace tet::scene {
 
@@ -46,13 +47,6 @@ class GridSampler {
     alignas(64) std::array<std::array<float, kMaxPoints>, 8> corner;
   };
 
-  /// Voxels of the grid, side by side: those of the last box that was worth copying.
-  struct Block {
-    static constexpr std::int64_t kMaxVoxels = 1 << 12;
-    VoxelBox box;
-    std::array<float, kMaxVoxels> values;
-  };
-
   bool copy_block(std::size_t count) noexcept;
   void gather(std::size_t count) noexcept;
 
@@ -60,7 +54,7 @@ class GridSampler {
   const ValueBounds* bounds_;
   VoxelBox focus_;  ///< voxels; empty where nobody said where points lie
   Places places_;
-  Block block_;
+  VoxelBlock block_;  ///< the last that was worth copying
 
   static void place(const Instruction& leaf,
                     const Points& points,
@@ -71,7 +65,7 @@ class GridSampler {
                     std::size_t count,
                     Values& values) noexcept;
   static void blend_block(const Instruction& leaf,
-                          const Block& block,
+                          const VoxelBlock& block,
                           const Places& places,
                           std::size_t count,
                           Values& values) noexcept;

@@ -174,28 +174,38 @@ void zeros_on_diagonals(const BrickSamples& samples,
 }
 
 /// Zeros on any edges of a lattice that does not sit on the voxels: phi is asked for.
+TET_VECTOR_CLONES
 void zeros_of_field(PhiSampler& sampler,
                     BrickCoord brick,
                     const Family& family,
                     const std::uint16_t* low,
                     std::size_t count,
                     float* fraction) noexcept {
+  static_assert(PhiSampler::kPoints == kEdgeLanes);
   const LatticeCoord along = kDirection[static_cast<std::size_t>(family.direction)];
+  const double along_x = along.x, along_y = along.y, along_z = along.z;
+  const double x = 8.0 * brick.x, y = 8.0 * brick.y, z = 8.0 * brick.z;
   for (std::size_t first = 0; first < count; first += kEdgeLanes) {
     alignas(64) Lanes a, b;
+    PhiSampler::Points from, points;
     for (std::size_t i = 0; i < kEdgeLanes; ++i) {
       a[i] = family.low_phi[low[first + i]];
       b[i] = family.high_phi[low[first + i]];
+      const LatticeCoord node = node_coord(family.kind, low[first + i]);
+      from.x[i] = node.x;
+      from.y[i] = node.y;
+      from.z[i] = node.z;
     }
     Brackets zero(a.data(), b.data());
     for (int step = 0; step < kSecantSteps; ++step) {
       for (std::size_t i = 0; i < kEdgeLanes; ++i) {
-        const LatticeCoord from = node_coord(family.kind, low[first + i]);
         const double s = static_cast<double>(zero.t[i]);
-        zero.narrow(i, sampler.at(8.0 * brick.x + 0.5 * (from.x + s * along.x),
-                                  8.0 * brick.y + 0.5 * (from.y + s * along.y),
-                                  8.0 * brick.z + 0.5 * (from.z + s * along.z)));
+        points.x[i] = x + 0.5 * (from.x[i] + s * along_x);
+        points.y[i] = y + 0.5 * (from.y[i] + s * along_y);
+        points.z[i] = z + 0.5 * (from.z[i] + s * along_z);
       }
+      sampler.sample_points(brick, points);
+      for (std::size_t i = 0; i < kEdgeLanes; ++i) zero.narrow(i, points.phi[i]);
     }
     std::copy(zero.t.begin(), zero.t.end(), fraction + first);
   }

@@ -1,6 +1,7 @@
 #include "core/volume/voxel_block.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -64,6 +65,14 @@ std::int64_t voxels_in(const VoxelBox& box) noexcept {
   return edge(box.min.x, box.max.x) * edge(box.min.y, box.max.y) * edge(box.min.z, box.max.z);
 }
 
+bool contains(const VoxelBox& outer, const VoxelBox& inner) noexcept {
+  const auto within = [](std::int32_t low, std::int32_t min, std::int32_t max,
+                         std::int32_t high) { return low <= min && max <= high; };
+  return within(outer.min.x, inner.min.x, inner.max.x, outer.max.x) &&
+         within(outer.min.y, inner.min.y, inner.max.y, outer.max.y) &&
+         within(outer.min.z, inner.min.z, inner.max.z, outer.max.z);
+}
+
 VoxelBox box_of_cells(const std::int32_t* x,
                       const std::int32_t* y,
                       const std::int32_t* z,
@@ -90,6 +99,40 @@ void copy_voxels(VolumeReader& reader, const VoxelBox& box, float* values) noexc
       }
     }
   });
+}
+
+void VoxelBlock::copy(VolumeReader& reader, const VoxelBox& from) noexcept {
+  box = from;
+  copy_voxels(reader, box, values.data());
+}
+
+TET_VECTOR_CLONES
+void interpolate_in(const VoxelBlock& block,
+                    const double* x,
+                    const double* y,
+                    const double* z,
+                    std::size_t count,
+                    double* values) noexcept {
+  const float* const v = block.values.data();
+  const VoxelCoord min = block.box.min;
+  const std::int32_t row = block.box.max.z - min.z + 1;
+  const std::int32_t slice = row * (block.box.max.y - min.y + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double low_x = std::floor(x[i]), low_y = std::floor(y[i]), low_z = std::floor(z[i]);
+    const std::int32_t at = (static_cast<std::int32_t>(low_x) - min.x) * slice +
+                            (static_cast<std::int32_t>(low_y) - min.y) * row +
+                            (static_cast<std::int32_t>(low_z) - min.z);
+    const auto along_z = [&](std::int32_t from) {
+      const double low = v[from], high = v[from + 1];
+      return low + (z[i] - low_z) * (high - low);
+    };
+    const auto along_y = [&](std::int32_t from) {
+      const double low = along_z(from);
+      return low + (y[i] - low_y) * (along_z(from + row) - low);
+    };
+    const double low = along_y(at);
+    values[i] = low + (x[i] - low_x) * (along_y(at + slice) - low);
+  }
 }
 
 }  // namespace tet
