@@ -45,8 +45,8 @@ std::vector<MeshRequest> kinds_of_meshes() {
 }
 
 Shape solid() {
-  static const auto kBall = std::make_shared<const Volume>(test::ball(24));
-  return kBall;
+  static const auto made = std::make_shared<const Volume>(test::ball(24));
+  return made;
 }
 
 std::shared_ptr<const MeshPlan> plan(const MeshRequest& request) {
