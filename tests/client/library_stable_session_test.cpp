@@ -23,7 +23,8 @@ using StableSessionOnAServer = test::LibraryOnAServer;
 /// A ball of radius 1 with a small one that has moved along its surface.
 Volume with_bump_at(double y) {
   BallSamples ball(20);
-  const double low = -ball.spacing * static_cast<double>(ball.edge / 2);
+  const std::size_t half = ball.edge / 2;
+  const double low = -ball.spacing * static_cast<double>(half);
   for (std::size_t i = 0; i < ball.values.size(); ++i) {
     const auto coordinate = [&](std::size_t index) {
       return low + ball.spacing * static_cast<double>(index % ball.edge);
