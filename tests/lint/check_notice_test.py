@@ -15,6 +15,10 @@ Compiled in: headers
 
   parser    MIT      parser-dev
 
+Compiled in: archives, of tetstream and tetstream-decoder
+
+  calls     MIT      calls-dev
+
 Linked
 
   meshes    MPL-2.0  libmeshes1
@@ -26,8 +30,8 @@ Loaded by these
 
 
 class CheckNotice(unittest.TestCase):
-    def errors(self, loaded, built_with=("meshes", "parser")):
-        return find_errors(read_notice(NOTICE), set(loaded), set(built_with))
+    def errors(self, loaded, built_with=("meshes", "parser"), archived=("calls",)):
+        return find_errors(read_notice(NOTICE), set(loaded), set(archived), set(built_with))
 
     def test_a_notice_of_all_and_no_more_is_fine(self):
         self.assertEqual(self.errors(["meshes", "packer"]), [])
@@ -42,6 +46,12 @@ class CheckNotice(unittest.TestCase):
     def test_headers_are_missing(self):
         self.assertEqual(self.errors(["meshes", "packer"], ["meshes", "matrices", "googletest"]),
                          ["NOTICE lacks matrices, which the programs are built with"])
+
+    def test_archives_are_missing_or_gone(self):
+        self.assertEqual(self.errors(["meshes", "packer"], archived=["calls", "names"]),
+                         ["NOTICE lacks the archives of names"])
+        self.assertEqual(self.errors(["meshes", "packer"], archived=[]),
+                         ["NOTICE lists archives of calls, which nothing contains"])
 
     def test_programs_were_not_read(self):
         self.assertIn("no program loads any library", self.errors([]))
