@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
-from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
+from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
 from . import _tetstream
 from ._client import LOCAL, Client
@@ -26,6 +26,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 T = TypeVar("T")
 W = TypeVar("W")
+S = TypeVar("S", bound=Session | StableSession)
 
 _MOST_THREADS = 64
 
@@ -128,13 +129,8 @@ class AsyncMeshStream(_Wrapped[MeshStream]):
         self.close()
 
 
-class AsyncSession(_Wrapped[Session]):
-    """A `Session` for asyncio. A task that is cancelled in `update` ends it."""
-
-    @property
-    def mesh(self) -> Mesh:
-        """As it is now."""
-        return self._sync.mesh
+class _AsyncFollowing(_Wrapped[S]):
+    """What sessions for asyncio have in common."""
 
     @property
     def tets_sent(self) -> int:
@@ -146,15 +142,11 @@ class AsyncSession(_Wrapped[Session]):
         """Whether it takes no more frames."""
         return self._sync.is_over
 
-    @functools.wraps(Session.update)
-    async def update(self, frame: Any) -> Mesh:
-        return await _run(self._sync._session.stop, self._sync.update, frame)
-
     async def close(self) -> None:
         """Tells the server that this was all."""
         await _run(self._sync._session.stop, self._sync.close)
 
-    async def __aenter__(self) -> AsyncSession:
+    async def __aenter__(self) -> Self:
         return self
 
     async def __aexit__(
@@ -164,23 +156,26 @@ class AsyncSession(_Wrapped[Session]):
             await self.close()
 
 
-class AsyncStableSession(_Wrapped[StableSession]):
+class AsyncSession(_AsyncFollowing[Session]):
+    """A `Session` for asyncio. A task that is cancelled in `update` ends it."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """As it is now."""
+        return self._sync.mesh
+
+    @functools.wraps(Session.update)
+    async def update(self, frame: Any) -> Mesh:
+        return await _run(self._sync._session.stop, self._sync.update, frame)
+
+
+class AsyncStableSession(_AsyncFollowing[StableSession]):
     """A `StableSession` for asyncio. A task that is cancelled in `update` or `in_order` ends it."""
 
     @property
     def mesh(self) -> StableMesh:
         """As it is now."""
         return self._sync.mesh
-
-    @property
-    def tets_sent(self) -> int:
-        """Tets of the last frame that were sent, or made here."""
-        return self._sync.tets_sent
-
-    @property
-    def is_over(self) -> bool:
-        """Whether it takes no more frames."""
-        return self._sync.is_over
 
     @functools.wraps(StableSession.update)
     async def update(self, frame: Any) -> StableMesh:
@@ -189,19 +184,6 @@ class AsyncStableSession(_Wrapped[StableSession]):
     @functools.wraps(StableSession.in_order)
     async def in_order(self) -> Mesh:
         return await _run(self._sync._session.stop, self._sync.in_order)
-
-    async def close(self) -> None:
-        """Tells the server that this was all."""
-        await _run(self._sync._session.stop, self._sync.close)
-
-    async def __aenter__(self) -> AsyncStableSession:
-        return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if kind is None:
-            await self.close()
 
 
 class AsyncJobWatch(_Wrapped[JobWatch]):

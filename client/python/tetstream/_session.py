@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import TracebackType
+from typing import Generic, Self, TypeVar
 
 from . import _tetstream
 from ._backends import Backend
@@ -10,7 +11,41 @@ from ._mesh import Mesh
 from ._request import Meshable, options_of
 
 
-class Session:
+Native = TypeVar("Native", bound=_tetstream.Session | _tetstream.StableSession)
+
+
+class Following(Generic[Native]):
+    """What sessions have in common, whatever mesh follows the shape."""
+
+    def __init__(self, session: Native, backend: Backend) -> None:
+        self._session = session
+        self._backend = backend
+
+    @property
+    def tets_sent(self) -> int:
+        """Tets of the last frame that were sent, or made here; the others were kept."""
+        return self._session.tets_sent
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it takes no more frames."""
+        return self._session.is_over
+
+    def close(self) -> None:
+        """Tells the server that this was all. The mesh stays as it is."""
+        self._session.end()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+
+
+class Session(Following[_tetstream.Session]):
     """A mesh and the shape that it is of, which may change: frames in, changed meshes out.
 
         with client.session(ball, spacing=0.1) as session:
@@ -26,22 +61,11 @@ class Session:
     """
 
     def __init__(self, session: _tetstream.Session, backend: Backend) -> None:
-        self._session = session
-        self._backend = backend
+        super().__init__(session, backend)
         self.mesh = Mesh(session.mesh)
 
     mesh: Mesh
     """As it is now."""
-
-    @property
-    def tets_sent(self) -> int:
-        """Tets of the last frame that were sent, or made here; the others were kept."""
-        return self._session.tets_sent
-
-    @property
-    def is_over(self) -> bool:
-        """Whether it takes no more frames."""
-        return self._session.is_over
 
     def update(self, frame: Meshable) -> Mesh:
         """The mesh of the next frame: a Volume of the same place, spacing, kind and background as the first,
@@ -53,19 +77,6 @@ class Session:
         self._session.update(self._backend.frame(frame, options_of()))
         self.mesh = Mesh(self._session.mesh)
         return self.mesh
-
-    def close(self) -> None:
-        """Tells the server that this was all."""
-        self._session.end()
-
-    def __enter__(self) -> Session:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if kind is None:
-            self.close()
 
     def __repr__(self) -> str:
         return f"<tetstream.Session: {self.mesh.header.tet_count:,} tets, {self.tets_sent:,} of them new>"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from ._errors import FailedPreconditionError, StatusCode
 from ._header import Header
 from ._mesh import Mesh
 from ._request import Meshable, options_of
+from ._session import Following
 
 
 class StableMesh:
@@ -103,7 +103,7 @@ class StableMesh:
                 f"{sum(end - first for first, end in self.changed_tets.tolist()):,} of them changed>")
 
 
-class StableSession:
+class StableSession(Following[_tetstream.StableSession]):
     """A mesh that follows its shape and is patched in place: frames in, changed slots out.
 
         with client.stable_session(ball, spacing=0.1) as session:
@@ -120,22 +120,11 @@ class StableSession:
     """
 
     def __init__(self, session: _tetstream.StableSession, backend: Backend) -> None:
-        self._session = session
-        self._backend = backend
+        super().__init__(session, backend)
         self.mesh = StableMesh(session.mesh)
 
     mesh: StableMesh
     """As it is now."""
-
-    @property
-    def tets_sent(self) -> int:
-        """Tets of the last frame that were sent, or made here; the others were kept."""
-        return self._session.tets_sent
-
-    @property
-    def is_over(self) -> bool:
-        """Whether it takes no more frames."""
-        return self._session.is_over
 
     def update(self, frame: Meshable) -> StableMesh:
         """The mesh of the next frame. The one before is patched in place, and its `StableMesh` raises from now on.
@@ -160,19 +149,6 @@ class StableSession:
         Errors: FailedPreconditionError (a failure has ended the session), ResourceExhaustedError (no memory).
         """
         return Mesh(self._session.in_order())
-
-    def close(self) -> None:
-        """Tells the server that this was all. The mesh stays as it is."""
-        self._session.end()
-
-    def __enter__(self) -> StableSession:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if kind is None:
-            self.close()
 
     def __repr__(self) -> str:
         return f"<tetstream.StableSession: {self.mesh!r}>"
