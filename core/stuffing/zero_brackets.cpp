@@ -9,6 +9,22 @@ namespace {
 
 using Columns = ZeroBrackets::Columns;
 
+/// The i-th bracket, whether or not it is done.
+ZeroBracket bracket_at(const Columns& columns, std::size_t i) noexcept {
+  return {columns.x[i],   columns.f[i],     columns.other[i], columns.f_other[i],
+          columns.old[i], columns.f_old[i], columns.next[i]};
+}
+
+/// Writes what a bracket knows: neither what it tries next, nor whether it is done.
+void put(const ZeroBracket& bracket, Columns& columns, std::size_t i) noexcept {
+  columns.x[i] = bracket.x;
+  columns.f[i] = bracket.f;
+  columns.other[i] = bracket.other;
+  columns.f_other[i] = bracket.f_other;
+  columns.old[i] = bracket.old;
+  columns.f_old[i] = bracket.f_old;
+}
+
 TET_VECTOR_CLONES
 void begin_all(const float* at_0,
                const float* at_1,
@@ -17,20 +33,9 @@ void begin_all(const float* at_0,
   for (std::size_t i = 0; i < count; ++i) {
     ZeroBracket bracket;
     bracket.begin(static_cast<double>(at_0[i]), static_cast<double>(at_1[i]));
-    columns.x[i] = bracket.x;
-    columns.f[i] = bracket.f;
-    columns.other[i] = bracket.other;
-    columns.f_other[i] = bracket.f_other;
-    columns.old[i] = bracket.old;
-    columns.f_old[i] = bracket.f_old;
+    put(bracket, columns, i);
     columns.next[i] = bracket.next;
   }
-}
-
-/// The i-th bracket, whether or not it is done.
-ZeroBracket bracket_at(const Columns& columns, std::size_t i) noexcept {
-  return {columns.x[i],   columns.f[i],     columns.other[i], columns.f_other[i],
-          columns.old[i], columns.f_old[i], columns.next[i]};
 }
 
 /// Returns how many are done.
@@ -40,12 +45,7 @@ std::uint64_t take_all(const double* phi, std::size_t count, Columns& columns) n
   for (std::size_t i = 0; i < count; ++i) {
     ZeroBracket bracket = bracket_at(columns, i);
     bracket.take(phi[i]);
-    columns.x[i] = bracket.x;
-    columns.f[i] = bracket.f;
-    columns.other[i] = bracket.other;
-    columns.f_other[i] = bracket.f_other;
-    columns.old[i] = bracket.old;
-    columns.f_old[i] = bracket.f_old;
+    put(bracket, columns, i);
     columns.done[i] = bracket.done ? 1 : 0;
     done += columns.done[i];
   }
