@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -47,6 +48,15 @@ struct BallSamples {
   double spacing;
   std::vector<float> values;
 };
+
+/// What two balls of radius 1 have in common.
+inline Scene lens(double offset) {
+  return Scene::from_json(R"({"nodes": [{"name": "ball", "sphere": {"radius": 1}},
+    {"name": "other", "transform": {"of": "ball", "translation": [)" +
+                          std::to_string(offset) + R"(, 0, 0]}},
+    {"intersection": {"of": ["ball", "other"]}}]})")
+      .value();
+}
 
 /// A mesh put together from what a sink is given.
 struct Collected {

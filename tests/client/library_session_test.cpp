@@ -15,6 +15,7 @@ namespace {
 
 using test::BallSamples;
 using test::expect_same;
+using test::lens;
 using SessionOnAServer = test::LibraryOnAServer;
 
 /// A ball of radius 1 with a small one that has moved along its surface.
@@ -53,14 +54,6 @@ Volume large_ball(double shift) {
   }
   return Volume::from_samples(
              {.values = values, .size = {kEdge, kEdge, kEdge}, .background = 3})
-      .value();
-}
-
-Scene lens(double offset) {
-  return Scene::from_json(R"({"nodes": [{"name": "ball", "sphere": {"radius": 1}},
-    {"name": "other", "transform": {"of": "ball", "translation": [)" +
-                          std::to_string(offset) + R"(, 0, 0]}},
-    {"intersection": {"of": ["ball", "other"]}}]})")
       .value();
 }
 

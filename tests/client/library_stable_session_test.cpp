@@ -18,6 +18,7 @@ namespace {
 
 using test::BallSamples;
 using test::expect_same;
+using test::lens;
 using StableSessionOnAServer = test::LibraryOnAServer;
 
 /// A ball of radius 1 with a small one that has moved along its surface.
@@ -35,14 +36,6 @@ Volume with_bump_at(double y) {
     ball.values[i] = std::min(ball.values[i], static_cast<float>(bump));
   }
   return Volume::from_samples(ball.array()).value();
-}
-
-Scene lens(double offset) {
-  return Scene::from_json(R"({"nodes": [{"name": "ball", "sphere": {"radius": 1}},
-    {"name": "other", "transform": {"of": "ball", "translation": [)" +
-                          std::to_string(offset) + R"(, 0, 0]}},
-    {"intersection": {"of": ["ball", "other"]}}]})")
-      .value();
 }
 
 /// What a reader has that looks at the changed slots alone.

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -99,6 +101,36 @@ TEST(PhiSampler, NeverLeavesTheRangeOfTheVoxelsAroundANode) {
     EXPECT_TRUE(least <= 0 || phi > 0);
     EXPECT_TRUE(most >= 0 || phi < 0);
   });
+}
+
+TEST(PhiSampler, SamplesPointsTogetherAsItSamplesEach) {
+  const Volume volume = test::random_signs(64, 33, 7);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> beyond(-2.5, 10.5);
+  // At wider spacings there are too many voxels around a brick to copy them.
+  for (const double spacing : {0.3, 0.9, 1.0, 1.15, 1.7, 3.3}) {
+    PhiField field;
+    field.volume = &volume;
+    field.spacing_voxels = spacing;
+    PhiSampler together(field), each(field);
+    for (const BrickCoord brick : {BrickCoord{0, 0, 0}, BrickCoord{1, -1, 2}}) {
+      PhiSampler::Points points;
+      for (int i = 0; i < 100; ++i) {
+        const auto within = [&](std::int32_t at) {  // the halo, its ends with it
+          return 8.0 * at + std::clamp(beyond(random), -2.0, 10.0);
+        };
+        for (std::size_t k = 0; k < PhiSampler::kPoints; ++k) {
+          points.x[k] = within(brick.x);
+          points.y[k] = within(brick.y);
+          points.z[k] = within(brick.z);
+        }
+        together.sample_points(brick, points);
+        for (std::size_t k = 0; k < PhiSampler::kPoints; ++k) {
+          ASSERT_EQ(points.phi[k], each.at(points.x[k], points.y[k], points.z[k])) << spacing;
+        }
+      }
+    }
+  }
 }
 
 TEST(PhiSampler, TurnsDensitiesRound) {
