@@ -117,7 +117,8 @@ class Trial {
   /// From there to where no small step makes the least angle smaller.
   double descend(std::array<double, 4> at, std::mt19937& random) {
     double worst = angles(at).largest_cosine;
-    for (double step = 0.1; step > 1e-3; step *= 0.8) {
+    double step = 0.1;
+    while (step > 1e-3) {
       for (int i = 0; i < 12; ++i) {
         std::array<double, 4> near = at;
         for (std::size_t k = 0; k < slides_.size(); ++k) {
@@ -130,6 +131,7 @@ class Trial {
         worst = cosine;
         at = near;
       }
+      step *= 0.8;
     }
     return worst;
   }

@@ -144,8 +144,7 @@ std::vector<CostCase> asked_for_more(double size) {
   creased.faces = true;
   FaceRegion side;
   side.name = "side";
-  side.creases.emplace();
-  side.creases->angle_deg = 40;
+  side.creases = FaceRegion::Creases{40};
   creased.face_regions.push_back(side);
   graded.sizing.grade_surface = true;
   graded.sizing.coarsest = 4;

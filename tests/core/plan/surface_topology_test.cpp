@@ -33,7 +33,8 @@ Volume few_values(int edge, std::uint32_t seed) {
       hash = (hash ^ static_cast<std::uint32_t>(c)) * 2246822519U;
       hash ^= hash >> 13U;
     }
-    return static_cast<float>(static_cast<int>(hash % 4) / 2 * 2 - static_cast<int>(hash % 3));
+    const int even = static_cast<int>(hash % 4) / 2 * 2, third = static_cast<int>(hash % 3);
+    return static_cast<float>(even - third);
   });
 }
 

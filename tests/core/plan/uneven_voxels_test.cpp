@@ -42,8 +42,10 @@ std::shared_ptr<const Volume> ellipsoid_of(const Columns& linear) {
     for (std::int32_t y = -4; y < 4; ++y) {
       for (std::int32_t z = -2; z < 2 + (linear[2][2] < 0.5 ? 1 : 0); ++z) {
         for (int i = 0; i < kBrickCells; ++i) {
+          const int at_x = 8 * x + i / 64, at_y = 8 * y + i / 8 % 8, at_z = 8 * z + i % 8;
           const WorldPoint p =
-              transform.to_world({8.0 * x + i / 64, 8.0 * y + i / 8 % 8, 8.0 * z + i % 8});
+              transform.to_world({static_cast<double>(at_x), static_cast<double>(at_y),
+                                  static_cast<double>(at_z)});
           const double r = std::hypot((p.x - 11) / 9, (p.y + 3) / 7, (p.z - 70) / 5);
           values[static_cast<std::size_t>(i)] = static_cast<float>(std::min(1.0, r - 1));
         }

@@ -27,10 +27,10 @@ std::shared_ptr<const Volume> ball_of(const VoxelTransform& transform) {
     const BrickCoord brick{i / 16 - 2, i / 4 % 4 - 2, i % 4 - 2};
     std::array<float, kBrickCells> values;
     for (int v = 0; v < kBrickCells; ++v) {
-      const double x = 8 * brick.x + v / 64, y = 8 * brick.y + v / 8 % 8,
-                   z = 8 * brick.z + v % 8;
-      values[static_cast<std::size_t>(v)] =
-          static_cast<float>(std::min(5.0, std::hypot(x, y, z) - 9));
+      const int x = 8 * brick.x + v / 64, y = 8 * brick.y + v / 8 % 8, z = 8 * brick.z + v % 8;
+      const double radius =
+          std::hypot(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+      values[static_cast<std::size_t>(v)] = static_cast<float>(std::min(5.0, radius - 9));
     }
     builder.add_brick(brick, values);
   }

@@ -190,10 +190,11 @@ void take_too_much(std::string_view deed, const Taken& taken) {
   if (deed == "thread") std::thread([] {}).join();
   if (deed == "kill") ::kill(::getppid(), 0);
   if (deed == "execute") {
-    ::mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    static_cast<void>(
+        ::mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
   }
   if (deed == "map") {
-    ::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, taken.file(), 0);
+    static_cast<void>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, taken.file(), 0));
   }
   if (deed == "limits") ::syscall(SYS_prlimit64, 0, RLIMIT_AS, nullptr, nullptr);
 }
