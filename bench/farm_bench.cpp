@@ -167,6 +167,7 @@ Seen work(const Stores& stores, int count, const Options& options) {
   std::vector<Seen> seen(static_cast<std::size_t>(count));
   std::atomic<bool> stopping = false;
   std::vector<std::jthread> threads;
+  threads.reserve(seen.size());
   for (int i = 0; i < count; ++i) {
     threads.emplace_back([&, i] {
       JobStore& store = *stores[static_cast<std::size_t>(i) % stores.size()];

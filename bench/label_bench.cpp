@@ -46,7 +46,8 @@ std::shared_ptr<const LabelVolume> grains(std::int32_t edge, Label labels) {
   std::array<std::int64_t, kBrickCells> values;
   for_each_brick({{0, 0, 0}, {edge / 8 - 1, edge / 8 - 1, edge / 8 - 1}}, [&](BrickCoord b) {
     for (std::size_t i = 0; i < kBrickCells; ++i) {
-      const double x = static_cast<double>(8 * b.x) + static_cast<double>(i / 64),
+      const std::size_t slice = i / 64;
+      const double x = static_cast<double>(8 * b.x) + static_cast<double>(slice),
                    y = static_cast<double>(8 * b.y) + static_cast<double>(i / 8 % 8),
                    z = static_cast<double>(8 * b.z) + static_cast<double>(i % 8);
       double least = std::numeric_limits<double>::infinity();

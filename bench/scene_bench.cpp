@@ -43,8 +43,9 @@ void evaluate_slices(benchmark::State& state, const Scene& scene, double spacing
   for (auto _ : state) {
     const auto first = static_cast<double>(slice++ % 400 - 200);
     for (std::size_t i = 0; i < kEdge * kEdge; ++i) {
+      const std::size_t row = i / kEdge;
       points.x[i] = spacing * first;
-      points.y[i] = spacing * static_cast<double>(i / kEdge);
+      points.y[i] = spacing * static_cast<double>(row);
       points.z[i] = spacing * (first + static_cast<double>(i % kEdge));
     }
     benchmark::DoNotOptimize(evaluator.evaluate(points, kEdge * kEdge));
@@ -60,7 +61,8 @@ void bound_cubes(benchmark::State& state, const Scene& scene, double half_edge) 
   for (auto _ : state) {
     const auto first = static_cast<double>(column++ % 400 - 200);
     for (std::size_t i = 0; i < 64; ++i) {
-      points.x[i] = first + half_edge * static_cast<double>(i / 16);
+      const std::size_t slice = i / 16;
+      points.x[i] = first + half_edge * static_cast<double>(slice);
       points.y[i] = half_edge * static_cast<double>(i / 4 % 4);
       points.z[i] = half_edge * static_cast<double>(i % 4);
     }
@@ -102,7 +104,7 @@ void register_points() {
   points("grid", of_grid, 1);
   points("grid_finer", of_grid, 0.37);
   points("grid_coarser", of_grid, 2.7);
-  const auto bounds = [](const char* kind, std::shared_ptr<const Scene> scene) {
+  const auto bounds = [](const char* kind, const std::shared_ptr<const Scene>& scene) {
     for (const double half_edge : {1.5, 6.0, 48.0}) {
       benchmark::RegisterBenchmark(
           ("bounds/" + std::string(kind) + "/" + std::to_string(half_edge)).c_str(),

@@ -110,6 +110,7 @@ void stream_side_by_side(benchmark::State& state, const BenchMesh& mesh, int str
   Loopback loopback;
   const v1::MeshRequest request = loopback.request_mesh(mesh);
   std::vector<std::unique_ptr<MeshClient>> clients;
+  clients.reserve(static_cast<std::size_t>(streams));
   for (int i = 0; i < streams; ++i) clients.push_back(loopback.connect());
   std::vector<TetMesh> meshes(clients.size());
   Delivered delivered;

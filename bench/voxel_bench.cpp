@@ -54,8 +54,9 @@ std::shared_ptr<const Volume> ball_of(const VoxelKind& kind) {
     for (std::int32_t y = -half(kind.y); y < half(kind.y); ++y) {
       for (std::int32_t z = -half(kind.z); z < half(kind.z); ++z) {
         for (int i = 0; i < kBrickCells; ++i) {
+          const int slice = i / 64;
           const WorldPoint p =
-              transform.to_world({8.0 * x + i / 64, 8.0 * y + i / 8 % 8, 8.0 * z + i % 8});
+              transform.to_world({8.0 * x + slice, 8.0 * y + i / 8 % 8, 8.0 * z + i % 8});
           values[static_cast<std::size_t>(i)] =
               static_cast<float>(std::min(8.0, std::hypot(p.x, p.y, p.z) - kRadius));
         }

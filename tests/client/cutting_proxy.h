@@ -3,11 +3,13 @@
 
 #include <arpa/inet.h>
 #include <atomic>
+#include <cerrno>
 #include <cstdint>
 #include <netinet/in.h>
 #include <poll.h>
 #include <string>
 #include <sys/socket.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -22,8 +24,10 @@ class CuttingProxy {
       : server_port_(server_port), limits_{up_bytes, down_bytes} {
     listener_ = ::socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address = loopback(0);
-    ::bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address);
-    ::listen(listener_, 8);
+    if (::bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 ||
+        ::listen(listener_, 8) != 0) {
+      throw std::system_error(errno, std::generic_category(), "cannot listen");
+    }
     socklen_t size = sizeof address;
     ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
     port_ = ntohs(address.sin_port);
@@ -58,8 +62,9 @@ class CuttingProxy {
       const int client = ::accept(listener_, nullptr, nullptr);
       const int server = ::socket(AF_INET, SOCK_STREAM, 0);
       const sockaddr_in address = loopback(server_port_);
-      ::connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-      forward(client, server);
+      if (::connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+        forward(client, server);
+      }
       ::close(client);
       ::close(server);
     }

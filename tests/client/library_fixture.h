@@ -36,7 +36,8 @@ struct BallSamples {
   }
 
   SampleArray array() const {
-    const double low = -spacing * static_cast<double>(edge / 2);
+    const std::size_t centre = edge / 2;
+    const double low = -spacing * static_cast<double>(centre);
     return {.values = values,
             .size = {edge, edge, edge},
             .spacing = spacing,

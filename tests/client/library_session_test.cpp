@@ -21,7 +21,8 @@ using SessionOnAServer = test::LibraryOnAServer;
 /// A ball of radius 1 with a small one that has moved along its surface.
 Volume frame(int number, float background = 1) {
   BallSamples ball(20);
-  const double low = -ball.spacing * static_cast<double>(ball.edge / 2);
+  const std::size_t centre = ball.edge / 2;
+  const double low = -ball.spacing * static_cast<double>(centre);
   for (std::size_t i = 0; i < ball.values.size(); ++i) {
     const auto coordinate = [&](std::size_t index) {
       return low + ball.spacing * static_cast<double>(index % ball.edge);

@@ -184,7 +184,9 @@ TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
 }
 
 TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {
-  const std::string big = folder_.write("big", std::string(12'000'000, 'x'));
+  std::string bytes;
+  bytes.resize(12'000'000, 'x');
+  const std::string big = folder_.write("big", bytes);
   CuttingProxy proxy(server_->port(), 7'000'000, kNoLimit);
   const auto client =
       MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});

@@ -56,6 +56,7 @@ PostgresServer::~PostgresServer() {
 
 pid_t PostgresServer::spawn(std::vector<std::string> arguments) const {
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   const std::string log = folder_.file("log");
