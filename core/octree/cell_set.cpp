@@ -23,31 +23,6 @@ std::uint64_t even_bits(std::uint64_t bits) noexcept {
   return (bits | bits >> 4) & 0x00ff00ff00ff00ff;
 }
 
-/// Cells of a level as their parents, in halo coordinates of the parent's brick.
-HaloSet parents(const HaloSet& cells, BrickCoord brick) noexcept {
-  constexpr int kRowBits = 16, kWordRows = 4, kSliceWords = 4;
-  const int ox = (brick.x & 1) * 4, oy = (brick.y & 1) * 4, oz = (brick.z & 1) * 4;
-  HaloSet out;
-  const auto add_row = [&](int x, int y, std::uint64_t row) {
-    const int at = halo_index(ox + x, oy + y, oz - 1);
-    out.word[static_cast<std::size_t>(at >> 6)] |= row << (at & 63);
-  };
-  for (int x = -1; x < 7; ++x) {
-    const auto lower = static_cast<std::size_t>(halo_index(2 * x, -2, -2) >> 6);
-    for (int w = 0; w < kSliceWords; ++w) {
-      const std::size_t at = lower + static_cast<std::size_t>(w);
-      std::uint64_t children = cells.word[at] | cells.word[at + kSliceWords];
-      if (children == 0) continue;
-      children |= children >> kRowBits;
-      const std::uint64_t rows = even_bits((children | children >> 1) & 0x0000555500005555);
-      const int y = w * kWordRows / 2 - 1;
-      add_row(x, y, rows & 0xff);
-      add_row(x, y + 1, rows >> 2 * kRowBits);
-    }
-  }
-  return out;
-}
-
 /// Finds the parents of a brick's own cells alone: they fill an eighth of the parent's brick.
 BrickMask parents(const BrickMask& cells, BrickCoord brick) noexcept {
   const auto ox = static_cast<std::size_t>((brick.x & 1) * 4);
@@ -75,18 +50,98 @@ HaloSet with_face_and_edge_neighbours(const HaloSet& cells) noexcept {
   return along(z, kY) | along(z, kX) | along(along(cells, kY), kX);
 }
 
-/// Hands the bricks around a parent's their parts of `cells`, which reach out of the octant of
-/// its child `brick` by one cell.
-void add_parts(CellSetBuilder& builder, BrickCoord brick, const HaloSet& cells) {
+/// One axis of the parents of a brick's cells: six of them, from the one before the brick's
+/// four to the one after. `even` and `odd` are those of cells that are the lower, or the upper,
+/// of a pair, four of each; `step` is how far apart parents are.
+struct ParentsAlong {
+  std::uint64_t within;   ///< the cells' own parents
+  std::uint64_t reached;  ///< those, and the ones next to a cell
+};
+ParentsAlong along_axis(std::uint64_t even, std::uint64_t odd, int step) noexcept {
+  const std::uint64_t within = (even | odd) << step;
+  return {within, within | even | odd << 2 * step};
+}
+
+/// The six parents along z, a byte for each row.
+ParentsAlong parents_along_z(std::uint64_t slice) noexcept {
+  constexpr std::uint64_t kEven = 0x5555555555555555;
+  const auto nibbles = [](std::uint64_t bits) {
+    bits = (bits | bits >> 1) & 0x3333333333333333;
+    return (bits | bits >> 2) & 0x0f0f0f0f0f0f0f0f;
+  };
+  return along_axis(nibbles(slice & kEven), nibbles(slice >> 1 & kEven), 1);
+}
+
+/// The six rows of parents along y, from eight rows.
+ParentsAlong parents_along_y(std::uint64_t rows) noexcept {
+  constexpr std::uint64_t kEven = 0x00ff00ff00ff00ff;
+  const auto pack_rows = [](std::uint64_t bytes) {
+    bytes = (bytes | bytes >> 8) & 0x0000ffff0000ffff;
+    return (bytes | bytes >> 16) & 0x00000000ffffffff;
+  };
+  return along_axis(pack_rows(rows & kEven), pack_rows(rows >> 8 & kEven), kBrickEdge);
+}
+
+/// The parents of a brick's cells and of all that share a face or an edge with one: six along
+/// each axis, the first of them beyond the brick.
+using ParentsAround = std::array<std::uint64_t, 6>;
+
+ParentsAround parents_around(const BrickMask& cells) noexcept {
+  // A cell beside a parent shares a face or an edge with one of its cells unless it is beyond
+  // it along all three axes.
+  std::array<std::uint64_t, 8> two{},
+      one{};  // reached along y and z; along at most one of them
+  for (std::size_t x = 0; x < 8; ++x) {
+    if (cells.slice[x] == 0) continue;
+    const ParentsAlong z = parents_along_z(cells.slice[x]);
+    const ParentsAlong within = parents_along_y(z.within), reached = parents_along_y(z.reached);
+    two[x] = reached.reached;
+    one[x] = reached.within | within.reached;
+  }
+  ParentsAround parents;
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    const auto at = [&](const auto& slices, std::size_t x) { return x < 8 ? slices[x] : 0; };
+    const std::size_t low = 2 * i - 2;  // the lower of the parent's cells; below 0 it is huge
+    parents[i] = at(two, low) | at(two, low + 1) | at(one, low) | at(one, low + 1) |
+                 at(one, low - 1) | at(one, low + 2);
+  }
+  return parents;
+}
+
+/// The part of six parents along z, a byte for each row, that lies in the lower, or the upper,
+/// of the two bricks that they reach into; `upper_half` says which half of its parent along the
+/// axis the brick is.
+std::uint64_t part_along_z(std::uint64_t rows, bool upper_half, bool upper) noexcept {
+  constexpr std::uint64_t kFirst = 0x0101010101010101, kFive = 31 * kFirst;
+  if (upper_half) return upper ? rows >> 5 & kFirst : (rows & kFive) << 3;
+  return upper ? rows >> 1 & kFive : (rows & kFirst) << 7;
+}
+
+/// Does the same with six rows along y.
+std::uint64_t part_along_y(std::uint64_t rows, bool upper_half, bool upper) noexcept {
+  constexpr std::uint64_t kFirst = 0xff, kFive = 0xffffffffff;
+  if (upper_half) return upper ? rows >> 40 & kFirst : (rows & kFive) << 24;
+  return upper ? rows >> 8 & kFive : (rows & kFirst) << 56;
+}
+
+/// Hands the bricks around a parent's their parts of what its child `brick` reaches.
+void add_parts(CellSetBuilder& builder, BrickCoord brick, const ParentsAround& parents) {
   const BrickCoord parent = parent_of(brick);
-  const auto first = [](std::int32_t child) { return (child & 1) - 1; };
-  for (int x = first(brick.x); x <= first(brick.x) + 1; ++x) {
-    for (int y = first(brick.y); y <= first(brick.y) + 1; ++y) {
-      for (int z = first(brick.z); z <= first(brick.z) + 1; ++z) {
-        const BrickMask part = brick_part(seen_from(cells, offset_index(8 * x, 8 * y, 8 * z)));
-        if (part.any()) builder.add({parent.x + x, parent.y + y, parent.z + z}, part);
-      }
+  const bool half_x = (brick.x & 1) != 0, half_y = (brick.y & 1) != 0,
+             half_z = (brick.z & 1) != 0;
+  for (int o = 0; o < 8; ++o) {
+    const bool upper_x = (o & 4) != 0, upper_y = (o & 2) != 0, upper_z = (o & 1) != 0;
+    BrickMask part;
+    for (std::size_t i = 0; i < parents.size(); ++i) {
+      const std::size_t x = i + (half_x ? 3 : 7);  // from the lower brick's first
+      if ((x >= 8) != upper_x) continue;
+      part.slice[x & 7] =
+          part_along_y(part_along_z(parents[i], half_z, upper_z), half_y, upper_y);
     }
+    if (!part.any()) continue;
+    builder.add({parent.x + (o >> 2) - !half_x, parent.y + (o >> 1 & 1) - !half_y,
+                 parent.z + (o & 1) - !half_z},
+                part);
   }
 }
 
@@ -191,10 +246,7 @@ CellSet parents_of(const CellSet& cells, const Cancellation& cancellation) {
 
 CellSet parents_with_neighbours(const CellSet& cells, const Cancellation& cancellation) {
   return build_from(cells, cancellation, [&](CellSetBuilder& builder, std::size_t i) {
-    HaloSet own;
-    add_brick(own, cells.cells[i], 0, 0, 0);
-    const BrickCoord brick = cells.bricks[i];
-    add_parts(builder, brick, parents(with_face_and_edge_neighbours(own), brick));
+    add_parts(builder, cells.bricks[i], parents_around(cells.cells[i]));
   });
 }
 
