@@ -1,6 +1,7 @@
 #include "core/base/brick_neighbours.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace tet {
 
@@ -14,7 +15,8 @@ PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept {
 }
 
 const PlacesAround& BrickNeighbours::around(BrickCoord brick) noexcept {
-  for (std::size_t row = 0; row < row_.size(); ++row) {
+  for (unsigned rows = static_cast<unsigned>(rows_); rows != 0; rows &= rows - 1) {
+    const auto row = static_cast<std::size_t>(std::countr_zero(rows));
     const auto r = static_cast<std::int32_t>(row);
     BrickCoord at{brick.x + r / 3 - 1, brick.y + r % 3 - 1, brick.z - 1};
     std::size_t& place = row_[row];

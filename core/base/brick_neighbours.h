@@ -19,20 +19,29 @@ inline constexpr std::size_t kItself = 13;
 /// Looks up one brick and those around it. The brick need not be in the index.
 PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept;
 
+/// Which rows of bricks around one are looked for, by their steps along x and y: all nine, or
+/// the four with none upwards, or none downwards.
+enum class RowsAround : std::uint16_t { kAll = 0x1ff, kLower = 0x01b, kUpper = 0x1b0 };
+
 /// Walks along a sorted list of bricks: nine places move through it, one for each row of three
 /// bricks along z, so that going to the next brick costs a few comparisons and no hashing. Not
 /// thread-safe: one per task.
 class BrickNeighbours {
  public:
   /// `bricks` are sorted and unique; they must outlive this.
-  explicit BrickNeighbours(std::span<const BrickCoord> bricks) : bricks_(bricks) {}
+  explicit BrickNeighbours(std::span<const BrickCoord> bricks,
+                           RowsAround rows = RowsAround::kAll)
+      : bricks_(bricks), rows_(rows) {
+    places_.fill(kNoBrick);
+  }
 
-  /// Where the bricks around `brick` are; it need not be in the list, but comes after those
-  /// asked for before.
+  /// Where the bricks around `brick` are, kNoBrick for those of rows that are not looked for;
+  /// it need not be in the list, but comes after those asked for before.
   const PlacesAround& around(BrickCoord brick) noexcept;
 
  private:
   std::span<const BrickCoord> bricks_;
+  RowsAround rows_;
   bool started_ = false;
   std::array<std::size_t, 9> row_{};  // the first brick not before the row of three
   PlacesAround places_{};

@@ -83,7 +83,7 @@ BrickMask leaf_corners(const LowerLeaves& leaves) noexcept {
 
 void insert_corner_bricks(OctreeLevel& level) {
   std::vector<BrickCoord> owners;
-  BrickNeighbours neighbours(level.bricks);
+  BrickNeighbours neighbours(level.bricks, RowsAround::kUpper);
   for (std::size_t i = 0; i < level.bricks.size(); ++i) {
     if (!level.leaf[i].any()) continue;
     const BrickCoord b = level.bricks[i];
@@ -106,7 +106,7 @@ LevelNodes background_nodes(const OctreeLevel& level,
                             const LevelNodes& finer) {
   std::vector<BrickMask> used(level.bricks.size()), corner(level.bricks.size());
   for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
-    BrickNeighbours neighbours(level.bricks);
+    BrickNeighbours neighbours(level.bricks, RowsAround::kLower);
     for (std::size_t i = begin; i < end; ++i) {
       const BrickCoord brick = level.bricks[i];
       used[i] = leaf_corners(lower_leaves(level.leaf, neighbours.around(brick)));

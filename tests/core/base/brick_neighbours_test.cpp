@@ -1,6 +1,8 @@
 #include "core/base/brick_neighbours.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -21,14 +23,21 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
   const BrickIndex index(bricks);
   for (const std::int32_t first :
        {-9, 0}) {  // from before the first brick, and from the middle
-    BrickNeighbours neighbours(bricks);
+    BrickNeighbours neighbours(bricks), below(bricks, RowsAround::kLower),
+        above(bricks, RowsAround::kUpper);
     for (std::int32_t x = first; x < 9; x += 2) {
       for (std::int32_t y = -9; y < 9; ++y) {
         for (std::int32_t z = -9; z < 9; z += 3) {
           const PlacesAround& around = neighbours.around({x, y, z});
+          const PlacesAround& lower = below.around({x, y, z});
+          const PlacesAround& upper = above.around({x, y, z});
           for (int o = 0; o < 27; ++o) {
-            EXPECT_EQ(around[static_cast<std::size_t>(o)],
-                      index.find({x + o / 9 - 1, y + o / 3 % 3 - 1, z + o % 3 - 1}));
+            const int dx = o / 9 - 1, dy = o / 3 % 3 - 1, dz = o % 3 - 1;
+            const std::uint32_t at = index.find({x + dx, y + dy, z + dz});
+            const auto place = static_cast<std::size_t>(o);
+            EXPECT_EQ(around[place], at);
+            EXPECT_EQ(lower[place], dx < 1 && dy < 1 ? at : kNoBrick);
+            EXPECT_EQ(upper[place], dx > -1 && dy > -1 ? at : kNoBrick);
           }
         }
       }
