@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,23 +27,31 @@ class NewIds {
   NewIds(std::span<const KeptRun> runs, std::uint64_t from_count)
       : runs_(runs),
         from_count_(from_count),
-        shifts_((from_count + kSlot - 1) / kSlot, kMixed) {
-    for (const KeptRun& run : runs) {
-      const std::uint64_t first = (run.from + kSlot - 1) / kSlot;
-      const std::uint64_t end =
-          run.from + run.count == from_count ? shifts_.size() : (run.from + run.count) / kSlot;
-      for (std::uint64_t slot = first; slot < end; ++slot) shifts_[slot] = run.to - run.from;
+        shifts_((from_count + kSlot - 1) / kSlot, kNoneKept) {
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const std::uint64_t begin = runs[i].from, end = begin + runs[i].count;
+      const std::uint64_t first = (begin + kSlot - 1) / kSlot;
+      const std::uint64_t last = end == from_count ? shifts_.size() : end / kSlot;
+      if (first >= last) {  // within a slot, or two
+        list(begin, end, i);
+        continue;
+      }
+      list(begin, first * kSlot, i);
+      for (std::uint64_t slot = first; slot < last; ++slot) {
+        shifts_[slot] = runs[i].to - runs[i].from;
+      }
+      list(last * kSlot, end, i);
     }
   }
 
-  /// The run that holds an id, or null.
+  /// The run that holds an id, which is below `from_count`; or null.
   const KeptRun* run_of(std::uint64_t id) const {
+    const std::uint64_t listed = shifts_[id / kSlot] ^ kNoneKept;
+    if (listed <= lists_.size()) return listed == 0 ? nullptr : listed_run(listed, id);
     const auto after = std::upper_bound(
         runs_.begin(), runs_.end(), id,
         [](std::uint64_t value, const KeptRun& run) { return value < run.from; });
-    if (after == runs_.begin()) return nullptr;
-    const KeptRun* const run = &*(after - 1);
-    return holds(*run, id) ? run : nullptr;
+    return &*(after - 1);
   }
 
   /// Writes ids of the earlier mesh, each below `from_count`; false where one is not kept.
@@ -50,8 +59,8 @@ class NewIds {
   bool move(std::span<const Index> from, Index* to) const {
     for (const Index id : from) {
       std::uint64_t shift = shifts_[id / kSlot];
-      if (shift == kMixed) {
-        const KeptRun* const run = run_of(id);
+      if (const std::uint64_t listed = shift ^ kNoneKept; listed <= lists_.size()) {
+        const KeptRun* const run = listed == 0 ? nullptr : listed_run(listed, id);
         if (run == nullptr) return false;
         shift = run->to - run->from;
       }
@@ -65,11 +74,35 @@ class NewIds {
  private:
   /// Ids in a row that are looked up together where one run holds all of them.
   static constexpr std::uint64_t kSlot = 256;
-  static constexpr std::uint64_t kMixed = std::uint64_t{1} << 63;  // no shift: ids are smaller
+  /// A slot without any kept id: no shift, as ids are smaller. That of a slot with ids of other
+  /// runs, too, is this plus the number of its list, from 1 on.
+  static constexpr std::uint64_t kNoneKept = std::uint64_t{1} << 63;
+  static constexpr std::uint32_t kNoRun = ~std::uint32_t{0};
+
+  /// Which run each id of a slot is in.
+  using RunOfId = std::array<std::uint32_t, kSlot>;
+
+  /// Notes the run of these ids.
+  void list(std::uint64_t begin, std::uint64_t end, std::size_t run) {
+    for (std::uint64_t id = begin; id < end; ++id) {
+      std::uint64_t& shift = shifts_[id / kSlot];
+      if (shift == kNoneKept) {
+        lists_.emplace_back().fill(kNoRun);
+        shift += lists_.size();
+      }
+      lists_[(shift ^ kNoneKept) - 1][id % kSlot] = static_cast<std::uint32_t>(run);
+    }
+  }
+
+  const KeptRun* listed_run(std::uint64_t list, std::uint64_t id) const {
+    const std::uint32_t run = lists_[list - 1][id % kSlot];
+    return run == kNoRun ? nullptr : &runs_[run];
+  }
 
   std::span<const KeptRun> runs_;
   std::uint64_t from_count_;
   std::vector<std::uint64_t> shifts_;  // of each slot
+  std::vector<RunOfId> lists_;
 };
 
 template <class Index>
