@@ -37,10 +37,8 @@ double now() noexcept {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// The volume with the hundredth of its leaves that lies nearest to one of them a little
-/// inflated.
-Volume inflated_at_one_place(const Volume& volume) {
-  Volume changed = volume;
+/// The hundredth of a volume's leaves that lies nearest to one of them, by their places.
+std::vector<std::size_t> leaves_at_one_place(const Volume& volume) {
   const BrickCoord centre = volume.bricks[volume.bricks.size() / 3];
   const auto distance = [&](std::size_t i) {
     const BrickCoord b = volume.bricks[i];
@@ -50,7 +48,13 @@ Volume inflated_at_one_place(const Volume& volume) {
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::sort(order, {}, distance);
   order.resize(order.size() / 100 + 1);
-  for (const std::size_t brick : order) {
+  return order;
+}
+
+/// The volume with these leaves a little inflated.
+Volume inflated(const Volume& volume, const std::vector<std::size_t>& leaves) {
+  Volume changed = volume;
+  for (const std::size_t brick : leaves) {
     for (std::size_t v = brick * kBrickCells; v < (brick + 1) * kBrickCells; ++v) {
       changed.values[v] = std::max(changed.values[v] - 0.2F, -changed.background);
     }
@@ -61,8 +65,10 @@ Volume inflated_at_one_place(const Volume& volume) {
   return changed;
 }
 
-Plan plan(const std::shared_ptr<const Volume>& volume, const MeshPlan* earlier = nullptr) {
-  return plan_mesh({.shape = volume, .earlier = earlier}).value();
+Plan plan(const std::shared_ptr<const Volume>& volume,
+          const MeshPlan* earlier = nullptr,
+          const std::vector<BrickCoord>* replaced = nullptr) {
+  return plan_mesh({.shape = volume, .earlier = earlier, .replaced = replaced}).value();
 }
 
 /// Seconds of updates, by part; of splicing both ways.
@@ -74,6 +80,7 @@ struct Parts {
 /// A mesh as sessions keep it: spliced in the memory of the one before it, and patched in
 /// place.
 struct Meshes {
+  std::vector<BrickCoord> replaced;  ///< leaves of each frame, as a session is told
   Plan plan;
   TetMesh mesh, used;
   StableMesh stable;
@@ -112,7 +119,7 @@ void patch_in_place(const MeshPatch& patch,
 /// Updates as a session does, both with stable ids and without.
 void update_once(Meshes& meshes, const std::shared_ptr<const Volume>& volume, Parts& parts) {
   double start = now();
-  Plan next = plan(volume, meshes.plan.get());
+  Plan next = plan(volume, meshes.plan.get(), &meshes.replaced);
   parts.plan += now() - start;
   start = now();
   const auto patch = MeshPatch::between(as_bricks(meshes.plan), as_bricks(next));
@@ -147,8 +154,10 @@ void remesh(benchmark::State& state, Solid solid, const BenchSize& size) {
   TaskPool pool(1);
   pool.run([&] {
     const auto volume = make_solid(solid, size);
-    const auto changed = std::make_shared<const Volume>(inflated_at_one_place(*volume));
+    const std::vector<std::size_t> leaves = leaves_at_one_place(*volume);
+    const auto changed = std::make_shared<const Volume>(inflated(*volume, leaves));
     Meshes meshes;
+    for (const std::size_t leaf : leaves) meshes.replaced.push_back(volume->bricks[leaf]);
     meshes.plan = plan(volume);
     meshes.mesh = std::move(fill_mesh(*meshes.plan, {}, nullptr)->mesh);
     begin_stable(*meshes.plan, meshes.mesh, meshes.stable);

@@ -113,8 +113,8 @@ std::vector<BrickCoord> readers_of(const std::vector<BrickCoord>& voxel_bricks,
 
 }  // namespace
 
-std::unique_ptr<const FieldDifference> FieldDifference::between(const PhiField& earlier,
-                                                                const PhiField& now) {
+std::unique_ptr<const FieldDifference> FieldDifference::between(
+    const PhiField& earlier, const PhiField& now, const std::vector<BrickCoord>* replaced) {
   const bool scenes = earlier.scene != nullptr;
   if (scenes != (now.scene != nullptr) || earlier.spacing_voxels != now.spacing_voxels) {
     return nullptr;
@@ -123,9 +123,13 @@ std::unique_ptr<const FieldDifference> FieldDifference::between(const PhiField& 
   if (scenes) return difference;
   const Volume &a = *earlier.volume, &b = *now.volume;
   if (earlier.iso != now.iso || !same_lattice(a, b)) return nullptr;
-  const auto regions = regions_to_compare(a, b);
-  if (!regions) return nullptr;
-  difference->touched_ = readers_of(unlike_bricks(a, b, *regions), now.spacing_voxels);
+  if (replaced != nullptr) {
+    difference->touched_ = readers_of(*replaced, now.spacing_voxels);
+  } else {
+    const auto regions = regions_to_compare(a, b);
+    if (!regions) return nullptr;
+    difference->touched_ = readers_of(unlike_bricks(a, b, *regions), now.spacing_voxels);
+  }
   difference->touched_index_ = BrickIndex(difference->touched_);
   return difference;
 }

@@ -17,9 +17,12 @@ namespace tet {
 class FieldDifference {
  public:
   /// Null where next to nothing can be the same: other lattices, a volume beside a scene. All
-  /// values of two volumes are compared. Parallel.
-  static std::unique_ptr<const FieldDifference> between(const PhiField& earlier,
-                                                        const PhiField& now);
+  /// values of two volumes are compared, unless `replaced` names bricks of voxels, in any
+  /// order, beyond which they are known to be the same. Parallel.
+  static std::unique_ptr<const FieldDifference> between(
+      const PhiField& earlier,
+      const PhiField& now,
+      const std::vector<BrickCoord>* replaced = nullptr);
 
   /// Not thread-safe: one per task.
   class Asker {

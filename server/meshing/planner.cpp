@@ -320,7 +320,8 @@ Planner::Attempt Planner::plan_in_turn(const Job& job,
                           .limits = limits,
                           .progress = &job.watch->progress,
                           .surveyed = before.blocks,
-                          .earlier = before.earlier.get()},
+                          .earlier = before.earlier.get(),
+                          .replaced = before.replaced.get()},
                          stopped)};
   if (made.plan.ok()) return made;
   if (callers.requested()) return {check_cancelled(callers)};

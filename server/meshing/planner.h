@@ -58,6 +58,8 @@ struct PlannerStats {
 struct SurveyedBefore {
   SurveyedBlocks blocks = {};
   std::shared_ptr<const MeshPlan> earlier = nullptr;  ///< of what may be alike in part
+  /// See PlanJob::replaced.
+  std::shared_ptr<const std::vector<BrickCoord>> replaced = nullptr;
 };
 
 /// How much a planner may keep, bytes.

@@ -196,6 +196,10 @@ absl::Status RemeshStream::replace() {
   if (!changed.ok()) {
     return invalid_field(absl::StrCat("leaves: ", changed.status().message()));
   }
+  std::vector<BrickCoord> replaced;
+  replaced.reserve(incoming_->leaves().size());
+  for (const LeafValues& leaf : incoming_->leaves()) replaced.push_back(leaf.brick);
+  replaced_ = std::make_shared<const std::vector<BrickCoord>>(std::move(replaced));
   MeshOrder& order = next_.order;
   order.volume = hold(*std::move(changed), std::move(charge));
   // Grids of sizes and fields stay those of the file.
@@ -219,6 +223,7 @@ std::shared_ptr<const Volume> RemeshStream::hold(Volume volume,
 /// All frames lie on the lattice of the first, about its origin: or nothing could be kept.
 void RemeshStream::begin_frame() {
   next_ = shown_;
+  replaced_ = nullptr;
   const v1::MeshRequest& first = planned_.canonical;
   const WorldPoint origin = source_.plan->header().origin;
   next_.request.set_spacing(first.spacing());
@@ -232,11 +237,12 @@ void RemeshStream::begin_frame() {
 }
 
 void RemeshStream::open() {
-  engine_.planner.plan(call_.client(), next_.order, watch_,
-                       [self = self()](absl::StatusOr<PlannedMesh> planned) {
-                         self->guard([&] { self->planned(std::move(planned)); });
-                       },
-                       {.earlier = source_.plan});
+  engine_.planner.plan(
+      call_.client(), next_.order, watch_,
+      [self = self()](absl::StatusOr<PlannedMesh> planned) {
+        self->guard([&] { self->planned(std::move(planned)); });
+      },
+      {.earlier = source_.plan, .replaced = std::exchange(replaced_, nullptr)});
 }
 
 void RemeshStream::planned(absl::StatusOr<PlannedMesh> planned) {

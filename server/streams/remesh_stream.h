@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/streams/chunk_stream.h"
 #include "server/streams/frame_leaves.h"
@@ -83,8 +84,10 @@ class RemeshStream final : public ChunkStream {
   std::int64_t frames_ = 0;
   std::optional<FrameLeaves> incoming_;  ///< of the frame that is read, if it has any
   absl::Status incoming_status_;         ///< why that frame is refused
-  Frame next_;                           ///< becomes that of the mesh, once it is planned
-  Frame shown_;                          ///< of the mesh that the client has
+  /// Bricks of the grid that it replaces; null where it does not.
+  std::shared_ptr<const std::vector<BrickCoord>> replaced_;
+  Frame next_;   ///< becomes that of the mesh, once it is planned
+  Frame shown_;  ///< of the mesh that the client has
   PlannedMesh planned_;
   ChunkSource source_;
 };

@@ -24,15 +24,15 @@ struct AlikeMesh {
   std::unique_ptr<const FieldDifference> difference;
 };
 
-std::optional<AlikeMesh> find_alike(const MeshPlan* earlier, const PreparedMesh& prepared) {
-  const BrickPlan* bricks = earlier == nullptr ? nullptr : bricks_beneath(*earlier);
+std::optional<AlikeMesh> find_alike(const PlanJob& job, const PreparedMesh& prepared) {
+  const BrickPlan* bricks = job.earlier == nullptr ? nullptr : bricks_beneath(*job.earlier);
   if (bricks == nullptr) return std::nullopt;
   const ComparedMesh before = bricks->counted();
   if (!(before.mesh.rules() == prepared.space.rules) ||
       !can_reuse(before.mesh.survey(), prepared.space)) {
     return std::nullopt;
   }
-  auto difference = FieldDifference::between(before.field, prepared.field);
+  auto difference = FieldDifference::between(before.field, prepared.field, job.replaced);
   if (difference == nullptr) return std::nullopt;
   return AlikeMesh{before, std::move(difference)};
 }
@@ -126,7 +126,7 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
     const PreparedMesh& prepared,
     const LeafRules& rules,
     const Cancellation& cancellation) {
-  const std::optional<AlikeMesh> alike = find_alike(job.earlier, prepared);
+  const std::optional<AlikeMesh> alike = find_alike(job, prepared);
   absl::StatusOr<Survey> survey = survey_rest(job, prepared, alike, cancellation);
   if (!survey.ok()) return survey.status();
   Surveyed surveyed = follow_survey(*survey, prepared, rules, cancellation);

@@ -98,6 +98,52 @@ TEST(FieldDifference, FindsNothingChangedInACopy) {
   EXPECT_EQ(counts.same, counts.bricks);
 }
 
+TEST(FieldDifference, TakesCallersAtTheirWordOfWhatWasReplaced) {
+  const Volume volume = test::ball(24);
+  Volume changed = volume;
+  const std::size_t brick = changed.bricks.size() / 3;
+  changed.values[brick * kBrickCells + 77] += 0.25F;
+  const BrickCoord elsewhere = volume.bricks[0];
+  const std::vector<BrickCoord> none, exact{volume.bricks[brick]},
+      more{volume.bricks[brick], elsewhere, {1000, -1000, 3}, elsewhere};
+  for (const double spacing : {1.0, 0.7, 1.3, 9.7}) {
+    const PhiField earlier = field_of(volume, spacing), now = field_of(changed, spacing);
+    const auto bricks = find_bricks(earlier)->near_surface;
+    const auto compared = FieldDifference::between(earlier, now),
+               told_none = FieldDifference::between(earlier, now, &none),
+               told = FieldDifference::between(earlier, now, &exact),
+               told_more = FieldDifference::between(earlier, now, &more);
+    FieldDifference::Asker of_compared(*compared), of_none(*told_none), of_told(*told),
+        of_more(*told_more);
+    bool misses_elsewhere = false;
+    for (const BrickCoord b : bricks) {
+      EXPECT_EQ(of_told.same_around(b), of_compared.same_around(b));
+      EXPECT_TRUE(of_none.same_around(b));
+      if (of_more.same_around(b)) EXPECT_TRUE(of_compared.same_around(b));
+      misses_elsewhere |= of_compared.same_around(b) && !of_more.same_around(b);
+    }
+    EXPECT_TRUE(misses_elsewhere) << spacing;
+  }
+}
+
+TEST(FieldDifference, ComparesLatticesWhateverWasReplaced) {
+  const Volume volume = test::ball(9);
+  const std::vector<BrickCoord> none;
+  Volume moved = volume, turned = volume, other_background = volume, other_kind = volume;
+  moved.transform.translation[1] = 0.5;
+  turned.transform.linear[0][1] = 0.25;
+  other_background.background += 1;
+  other_kind.kind = VolumeKind::kFogVolume;
+  for (const Volume* other : {&moved, &turned, &other_background, &other_kind}) {
+    EXPECT_EQ(FieldDifference::between(field_of(volume, 1), field_of(*other, 1), &none),
+              nullptr);
+  }
+  PhiField other_iso = field_of(volume, 1);
+  other_iso.iso = 0.5F;
+  EXPECT_EQ(FieldDifference::between(field_of(volume, 1), other_iso, &none), nullptr);
+  EXPECT_EQ(FieldDifference::between(field_of(volume, 1), field_of(volume, 2), &none), nullptr);
+}
+
 TEST(FieldDifference, FindsWhichBricksOfASceneSeeWhatMoved) {
   const auto two_balls = [](double x) {
     test::SceneWriter writer;
