@@ -126,7 +126,8 @@ void CountedMesh::find_vertices(const Cancellation& cancellation) {
     found.assign(std::min(kFoundAtATime, finest.bricks.size() - first), {});
     for_each_range(found.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
       if (cancellation.requested()) return;
-      BrickNeighbours neighbours(finest.bricks);
+      BrickNeighbours neighbours(finest.bricks,
+                                 rules_.both_sides ? RowsAround::kAll : RowsAround::kLower);
       for (std::size_t i = begin; i < end; ++i) {
         const PlacesAround& around = neighbours.around(finest.bricks[first + i]);
         found[i] = rules_.both_sides ? find_vertices_of_both_sides(first + i, around)

@@ -201,13 +201,20 @@ class Surveyor {
   Surveyor(const SurveyTask& task, Survey& survey)
       : task_(task),
         survey_(survey),
-        room_(static_cast<std::int64_t>(task.space.kept_geometry_bytes)) {}
+        room_(static_cast<std::int64_t>(task.space.kept_geometry_bytes)) {
+    if (task.earlier == nullptr) return;
+    const KeptGeometry& before = task.earlier->survey.geometry;
+    shares_ = can_share(before, task.space.kept_geometry_bytes);
+    if (!shares_) return;
+    survey.geometry.blocks = before.blocks;
+    room_ -= static_cast<std::int64_t>(before.block_bytes);
+  }
 
   /// Appends what is found of `candidates`, which follow those before; `still_to_come` follow
   /// them. Errors: kResourceExhausted (more than may be kept), kCancelled, kDeadlineExceeded.
   absl::Status add(std::span<const BrickCoord> candidates, std::size_t still_to_come) {
     Findings findings(candidates.size());
-    std::vector<std::shared_ptr<std::byte[]>> blocks(
+    std::vector<std::shared_ptr<const std::byte[]>> blocks(
         candidates.size());  // of ranges, where they begin
     for_each_range(candidates.size(), kSurveyedPerRange,
                    [&](std::size_t begin, std::size_t end) {
@@ -223,9 +230,18 @@ class Surveyor {
     return check_survey_budget(survey_.bricks.size(), task_.space.most_bricks);
   }
 
-  std::uint64_t kept_bytes() const {
-    return task_.space.kept_geometry_bytes -
-           static_cast<std::uint64_t>(std::max<std::int64_t>(room_, 0));
+  /// To be called once everything is added.
+  void finish() {
+    KeptGeometry& kept = survey_.geometry;
+    kept.block_bytes = task_.space.kept_geometry_bytes -
+                       static_cast<std::uint64_t>(std::max<std::int64_t>(room_, 0));
+    if (!shares_) return;
+    const KeptGeometry& before = task_.earlier->survey.geometry;
+    std::uint64_t still = 0;
+    for (std::size_t i = 0; i < survey_.known.size(); ++i) {
+      still += survey_.known[i] != kNotKnown && kept.of_brick[i] != nullptr;
+    }
+    kept.gone = before.gone + count_kept(before) - still;
   }
 
  private:
@@ -245,7 +261,9 @@ class Surveyor {
       if (before && before->still_holds(candidates[i])) {
         const std::uint32_t at = findings.known[i] = before->find(candidates[i]);
         spots = before->thin_spots(candidates[i]);
-        if (at != kNotKnown) {
+        if (at != kNotKnown && shares_) {
+          findings.geometry[i] = earlier->survey.geometry.of_brick[at];
+        } else if (at != kNotKnown) {
           keeper.keep_again(i, earlier->survey.stuffed[at],
                             earlier->survey.geometry.of_brick[at]);
         }
@@ -268,6 +286,7 @@ class Surveyor {
   const SurveyTask task_;
   Survey& survey_;
   std::atomic<std::int64_t> room_;
+  bool shares_ = false;  ///< the earlier survey's blocks
   ScratchPool<SurveyWorkspace> workspaces_;
 };
 
@@ -344,7 +363,7 @@ absl::StatusOr<Survey> survey_bricks(const PhiField& field,
     const std::span now = rest.first(std::min(kSurveyedAtATime, rest.size()));
     if (auto status = surveyor.add(now, rest.size() - now.size()); !status.ok()) return status;
   }
-  survey.geometry.block_bytes = surveyor.kept_bytes();
+  surveyor.finish();
   return survey;
 }
 

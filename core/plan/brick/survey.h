@@ -43,8 +43,11 @@ bool stuff_brick(PhiSampler& sampler,
 /// found again from the samples.
 struct KeptGeometry {
   std::vector<const std::byte*> of_brick;  ///< null where it was not kept
-  std::vector<std::shared_ptr<std::byte[]>> blocks;
+  std::vector<std::shared_ptr<const std::byte[]>> blocks;
   std::uint64_t block_bytes = 0;  ///< of all blocks
+  /// Bricks of earlier surveys that are in the blocks, which those surveys share, and no longer
+  /// in `of_brick`.
+  std::uint64_t gone = 0;
 };
 
 inline constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};

@@ -24,16 +24,21 @@ void make_room(Survey& survey, std::size_t more, std::size_t of, const StillToCo
   survey.sheets.reserve(room);
 }
 
-/// Appends a brick as it was found then.
-void add_known(const Survey& earlier, std::uint32_t at, Survey& survey) {
-  survey.stuffed.push_back(earlier.stuffed[at]);
-  survey.finest.push_back(earlier.finest[at]);
-  survey.counts.push_back(earlier.counts[at]);
-  const auto parts = std::ranges::lower_bound(earlier.parts, at, {}, &PartsOfBrick::brick);
-  if (parts != earlier.parts.end() && parts->brick == at) {
-    survey.parts.push_back({static_cast<std::uint32_t>(survey.sheets.size()), parts->parts});
+/// Appends bricks `[begin, end)` as they were found then, but for their geometry.
+void add_known(const Survey& earlier, std::uint32_t begin, std::uint32_t end, Survey& survey) {
+  const auto first = static_cast<std::uint32_t>(survey.sheets.size());
+  auto parts = std::ranges::lower_bound(earlier.parts, begin, {}, &PartsOfBrick::brick);
+  for (; parts != earlier.parts.end() && parts->brick < end; ++parts) {
+    survey.parts.push_back({first + parts->brick - begin, parts->parts});
   }
-  survey.sheets.push_back(earlier.sheets[at]);
+  const auto append = [&](const auto& from, auto& to) {
+    to.insert(to.end(), from.begin() + begin, from.begin() + end);
+  };
+  append(earlier.bricks, survey.bricks);
+  append(earlier.stuffed, survey.stuffed);
+  append(earlier.finest, survey.finest);
+  append(earlier.counts, survey.counts);
+  append(earlier.sheets, survey.sheets);
 }
 
 void add_surveyed(SurveyedBrick& found, bool both_sides, Survey& survey) {
@@ -72,20 +77,40 @@ void add_findings(std::span<const BrickCoord> candidates,
                   const StillToCome& rest,
                   Survey& survey) {
   make_room(survey, findings.count(), candidates.size(), rest);
+  if (earlier != nullptr) survey.known.reserve(survey.bricks.capacity());
+  // Known bricks that follow each other in the earlier survey, too, and are yet to be added.
+  std::uint32_t begin = 0, end = 0;
+  const auto add_run = [&] {
+    if (begin != end) add_known(earlier->survey, begin, end, survey);
+    begin = end = 0;
+  };
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (findings.thin[i]) survey.thin.push_back({candidates[i], *findings.thin[i]});
-    const bool known = findings.known[i] != kNotKnown;
-    if (!known && findings.surveyed[i] == nullptr) continue;
-    survey.bricks.push_back(candidates[i]);
+    const std::uint32_t known = findings.known[i];
+    if (known == kNotKnown && findings.surveyed[i] == nullptr) continue;
     survey.geometry.of_brick.push_back(findings.geometry[i]);
-    if (earlier != nullptr) survey.known.push_back(findings.known[i]);
-    if (known) {
-      add_known(earlier->survey, findings.known[i], survey);
-    } else {
-      add_surveyed(*findings.surveyed[i], both_sides, survey);
-      findings.surveyed[i] = nullptr;
+    if (earlier != nullptr) survey.known.push_back(known);
+    if (known != kNotKnown) {
+      if (known != end) add_run();
+      if (begin == end) begin = known;
+      end = known + 1;
+      continue;
     }
+    add_run();
+    survey.bricks.push_back(candidates[i]);
+    add_surveyed(*findings.surveyed[i], both_sides, survey);
+    findings.surveyed[i] = nullptr;
   }
+  add_run();
+}
+
+std::uint64_t count_kept(const KeptGeometry& geometry) noexcept {
+  return static_cast<std::uint64_t>(std::ranges::count_if(
+      geometry.of_brick, [](const std::byte* packed) { return packed != nullptr; }));
+}
+
+bool can_share(const KeptGeometry& earlier, std::uint64_t room) noexcept {
+  return earlier.gone <= count_kept(earlier) / 2 && earlier.block_bytes <= room / 2;
 }
 
 void GeometryKeeper::keep(std::size_t brick,
@@ -103,7 +128,7 @@ void GeometryKeeper::keep_again(std::size_t brick,
   }
 }
 
-std::shared_ptr<std::byte[]> GeometryKeeper::take() {
+std::shared_ptr<const std::byte[]> GeometryKeeper::take() {
   if (packed_.empty()) return nullptr;
   std::shared_ptr<std::byte[]> block =
       std::make_unique_for_overwrite<std::byte[]>(packed_.size());

@@ -53,6 +53,14 @@ void add_findings(std::span<const BrickCoord> candidates,
                   const StillToCome& rest,
                   Survey& survey);
 
+/// How many bricks' geometry is kept.
+std::uint64_t count_kept(const KeptGeometry& geometry) noexcept;
+
+/// Whether a survey may keep the blocks of an earlier one as they are, with what has gone from
+/// them: no more than half as many bricks as are there, and in half of `room`, bytes, so that
+/// what is new has its place.
+bool can_share(const KeptGeometry& earlier, std::uint64_t room) noexcept;
+
 /// Packs the geometry of one brick after another, as long as there is room for it.
 class GeometryKeeper {
  public:
@@ -67,7 +75,7 @@ class GeometryKeeper {
   void keep_again(std::size_t brick, const StuffedBrick& stuffed, const std::byte* packed);
 
   /// Moves all of it to where it stays; null where there is none.
-  std::shared_ptr<std::byte[]> take();
+  std::shared_ptr<const std::byte[]> take();
 
  private:
   /// Null where there is none.
