@@ -166,6 +166,8 @@ class JobStore {
   /// Returns when `signal` is beyond `seen`, or at the timeout. An idle worker reads the
   /// signal, claims, and if it got nothing waits for what came after it had read.
   virtual void wait(std::uint64_t seen, absl::Duration timeout) = 0;
+  /// Raises the signal of this process though nothing was committed: whoever waits is to end.
+  virtual void wake_all() = 0;
   /// Extends leases that are still held; one answer for each. A lease past its time is held
   /// until somebody else got the shard.
   virtual absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,

@@ -33,6 +33,7 @@ class PostgresDatabase final : public SqlDatabase {
   void wait(std::uint64_t seen, absl::Duration timeout) override {
     listener_.wait(seen, timeout);
   }
+  void wake_all() override { listener_.raise(); }
 
   absl::StatusOr<std::int64_t> purge(std::int64_t finished_before_us) override {
     const auto connection = connections_.take();

@@ -28,13 +28,14 @@ class PostgresListener {
   void announce();
   std::uint64_t signal();
   void wait(std::uint64_t seen, absl::Duration timeout);
+  /// Tells this process alone.
+  void raise();
 
  private:
   void run();
   bool tell_and_listen();
   bool listen();
   void listen_once();
-  void raise();
 
   const std::string connection_string_;
   const absl::Duration poll_;

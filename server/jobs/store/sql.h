@@ -148,6 +148,8 @@ class SqlDatabase {
   virtual void announce() = 0;
   virtual std::uint64_t signal() = 0;
   virtual void wait(std::uint64_t seen, absl::Duration timeout) = 0;
+  /// Tells those in this process to look again.
+  virtual void wake_all() = 0;
 
   /// Forgets what finished before, in the way that is cheapest for the engine; says how many
   /// jobs.

@@ -61,6 +61,7 @@ class SqlJobStore final : public JobStore {
   void wait(std::uint64_t seen, absl::Duration timeout) override {
     database_->wait(seen, timeout);
   }
+  void wake_all() override { database_->wake_all(); }
   absl::StatusOr<std::vector<LeaseState>> heartbeat(std::span<const LeaseId> leases,
                                                     absl::Duration lease) override;
   absl::StatusOr<std::vector<LeaseState>> look_at(std::span<const LeaseId> leases) override;

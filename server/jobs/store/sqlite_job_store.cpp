@@ -117,6 +117,7 @@ class SqliteDatabase final : public SqlDatabase {
   void wait(std::uint64_t seen, absl::Duration timeout) override {
     signal_.wait(seen, timeout);
   }
+  void wake_all() override { signal_.raise(); }
 
   absl::StatusOr<std::int64_t> purge(std::int64_t finished_before_us) override;
 

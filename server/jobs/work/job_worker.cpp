@@ -79,6 +79,7 @@ JobWorker::~JobWorker() { stop(); }
 void JobWorker::stop() {
   giving_back_ = true;
   for (std::jthread& thread : threads_) thread.request_stop();
+  jobs_.wake_all();
   for (const HeldShard& shard : held()) shard->watch->cancellation.cancel();
   threads_.clear();
   for (const HeldShard& shard : held()) jobs_.release(shard->lease.id).IgnoreError();
@@ -100,7 +101,8 @@ void JobWorker::claim_shards(const std::stop_token& stopping) {
     const auto claimed =
         guarded("a claim of shards", [&]() -> absl::StatusOr<bool> { return claim_some(); });
     if (!claimed.ok()) absl::SleepFor(kStorePause);
-    if (claimed.ok() && !*claimed) jobs_.wait(seen, kPoll);
+    // What woke before `seen` was read had asked to stop before that.
+    if (claimed.ok() && !*claimed && !stopping.stop_requested()) jobs_.wait(seen, kPoll);
   }
 }
 

@@ -89,7 +89,7 @@ def read_exodus(path):
     output = reader.GetOutput()
     blocks = exodus_objects(output, "Element Blocks")
     count = max(vtk_to_numpy(block.GetPointData().GetArray("GlobalNodeId")).max() for block in blocks.values())
-    points, fields, tets, labels = numpy.empty((count, 3)), {}, {}, {}
+    points, fields, numbers, tets, labels = numpy.empty((count, 3)), {}, [], [], []
 
     def cells_of(grid):
         nodes = vtk_to_numpy(grid.GetPointData().GetArray("GlobalNodeId")) - 1
@@ -108,20 +108,22 @@ def read_exodus(path):
                 # Of x_x, x_y and x_z VTK makes the vector x_.
                 name = name[:-1] if values.ndim == 2 else name
                 fields.setdefault(name, numpy.empty((count, *values.shape[1:])))[nodes] = values
-        numbers = vtk_to_numpy(block.GetCellData().GetArray("GlobalElementId")) - 1
-        tets.update(zip(numbers, cells_of(block)))
-        labels.update(dict.fromkeys(numbers, LABELS[block_name]))
+        numbers.append(vtk_to_numpy(block.GetCellData().GetArray("GlobalElementId")) - 1)
+        tets.append(cells_of(block))
+        labels.append(numpy.full(len(tets[-1]), LABELS[block_name]))
     faces = {name: cells_of(grid) for name, grid in exodus_objects(output, "Side Sets").items()}
-    assert {name: sorted(cells_of(grid)[:, 0]) for name, grid in
-            exodus_objects(output, "Node Sets").items()} == {
-                name: sorted(set(triangles.ravel())) for name, triangles in faces.items()}
-    order = sorted(tets)
-    assert order == list(range(len(order)))  # by the element number map
+    node_sets = {name: cells_of(grid)[:, 0] for name, grid in exodus_objects(output, "Node Sets").items()}
+    assert set(node_sets) == set(faces)
+    for name, triangles in faces.items():
+        numpy.testing.assert_array_equal(numpy.sort(node_sets[name]), numpy.unique(triangles))
+    numbers = numpy.concatenate(numbers)
+    order = numpy.argsort(numbers)
+    assert (numbers[order] == numpy.arange(len(order))).all()  # by the element number map
     stored = numpy.stack([netcdf_column(path, f"coord{axis}") for axis in "xyz"], 1)
     numpy.testing.assert_allclose(points, stored, rtol=1e-6)  # VTK rounds them to float32
     points = stored
-    return Read(points, numpy.array([tets[i] for i in order]),
-                None if list(blocks) == ["inside"] else numpy.array([labels[i] for i in order]), faces, fields)
+    return Read(points, numpy.concatenate(tets)[order],
+                None if list(blocks) == ["inside"] else numpy.concatenate(labels)[order], faces, fields)
 
 
 # ---- polyMesh ----
@@ -161,14 +163,15 @@ def read_polymesh(path):
     owner, _ = foam_list(foam_content(path / "owner", "labelList")[0], "<i4")
     neighbour, _ = foam_list(foam_content(path / "neighbour", "labelList")[0], "<i4")
     inner = len(neighbour)
-    pairs = list(zip(owner[:inner], neighbour))
-    assert pairs == sorted(pairs) and (owner[:inner] < neighbour).all()
-    # The last cell owns no face where it is not at the boundary.
-    cells = [set() for _ in range(max(owner.max(), neighbour.max(initial=0)) + 1)]
-    for triangle, *sides in zip(triangles, owner, [*neighbour, *[None] * (len(owner) - inner)]):
-        for cell in sides:
-            if cell is not None:
-                cells[cell].update(triangle.tolist())
+    assert (numpy.lexsort((neighbour, owner[:inner])) == numpy.arange(inner)).all()
+    assert (owner[:inner] < neighbour).all()
+    # Each corner of a face is one of the cells on both sides. The last cell owns no face where it is not at the
+    # boundary.
+    sides = numpy.concatenate([owner, neighbour]).repeat(3).astype(numpy.int64)
+    corners = numpy.concatenate([triangles, triangles[:inner]]).ravel()
+    of_sides, of_cells = numpy.divmod(numpy.unique(sides * len(points) + corners), len(points))
+    assert (of_sides == numpy.arange(sides.max() + 1).repeat(4)).all()
+    cells = of_cells.reshape(-1, 4)
     text = foam_content(path / "boundary", "polyBoundaryMesh")[0].decode("ascii")
     faces, next_face = {}, inner
     for name, count, start in re.findall(r"(\w+)\n    \{\n\s+type\s+patch;\n\s+nFaces\s+(\d+);\n"
@@ -185,4 +188,4 @@ def read_polymesh(path):
         for name, (members, flips) in foam_zones(path / "faceZones").items():
             turned = numpy.where(numpy.array(flips)[:, None] == 1, triangles[members][:, ::-1], triangles[members])
             faces[name] = turned
-    return Read(points, [sorted(cell) for cell in cells], None if list(zones) == ["inside"] else labels, faces)
+    return Read(points, cells, None if list(zones) == ["inside"] else labels, faces)

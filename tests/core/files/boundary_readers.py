@@ -6,6 +6,7 @@ import struct
 import numpy
 
 from samples import Read
+from text_readers import table
 
 
 def read_stl(path):
@@ -50,9 +51,9 @@ def read_obj(path):
     for line in path.read_text(encoding="utf-8").splitlines():
         kind, _, rest = line.partition(" ")
         if kind == "v":
-            points.append([float(word) for word in rest.split()])
+            points.append(rest)
         elif kind == "g":
             triangles = faces.setdefault(rest, [])
         elif kind == "f":
-            triangles.append([int(word) - 1 for word in rest.split()])
-    return Read(numpy.array(points), faces={name: numpy.array(rows) for name, rows in faces.items()})
+            triangles.append(rest)
+    return Read(table(points, float, " "), faces={name: table(rows, int, " ") - 1 for name, rows in faces.items()})

@@ -1,5 +1,6 @@
 """Readers of the formats that are text, and of .msh, that know nothing of tetstream."""
 
+import itertools
 import re
 
 import meshio
@@ -31,46 +32,62 @@ INP_FACES = {"S1": (0, 2, 1), "S2": (0, 1, 3), "S3": (1, 2, 3), "S4": (2, 0, 3)}
 INP_MIDDLES = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (1, 3): 8, (2, 3): 9}
 
 
-def inp_face(nodes, side):
-    """Its corners, and of ten nodes the middles from each to the next."""
+def table(lines, kind, separator=","):
+    """The numbers of lines that have equally many, as rows."""
+    width = lines[0].count(separator) + 1
+    assert all(line.count(separator) == width - 1 for line in lines)
+    return numpy.array(list(map(kind, separator.join(lines).split(separator)))).reshape(-1, width)
+
+
+def inp_columns(side, nodes):
+    """Which of an element's nodes a face has: its corners, and of ten nodes the middles from each to the next."""
     corners = INP_FACES[side]
     middles = [INP_MIDDLES[min(a, b), max(a, b)] for a, b in zip(corners, (*corners[1:], corners[0]))]
-    return [nodes[k] for k in (corners if len(nodes) == 4 else (*corners, *middles))]
+    return list(corners if nodes == 4 else (*corners, *middles))
+
+
+def inp_faces(lines, tets):
+    """Of lines that name an element and a side of it."""
+    pairs = [line.split(",") for line in lines]
+    of_faces = tets[[int(number) - 1 for number, _ in pairs]]
+    columns = {side: inp_columns(side, tets.shape[1]) for side in INP_FACES}
+    return numpy.take_along_axis(of_faces, numpy.array([columns[side.strip()] for _, side in pairs]), axis=1)
 
 
 def read_inp(path):
-    points, elements, sets, faces, node_sets = [], {}, {}, {}, {}
+    points, elements, surfaces, node_sets = [], {}, {}, {}
     for keyword, parameters, lines in inp_sections(path):
-        rows = [[word.strip() for word in line.split(",")] for line in lines]
         if keyword == "NODE":
             assert parameters == {"NSET": "Nall"}
-            assert max(len(word) for row in rows for word in row) <= 20
-            assert [int(row[0]) for row in rows] == list(range(1, len(rows) + 1))
-            points = numpy.array([[float(word) for word in row[1:]] for row in rows])
+            words = ",".join(lines).split(",")
+            assert max(map(len, map(str.strip, words))) <= 20
+            rows = table(lines, float)
+            assert (rows[:, 0] == numpy.arange(1, len(rows) + 1)).all()
+            points = rows[:, 1:]
         elif keyword == "ELEMENT":
-            for number, *nodes in rows:
-                assert parameters["TYPE"] == f"C3D{len(nodes)}"
-                assert number not in elements
-                elements[int(number)] = [int(node) - 1 for node in nodes]
-            sets[parameters["ELSET"]] = [int(row[0]) - 1 for row in rows]
+            rows = table(lines, int)
+            assert parameters["TYPE"] == f"C3D{rows.shape[1] - 1}"
+            assert parameters["ELSET"] not in elements
+            elements[parameters["ELSET"]] = rows
         elif keyword == "ELSET":
-            assert parameters == {"ELSET": "Eall"} and [row[0] for row in rows] == list(sets)
+            assert parameters == {"ELSET": "Eall"} and [line.strip() for line in lines] == list(elements)
         elif keyword == "SURFACE":
             assert parameters["TYPE"] == "ELEMENT"
-            faces[parameters["NAME"]] = [
-                inp_face(elements[int(number)], side) for number, side in rows]
+            surfaces[parameters["NAME"]] = lines
         elif keyword == "NSET":
-            node_sets[parameters["NSET"]] = [int(row[0]) - 1 for row in rows]
+            node_sets[parameters["NSET"]] = table(lines, int)[:, 0] - 1
         else:
             assert keyword == "HEADING", keyword
-    assert sorted(elements) == list(range(1, len(elements) + 1))
-    assert node_sets == {name: sorted(set(numpy.ravel(triangles).tolist()))
-                         for name, triangles in faces.items()}
-    tets = numpy.array([elements[number] for number in sorted(elements)])
-    labels = numpy.zeros(len(tets), dtype=int)
-    for name, members in sets.items():
-        labels[members] = LABELS[name]
-    return Read(points, tets, None if list(sets) == ["inside"] else labels, faces)
+    rows = numpy.concatenate(list(elements.values()))
+    labels = numpy.concatenate([numpy.full(len(members), LABELS[name]) for name, members in elements.items()])
+    order = numpy.argsort(rows[:, 0])
+    assert (rows[order, 0] == numpy.arange(1, len(rows) + 1)).all()
+    tets = rows[order, 1:] - 1
+    faces = {name: inp_faces(lines, tets) for name, lines in surfaces.items()}
+    assert list(node_sets) == list(faces)
+    for name, triangles in faces.items():
+        numpy.testing.assert_array_equal(node_sets[name], numpy.unique(triangles))
+    return Read(points, tets, None if list(elements) == ["inside"] else labels[order], faces)
 
 
 # ---- .mesh ----
@@ -83,18 +100,22 @@ def read_mfem(path):
              for kind in ("attribute", "boundary attribute")}
     words = iter(" ".join(line for line in lines[1:] if not line.startswith("#")).split())
 
+    def numbers(kind, rows, width):
+        found = numpy.array(list(map(kind, itertools.islice(words, rows * width))))
+        return found.reshape(rows, width)
+
     def rows(section, kind, corners):
         assert next(words) == section
-        rows = [[int(next(words)) for _ in range(2 + corners)] for _ in range(int(next(words)))]
-        assert {row[1] for row in rows} == {kind}
-        return numpy.array(rows)
+        rows = numbers(int, int(next(words)), 2 + corners)
+        assert (rows[:, 1] == kind).all()
+        return rows
 
     assert [next(words), next(words)] == ["dimension", "3"]
     tets, triangles = rows("elements", 4, 4), rows("boundary", 2, 3)
     assert next(words) == "vertices"
     count = int(next(words))
     assert next(words) == "3"
-    points = numpy.array([float(next(words)) for _ in range(3 * count)]).reshape(-1, 3)
+    points = numbers(float, count, 3)
     assert next(words, None) is None
     return Read(points, tets[:, 2:], tets[:, 0] if len(names["attribute"]) > 1 else None,
                 {name: triangles[triangles[:, 0] == number, 2:]
@@ -103,10 +124,15 @@ def read_mfem(path):
 
 # ---- .usda ----
 
+USD_MARKS = str.maketrans("(),", "   ")
+
 def usd_list(text, name, width):
-    found, = re.findall(rf"^ *{re.escape(name)} = \[(.*?)\]", text, re.MULTILINE | re.DOTALL)
-    numbers = [float(word) for word in re.sub(r"[(),]", " ", found).split()]
-    return numpy.array(numbers).reshape(-1, width) if width > 1 else numpy.array(numbers)
+    """The numbers of the only list of that name, which stands first in its line."""
+    begin, = (found.end() for found in re.finditer(re.escape(f"{name} = ["), text)
+              if not text[text.rfind("\n", 0, found.start()) + 1:found.start()].strip(" "))
+    words = text[begin:text.index("]", begin)].translate(USD_MARKS).split()
+    numbers = numpy.array(list(map(float, words)))
+    return numbers.reshape(-1, width) if width > 1 else numbers
 
 
 def read_usd(path):

@@ -96,6 +96,14 @@ TEST_P(JobStoreTest, AnIdleWorkerIsWokenByAJob) {
   other.join();
 }
 
+TEST_P(JobStoreTest, AnIdleWorkerIsWokenToEnd) {
+  const std::uint64_t seen = store_->signal();
+  store_->wake_all();
+  const absl::Time start = absl::Now();
+  store_->wait(seen, kNotWoken);
+  EXPECT_LT(absl::Now() - start, kNotWoken);
+}
+
 TEST_P(JobStoreTest, LookingForWorkInVainWakesNobody) {
   const std::uint64_t seen = store_->signal();
   for (int i = 0; i < 10; ++i) {
