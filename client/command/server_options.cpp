@@ -31,8 +31,10 @@ absl::StatusOr<std::string> read_token(const std::string& path) {
 CLI::Option* describe_server(CLI::App& app, ServerArguments& arguments) {
   ChannelOptions& channel = arguments.channel;
   auto* const server =
-      app.add_option("--server", arguments.address,
-                     "HOST:PORT of a tetstreamd, or several with commas between")
+      app.add_option(
+             "--server", arguments.address,
+             "HOST:PORT of a tetstreamd or unix:PATH of its socket file, or several with "
+             "commas between")
           ->group(kGroup);
   app.add_flag("--tls", channel.tls, "Speak TLS; the system's roots vouch for the server")
       ->group(kGroup);

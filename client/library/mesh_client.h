@@ -89,8 +89,8 @@ enum class GridDetail : std::uint8_t {
 /// cancellation.
 class MeshClient {
  public:
-  /// `address` is host:port, or several with commas between. Does not wait for the server: the
-  /// first call tells whether it is there.
+  /// `address` is host:port or unix:PATH, or several with commas between. Does not wait for the
+  /// server: the first call tells whether it is there.
   static std::unique_ptr<MeshClient> connect(const std::string& address,
                                              RetryPolicy retry = {});
   /// Connects over TLS, or with a token. Errors: those of open_channel.

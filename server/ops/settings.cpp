@@ -29,6 +29,12 @@ Setting number(std::uint64_t Config::*field,
 
 const Setting kSettings[] = {
     text(&Config::listen, "listen", "host:port to serve on; port 0 takes a free one"),
+    text(&Config::listen_unix,
+         "listen_unix",
+         "socket file to serve on, too, without TLS; with an empty listen alone; empty: none"),
+    text(&Config::listen_unix_mode,
+         "listen_unix_mode",
+         "rights of that file: 600 its user alone, 660 its group, 666 all of this host"),
     text(&Config::tls_cert, "tls_cert", "PEM file of the certificate chain; turns TLS on"),
     text(&Config::tls_key, "tls_key", "PEM file of its private key"),
     text(&Config::tls_client_ca, "tls_client_ca", "PEM file; clients need a certificate of it"),

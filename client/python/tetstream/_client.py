@@ -48,8 +48,8 @@ class Estimate:
 class Client:
     """Makes meshes on a server: `Client("host:port")`; or in this process, by the same calls: `Client(":local:")`.
 
-    address         host:port, or several with commas between that know the same volumes. The first call
-                    tells whether the server is there; making a Client does not wait for it.
+    address         host:port, unix:PATH (a socket file of this host), or several with commas between that know the
+                    same volumes. The first call tells whether the server is there; making a Client does not wait for it.
     token           goes with every call. It needs TLS or `token_in_plain`, unless the server is on this host.
     token_in_plain  send it even where others can read it on its way
     tls             speak TLS; also where one of the following files (PEM) is given
