@@ -113,6 +113,7 @@ struct Server::Parts {
         store(std::move(grid_store)) {}
 
   absl::Status open_jobs();
+  absl::Status open_shared_memory();
   absl::Status listen();
   absl::Status open_metrics();
   absl::Status open_http();
@@ -149,7 +150,8 @@ struct Server::Parts {
   ServerProbes probes{config};
   std::unique_ptr<JobsInServer> jobs;  ///< null where they are off
   UnreadMessages unread;
-  std::optional<SocketFile> socket_file;  ///< of listen_unix
+  std::optional<SocketFile> socket_file;            ///< of listen_unix
+  std::unique_ptr<SharedMemoryPort> shared_memory;  ///< beside it
   std::unique_ptr<grpc::Server> server;
   LatestReadings latest{[this] { return slow_readings(); }};
   MetricHistory history;
@@ -202,11 +204,21 @@ absl::Status Server::Parts::open_jobs() {
   return opened.status();
 }
 
+absl::Status Server::Parts::open_shared_memory() {
+  if (config.shared_memory != "on") return absl::OkStatus();
+  auto opened = SharedMemoryPort::open(config.listen_unix, socket_rights(config));
+  if (!opened.ok()) return opened.status();
+  shared_memory = *std::move(opened);
+  engine.shared_memory = shared_memory.get();
+  return absl::OkStatus();
+}
+
 absl::Status Server::Parts::listen() {
   if (!config.listen_unix.empty()) {
     auto prepared = SocketFile::prepare(config.listen_unix);
     if (!prepared.ok()) return prepared.status();
     socket_file.emplace(*std::move(prepared));
+    if (absl::Status status = open_shared_memory(); !status.ok()) return status;
   }
   grpc::ServerBuilder builder;
   for (const auto& [name, value] : channel_arguments(config)) {

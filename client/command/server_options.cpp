@@ -52,6 +52,9 @@ CLI::Option* describe_server(CLI::App& app, ServerArguments& arguments) {
   app.add_flag("--token-in-plain", channel.token_in_plain,
                "Send the token even where it can be read on its way")
       ->group(kGroup);
+  app.add_flag("!--no-shared-memory", channel.shared_memory,
+               "Have chunks sent, also from a server whose socket file is on this host")
+      ->group(kGroup);
   return server;
 }
 

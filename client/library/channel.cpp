@@ -202,6 +202,7 @@ absl::StatusOr<ServerChannel> open_channel(const std::string& address,
   }
   opened.channel_ = grpc::CreateCustomChannel(target_of(address), credentials, arguments);
   opened.address_ = address;
+  if (options.shared_memory) opened.shared_memory_path_ = socket_path_of(address).value_or("");
   if (!options.token.empty()) opened.authorization_ = absl::StrCat("Bearer ", options.token);
   return opened;
 }

@@ -52,6 +52,7 @@ struct StreamedMesh {
   std::string mesh_id;
   v1::MeshRequest canonical_request;
   bool cached = false;  ///< the (last) stream of it was served from a job's stored result
+  bool shared_memory = false;  ///< its chunks came in memory shared with the server
 };
 
 /// How a mesh is made and received, beside what its request says of it.

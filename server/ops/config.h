@@ -19,6 +19,7 @@ struct Config {
   std::string listen = "127.0.0.1:7447";
   std::string listen_unix;
   std::string listen_unix_mode = "600";
+  std::string shared_memory = "on";
   std::string tls_cert;
   std::string tls_key;
   std::string tls_client_ca;

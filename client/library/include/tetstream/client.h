@@ -32,6 +32,7 @@ struct ClientOptions {
   std::string tls_cert = {};    ///< the client's own certificate, where the server asks for it
   std::string tls_key = {};     ///< and its private key
   int attempts = 8;             ///< at a call that fails because the server cannot be reached
+  bool shared_memory = true;    ///< take chunks from it, where the server's socket file is here
 };
 
 /// How chunks travel; the mesh is the same.
