@@ -18,6 +18,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
+/// Blocks of shared memory for each chunk that is made ahead.
+constexpr std::uint64_t kRingWindows = 2;
+
 /// Longer than a reader who takes what it gets lets a stream wait, and shorter than anybody
 /// waits in the queue.
 constexpr std::chrono::milliseconds kIdle{200};
@@ -138,7 +141,8 @@ void ChunkStream::begin_window() {
   turn_.opened();
   const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
   slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
-  ring_ = open_ring(slots_.size(), next_);
+  // A client acknowledges chunks a little later than gRPC takes messages: threads do not wait.
+  ring_ = open_ring(std::min(end_ - next_, kRingWindows * window) + 1, next_);
   post_chunks();
   begin_work_for_trailer();
 }

@@ -179,7 +179,7 @@ TEST_F(SharedMemoryTest, IsOrdinaryWhereItIsNotWantedOrNotOffered) {
 }
 
 TEST_F(SharedMemoryTest, IsOrdinaryWhereThereIsNoRoomForIt) {
-  config_.send_bytes = std::uint64_t{2} << 20;  // of which a ring would take three quarters
+  config_.send_bytes = std::uint64_t{2} << 20;  // less than a ring
   start();
   const v1::MeshRequest request = uniform_ball(30);
   const StreamedMesh by_port = received(*client_, request);
@@ -213,7 +213,7 @@ TEST_F(SharedMemoryTest, WhoeverAcknowledgesNothingIsStalled) {
   ASSERT_TRUE(client.has_ring());
   std::size_t chunks = 0;
   while (client.read_chunk()) ++chunks;
-  EXPECT_EQ(chunks, 3u);  // one for each thread, and one more
+  EXPECT_EQ(chunks, 7u);  // twice one for each thread and one more, and another
   EXPECT_EQ(reason_of(client.finish()), "tetstream/CLIENT_STALLED");
   EXPECT_TRUE(received(*local(), request).shared_memory);
   EXPECT_TRUE(work_stops());
