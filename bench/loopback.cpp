@@ -25,9 +25,12 @@ Config config_in(const std::string& store) {
 
 }  // namespace
 
-Loopback::Loopback() : folder_(std::filesystem::temp_directory_path() / unique_name()) {
+Loopback::Loopback(Transport transport)
+    : transport_(transport), folder_(std::filesystem::temp_directory_path() / unique_name()) {
   std::filesystem::create_directories(folder_);
-  server_ = checked(Server::start(config_in(file("store"))));
+  Config config = config_in(file("store"));
+  if (transport != Transport::kPort) config.listen_unix = file("socket");
+  server_ = checked(Server::start(config));
   client_ = connect();
 }
 
@@ -38,7 +41,10 @@ Loopback::~Loopback() {
 }
 
 std::unique_ptr<MeshClient> Loopback::connect() const {
-  return MeshClient::connect(server_->address());
+  if (transport_ == Transport::kPort) return MeshClient::connect(server_->address());
+  ChannelOptions options;
+  options.shared_memory = transport_ == Transport::kSharedMemory;
+  return checked(MeshClient::connect(server_->unix_address(), options));
 }
 
 v1::MeshRequest Loopback::request_mesh(const BenchMesh& mesh) {

@@ -18,10 +18,13 @@ struct BenchMesh {
   bool graded = false;
 };
 
+/// How a client reaches the server.
+enum class Transport { kPort, kSocketFile, kSharedMemory };
+
 /// A server with an empty store, and a client; gone with all their files when this is.
 class Loopback {
  public:
-  Loopback();
+  explicit Loopback(Transport transport = Transport::kPort);
   ~Loopback();
   Loopback(const Loopback&) = delete;
   Loopback& operator=(const Loopback&) = delete;
@@ -37,6 +40,7 @@ class Loopback {
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
 
  private:
+  const Transport transport_;
   std::filesystem::path folder_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<MeshClient> client_;

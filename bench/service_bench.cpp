@@ -61,8 +61,9 @@ enum class Planning { kEachTime, kOnce };
 void stream(benchmark::State& state,
             const BenchMesh& mesh,
             Planning planning,
-            v1::Encoding encoding = v1::ENCODING_PLAIN) {
-  Loopback loopback;
+            v1::Encoding encoding = v1::ENCODING_PLAIN,
+            Transport transport = Transport::kPort) {
+  Loopback loopback(transport);
   v1::MeshRequest request = loopback.request_mesh(mesh);
   TetMesh received = receive(loopback.client(), request);
   Delivered delivered;
@@ -216,6 +217,10 @@ NamedMesh ball(const std::string& size, double radius, bool graded = false) {
   return {"ball/" + size + (graded ? "/graded" : "/uniform"), {"sphere", 1 / radius, graded}};
 }
 
+NamedMesh torus(const std::string& size, double voxel_size, bool graded) {
+  return {"torus/" + size + (graded ? "/graded" : "/uniform"), {"torus", voxel_size, graded}};
+}
+
 NamedMesh gyroid(const std::string& size, double voxels, bool graded) {
   return {"gyroid/" + size + (graded ? "/graded" : "/uniform"), {"gyroid", 1 / voxels, graded}};
 }
@@ -243,6 +248,17 @@ void add_encoded(const NamedMesh& named) {
   };
   add_both("stream_packed", v1::ENCODING_PACKED);
   add_both("stream_compact", v1::ENCODING_COMPACT);
+}
+
+/// On one host: over a socket file, and with chunks in shared memory.
+void add_local(const NamedMesh& named) {
+  const auto add_one = [&](const std::string& way, Transport transport) {
+    add(way + "/" + named.name + "/planned_each_time", [=](benchmark::State& state) {
+      stream(state, named.mesh, Planning::kEachTime, v1::ENCODING_PLAIN, transport);
+    });
+  };
+  add_one("stream_unix", Transport::kSocketFile);
+  add_one("stream_shared", Transport::kSharedMemory);
 }
 
 void add_first_chunk(const NamedMesh& named) {
@@ -288,10 +304,12 @@ int main(int argc, char** argv) {
   std::vector<NamedMesh> meshes;
   for (const bool graded : {false, true}) {
     for (const auto& [size, radius] : kBalls) meshes.push_back(ball(size, radius, graded));
+    meshes.push_back(torus("1e6", 0.0336, graded));
     meshes.push_back(gyroid("1e7", 66.7, graded));
   }
   for (const NamedMesh& mesh : meshes) add_mesh(mesh);
   for (const NamedMesh& mesh : meshes) add_encoded(mesh);
+  for (const NamedMesh& mesh : meshes) add_local(mesh);
   add_first_chunk(ball("1e5", 12.6));
   add_first_chunk(ball("1e7", 58.4));
   add_side_by_side(ball("1e6", 27.1));

@@ -222,6 +222,7 @@ int serve(const tet::Config& config, const sigset_t& signals) {
   if (!told.ok()) return cannot_start(told);
   tet::log_event(spdlog::level::info, "serving",
                  {{"address", (*server)->address()},
+                  {"unix", (*server)->unix_address()},
                   {"metrics", (*server)->metrics_address()},
                   {"http", (*server)->http_address()},
                   {"version", TETSTREAM_VERSION}});

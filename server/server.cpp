@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -13,12 +14,13 @@
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/resource_quota.h>
 
-#include "proto/wire/loopback.h"
+#include "core/base/posix/socket_file.h"
 #include "proto/wire/transport.h"
 #include "server/grids/grid_service.h"
 #include "server/http/http_port.h"
 #include "server/jobs/store/open_job_store.h"
 #include "server/jobs_in_server.h"
+#include "server/listening.h"
 #include "server/ops/end_connections.h"
 #include "server/ops/guard.h"
 #include "server/ops/latest_readings.h"
@@ -89,17 +91,6 @@ absl::StatusOr<std::unique_ptr<ServerTls>> open_tls(const Config& config) {
   return absl::InvalidArgumentError("tls_client_ca needs tls_cert and tls_key");
 }
 
-void warn_if_exposed(const Config& config, const std::string& listen) {
-  const bool plain = config.tls_cert.empty();
-  const bool anyone = config.tokens.empty() && config.tls_client_ca.empty();
-  if (listen.empty() || is_loopback(listen) || (!plain && !anyone)) return;
-  const char* const who = anyone ? "anyone who reaches this port may use it" : "";
-  const char* const how = plain ? "what is sent, tokens too, can be read on the way" : "";
-  log_event(spdlog::level::warn, "exposed",
-            {{"listen", listen},
-             {"message", absl::StrCat(who, anyone && plain ? ", and " : "", how)}});
-}
-
 /// Who evicts a grid has to know which ones jobs need: one database knows that of all servers.
 StoreSharing sharing_of(const Config& config) {
   return is_postgres(config.jobs) ? StoreSharing::kServers : StoreSharing::kAlone;
@@ -122,11 +113,16 @@ struct Server::Parts {
         store(std::move(grid_store)) {}
 
   absl::Status open_jobs();
-  bool listen();
+  absl::Status open_shared_memory();
+  absl::Status listen();
   absl::Status open_metrics();
   absl::Status open_http();
-  /// host:port, the port being the one that was really taken.
+  std::string unix_address() const {
+    return config.listen_unix.empty() ? "" : absl::StrCat("unix:", config.listen_unix);
+  }
+  /// host:port, the port being the one that was really taken; or the socket file's.
   std::string grpc_address() const {
+    if (config.listen.empty()) return unix_address();
     return absl::StrCat(config.listen.substr(0, config.listen.rfind(':')), ":", port);
   }
   bool works() const { return !admission.is_ending() && probes.works(); }
@@ -154,6 +150,8 @@ struct Server::Parts {
   ServerProbes probes{config};
   std::unique_ptr<JobsInServer> jobs;  ///< null where they are off
   UnreadMessages unread;
+  std::optional<SocketFile> socket_file;            ///< of listen_unix
+  std::unique_ptr<SharedMemoryPort> shared_memory;  ///< beside it
   std::unique_ptr<grpc::Server> server;
   LatestReadings latest{[this] { return slow_readings(); }};
   MetricHistory history;
@@ -206,7 +204,22 @@ absl::Status Server::Parts::open_jobs() {
   return opened.status();
 }
 
-bool Server::Parts::listen() {
+absl::Status Server::Parts::open_shared_memory() {
+  if (config.shared_memory != "on") return absl::OkStatus();
+  auto opened = SharedMemoryPort::open(config.listen_unix, socket_rights(config));
+  if (!opened.ok()) return opened.status();
+  shared_memory = *std::move(opened);
+  engine.shared_memory = shared_memory.get();
+  return absl::OkStatus();
+}
+
+absl::Status Server::Parts::listen() {
+  if (!config.listen_unix.empty()) {
+    auto prepared = SocketFile::prepare(config.listen_unix);
+    if (!prepared.ok()) return prepared.status();
+    socket_file.emplace(*std::move(prepared));
+    if (absl::Status status = open_shared_memory(); !status.ok()) return status;
+  }
   grpc::ServerBuilder builder;
   for (const auto& [name, value] : channel_arguments(config)) {
     builder.AddChannelArgument(name, value);
@@ -223,15 +236,24 @@ bool Server::Parts::listen() {
   grpc::ResourceQuota quota("tetstreamd");
   quota.Resize(config.receive_bytes);
   builder.SetResourceQuota(quota);
-  builder.AddListeningPort(config.listen,
-                           tls ? tls->credentials() : grpc::InsecureServerCredentials(), &port);
+  if (!config.listen.empty()) {
+    builder.AddListeningPort(
+        config.listen, tls ? tls->credentials() : grpc::InsecureServerCredentials(), &port);
+  }
+  if (socket_file) {
+    builder.AddListeningPort(absl::StrCat("unix:", socket_file->bind_path()),
+                             grpc::InsecureServerCredentials());
+  }
   if (!serves_reflection(config)) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);
   builder.RegisterService(&health_service);
   if (jobs != nullptr) builder.RegisterService(&jobs->service);
   server = builder.BuildAndStart();
-  return server != nullptr && port != 0;
+  if (server == nullptr || (port == 0 && !config.listen.empty())) {
+    return absl::UnavailableError(absl::StrCat("cannot listen on ", grpc_address()));
+  }
+  return socket_file ? socket_file->publish(socket_rights(config)) : absl::OkStatus();
 }
 
 absl::Status Server::Parts::open_metrics() {
@@ -310,6 +332,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   static_cast<void>(registered);
   Config config = settings;
   if (auto divided = divide_memory(config); !divided.ok()) return divided;
+  if (auto listens = check_listening(config); !listens.ok()) return listens;
   auto tls = open_tls(config);
   if (!tls.ok()) return tls.status();
   auto access = Access::open(config.tokens);
@@ -321,14 +344,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   parts->tls = *std::move(tls);
   if (const absl::Status opened = parts->open_jobs(); !opened.ok()) return opened;
   parts->health_service.set("liveness", true);
-  if (!parts->listen()) {
-    return absl::UnavailableError(absl::StrCat("cannot listen on ", config.listen));
-  }
+  if (const absl::Status opened = parts->listen(); !opened.ok()) return opened;
   if (const absl::Status opened = parts->open_http(); !opened.ok()) return opened;
   if (const absl::Status opened = parts->open_metrics(); !opened.ok()) return opened;
   parts->tell_health();
-  warn_if_exposed(config, config.listen);
-  warn_if_exposed(config, config.http_listen);
+  warn_if_exposed(config);
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
 
@@ -339,6 +359,8 @@ Server::~Server() { stop(std::chrono::seconds(0)); }
 std::string Server::address() const { return parts_->grpc_address(); }
 
 int Server::port() const { return parts_->port; }
+
+std::string Server::unix_address() const { return parts_->unix_address(); }
 
 std::string Server::metrics_address() const {
   return parts_->metrics == nullptr ? "" : parts_->metrics->address();
@@ -379,7 +401,10 @@ void Server::stop(std::chrono::seconds drain) {
   parts_->health_service.end();
   const auto grace = idle ? kGoodbye : std::chrono::seconds(0);
   // gRPC would wait for the peer of each connection that it writes to just now.
-  const Heartbeat ending(kLastBytes, [port = parts_->port] { end_connections(port); });
+  const Heartbeat ending(kLastBytes, [this] {
+    end_connections(parts_->port,
+                    parts_->socket_file ? parts_->socket_file->bind_path() : std::string());
+  });
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
   // gRPC is done; the last tasks of cancelled calls may not be.
   parts_->calls.wait_until_idle(CallRegistry::Clock::now() + kForever);

@@ -21,9 +21,13 @@ class Server {
   /// Stops at once if `stop` was not called.
   ~Server();
 
-  /// host:port, the port being the one that was really taken.
+  /// host:port, the port being the one that was really taken; or the socket file, as
+  /// `unix:PATH`, where there is no port.
   std::string address() const;
+  /// 0 where there is a socket file alone.
   int port() const;
+  /// The socket file, as `unix:PATH`; empty if there is none.
+  std::string unix_address() const;
   /// host:port of the metrics; empty if there are none.
   std::string metrics_address() const;
   /// host:port of the page and of gRPC-Web; empty if there are none.

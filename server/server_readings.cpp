@@ -38,6 +38,9 @@ void add_work(const MeshEngine& engine, std::vector<Reading>& readings) {
   readings.push_back(counter("tetstream_cached_streams_total",
                              "Streams that were served from results of jobs.",
                              engine.activity.cached_streams.load()));
+  readings.push_back(counter("tetstream_shared_streams_total",
+                             "Streams whose chunks were in shared memory.",
+                             engine.activity.shared_streams.load()));
   readings.push_back(counter("tetstream_made_chunks_total", "Chunks made.",
                              engine.activity.chunks_made.load()));
 }

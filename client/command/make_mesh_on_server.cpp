@@ -63,8 +63,10 @@ absl::StatusOr<MadeMesh> upload_and_stream(MeshClient& client,
       request->message, stream.callbacks(), interruption,
       {.encoding = encoding_of(options), .skip_cache = options.skip_cache, .used = {}});
   if (!streamed.ok()) return streamed.status();
+  const char* const transport = streamed->shared_memory ? "shared_memory" : "messages";
   MadeMesh made = made_of(*std::move(streamed), stream.stages(uploading_seconds));
   made.surface = request->surface;
+  made.transport = transport;
   return made;
 }
 

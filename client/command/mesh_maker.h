@@ -51,8 +51,9 @@ struct MadeMesh {
   /// What the voxels of each label have, by their numbers, world units; empty where nobody read
   /// them here.
   std::vector<double> voxel_volumes = {};
-  bool cuts_inside = false;   ///< the mesh is not of all that is inside
-  std::vector<Stage> stages;  ///< in the order they ran
+  bool cuts_inside = false;    ///< the mesh is not of all that is inside
+  std::vector<Stage> stages;   ///< in the order they ran
+  std::string transport = {};  ///< how chunks came from a server; empty of a mesh made here
 };
 
 absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,

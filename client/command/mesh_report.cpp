@@ -277,6 +277,7 @@ std::string report_json(const MadeMesh& made, const MeshRequest& request, double
                 {"max", json_of(made.mesh.header.bounds.max)}}},
               {"shapes", shapes_json(measure_shapes(made.mesh))}};
   add_fidelity(made, report);
+  if (!made.transport.empty()) report["transport"] = made.transport;
   const std::string& guess = made.mesh.header.inside_guess;
   if (!guess.empty()) report["inside_guess"] = guess;
   if (const auto& box = made.mesh.header.box) {

@@ -32,7 +32,8 @@ std::vector<std::string> face_warnings(const TetMesh& mesh);
 std::string volume_warning(const MadeMesh& made);
 
 /// The text of `--report`. Stable keys: vertices, tets, min_dihedral_deg, max_dihedral_deg,
-/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, boundary (of the
+/// dihedral_histogram (180 counts, one a degree), volume, seconds, stages, transport (of a
+/// server's meshes: how chunks came, as messages or in shared_memory), boundary (of the
 /// inside; restored_nodes where a manifold was asked for and the box cuts no surface), of
 /// meshes of both sides regions (inside and outside: tets, volume), of several
 /// grids parts (of each name, vertices, tets, spacing, levels, volume, min_dihedral_deg and

@@ -31,8 +31,10 @@ absl::StatusOr<std::string> read_token(const std::string& path) {
 CLI::Option* describe_server(CLI::App& app, ServerArguments& arguments) {
   ChannelOptions& channel = arguments.channel;
   auto* const server =
-      app.add_option("--server", arguments.address,
-                     "HOST:PORT of a tetstreamd, or several with commas between")
+      app.add_option(
+             "--server", arguments.address,
+             "HOST:PORT of a tetstreamd or unix:PATH of its socket file, or several with "
+             "commas between")
           ->group(kGroup);
   app.add_flag("--tls", channel.tls, "Speak TLS; the system's roots vouch for the server")
       ->group(kGroup);
@@ -49,6 +51,9 @@ CLI::Option* describe_server(CLI::App& app, ServerArguments& arguments) {
       ->group(kGroup);
   app.add_flag("--token-in-plain", channel.token_in_plain,
                "Send the token even where it can be read on its way")
+      ->group(kGroup);
+  app.add_flag("!--no-shared-memory", channel.shared_memory,
+               "Have chunks sent, also from a server whose socket file is on this host")
       ->group(kGroup);
   return server;
 }

@@ -21,8 +21,8 @@ struct ServerArguments {
   std::string token_file;
 };
 
-/// Adds --server, --tls, --tls-ca, --tls-cert, --tls-key, --token-file and --token-in-plain;
-/// returns --server.
+/// Adds --server, --tls, --tls-ca, --tls-cert, --tls-key, --token-file, --token-in-plain
+/// and --no-shared-memory; returns --server.
 CLI::Option* describe_server(CLI::App& app, ServerArguments& arguments);
 
 /// Reads the token. Errors: kNotFound (no such file), kInvalidArgument (not a token).

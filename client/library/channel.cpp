@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
 
+#include "core/base/posix/socket_file.h"
 #include "proto/wire/loopback.h"
 #include "proto/wire/transport.h"
 
@@ -22,6 +24,9 @@ namespace tet {
 namespace {
 
 using Credentials = std::shared_ptr<grpc::ChannelCredentials>;
+
+/// What the system has room for.
+constexpr std::size_t kLongestSocketPath = 107;
 
 bool wants_tls(const ChannelOptions& options) {
   return options.tls || !options.tls_ca.empty() || !options.tls_cert.empty() ||
@@ -53,10 +58,37 @@ absl::StatusOr<Credentials> tls_credentials(const ChannelOptions& options) {
   return grpc::SslCredentials(pem);
 }
 
+/// The socket file that an address is of, as `unix:PATH` or `unix:///PATH`.
+std::optional<std::string> socket_path_of(const std::string& address) {
+  constexpr absl::string_view kScheme = "unix:";
+  if (!absl::StartsWith(address, kScheme)) return std::nullopt;
+  std::string path = address.substr(kScheme.size());
+  if (absl::StartsWith(path, "///")) path.erase(0, 2);
+  return path;
+}
+
+/// gRPC reads an address as a URI: what has a meaning there is written as `%XX`.
+std::string target_of(const std::string& address) {
+  const auto path = socket_path_of(address);
+  if (!path) return address;
+  std::string target = "unix:";
+  for (const unsigned char byte : *path) {
+    if (absl::ascii_isalnum(byte) ||
+        absl::StrContains("/._-~", std::string(1, static_cast<char>(byte)))) {
+      target.push_back(static_cast<char>(byte));
+    } else {
+      absl::StrAppend(&target, "%", absl::Hex(byte, absl::kZeroPad2));
+    }
+  }
+  return target;
+}
+
 /// gRPC would take a port of its own where there is none.
 absl::Status check_address(const std::string& address) {
-  if (absl::StrContains(address, "/") || absl::StartsWith(address, "unix:") ||
-      absl::StartsWith(address, "unix-abstract:")) {
+  if (const auto path = socket_path_of(address)) {
+    return check_socket_path(*path, kLongestSocketPath);
+  }
+  if (absl::StrContains(address, "/") || absl::StartsWith(address, "unix-abstract:")) {
     return absl::OkStatus();  // in the words of gRPC's resolvers
   }
   const std::size_t colon = address.rfind(':');
@@ -168,8 +200,9 @@ absl::StatusOr<ServerChannel> open_channel(const std::string& address,
   } else if (!options.token.empty()) {
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);  // which could be anywhere
   }
-  opened.channel_ = grpc::CreateCustomChannel(address, credentials, arguments);
+  opened.channel_ = grpc::CreateCustomChannel(target_of(address), credentials, arguments);
   opened.address_ = address;
+  if (options.shared_memory) opened.shared_memory_path_ = socket_path_of(address).value_or("");
   if (!options.token.empty()) opened.authorization_ = absl::StrCat("Bearer ", options.token);
   return opened;
 }

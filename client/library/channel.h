@@ -19,6 +19,7 @@ struct ChannelOptions {
   std::string tls_key;   ///< and its private key
   std::string token;     ///< goes with every call
   bool token_in_plain = false;  ///< even where others can read it on its way
+  bool shared_memory = true;    ///< ask for it where the server has a socket file here
 };
 
 /// A connection of its own, never shared with another channel of this process, and the token of
@@ -26,6 +27,8 @@ struct ChannelOptions {
 class ServerChannel {
  public:
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+  /// The server's socket file, beside which there may be shared memory; empty: none.
+  const std::string& shared_memory_path() const { return shared_memory_path_; }
 
   /// Lets `time` pass and the server be sought meanwhile: gRPC goes on with that only while
   /// somebody waits for it, and else looks every five seconds.
@@ -44,6 +47,7 @@ class ServerChannel {
   std::shared_ptr<grpc::Channel> channel_;
   std::string address_;
   std::string authorization_;  ///< empty: none
+  std::string shared_memory_path_;
   bool tls_ = false;
 };
 

@@ -18,7 +18,8 @@ namespace tet {
 /// Thread safety: any thread may call any member.
 class Connection {
  public:
-  /// `address` is host:port, or several with commas between. Does not wait for any of them.
+  /// `address` is host:port or unix:PATH, or several with commas between. Does not wait for any
+  /// of them.
   /// Errors: those of open_channel.
   static absl::StatusOr<std::shared_ptr<Connection>> open(const std::string& address,
                                                           const ChannelOptions& options,

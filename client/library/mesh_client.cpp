@@ -135,13 +135,21 @@ v1::StreamMeshRequest stream_request(const v1::MeshRequest& request,
   return message;
 }
 
-MeshCall stream_call(v1::StreamMeshRequest message) {
-  auto request = [message = std::move(message)](const MeshReceiver& receiver) mutable {
-    message.set_start_chunk(static_cast<std::int64_t>(receiver.next_chunk()));
-    message.set_expected_mesh_id(receiver.mesh_id());
+absl::StatusOr<StreamedMesh> receive_stream_mesh(Connection& connection,
+                                                 v1::StreamMeshRequest message,
+                                                 MeshReceiver receiver,
+                                                 const ClientProgress& progress,
+                                                 const Cancellation& cancellation) {
+  SharedChunks shared;
+  receiver.use_shared(shared);
+  const auto request = [&](const MeshReceiver& so_far) {
+    message.set_start_chunk(static_cast<std::int64_t>(so_far.next_chunk()));
+    message.set_expected_mesh_id(so_far.mesh_id());
+    message.set_shared_memory(shared.begin(connection.server().shared_memory_path()));
     return serialized(message);
   };
-  return {v1::MeshService::service_full_name(), "StreamMesh", std::move(request)};
+  return receive_mesh(connection, {v1::MeshService::service_full_name(), "StreamMesh", request},
+                      std::move(receiver), progress, cancellation);
 }
 
 }  // namespace
@@ -150,8 +158,9 @@ absl::StatusOr<StreamedMesh> MeshClient::stream_mesh(const v1::MeshRequest& requ
                                                      const ClientProgress& progress,
                                                      const Cancellation& cancellation,
                                                      StreamOptions options) {
-  return receive_mesh(*connection_, stream_call(stream_request(request, options)),
-                      MeshReceiver(nullptr, std::move(options.used)), progress, cancellation);
+  return receive_stream_mesh(*connection_, stream_request(request, options),
+                             MeshReceiver(nullptr, std::move(options.used)), progress,
+                             cancellation);
 }
 
 std::unique_ptr<ChunkSupply> MeshClient::stream_chunks(const v1::MeshRequest& request,
@@ -170,9 +179,9 @@ absl::StatusOr<StreamedMesh> MeshClient::update_mesh(const v1::MeshRequest& requ
   v1::StreamMeshRequest message = stream_request(request, options);
   message.set_base_mesh_id(earlier.mesh_id);
   message.set_base_name(earlier.canonical_request.name());
-  return receive_mesh(*connection_, stream_call(std::move(message)),
-                      MeshReceiver(&earlier.mesh, std::move(options.used)), progress,
-                      cancellation);
+  return receive_stream_mesh(*connection_, std::move(message),
+                             MeshReceiver(&earlier.mesh, std::move(options.used)), progress,
+                             cancellation);
 }
 
 absl::StatusOr<PointSamples> MeshClient::sample_points(

@@ -52,6 +52,7 @@ struct StreamedMesh {
   std::string mesh_id;
   v1::MeshRequest canonical_request;
   bool cached = false;  ///< the (last) stream of it was served from a job's stored result
+  bool shared_memory = false;  ///< its chunks came in memory shared with the server
 };
 
 /// How a mesh is made and received, beside what its request says of it.
@@ -89,8 +90,8 @@ enum class GridDetail : std::uint8_t {
 /// cancellation.
 class MeshClient {
  public:
-  /// `address` is host:port, or several with commas between. Does not wait for the server: the
-  /// first call tells whether it is there.
+  /// `address` is host:port or unix:PATH, or several with commas between. Does not wait for the
+  /// server: the first call tells whether it is there.
   static std::unique_ptr<MeshClient> connect(const std::string& address,
                                              RetryPolicy retry = {});
   /// Connects over TLS, or with a token. Errors: those of open_channel.

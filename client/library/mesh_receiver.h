@@ -46,6 +46,9 @@ class MeshReceiver {
         reader_(*mesh_,
                 base == nullptr ? StreamReader::Base::kNone : StreamReader::Base::kNamed) {}
 
+  /// See StreamReader.
+  void use_shared(SharedChunks& shared) noexcept { reader_.use_shared(shared); }
+
   /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
   absl::Status take(const v1::MeshEvent& event) { return reader_.take(event); }
   /// Takes an event as it came: a chunk goes into the mesh without another copy.

@@ -19,7 +19,9 @@ ServedChunks::ServedChunks(std::shared_ptr<Connection> connection,
       request_(std::move(request)),
       progress_(std::move(progress)),
       cancellation_(cancellation),
-      events_(*connection_, call(), cancellation) {}
+      events_(*connection_, call(), cancellation) {
+  reader_.use_shared(shared_);
+}
 
 StreamCall ServedChunks::call() {
   return {.service = v1::MeshService::service_full_name(),
@@ -28,6 +30,8 @@ StreamCall ServedChunks::call() {
               [this] {
                 request_.set_start_chunk(static_cast<std::int64_t>(reader_.next_chunk()));
                 request_.set_expected_mesh_id(reader_.told().mesh_id);
+                request_.set_shared_memory(
+                    shared_.begin(connection_->server().shared_memory_path()));
                 return serialized(request_);
               },
           .take = [this](grpc::ByteBuffer& event) { return reader_.take(event); },

@@ -51,6 +51,7 @@ class ServedChunks : public ChunkSupply, private ChunkConsumer {
   v1::StreamMeshRequest request_;
   const ClientProgress progress_;
   const Cancellation& cancellation_;
+  SharedChunks shared_;
   StreamReader reader_{*this, StreamReader::Base::kNone};
   ReusedChunk memory_;                 ///< of the chunk that is being taken
   std::shared_ptr<TetMesh> gathered_;  ///< the whole mesh, where its chunks are compact

@@ -52,6 +52,14 @@ bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_
 }  // namespace
 
 absl::Status StreamReader::take(grpc::ByteBuffer& event) {
+  const std::uint64_t chunk = next_chunk_;
+  absl::Status taken = read(event);
+  // Also one that is not in shared memory: the server counts them all.
+  if (taken.ok() && shared_ != nullptr && next_chunk_ > chunk) shared_->acknowledge(chunk);
+  return taken;
+}
+
+absl::Status StreamReader::read(grpc::ByteBuffer& event) {
   if (const auto chunk = compact_ ? std::nullopt : read_chunk(event)) {
     planning_.reset();
     const auto columns = place_of(chunk->numbers, sizes_of(*chunk));
@@ -88,6 +96,13 @@ absl::Status StreamReader::take_header(const v1::MeshHeader& header) {
   const absl::StatusOr<MeshHeader> checked = checked_header(header);
   if (!checked.ok()) return checked.status();
   told_.cached = header.cached();
+  told_.shared_memory = header.has_shared_memory();
+  if (header.has_shared_memory()) {
+    if (shared_ == nullptr)
+      return bad_stream("it tells of shared memory that nobody asked for");
+    if (absl::Status status = shared_->open(header.shared_memory()); !status.ok())
+      return status;
+  }
   if (has_header_) {
     const bool same = header.mesh_id() == told_.mesh_id && header.has_kept() == keeps_parts_;
     return same ? absl::OkStatus() : bad_stream("another mesh after resuming");
@@ -128,11 +143,21 @@ absl::Status StreamReader::take_chunk(const v1::MeshChunk& chunk) {
   if (!chunk.packed().empty()) {
     return take_packed(numbers, std::as_bytes(std::span(chunk.packed())));
   }
+  if (chunk.has_shared_offset()) return take_shared(numbers, chunk.shared_offset());
   const auto received = columns_of(chunk);
   const auto columns = place_of(numbers, sizes_of(received));
   if (!columns.ok()) return columns.status();
   copy_columns(received, *columns);
   return advance(numbers, *columns, chunk_checksum(received));
+}
+
+absl::Status StreamReader::take_shared(const ChunkNumbers& numbers, std::int64_t offset) {
+  if (shared_ == nullptr) return bad_stream("a chunk in shared memory that nobody asked for");
+  if (absl::Status status = check_place(numbers); !status.ok()) return status;
+  const auto columns = consumer_->place(extent_of(numbers));
+  if (!columns.ok()) return columns.status();
+  const auto checksum = shared_->copy(offset, *columns);
+  return checksum.ok() ? advance(numbers, *columns, *checksum) : checksum.status();
 }
 
 absl::Status StreamReader::take_packed(const ChunkNumbers& numbers,

@@ -16,6 +16,7 @@
 #include "client/library/chunk_consumer.h"
 #include "client/library/compact_receiver.h"
 #include "client/library/mesh_client.h"
+#include "client/library/shared_chunks.h"
 #include "core/mesh/packed_chunk.h"
 #include "core/mesh/splice.h"
 #include "proto/wire/chunk_frame.h"
@@ -34,6 +35,9 @@ class StreamReader {
 
   /// `consumer` outlives this, and lies still.
   StreamReader(ChunkConsumer& consumer, Base base) : consumer_(&consumer), base_(base) {}
+
+  /// Takes chunks from shared memory, too, which outlives this.
+  void use_shared(SharedChunks& shared) noexcept { shared_ = &shared; }
 
   /// Errors: kDataLoss (saying what does not fit), those of the consumer.
   absl::Status take(const v1::MeshEvent& event);
@@ -71,7 +75,9 @@ class StreamReader {
   using ColumnBytes = std::array<std::size_t, kMeshColumns>;
 
   const MeshHeader& header() const noexcept { return told_.mesh.header; }
+  absl::Status read(grpc::ByteBuffer& event);
   absl::Status take_header(const v1::MeshHeader& header);
+  absl::Status take_shared(const ChunkNumbers& numbers, std::int64_t offset);
   absl::Status begin(const v1::MeshHeader& header, const MeshHeader& checked);
   absl::Status take_chunk(const v1::MeshChunk& chunk);
   absl::Status take_packed(const ChunkNumbers& numbers, std::span<const std::byte> bytes);
@@ -89,6 +95,7 @@ class StreamReader {
   absl::Status take_quality(const v1::MeshTrailer& trailer);
 
   ChunkConsumer* consumer_;
+  SharedChunks* shared_ = nullptr;  ///< null: none is asked for
   Base base_;
   StreamedMesh told_;
   KeptParts kept_;                          ///< of the base

@@ -55,6 +55,8 @@ struct StreamOrder {
   std::string base_digest;
   /// The request's name if the stored result of a job will do as well; else it is empty.
   std::string stored_name = {};
+  /// What the client was told beside gRPC, if it asks for shared memory; else it is empty.
+  std::string shared_memory = {};
 };
 
 /// Errors: kInvalidArgument, naming the field, its value and what it may be.

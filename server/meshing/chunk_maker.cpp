@@ -20,27 +20,6 @@ namespace {
 
 using Held = std::shared_ptr<SendBudget::Lease>;
 
-std::uint32_t checksum_of(const ChunkColumns& columns) {
-  std::uint32_t checksum = 0;
-  for (const std::span<std::byte> column : columns.all()) {
-    checksum = add_to_checksum(checksum, column);
-  }
-  return checksum;
-}
-
-ChunkNumbers numbers_of(std::uint64_t index,
-                        const ChunkExtent& extent,
-                        std::uint32_t checksum) {
-  return {.index = index,
-          .first_vertex = extent.first_vertex,
-          .vertex_count = extent.vertex_count,
-          .first_tet = extent.first_tet,
-          .tet_count = extent.tet_count,
-          .checksum = checksum,
-          .first_face = extent.first_face,
-          .face_count = extent.face_count};
-}
-
 /// Where a frame has its columns.
 ChunkColumns columns_in(const ChunkFrame& frame, std::byte* block) {
   const auto column = [&](std::size_t i) { return frame.column(block, i); };
@@ -80,7 +59,7 @@ absl::StatusOr<ChunkMessage> make_columns(const ChunkSource& source,
                                           const Held& held,
                                           const Cancellation& cancellation) {
   const MeshPlan& plan = *source.plan;
-  const ChunkExtent extent = source.patch ? source.patch->extent(index) : plan.chunk(index);
+  const ChunkExtent extent = source.extent(index);
   const ChunkSizes size(plan.header(), extent);
   const ChunkFrame frame(size.all());
   const grpc::Slice slice = memory.blocks.take(frame.block_bytes(), held);
@@ -89,13 +68,9 @@ absl::StatusOr<ChunkMessage> make_columns(const ChunkSource& source,
 
   ChunkMessage message;
   message.tets = extent.tet_count;
-  {
-    const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
-    const WatchedFill watched(*workspace, cancellation);
-    message.quality = source.patch ? source.patch->fill(index, *workspace, columns)
-                                   : plan.fill_chunk(index, *workspace, columns);
-    if (auto status = check_cancelled(cancellation); !status.ok()) return status;
-  }
+  auto quality = fill_columns(source, index, memory, columns, cancellation);
+  if (!quality.ok()) return quality.status();
+  message.quality = *std::move(quality);
   if (source.encoding == v1::ENCODING_PACKED) {
     const ScratchPool<ChunkPacker>::Turn packer(memory.packers);
     const auto packed = packer->pack(plan.header(), extent, columns);
@@ -137,6 +112,44 @@ absl::StatusOr<ChunkMessage> make_compact(const BrickPlan& plan,
 }
 
 }  // namespace
+
+std::uint32_t checksum_of(const ChunkColumns& columns) {
+  std::uint32_t checksum = 0;
+  for (const std::span<std::byte> column : columns.all()) {
+    checksum = add_to_checksum(checksum, column);
+  }
+  return checksum;
+}
+
+ChunkNumbers numbers_of(std::uint64_t index,
+                        const ChunkExtent& extent,
+                        std::uint32_t checksum) {
+  return {.index = index,
+          .first_vertex = extent.first_vertex,
+          .vertex_count = extent.vertex_count,
+          .first_tet = extent.first_tet,
+          .tet_count = extent.tet_count,
+          .checksum = checksum,
+          .first_face = extent.first_face,
+          .face_count = extent.face_count};
+}
+
+absl::StatusOr<QualityStats> fill_columns(const ChunkSource& source,
+                                          std::uint64_t index,
+                                          ChunkMemory memory,
+                                          const ChunkColumns& columns,
+                                          const Cancellation& cancellation) {
+  const ScratchPool<MeshWorkspace>::Turn workspace(memory.workspaces);
+  const WatchedFill watched(*workspace, cancellation);
+  QualityStats quality = source.patch ? source.patch->fill(index, *workspace, columns)
+                                      : source.plan->fill_chunk(index, *workspace, columns);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  return quality;
+}
+
+ChunkExtent ChunkSource::extent(std::uint64_t index) const {
+  return patch ? patch->extent(index) : plan->chunk(index);
+}
 
 std::uint64_t ChunkSource::chunk_count() const {
   return patch ? patch->patch_count() : plan->header().chunk_count;

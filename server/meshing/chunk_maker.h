@@ -13,6 +13,7 @@
 #include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_workspace.h"
 #include "proto/wire/block_pool.h"
+#include "proto/wire/chunk_frame.h"
 #include "server/meshing/send_budget.h"
 #include "tetstream/v1/meshes.pb.h"
 
@@ -30,6 +31,8 @@ struct ChunkSource {
   v1::Encoding encoding = v1::ENCODING_PLAIN;
 
   std::uint64_t chunk_count() const;
+  /// Where a chunk lies within the mesh.
+  ChunkExtent extent(std::uint64_t index) const;
   /// What compact chunks are made from: a request that asks for them of a mesh that has no
   /// bricks is refused before anything is planned.
   const BrickPlan& bricks() const;
@@ -48,6 +51,17 @@ struct ChunkMemory {
   ScratchPool<ChunkPacker>& packers;
   BlockPool& blocks;
 };
+
+/// Fills a chunk's columns. Looks at `cancellation` between bricks. Errors: kCancelled,
+/// kDeadlineExceeded.
+absl::StatusOr<QualityStats> fill_columns(const ChunkSource& source,
+                                          std::uint64_t index,
+                                          ChunkMemory memory,
+                                          const ChunkColumns& columns,
+                                          const Cancellation& cancellation);
+
+std::uint32_t checksum_of(const ChunkColumns& columns);
+ChunkNumbers numbers_of(std::uint64_t index, const ChunkExtent& extent, std::uint32_t checksum);
 
 /// Makes chunk `index` < chunk_count(). A plain chunk's columns are made in the memory they are
 /// sent from, within the protobuf bytes around them; packed ones are made there, too. `held`

@@ -94,6 +94,16 @@ void SendBudget::ask(const void* who, const std::string& client, Grant grant) {
   for (State::Granted& next : granted) next.grant(std::move(next.lease));
 }
 
+std::shared_ptr<SendBudget::Lease> SendBudget::take(const std::string& client,
+                                                    std::uint64_t bytes) {
+  const std::lock_guard lock(state_->mutex);
+  if (bytes > state_->bytes / 2 || state_->used > state_->bytes / 2 - bytes) return nullptr;
+  if (state_->waiting.any([](const State::Asked&) { return true; })) return nullptr;
+  state_->used += bytes;
+  state_->of_client[client] += bytes;
+  return std::make_shared<Lease>(state_, client, bytes);
+}
+
 void SendBudget::leave(const void* who) {
   std::vector<State::Asked> gone;  // destroyed without the lock
   const std::lock_guard lock(state_->mutex);

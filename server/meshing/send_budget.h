@@ -32,6 +32,9 @@ class SendBudget {
   /// Asks for a block. `grant` is called once: here, or when there is room, on whichever thread
   /// made it.
   void ask(const void* who, const std::string& client, Grant grant);
+  /// `bytes` for a client that can do without them: null where they are not to be had now,
+  /// where others wait, or where more than half of all would be in use.
+  std::shared_ptr<Lease> take(const std::string& client, std::uint64_t bytes);
   /// Forgets what `who` has asked for and not been granted.
   void leave(const void* who);
 

@@ -37,6 +37,8 @@ std::optional<std::uint64_t> parse_number(std::string_view text) {
 std::vector<std::string> words_of(std::string_view key) {
   if (key == "log_level") return {"trace", "debug", "info", "warn", "error", "off"};
   if (key == "reflection") return {"auto", "on", "off"};
+  if (key == "shared_memory") return {"on", "off"};
+  if (key == "listen_unix_mode") return {"600", "660", "666"};
   return {};
 }
 

@@ -17,6 +17,9 @@ inline constexpr std::uint64_t kMaxSetting = std::numeric_limits<std::int64_t>::
 
 struct Config {
   std::string listen = "127.0.0.1:7447";
+  std::string listen_unix;
+  std::string listen_unix_mode = "600";
+  std::string shared_memory = "on";
   std::string tls_cert;
   std::string tls_key;
   std::string tls_client_ca;

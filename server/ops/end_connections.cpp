@@ -5,21 +5,27 @@
 #include <netinet/in.h>
 #include <string_view>
 #include <sys/socket.h>
+#include <sys/un.h>
 
 namespace tet {
 
 namespace {
 
-/// The port that a socket is bound to; 0 of what is no socket, or none of the internet.
-int local_port(int descriptor) noexcept {
+/// Whether a descriptor is a socket that is bound there.
+bool is_at(int descriptor, int port, std::string_view socket_path) noexcept {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
-  if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0)
+    return false;
   if (address.ss_family == AF_INET) {
-    return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
+    return port != 0 && ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port) == port;
   }
-  if (address.ss_family != AF_INET6) return 0;
-  return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
+  if (address.ss_family == AF_INET6) {
+    return port != 0 && ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port) == port;
+  }
+  // The storage is longer than any address of a file, and was zero.
+  return address.ss_family == AF_UNIX && !socket_path.empty() &&
+         socket_path == reinterpret_cast<const sockaddr_un&>(address).sun_path;
 }
 
 bool is_listening(int descriptor) noexcept {
@@ -30,14 +36,16 @@ bool is_listening(int descriptor) noexcept {
 
 }  // namespace
 
-void end_connections(int port) noexcept {
+void end_connections(int port, std::string_view socket_path) noexcept {
   DIR* const descriptors = ::opendir("/proc/self/fd");
   if (descriptors == nullptr) return;
   while (const dirent* const entry = ::readdir(descriptors)) {
     const std::string_view name(entry->d_name);
     int descriptor = -1;
     std::from_chars(name.data(), name.data() + name.size(), descriptor);
-    if (descriptor < 0 || local_port(descriptor) != port || is_listening(descriptor)) continue;
+    if (descriptor < 0 || !is_at(descriptor, port, socket_path) || is_listening(descriptor)) {
+      continue;
+    }
     ::shutdown(descriptor, SHUT_RDWR);
   }
   ::closedir(descriptors);

@@ -59,8 +59,11 @@ std::optional<std::string> bearer_of(const grpc::ServerContextBase& context) {
   return std::string(value.substr(kScheme.size()));
 }
 
-/// "ipv4:10.0.0.7:51234" is of "10.0.0.7"; a peer of another form is its own name.
+/// "ipv4:10.0.0.7:51234" is of "10.0.0.7". All who come over a socket file are one: the path
+/// that such a peer may have bound its own end to is of its choice. A peer of another form is
+/// its own name.
 std::string host_of(const std::string& peer) {
+  if (absl::StartsWith(peer, "unix")) return "unix:";
   const std::size_t scheme = peer.find(':');
   const std::size_t port = peer.rfind(':');
   if (!absl::StartsWith(peer, "ipv") || port == scheme) return peer;

@@ -94,7 +94,7 @@ Call::Call(CallRegistry& registry, grpc::CallbackServerContext& context, std::st
   fields_["request_id"] = identity.request_id;
   fields_["method"] = method_;
   note("client", client_);
-  fields_["peer"] = peer_of(context).address;
+  note("peer", peer_of(context).address);
   fields_["user_agent"] = identity.user_agent;
   if (identity.span.trace_id.empty()) return;
   fields_["trace_id"] = identity.span.trace_id;

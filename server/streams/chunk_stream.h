@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -19,6 +20,7 @@
 #include "proto/convert/request.h"
 #include "server/meshing/chunk_maker.h"
 #include "server/rpc/stream_writer.h"
+#include "server/shared_memory/chunk_ring.h"
 #include "server/streams/mesh_engine.h"
 #include "server/streams/mesher_turn.h"
 
@@ -43,7 +45,11 @@ class ChunkReactor {
 /// place at the mesher is lent to others meanwhile.
 class ChunkStream : public StreamWriter {
  protected:
-  using Block = std::shared_ptr<SendBudget::Lease>;
+  /// Where a chunk is made: in a block of its own, or in one of the stream's ring.
+  struct Block {
+    std::shared_ptr<SendBudget::Lease> lease;
+    std::shared_ptr<const ChunkRing> ring;
+  };
 
   ChunkStream(MeshEngine& engine, grpc::CallbackServerContext& context, std::string method);
 
@@ -76,6 +82,15 @@ class ChunkStream : public StreamWriter {
   /// long work, and stops when the watch is cancelled; asked for with the lock.
   virtual std::function<absl::Status()> work_for_trailer() { return nullptr; }
 
+  /// Memory that the client reads chunks from, for those from `first` on; null where there is
+  /// none. With the lock.
+  virtual std::shared_ptr<ChunkRing> open_ring(std::uint64_t /*blocks*/,
+                                               std::uint64_t /*first*/) {
+    return nullptr;
+  }
+  /// What such a ring tells this stream.
+  ChunkRing::Events ring_events();
+
   /// What the client is told of what cannot be opened, where the call goes on all the same;
   /// nothing ends the call. With the lock.
   virtual std::optional<v1::MeshEvent> refuse(const absl::Status& /*why*/) {
@@ -99,6 +114,9 @@ class ChunkStream : public StreamWriter {
     return std::static_pointer_cast<ChunkStream>(shared_from_this());
   }
 
+  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  void give_up(std::chrono::seconds waited) override;
+
   MeshEngine& engine_;
   std::shared_ptr<PlanningWatch> watch_;
 
@@ -121,6 +139,9 @@ class ChunkStream : public StreamWriter {
   std::uint64_t window() const;
   void post_chunks();
   void ask_for_block(std::uint64_t index);
+  void post_chunk(std::uint64_t index, Block block);
+  void post_freed();
+  v1::MeshEvent whole_header() const;
   void fill_slot(std::uint64_t index, Block block);
 
   void pass_time(Stallable::Clock::time_point now) final;
@@ -128,7 +149,7 @@ class ChunkStream : public StreamWriter {
   bool prepare_message();
   bool after_write() final;
   void after_chunk();
-  void note_end() final { engine_.send_budget.leave(this); }
+  void note_end() final;
   void note_finish() final;
   void write() final { reactor_->write(&outgoing_); }
   void finish(const grpc::Status& status) final { reactor_->finish(status); }
@@ -150,11 +171,12 @@ class ChunkStream : public StreamWriter {
   grpc::ByteBuffer outgoing_;   ///< the MeshEvent being written
   grpc::ByteBuffer refusal_;    ///< the one that is written next, where there is nothing else
   std::vector<Slot> slots_;     ///< chunk i in slot i % size
-  std::uint64_t first_ = 0;     ///< chunk that the stream begins with
-  std::uint64_t next_ = 0;      ///< chunk to be written next
-  std::uint64_t posted_ = 0;    ///< chunk to be posted next
-  std::uint64_t end_ = 0;       ///< one past the last chunk
-  QualityStats quality_;        ///< of the chunks written, in their order
+  std::shared_ptr<ChunkRing> ring_;  ///< null: chunks travel in their messages
+  std::uint64_t first_ = 0;          ///< chunk that the stream begins with
+  std::uint64_t next_ = 0;           ///< chunk to be written next
+  std::uint64_t posted_ = 0;         ///< chunk to be posted next
+  std::uint64_t end_ = 0;            ///< one past the last chunk
+  QualityStats quality_;             ///< of the chunks written, in their order
   std::uint64_t tets_written_ = 0, bytes_written_ = 0, chunks_written_ = 0;
   double opening_since_ = 0;  ///< seconds since the call arrived
 };

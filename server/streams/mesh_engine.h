@@ -21,6 +21,7 @@
 #include "server/rpc/calls.h"
 #include "server/rpc/fair_tasks.h"
 #include "server/rpc/stall_watch.h"
+#include "server/shared_memory/shared_memory_port.h"
 
 namespace tet {
 
@@ -30,6 +31,7 @@ struct Activity {
   std::atomic<std::int64_t> chunks_in_flight{0};  ///< tasks posted and not done
   std::atomic<std::int64_t> chunks_made{0};       ///< since the start
   std::atomic<std::int64_t> cached_streams{0};    ///< served from results of jobs
+  std::atomic<std::int64_t> shared_streams{0};    ///< whose chunks were in shared memory
   /// Memory of grids that sessions have changed.
   std::atomic<std::uint64_t> changed_grid_bytes{0};
 };
@@ -58,6 +60,7 @@ struct MeshEngine {
   SendBudget send_budget;
   StallWatch stalls;
   const ResultStore* results = nullptr;  ///< set before the first call, where there are jobs
+  SharedMemoryPort* shared_memory = nullptr;  ///< likewise, where there is a socket file
   PlanTurns turns;
   Planner planner;
   // Last, so that their tasks end before what is above, which they use.

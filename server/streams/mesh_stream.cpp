@@ -10,7 +10,9 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
+#include "server/meshing/shared_chunk.h"
 #include "server/ops/guard.h"
+#include "server/streams/stream_ring.h"
 
 namespace tet {
 
@@ -38,6 +40,9 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
 void MeshStream::admitted() {
   if (!order_.mesh.digest.empty()) call_.note("grid", order_.mesh.digest);
   order_.mesh.space = call_.space();
+  if (engine_.shared_memory != nullptr && !order_.shared_memory.empty()) {
+    side_ = engine_.shared_memory->claim(order_.shared_memory);
+  }
   watch_progress();
 }
 
@@ -118,6 +123,25 @@ std::function<absl::Status()> MeshStream::work_for_trailer() {
   };
 }
 
+/// A stream that has no shared memory is any other; the log says why.
+std::shared_ptr<ChunkRing> MeshStream::open_ring(std::uint64_t blocks, std::uint64_t first) {
+  if (order_.shared_memory.empty()) return nullptr;
+  absl::StatusOr<std::shared_ptr<ChunkRing>> ring =
+      absl::FailedPreconditionError("nobody with this token has connected for it");
+  const bool plain = stored_ == nullptr && source_.encoding != v1::ENCODING_PACKED &&
+                     source_.encoding != v1::ENCODING_COMPACT;
+  if (!plain) {
+    ring = absl::FailedPreconditionError("chunks are stored, packed or compact");
+  } else if (side_ != nullptr) {
+    ring = open_stream_ring(engine_, call_.client(), side_, blocks, first, ring_events());
+  }
+  side_ = nullptr;
+  call_.note("shared_memory", ring.ok());
+  if (!ring.ok()) call_.note("shared_memory_why", std::string(ring.status().message()));
+  if (ring.ok()) engine_.activity.shared_streams.fetch_add(1);
+  return ring.ok() ? *std::move(ring) : nullptr;
+}
+
 const std::string& MeshStream::mesh_id() const {
   return stored_ ? stored_->plan().header().mesh_id() : planned_.mesh_id;
 }
@@ -160,15 +184,18 @@ v1::MeshEvent MeshStream::header() const {
 
 absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
   if (stored_ != nullptr) return read(index, std::move(block));
-  absl::StatusOr<ChunkMessage> made = make_chunk(source_, index, engine_.chunk_memory(),
-                                                 std::move(block), watch_->cancellation);
+  absl::StatusOr<ChunkMessage> made =
+      block.ring != nullptr ? make_shared_chunk(source_, index, engine_.chunk_memory(),
+                                                *block.ring, watch_->cancellation)
+                            : make_chunk(source_, index, engine_.chunk_memory(),
+                                         std::move(block.lease), watch_->cancellation);
   if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
   return made;
 }
 
 /// A chunk that turns out to be damaged is set aside: whoever comes back for it has it made.
 absl::StatusOr<ChunkMessage> MeshStream::read(std::uint64_t index, Block block) {
-  auto chunk = stored_->chunk(index, engine_.blocks, std::move(block));
+  auto chunk = stored_->chunk(index, engine_.blocks, std::move(block.lease));
   if (!absl::IsDataLoss(chunk.status())) return chunk;
   return with_retry(
       with_reason(absl::UnavailableError(absl::StrCat(

@@ -264,7 +264,7 @@ v1::MeshEvent RemeshStream::header() const { return header_event(planned_, sourc
 
 absl::StatusOr<ChunkMessage> RemeshStream::make(std::uint64_t index, Block block) {
   absl::StatusOr<ChunkMessage> made = make_chunk(source_, index, engine_.chunk_memory(),
-                                                 std::move(block), watch_->cancellation);
+                                                 std::move(block.lease), watch_->cancellation);
   if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
   return made;
 }

@@ -15,7 +15,7 @@ CORE = ["core/base", "core/surface", "core/triangle_files", "core/volume", "core
         "core/plan/whole", "core/plan/joined", "core/plan/make", "core/fidelity", "core/remap",
         "core/second_order", "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
-SERVER = ["server/ops", "server/rpc", "server/http", "server/grids", "server/jobs/store", "server/meshing",
+SERVER = ["server/ops", "server/rpc", "server/http", "server/shared_memory", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
           "server/upkeep", "server"]
 CLIENT = ["client/library", "client/command", "client"]

@@ -62,7 +62,8 @@ tet::ChannelOptions channel_options(const ClientOptions& options) {
           .tls_cert = options.tls_cert,
           .tls_key = options.tls_key,
           .token = options.token,
-          .token_in_plain = options.token_in_plain};
+          .token_in_plain = options.token_in_plain,
+          .shared_memory = options.shared_memory};
 }
 
 tet::ClientProgress tets_told(const StreamOptions& options) {

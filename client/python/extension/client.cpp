@@ -99,7 +99,8 @@ void bind_client(py::module_& module) {
       .def_readwrite("tls_ca", &ClientOptions::tls_ca)
       .def_readwrite("tls_cert", &ClientOptions::tls_cert)
       .def_readwrite("tls_key", &ClientOptions::tls_key)
-      .def_readwrite("attempts", &ClientOptions::attempts);
+      .def_readwrite("attempts", &ClientOptions::attempts)
+      .def_readwrite("shared_memory", &ClientOptions::shared_memory);
   py::class_<StoredVolume>(module, "StoredVolume")
       .def(py::init<std::string, std::string, std::vector<std::string>>())
       .def_readonly("name", &StoredVolume::name)

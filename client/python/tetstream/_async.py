@@ -250,9 +250,11 @@ class AsyncClient(_Wrapped[Client]):
         tls_cert: str | os.PathLike[str] = "",
         tls_key: str | os.PathLike[str] = "",
         attempts: int = 8,
+        shared_memory: bool = True,
     ) -> None:
         super().__init__(Client(address, token=token, token_in_plain=token_in_plain, tls=tls, tls_ca=tls_ca,
-                                tls_cert=tls_cert, tls_key=tls_key, attempts=attempts))
+                                tls_cert=tls_cert, tls_key=tls_key, attempts=attempts,
+                                shared_memory=shared_memory))
 
     mesh = _call(Client.mesh)
     estimate = _call(Client.estimate)

@@ -48,14 +48,15 @@ class Estimate:
 class Client:
     """Makes meshes on a server: `Client("host:port")`; or in this process, by the same calls: `Client(":local:")`.
 
-    address         host:port, or several with commas between that know the same volumes. The first call
-                    tells whether the server is there; making a Client does not wait for it.
+    address         host:port, unix:PATH (a socket file of this host), or several with commas between that know the
+                    same volumes. The first call tells whether the server is there; making a Client does not wait for it.
     token           goes with every call. It needs TLS or `token_in_plain`, unless the server is on this host.
     token_in_plain  send it even where others can read it on its way
     tls             speak TLS; also where one of the following files (PEM) is given
     tls_ca          who signs the server's certificate; unless given the system's
     tls_cert, tls_key   the client's own certificate and its private key, where the server asks for them
     attempts        at a call that fails because the server cannot be reached
+    shared_memory   take chunks from it, where the server's socket file is on this host
 
     Any thread may call any member. While a call works, other threads of Python run; Ctrl-C stops the work
     and raises KeyboardInterrupt. Meshes of a file are the same, byte for byte, wherever they are made.
@@ -75,6 +76,7 @@ class Client:
         tls_cert: str | os.PathLike[str] = "",
         tls_key: str | os.PathLike[str] = "",
         attempts: int = 8,
+        shared_memory: bool = True,
     ) -> None:
         self.address = address
         self._open: Backend | None = Here()
@@ -89,6 +91,7 @@ class Client:
         options.tls_cert = os.fspath(tls_cert)
         options.tls_key = os.fspath(tls_key)
         options.attempts = attempts
+        options.shared_memory = shared_memory
         self._open = Served(address, options)
 
     @property

@@ -234,6 +234,7 @@ class ClientOptions:
     tls_cert: str
     tls_key: str
     attempts: int
+    shared_memory: bool
 
 class StoredVolume:
     def __init__(self, name: str, grid: str, grids: list[str]) -> None: ...

@@ -85,7 +85,7 @@ v1::MeshEvent ResultStream::header() const {
 absl::StatusOr<ChunkMessage> ResultStream::make(std::uint64_t index, Block block) {
   const auto digest = digest_of_chunk(static_cast<std::int64_t>(index));
   if (!digest.ok()) return digest.status();
-  return folder_->get_chunk(*digest, engine_.blocks, std::move(block));
+  return folder_->get_chunk(*digest, engine_.blocks, std::move(block.lease));
 }
 
 absl::StatusOr<ChunkDigest> ResultStream::digest_of_chunk(std::int64_t index) {

@@ -5,11 +5,13 @@
 #include <netinet/in.h>
 #include <string>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "core/base/posix/descriptor.h"
+#include "tests/support/test_directory.h"
 
 namespace tet {
 namespace {
@@ -66,6 +68,34 @@ TEST(EndConnections, LeavesOtherPortsAndWhoListens) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(static_cast<std::uint16_t>(ended.port));
   EXPECT_EQ(::connect(next.number(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+}
+
+TEST(EndConnections, EndsThoseOfASocketFileAlone) {
+  const test::TestDirectory folder;
+  const auto listen_at = [](const std::string& path, const Descriptor& listener) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(
+        ::bind(listener.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+        0);
+    EXPECT_EQ(::listen(listener.number(), 4), 0);
+    return address;
+  };
+  const Connection by_port;
+  for (const bool named : {true, false}) {
+    const std::string path = folder.file(named ? "named" : "other");
+    const Descriptor listener(::socket(AF_UNIX, SOCK_STREAM, 0));
+    const Descriptor client(::socket(AF_UNIX, SOCK_STREAM, 0));
+    const sockaddr_un address = listen_at(path, listener);
+    ASSERT_EQ(
+        ::connect(client.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+        0);
+    const Descriptor accepted(::accept(listener.number(), nullptr, nullptr));
+    end_connections(0, folder.file("named"));
+    EXPECT_EQ(::send(accepted.number(), "x", 1, MSG_NOSIGNAL), named ? -1 : 1);
+  }
+  EXPECT_EQ(::send(by_port.accepted.number(), "x", 1, MSG_NOSIGNAL), 1);
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ struct ClientOptions {
   std::string tls_cert = {};    ///< the client's own certificate, where the server asks for it
   std::string tls_key = {};     ///< and its private key
   int attempts = 8;             ///< at a call that fails because the server cannot be reached
+  bool shared_memory = true;    ///< take chunks from it, where the server's socket file is here
 };
 
 /// How chunks travel; the mesh is the same.
@@ -70,10 +71,10 @@ struct Capabilities {
 /// and kInternal are the network's or the server's fault, the others the request's.
 class TETSTREAM_API Client {
  public:
-  /// `address` is host:port, or several with commas between that know the same volumes. Does
-  /// not wait for the server: the first call tells whether it is there. Errors: kNotFound and
-  /// kInvalidArgument (a file of the options), kFailedPrecondition (a token that others could
-  /// read).
+  /// `address` is host:port, unix:PATH (a socket file of this host), or several with commas
+  /// between that know the same volumes. Does not wait for the server: the first call tells
+  /// whether it is there. Errors: kNotFound and kInvalidArgument (a file of the options),
+  /// kFailedPrecondition (a token that others could read).
   static Result<Client> connect(const std::string& address, const ClientOptions& options = {});
 
   /// Stores a .vdb file; nothing travels where the server has it. An upload that broke goes on

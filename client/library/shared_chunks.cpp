@@ -1,0 +1,106 @@
+#include "client/library/shared_chunks.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+
+#include <absl/strings/str_cat.h>
+
+#include "client/library/stream_checks.h"
+#include "core/base/posix/packet_socket.h"
+#include "proto/wire/checksum.h"
+#include "proto/wire/shared_columns.h"
+#include "proto/wire/side_messages.h"
+
+namespace tet {
+
+namespace {
+
+constexpr std::chrono::seconds kPatience{1};
+constexpr std::size_t kTokenBytes = 16;
+// What was copied is read again from the nearest cache.
+constexpr std::size_t kPiece = std::size_t{16} << 10;
+
+/// More than any window of chunks.
+constexpr std::int64_t kMostBlockBytes = std::int64_t{1} << 30, kMostBlocks = 1 << 16;
+constexpr std::int64_t kMostBytes = std::int64_t{1} << 34;
+
+/// Checks what was copied, as the memory may change between two looks at it.
+std::uint32_t copy_piece(std::span<const std::byte> from,
+                         std::span<std::byte> to,
+                         std::uint32_t checksum) {
+  for (std::size_t begin = 0; begin < to.size(); begin += kPiece) {
+    const auto piece = to.subspan(begin, std::min(kPiece, to.size() - begin));
+    std::memcpy(piece.data(), from.data() + begin, piece.size());
+    checksum = add_to_checksum(checksum, piece);
+  }
+  return checksum;
+}
+
+}  // namespace
+
+std::string SharedChunks::begin(const std::string& grpc_path) {
+  memory_.reset();
+  side_ = Descriptor();
+  if (grpc_path.empty() || refused_) return {};
+  side_ = connect_for_packets(absl::StrCat(grpc_path, kSideSocketEnding));
+  if (!side_.is_open()) return {};
+  std::string token(kTokenBytes, '\0');
+  Descriptor none;
+  if (await_packet(side_, std::as_writable_bytes(std::span(token)), kPatience, none))
+    return token;
+  refused_ = true;
+  side_ = Descriptor();
+  return {};
+}
+
+absl::Status SharedChunks::open(const v1::SharedMemory& told) {
+  memory_.reset();
+  if (!side_.is_open()) return bad_stream("it tells of shared memory that nobody asked for");
+  refused_ = true;  // unless it works
+  const bool sane = told.blocks() > 0 && told.blocks() <= kMostBlocks &&
+                    told.block_bytes() > 0 && told.block_bytes() <= kMostBlockBytes &&
+                    told.blocks() * told.block_bytes() <= kMostBytes;
+  if (!sane) return bad_stream("impossible sizes of shared memory");
+  const auto bytes = static_cast<std::size_t>(told.blocks() * told.block_bytes());
+  SideMessage size{};
+  Descriptor file;
+  if (!await_packet(side_, size, kPatience, file) || side_number(size) != bytes) {
+    return absl::UnavailableError("the server did not hand over its shared memory");
+  }
+  auto mapped = SharedMemory::map(file, bytes);
+  if (!mapped.ok()) {
+    return absl::UnavailableError(
+        absl::StrCat("the server's shared memory cannot be used: ", mapped.status().message()));
+  }
+  memory_ = *std::move(mapped);
+  refused_ = false;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::uint32_t> SharedChunks::copy(std::int64_t offset,
+                                                 const ChunkColumns& to) const {
+  if (!memory_) return bad_stream("a chunk in shared memory that nobody has");
+  std::array<std::size_t, kMeshColumns> sizes{};
+  const auto places = to.all();
+  std::ranges::transform(places, sizes.begin(), [](auto column) { return column.size(); });
+  const SharedColumns layout(sizes);
+  const auto bytes = memory_->bytes();
+  if (offset < 0 || static_cast<std::uint64_t>(offset) > bytes.size() ||
+      layout.bytes() > bytes.size() - static_cast<std::size_t>(offset)) {
+    return bad_stream("a chunk that lies beyond its shared memory");
+  }
+  std::uint32_t checksum = 0;
+  const std::byte* const block = bytes.data() + offset;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    checksum = copy_piece(layout.column(block, i), places[i], checksum);
+  }
+  return checksum;
+}
+
+void SharedChunks::acknowledge(std::uint64_t index) noexcept {
+  if (memory_) send_packet(side_, side_message(index));
+}
+
+}  // namespace tet

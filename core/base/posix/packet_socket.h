@@ -1,0 +1,48 @@
+// Short messages between two processes of one host, with an open file beside one of them.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <sys/types.h>
+
+#include "core/base/posix/descriptor.h"
+
+namespace tet {
+
+/// Listens on a socket file (SOCK_SEQPACKET), never waiting. None is open where that fails, and
+/// `errno` tells why.
+Descriptor listen_for_packets(const std::string& path, int backlog) noexcept;
+
+/// The next connection that waits there, never waiting; none is open where there is none.
+Descriptor accept_packets(const Descriptor& listener) noexcept;
+
+/// Connects, never waiting. None is open where nobody listens or the queue is full.
+Descriptor connect_for_packets(const std::string& path) noexcept;
+
+/// The user at the other end; nothing where the system does not tell.
+std::optional<uid_t> user_of_peer(const Descriptor& socket) noexcept;
+
+/// Sends a message, and with it `passed` where that is open, never waiting. False where it
+/// could not be sent whole.
+bool send_packet(const Descriptor& socket,
+                 std::span<const std::byte> message,
+                 const Descriptor& passed) noexcept;
+bool send_packet(const Descriptor& socket, std::span<const std::byte> message) noexcept;
+
+enum class Packet { kTaken, kNone, kEnd };
+
+/// Takes the next message, never waiting. Files that came with it are closed. kEnd where there
+/// are no more, or it is not as long as `message`.
+Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexcept;
+
+/// Waits for the next message for `patience` at most, and takes the file that came with it into
+/// `passed`, if it is one. False where none came or it is not as long as `message`.
+bool await_packet(const Descriptor& socket,
+                  std::span<std::byte> message,
+                  std::chrono::milliseconds patience,
+                  Descriptor& passed) noexcept;
+
+}  // namespace tet

@@ -1,0 +1,75 @@
+#include "core/base/posix/sealed_memory.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+namespace tet {
+
+namespace {
+
+constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
+
+absl::Status no_memory(std::size_t bytes) {
+  return absl::ResourceExhaustedError(
+      absl::StrCat("no shared memory of ", bytes, " bytes: ", std::strerror(errno)));
+}
+
+}  // namespace
+
+Mapping::~Mapping() {
+  if (begin_ != nullptr) ::munmap(begin_, size_);
+}
+
+Mapping::Mapping(Mapping&& other) noexcept
+    : begin_(std::exchange(other.begin_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+
+Mapping& Mapping::operator=(Mapping&& other) noexcept {
+  std::swap(begin_, other.begin_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+absl::StatusOr<SealedMemory> SealedMemory::make(std::size_t bytes) {
+  SealedMemory memory;
+  memory.descriptor_ =
+      Descriptor(::memfd_create("tetstream-chunks", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  const int number = memory.descriptor_.number();
+  if (!memory.descriptor_.is_open() || ::ftruncate(number, static_cast<off_t>(bytes)) != 0) {
+    return no_memory(bytes);
+  }
+  void* const begin = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, number, 0);
+  if (begin == MAP_FAILED) return no_memory(bytes);
+  memory.mapping_ = Mapping(begin, bytes);
+  if (::fcntl(number, F_ADD_SEALS, kSeals) != 0) {
+    return absl::UnimplementedError(
+        absl::StrCat("the kernel does not seal shared memory: ", std::strerror(errno)));
+  }
+  return memory;
+}
+
+absl::StatusOr<SharedMemory> SharedMemory::map(const Descriptor& descriptor,
+                                               std::size_t bytes) {
+  struct stat size {};
+  const int seals = ::fcntl(descriptor.number(), F_GET_SEALS);
+  if (seals < 0 || (seals & F_SEAL_SHRINK) == 0) {
+    return absl::InvalidArgumentError("shared memory that may become shorter");
+  }
+  if (::fstat(descriptor.number(), &size) != 0 || size.st_size < 0 ||
+      static_cast<std::size_t>(size.st_size) < bytes || bytes == 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("shared memory of ", size.st_size, " bytes in place of ", bytes));
+  }
+  void* const begin = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, descriptor.number(), 0);
+  if (begin == MAP_FAILED) return no_memory(bytes);
+  SharedMemory memory;
+  memory.mapping_ = Mapping(begin, bytes);
+  return memory;
+}
+
+}  // namespace tet

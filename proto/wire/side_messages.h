@@ -1,0 +1,32 @@
+// What goes through the socket beside a stream whose chunks are in shared memory: eight bytes,
+// a little-endian number each. docs/wire_format.md
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tet {
+
+using SideMessage = std::array<std::byte, 8>;
+
+/// The ending of the socket file beside that of gRPC.
+inline constexpr char kSideSocketEnding[] = ".memory";
+
+inline SideMessage side_message(std::uint64_t number) noexcept {
+  SideMessage message{};
+  for (std::size_t i = 0; i < message.size(); ++i) {
+    message[i] = static_cast<std::byte>(number >> (8 * i));
+  }
+  return message;
+}
+
+inline std::uint64_t side_number(const SideMessage& message) noexcept {
+  std::uint64_t number = 0;
+  for (std::size_t i = 0; i < message.size(); ++i) {
+    number |= std::to_integer<std::uint64_t>(message[i]) << (8 * i);
+  }
+  return number;
+}
+
+}  // namespace tet

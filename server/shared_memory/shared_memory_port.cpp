@@ -1,0 +1,122 @@
+#include "server/shared_memory/shared_memory_port.h"
+
+#include <algorithm>
+#include <sys/epoll.h>
+#include <utility>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+#include <openssl/rand.h>
+
+#include "core/base/posix/io_error.h"
+#include "core/base/posix/packet_socket.h"
+#include "proto/wire/side_messages.h"
+
+namespace tet {
+
+namespace {
+
+constexpr int kBacklog = 256;
+/// A call comes right after the connection that it names.
+constexpr std::chrono::seconds kPatience{10};
+constexpr std::chrono::milliseconds kTick{1000};
+/// The kernel's address of a socket file holds so much.
+constexpr std::size_t kMaxSidePath = 107;
+
+/// Empty where there is no randomness.
+std::string random_token() {
+  std::string token(SideConnection::kTokenBytes, '\0');
+  auto* const bytes = reinterpret_cast<unsigned char*>(token.data());
+  return RAND_bytes(bytes, static_cast<int>(token.size())) == 1 ? token : std::string();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SharedMemoryPort>> SharedMemoryPort::open(
+    const std::string& grpc_path, mode_t rights) {
+  auto file = SocketFile::prepare(absl::StrCat(grpc_path, kSideSocketEnding), kMaxSidePath);
+  if (!file.ok()) return file.status();
+  Descriptor listener = listen_for_packets(file->bind_path(), kBacklog);
+  if (!listener.is_open()) return io_error("listen on", file->path());
+  if (absl::Status status = file->publish(rights); !status.ok()) return status;
+  return std::unique_ptr<SharedMemoryPort>(
+      new SharedMemoryPort(*std::move(file), std::move(listener)));
+}
+
+SharedMemoryPort::SharedMemoryPort(SocketFile file, Descriptor listener)
+    : file_(std::move(file)),
+      listener_(std::move(listener)),
+      loop_(kTick, [this] { end_old(); }) {
+  loop_.watch(listener_.number(), EPOLLIN, [this](std::uint32_t) { accept(); });
+  loop_.start();
+}
+
+SharedMemoryPort::~SharedMemoryPort() { loop_.stop(); }
+
+std::shared_ptr<SideConnection> SharedMemoryPort::claim(const std::string& token) {
+  const std::lock_guard lock(mutex_);
+  const auto found = waiting_.find(token);
+  if (found == waiting_.end()) return nullptr;
+  std::shared_ptr<SideConnection> claimed = std::move(found->second.connection);
+  waiting_.erase(found);
+  SideConnection* const connection = claimed.get();
+  return {connection, [claimed = std::move(claimed)](SideConnection*) { claimed->close(); }};
+}
+
+void SharedMemoryPort::accept() {
+  for (;;) {
+    Descriptor socket = accept_packets(listener_);
+    if (!socket.is_open()) return;
+    add(std::move(socket));
+  }
+}
+
+/// False where there is no room for another: it is closed, and the client goes without.
+bool SharedMemoryPort::add(Descriptor socket) {
+  const auto user = user_of_peer(socket);
+  std::string token = random_token();
+  if (!user || token.empty()) return false;
+  auto connection = std::make_shared<SideConnection>(std::move(socket), token);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto of_user = std::ranges::count_if(
+        waiting_, [&](const auto& entry) { return entry.second.user == *user; });
+    if (waiting_.size() >= kMostUnclaimed ||
+        static_cast<std::size_t>(of_user) >= kMostUnclaimedOfUser) {
+      return false;
+    }
+    waiting_.emplace(std::move(token), Waiting{connection, *user, Clock::now()});
+  }
+  heed(connection);
+  if (connection->tell_token()) return true;
+  forget(connection);
+  return false;
+}
+
+void SharedMemoryPort::heed(const std::shared_ptr<SideConnection>& connection) {
+  loop_.watch(connection->socket().number(), EPOLLIN | EPOLLRDHUP,
+              [this, connection](std::uint32_t) {
+                if (!connection->take()) forget(connection);
+              });
+}
+
+void SharedMemoryPort::forget(const std::shared_ptr<SideConnection>& connection) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.erase(connection->token());
+  }
+  loop_.forget(connection->socket().number());
+}
+
+void SharedMemoryPort::end_old() {
+  std::vector<std::shared_ptr<SideConnection>> old;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [token, waiting] : waiting_) {
+      if (Clock::now() - waiting.since > kPatience) old.push_back(waiting.connection);
+    }
+  }
+  for (const auto& connection : old) forget(connection);
+}
+
+}  // namespace tet

@@ -1,0 +1,63 @@
+// The socket file at which clients of this host ask for shared memory.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <sys/types.h>
+
+#include <absl/status/statusor.h>
+
+#include "core/base/posix/descriptor.h"
+#include "core/base/posix/socket_file.h"
+#include "server/http/event_loop.h"
+#include "server/shared_memory/side_connection.h"
+
+namespace tet {
+
+/// Tells each client that connects 16 random bytes. Whoever sends them with a call, which is
+/// authorized as all calls are, is whoever holds the connection: then a stream claims it, once.
+/// Connections that nobody claims end after a few seconds, and one user has only so many of
+/// them.
+///
+/// Thread safety: any thread may call `claim`.
+class SharedMemoryPort {
+ public:
+  static constexpr std::size_t kMostUnclaimed = 1024, kMostUnclaimedOfUser = 256;
+
+  /// Listens beside the socket file `grpc_path`. Errors: those of SocketFile.
+  static absl::StatusOr<std::unique_ptr<SharedMemoryPort>> open(const std::string& grpc_path,
+                                                                mode_t rights);
+  ~SharedMemoryPort();
+
+  /// The connection that was told `token`, which ends with the last that holds it; null where
+  /// there is none, or it was claimed.
+  std::shared_ptr<SideConnection> claim(const std::string& token);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// A connection that nobody has claimed.
+  struct Waiting {
+    std::shared_ptr<SideConnection> connection;
+    uid_t user = 0;
+    Clock::time_point since;
+  };
+
+  SharedMemoryPort(SocketFile file, Descriptor listener);
+  void accept();
+  bool add(Descriptor socket);
+  void heed(const std::shared_ptr<SideConnection>& connection);
+  void forget(const std::shared_ptr<SideConnection>& connection);
+  void end_old();
+
+  SocketFile file_;
+  const Descriptor listener_;
+  std::mutex mutex_;
+  std::map<std::string, Waiting> waiting_;  ///< by token
+  EventLoop loop_;                          // last: its thread uses the others
+};
+
+}  // namespace tet

@@ -1,0 +1,146 @@
+// What a client believes of a server that hands it memory.
+#include "client/library/shared_chunks.h"
+
+#include <array>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/posix/packet_socket.h"
+#include "proto/wire/checksum.h"
+#include "proto/wire/shared_columns.h"
+#include "proto/wire/side_messages.h"
+#include "tests/support/test_directory.h"
+
+namespace tet {
+namespace {
+
+constexpr std::int64_t kBlock = 4096, kBlocks = 2;
+
+/// A server that says what the test wants.
+class SharedChunksTest : public testing::Test {
+ protected:
+  SharedChunksTest()
+      : listener_(listen_for_packets(path_ + kSideSocketEnding, 4)),
+        memory_(*SealedMemory::make(kBlock * kBlocks)) {}
+
+  /// The client connects and is told a token.
+  void meet() {
+    std::thread server([&] {
+      while (!accepted_.is_open()) accepted_ = accept_packets(listener_);
+      send_packet(accepted_, std::as_bytes(std::span(token_)));
+    });
+    EXPECT_EQ(chunks_.begin(path_), token_);
+    server.join();
+  }
+
+  static v1::SharedMemory told(std::int64_t block_bytes = kBlock,
+                               std::int64_t blocks = kBlocks) {
+    v1::SharedMemory message;
+    message.set_block_bytes(block_bytes);
+    message.set_blocks(blocks);
+    return message;
+  }
+
+  bool hand_over(const Descriptor& memory, std::uint64_t size = kBlock * kBlocks) const {
+    return send_packet(accepted_, side_message(size), memory);
+  }
+
+  test::TestDirectory folder_;
+  const std::string path_ = folder_.file("socket");
+  const std::string token_ = "0123456789abcdef";
+  Descriptor listener_, accepted_;
+  SealedMemory memory_;
+  SharedChunks chunks_;
+};
+
+TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {
+  meet();
+  ASSERT_TRUE(hand_over(memory_.descriptor()));
+  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  std::array<std::byte, 12> positions{};
+  std::array<std::byte, 100> tets{};
+  ChunkColumns to{};
+  to.positions = positions;
+  to.tets = tets;
+  const SharedColumns layout({12, 100, 0, 0, 0, 0, 0});
+  std::byte* const block = memory_.bytes().data() + kBlock;
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (std::byte& byte : layout.column(block, i)) byte = static_cast<std::byte>(i + 1);
+  }
+  const auto checksum = chunks_.copy(kBlock, to);
+  ASSERT_TRUE(checksum.ok()) << checksum.status();
+  EXPECT_EQ(*checksum, add_to_checksum(add_to_checksum(0, positions), tets));
+  EXPECT_EQ(positions[11], std::byte{1});
+  EXPECT_EQ(tets[99], std::byte{2});
+  chunks_.acknowledge(5);
+  SideMessage said{};
+  EXPECT_EQ(take_packet(accepted_, said), Packet::kTaken);
+  EXPECT_EQ(side_number(said), 5u);
+}
+
+TEST_F(SharedChunksTest, CopiesNothingFromBeyondTheMemory) {
+  meet();
+  ASSERT_TRUE(hand_over(memory_.descriptor()));
+  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  std::vector<std::byte> positions(static_cast<std::size_t>(kBlock));
+  ChunkColumns to{};
+  to.positions = positions;
+  EXPECT_TRUE(chunks_.copy(kBlock, to).ok());
+  for (const std::int64_t offset :
+       {kBlock + 1, 2 * kBlock, 2 * kBlock + 1, std::int64_t{-1}, INT64_MAX, INT64_MIN}) {
+    EXPECT_EQ(chunks_.copy(offset, to).status().code(), absl::StatusCode::kDataLoss) << offset;
+  }
+}
+
+TEST_F(SharedChunksTest, TakesNoMemoryThatMayBecomeShorterOrIsNot) {
+  const Descriptor unsealed(::memfd_create("unsealed", MFD_CLOEXEC));
+  ASSERT_EQ(::posix_fallocate(unsealed.number(), 0, kBlock * kBlocks), 0);
+  const SealedMemory shorter = *SealedMemory::make(kBlock);
+  for (const Descriptor* memory : {&unsealed, &shorter.descriptor()}) {
+    chunks_ = SharedChunks();
+    accepted_ = Descriptor();
+    meet();
+    ASSERT_TRUE(hand_over(*memory));
+    EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
+    EXPECT_FALSE(chunks_.is_open());
+    EXPECT_EQ(chunks_.begin(path_), "");  // not again
+  }
+}
+
+TEST_F(SharedChunksTest, WantsTheMemoryThatTheHeaderTellsOf) {
+  meet();
+  ASSERT_TRUE(hand_over(memory_.descriptor(), kBlock));
+  EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
+  chunks_ = SharedChunks();
+  accepted_ = Descriptor();
+  meet();
+  ASSERT_TRUE(hand_over(Descriptor()));  // no file
+  EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
+  for (const auto& [block_bytes, blocks] : {std::pair<std::int64_t, std::int64_t>{0, 1},
+                                            {1, 0},
+                                            {-4096, 2},
+                                            {4096, -1},
+                                            {INT64_MAX, INT64_MAX},
+                                            {std::int64_t{1} << 30, 1 << 16}}) {
+    chunks_ = SharedChunks();
+    accepted_ = Descriptor();
+    meet();
+    EXPECT_EQ(chunks_.open(told(block_bytes, blocks)).code(), absl::StatusCode::kDataLoss);
+  }
+}
+
+TEST_F(SharedChunksTest, IsNotToldOfWhatNobodyAskedFor) {
+  EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(chunks_.begin(""), "");
+  EXPECT_EQ(chunks_.begin(folder_.file("nothing")), "");
+}
+
+}  // namespace
+}  // namespace tet
