@@ -60,6 +60,12 @@ if(TET_SANITIZE)
   target_compile_options(tet_flags INTERFACE
     -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(tet_flags INTERFACE -fsanitize=${sanitizers})
+  if("undefined" IN_LIST TET_SANITIZE)
+    # A look at every pointer before it is used: AddressSanitizer sees what comes of most that is wrong
+    # with one. They stay where bytes of strangers are read, which is what libFuzzer is told of.
+    set(TET_POINTER_CHECKS null,alignment,object-size,vptr)
+    target_compile_options(tet_flags INTERFACE -fno-sanitize=${TET_POINTER_CHECKS})
+  endif()
   if("thread" IN_LIST TET_SANITIZE)
     # Debian's oneTBB is not built for TSan, which then sees races in correct programs.
     target_compile_definitions(tet_flags INTERFACE TET_STD_THREADS=1)
@@ -117,6 +123,17 @@ add_library(tet_not_sanitized INTERFACE)
 if(TET_SANITIZE)
   set(TET_NOT_SANITIZED -fno-sanitize=all)
   target_compile_options(tet_not_sanitized INTERFACE ${TET_NOT_SANITIZED})
+endif()
+
+# What reads bytes of strangers tells libFuzzer which branches it takes and what it compares, and has
+# each of its pointers looked at. The mesher has neither, and takes less than half as long.
+add_library(tet_fuzzed INTERFACE)
+if(TET_FUZZ)
+  set(TET_FUZZED -fsanitize=fuzzer-no-link)
+  if(TET_POINTER_CHECKS)
+    list(APPEND TET_FUZZED -fsanitize=${TET_POINTER_CHECKS})
+  endif()
+  target_compile_options(tet_fuzzed INTERFACE ${TET_FUZZED})
 endif()
 
 # Reading a command line takes no time; optimising what does so takes minutes, and so do sanitizers.

@@ -21,7 +21,8 @@ struct Solid {
 /// Radius in voxels; the centre is off the lattice on purpose.
 Volume ball(double radius, const VoxelTransform& transform = {});
 
-/// Ball, torus, two balls, ball with a cavity: resolved, smooth, with known topology.
+/// Ball, torus, two balls, ball with a cavity: resolved, smooth, with known topology. For a
+/// sanitizer, the first and the last.
 std::vector<Solid> smooth_solids();
 
 /// A round plate with a rounded rim, tilted so that its normal is `normal` (of any length).

@@ -67,7 +67,7 @@ TetMesh part(const TetMesh& whole, MeshRegion region) {
 }
 
 TEST(BothSides, ConformWithBoundedAnglesOnEveryField) {
-  for (const auto& [name, volume] : fields()) {
+  for (const auto& [name, volume] : test::few_of(fields(), 3)) {
     const bool harsh = name.starts_with("random") && !test::kSanitized;
     for (const int levels :
          harsh ? std::vector{0, 1, 2, kMaxLevels} : std::vector{0, kMaxLevels}) {
@@ -134,7 +134,7 @@ TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
   volumes.push_back(test::gyroid_ball(32));
   volumes.push_back(test::random_signs(20, 9));
   for (const Volume& volume : volumes) {
-    for (const WorldBox& box : boxes) {
+    for (const WorldBox& box : test::few_of(boxes, 2)) {
       for (const int levels : {0, kMaxLevels}) {
         if (levels == 0 && volume_of(box) > 1e6) continue;
         SCOPED_TRACE(std::to_string(box.max.x) + ", levels " + std::to_string(levels));
@@ -157,7 +157,7 @@ TEST(BothSides, ConformWhereAllOfTheOutsideIsExactlyZero) {
     const double from_centre = std::hypot(v.x - 7.3, v.y + 6.1, v.z - 0.2);
     return static_cast<float>(std::min(0.0, from_centre - 9));
   });
-  for (const int levels : {0, 1, kMaxLevels}) {
+  for (const int levels : test::few_of(std::vector{0, 1, kMaxLevels}, 2)) {
     SCOPED_TRACE(levels);
     MeshRequest request = both_sides(levels);
     request.box = {{-24, -24, -24}, {24, 24, 24}};

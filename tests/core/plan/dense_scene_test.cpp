@@ -145,7 +145,7 @@ TEST(DenseScene, StopsBeingPlannedWithinABrick) {
       const auto plan = plan_mesh(job, never.cancellation);
       ASSERT_TRUE(plan.ok()) << plan.status();
       EXPECT_GT(never.looks, asked.looks);
-      const std::size_t cuts = test::kSanitized ? 2 : 4;
+      const std::size_t cuts = test::sanitized_or(2, 4);
       for (std::size_t at = 1; at < never.looks; at += never.looks / cuts) {
         CountedLooks cut{at};
         EXPECT_EQ(plan_mesh(job, cut.cancellation).status().code(),
@@ -213,7 +213,7 @@ void expect_to_stop_within_a_brick(const PlanJob& job,
   const std::size_t looks = fill_until(never);
   const auto [begin, end] = plan->bricks_of_chunk(0);
   EXPECT_GT(looks, looks_of_brick * (end - begin));
-  const std::size_t cuts = test::kSanitized ? 2 : 3;
+  const std::size_t cuts = test::sanitized_or(2, 3);
   for (std::size_t at = 0; at < looks; at += looks / cuts) {
     CountedLooks cut{at};
     EXPECT_EQ(fill_until(cut), at + 1);  // nobody looks again

@@ -10,6 +10,7 @@
 #include "core/mesh/packed_chunk.h"
 #include "core/plan/make/fill_mesh.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
 
 namespace tet::packed_mesh_test {
@@ -65,7 +66,7 @@ TEST(PackedMesh, IsByteForByteThePlainMesh) {
   for (MeshRequest request : {graded, uniform, both_sides, improved, wide}) {
     for (const bool faces : {false, true}) {
       request.faces = faces;
-      const Packed packed = pack(test::ball(20), request);
+      const Packed packed = pack(test::ball(test::sanitized_or(12, 20)), request);
       EXPECT_TRUE(test::same_bytes(unpack(packed), packed.mesh));
     }
   }
@@ -78,7 +79,7 @@ TEST(PackedMesh, TakesAtMostFourBytesATetWhereItIsGraded) {
   MeshRequest other_steps;
   other_steps.spacing = 0.93;
   for (const MeshRequest& request : {MeshRequest(), other_steps}) {
-    EXPECT_LT(pack(test::ball(60), request).bytes_per_tet(), 4);
+    EXPECT_LT(pack(test::ball(test::sanitized_or(30, 60)), request).bytes_per_tet(), 4);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/transfer/compact_mesh.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
 
 namespace tet::skipped_statistics_test {
@@ -47,7 +48,9 @@ Plan plan(const Shape& shape,
   return made.ok() ? *std::move(made) : nullptr;
 }
 
-Shape gyroid() { return std::make_shared<const Volume>(test::gyroid_ball(40)); }
+Shape gyroid() {
+  return std::make_shared<const Volume>(test::gyroid_ball(test::sanitized_or(24, 40)));
+}
 
 void expect_same_header(const MeshHeader& a, const MeshHeader& b) {
   EXPECT_EQ(a.chunk_count, b.chunk_count);

@@ -121,7 +121,7 @@ TEST(StableMesh, IsTheWholeMeshInOrderAndKeepsIdsOfWhatIsKept) {
   uniform.levels = 0;
   both_sides.preset = Preset::kBothSides;
   wide.coordinates = CoordinateType::kFloat64;
-  const int frames = test::kSanitized ? 3 : 6;
+  const int frames = test::sanitized_or(3, 6);
   std::uint32_t seed = 28;
   for (const MeshRequest& request : {MeshRequest{}, uniform, both_sides, wide}) {
     SCOPED_TRACE(++seed);
@@ -265,7 +265,7 @@ void expect_slots(const std::vector<SlotRange>& ranges,
 
 TEST(SlotLayout, FollowsAsOneNumberAfterTheOtherWould) {
   std::mt19937 random(11);
-  for (int turn = 0; turn < 200; ++turn) {
+  for (int turn = 0; turn < test::sanitized_or(50, 200); ++turn) {
     SlotLayout layout(random() % 40);
     std::vector<std::uint64_t> slots(layout.count());
     for (std::uint64_t i = 0; i < slots.size(); ++i) slots[i] = i;

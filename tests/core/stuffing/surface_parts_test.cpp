@@ -19,6 +19,7 @@
 #include "core/stuffing/node_regions.h"
 #include "core/stuffing/surface_regions.h"
 #include "core/stuffing/surface_sheet.h"
+#include "tests/support/sanitized.h"
 
 namespace tet {
 namespace {
@@ -163,19 +164,19 @@ std::map<Vertex, std::uint16_t> part_of_vertices(const SurfaceParts& parts) {
 
 TEST(SurfaceSheet, IsOneOnlyWhereTheSurfaceHangsTogether) {
   int sheets = 0;
-  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+  for (std::uint32_t seed = 0; seed < test::sanitized_or(60U, 200U); ++seed) {
     SCOPED_TRACE(seed);
     const auto lattice = lattice_of(Waves(seed));
     if (!surface_sheet(lattice->plus, lattice->zero).one) continue;
     ++sheets;
     EXPECT_LE(Surface(*lattice, kBrickStar).count_parts(), 1U);
   }
-  EXPECT_GT(sheets, 20);
+  EXPECT_GT(sheets, test::sanitized_or(5, 20));
 }
 
 TEST(SurfaceRegions, HaveOneSheetOnlyWhereTheSurfaceHangsTogether) {
   int sheets = 0;
-  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+  for (std::uint32_t seed = 0; seed < test::sanitized_or(60U, 200U); ++seed) {
     SCOPED_TRACE(seed);
     const Waves waves(seed);
     const auto lattice = lattice_of(waves);
@@ -188,12 +189,12 @@ TEST(SurfaceRegions, HaveOneSheetOnlyWhereTheSurfaceHangsTogether) {
     for (const auto& vertices : surface.at_own_nodes()) roots.insert(surface.root(vertices[0]));
     EXPECT_LE(roots.size(), 1U);
   }
-  EXPECT_GT(sheets, 5);
+  EXPECT_GT(sheets, test::sanitized_or(1, 5));
 }
 
 TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
   int told = 0;
-  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+  for (std::uint32_t seed = 0; seed < test::sanitized_or(20U, 100U); ++seed) {
     SCOPED_TRACE(seed);
     const Waves waves(seed);
     const auto lattice = lattice_of(waves), around = lattice_of(waves, kAround);
@@ -225,7 +226,7 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
       EXPECT_LE(of_tet.size(), 1U);
     }
   }
-  EXPECT_GT(told, 80);
+  EXPECT_GT(told, test::sanitized_or(10, 80));
 }
 
 TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {

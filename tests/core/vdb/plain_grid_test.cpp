@@ -162,7 +162,7 @@ TEST_F(PlainGrid, IsReadAsOpenVdbReadsIt) {
 }
 
 TEST_F(PlainGrid, OfDoublesIsReadAsOpenVdbReadsIt) {
-  for (const int values : {1, 2, 3, 40}) {
+  for (const int values : test::few_of(std::vector{1, 2, 3, 40}, 2)) {
     const auto grid = random_grid<DoubleGrid>(kSeed, 3, values);
     expect_same_of({grid});
     grid->setSaveFloatAsHalf(true);
