@@ -32,8 +32,6 @@ MESHES, WIDE = neighbours.MESHES, neighbours.WIDE
 GIB = 1 << 30
 # What each kind of request is given, in seconds of the server's processors, unless all have ended before.
 WORK = float(os.environ.get("WORK", 6))
-# These are refused or answered again and again, and have taken the most after the first 0.3 seconds.
-SAME_AGAIN = (neighbours.RepeatedEllipsoids, neighbours.HugePlans, neighbours.Uploads, neighbours.Sessions)
 # Who uses nothing for so long has nothing to do, or waits for clients that send nothing.
 REST_SECONDS = 5
 
@@ -148,11 +146,10 @@ class MemoryLimit(unittest.TestCase):
 
     def attack(self, server, kind):
         """Until the server has worked so much, or has nothing to do."""
-        work = WORK / 3 if kind in SAME_AGAIN else WORK
         crowd = kind(int(server.address.rsplit(":", 1)[1]))
         begin = used = processor_seconds(server.process)
         rested_since = time.monotonic()
-        while used < begin + work and time.monotonic() < rested_since + REST_SECONDS:
+        while used < begin + WORK and time.monotonic() < rested_since + REST_SECONDS:
             crowd.act()
             time.sleep(0.02)
             if processor_seconds(server.process) > used + 0.05:
