@@ -119,7 +119,9 @@ TEST(FieldDifference, TakesCallersAtTheirWordOfWhatWasReplaced) {
     for (const BrickCoord b : bricks) {
       EXPECT_EQ(of_told.same_around(b), of_compared.same_around(b));
       EXPECT_TRUE(of_none.same_around(b));
-      if (of_more.same_around(b)) EXPECT_TRUE(of_compared.same_around(b));
+      if (of_more.same_around(b)) {
+        EXPECT_TRUE(of_compared.same_around(b));
+      }
       misses_elsewhere |= of_compared.same_around(b) && !of_more.same_around(b);
     }
     EXPECT_TRUE(misses_elsewhere) << spacing;
