@@ -251,7 +251,8 @@ absl::Status Server::Parts::listen() {
   if (jobs != nullptr) builder.RegisterService(&jobs->service);
   server = builder.BuildAndStart();
   if (server == nullptr || (port == 0 && !config.listen.empty())) {
-    return absl::UnavailableError(absl::StrCat("cannot listen on ", grpc_address()));
+    return absl::UnavailableError(absl::StrCat(
+        "cannot listen on ", config.listen.empty() ? unix_address() : config.listen));
   }
   return socket_file ? socket_file->publish(socket_rights(config)) : absl::OkStatus();
 }

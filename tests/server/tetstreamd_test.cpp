@@ -104,7 +104,7 @@ TEST_F(TetstreamdTest, SaysWhenItCannotListen) {
 TEST_F(TetstreamdTest, NamesTheJobFileThatItCannotOpen) {
   const std::string jobs = folder_.write("jobs", std::string(8192, 'x'));
   const Ended ended =
-      run({"--listen", address_, "--store", folder_.file("store"), "--jobs", jobs});
+      run({"--listen", "127.0.0.1:0", "--store", folder_.file("store"), "--jobs", jobs});
   EXPECT_EQ(ended.exit_code, 3);
   EXPECT_THAT(ended.err, HasSubstr("the jobs in '" + jobs + "' cannot be opened"));
 }
