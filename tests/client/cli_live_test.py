@@ -195,6 +195,7 @@ class OnAServer(ServerTest):
                 reports.append(json.loads((self.out / "r.json").read_text()))
             self.assertEqual(set(reports[1].pop("stages")),
                              {"uploading", "planning", "meshing", "checking", "writing"})
+            self.assertEqual(reports[1].pop("transport"), "messages")
             del reports[0]["stages"], reports[0]["seconds"], reports[1]["seconds"]
             self.assertEqual(*reports)
 
