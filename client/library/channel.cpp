@@ -72,10 +72,10 @@ std::string target_of(const std::string& address) {
   const auto path = socket_path_of(address);
   if (!path) return address;
   std::string target = "unix:";
-  for (const unsigned char byte : *path) {
-    if (absl::ascii_isalnum(byte) ||
-        absl::StrContains("/._-~", std::string(1, static_cast<char>(byte)))) {
-      target.push_back(static_cast<char>(byte));
+  for (const char character : *path) {
+    const auto byte = static_cast<unsigned char>(character);
+    if (absl::ascii_isalnum(byte) || absl::StrContains("/._-~", std::string(1, character))) {
+      target.push_back(character);
     } else {
       absl::StrAppend(&target, "%", absl::Hex(byte, absl::kZeroPad2));
     }
