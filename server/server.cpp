@@ -9,9 +9,7 @@
 #include <vector>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
-#include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/resource_quota.h>
 
 #include "core/base/posix/socket_file.h"
@@ -29,6 +27,7 @@
 #include "server/ops/metric_history.h"
 #include "server/ops/metrics_port.h"
 #include "server/ops/process_metrics.h"
+#include "server/reflection.h"
 #include "server/rpc/access.h"
 #include "server/rpc/handler_watch.h"
 #include "server/rpc/health_service.h"
@@ -60,23 +59,6 @@ AdmissionLimits admission_limits(const Config& config) {
   limits.client_upload_bytes = config.max_client_upload_bytes;
   limits.queue_time = std::chrono::seconds(config.queue_seconds);
   return limits;
-}
-
-/// Takes reflection, which gRPC gives to every server of a process, from this one.
-class WithoutReflection final : public grpc::ServerBuilderOption {
-  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
-  void UpdatePlugins(
-      std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
-    std::erase_if(*plugins, [](const auto& plugin) {
-      using Reflection = grpc::reflection::ProtoServerReflectionPlugin;
-      return dynamic_cast<const Reflection*>(plugin.get()) != nullptr;
-    });
-  }
-};
-
-// It knows nothing of tokens.
-bool serves_reflection(const Config& config) {
-  return config.reflection == "on" || (config.reflection == "auto" && config.tokens.empty());
 }
 
 /// Null where no certificate is given.
@@ -244,7 +226,7 @@ absl::Status Server::Parts::listen() {
     builder.AddListeningPort(absl::StrCat("unix:", socket_file->bind_path()),
                              grpc::InsecureServerCredentials());
   }
-  if (!serves_reflection(config)) builder.SetOption(std::make_unique<WithoutReflection>());
+  choose_reflection(builder, config);
   builder.RegisterService(&grid_service);
   builder.RegisterService(&mesh_service);
   builder.RegisterService(&health_service);
@@ -327,7 +309,7 @@ std::string Server::Parts::metrics_text(bool for_operators) {
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const Config& settings) {
   static const bool registered = [] {
     log_contained_exceptions();
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    prepare_reflection();
     return true;
   }();
   static_cast<void>(registered);
