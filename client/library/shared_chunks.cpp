@@ -17,7 +17,8 @@ namespace tet {
 
 namespace {
 
-constexpr std::chrono::seconds kPatience{1};
+/// A server that is there takes its time only where the whole host does.
+constexpr std::chrono::seconds kPatience{10};
 constexpr std::size_t kTokenBytes = 16;
 // What was copied is read again from the nearest cache.
 constexpr std::size_t kPiece = std::size_t{16} << 10;
@@ -25,6 +26,14 @@ constexpr std::size_t kPiece = std::size_t{16} << 10;
 /// More than any window of chunks.
 constexpr std::int64_t kMostBlockBytes = std::int64_t{1} << 30, kMostBlocks = 1 << 16;
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 34;
+
+/// How long a cancellation's deadline lets anyone wait.
+std::chrono::milliseconds patience(const Cancellation& cancellation) {
+  using Duration = Cancellation::Clock::duration;
+  const Duration left = cancellation.deadline() - Cancellation::Clock::now();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::clamp(left, Duration::zero(), Duration(kPatience)));
+}
 
 /// Checks what was copied, as the memory may change between two looks at it.
 std::uint32_t copy_piece(std::span<const std::byte> from,
@@ -40,7 +49,8 @@ std::uint32_t copy_piece(std::span<const std::byte> from,
 
 }  // namespace
 
-std::string SharedChunks::begin(const std::string& grpc_path) {
+std::string SharedChunks::begin(const std::string& grpc_path,
+                                const Cancellation& cancellation) {
   memory_.reset();
   side_ = Descriptor();
   if (grpc_path.empty() || refused_) return {};
@@ -48,8 +58,10 @@ std::string SharedChunks::begin(const std::string& grpc_path) {
   if (!side_.is_open()) return {};
   std::string token(kTokenBytes, '\0');
   Descriptor none;
-  if (await_packet(side_, std::as_writable_bytes(std::span(token)), kPatience, none))
+  if (await_packet(side_, std::as_writable_bytes(std::span(token)), patience(cancellation),
+                   none, cancellation.descriptor())) {
     return token;
+  }
   refused_ = true;
   side_ = Descriptor();
   return {};

@@ -10,6 +10,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "core/base/cancel.h"
 #include "core/base/posix/descriptor.h"
 #include "core/base/posix/sealed_memory.h"
 #include "core/mesh/tet_mesh.h"
@@ -24,8 +25,9 @@ namespace v1 = ::tetstream::v1;
 class SharedChunks {
  public:
   /// Begins another stream at the server whose socket file this is, empty for one that has
-  /// none. Returns what the request is to say, empty where there is no shared memory.
-  std::string begin(const std::string& grpc_path);
+  /// none. Returns what the request is to say, empty where there is no shared memory, and
+  /// waits for that until `cancellation` at most.
+  std::string begin(const std::string& grpc_path, const Cancellation& cancellation);
 
   /// Maps the memory that a header tells of. Errors: kUnavailable (it cannot be used: the next
   /// stream goes without), kDataLoss (nobody has asked for it).

@@ -17,8 +17,8 @@ namespace tet {
 namespace {
 
 constexpr int kBacklog = 256;
-/// A call comes right after the connection that it names.
-constexpr std::chrono::seconds kPatience{10};
+/// A call comes right after the connection that it names, but may wait for its turn.
+constexpr std::chrono::seconds kPatience{60};
 constexpr std::chrono::milliseconds kTick{1000};
 /// The kernel's address of a socket file holds so much.
 constexpr std::size_t kMaxSidePath = 107;

@@ -19,7 +19,7 @@ namespace tet {
 
 /// Tells each client that connects 16 random bytes. Whoever sends them with a call, which is
 /// authorized as all calls are, is whoever holds the connection: then a stream claims it, once.
-/// Connections that nobody claims end after a few seconds, and one user has only so many of
+/// Connections that nobody claims end after a minute, and one user has only so many of
 /// them.
 ///
 /// Thread safety: any thread may call `claim`.

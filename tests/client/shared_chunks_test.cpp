@@ -33,7 +33,7 @@ class SharedChunksTest : public testing::Test {
       while (!accepted_.is_open()) accepted_ = accept_packets(listener_);
       send_packet(accepted_, std::as_bytes(std::span(token_)));
     });
-    EXPECT_EQ(chunks_.begin(path_), token_);
+    EXPECT_EQ(chunks_.begin(path_, never_), token_);
     server.join();
   }
 
@@ -52,6 +52,7 @@ class SharedChunksTest : public testing::Test {
   test::TestDirectory folder_;
   const std::string path_ = folder_.file("socket");
   const std::string token_ = "0123456789abcdef";
+  const Cancellation never_;
   Descriptor listener_, accepted_;
   SealedMemory memory_;
   SharedChunks chunks_;
@@ -107,7 +108,7 @@ TEST_F(SharedChunksTest, TakesNoMemoryThatMayBecomeShorterOrIsNot) {
     ASSERT_TRUE(hand_over(*memory));
     EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
     EXPECT_FALSE(chunks_.is_open());
-    EXPECT_EQ(chunks_.begin(path_), "");  // not again
+    EXPECT_EQ(chunks_.begin(path_, never_), "");  // not again
   }
 }
 
@@ -138,8 +139,14 @@ TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
 
 TEST_F(SharedChunksTest, IsNotToldOfWhatNobodyAskedFor) {
   EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kDataLoss);
-  EXPECT_EQ(chunks_.begin(""), "");
-  EXPECT_EQ(chunks_.begin(folder_.file("nothing")), "");
+  EXPECT_EQ(chunks_.begin("", never_), "");
+  EXPECT_EQ(chunks_.begin(folder_.file("nothing"), never_), "");
+}
+
+TEST_F(SharedChunksTest, WaitsForNoTokenOnceItIsCancelled) {
+  Cancellation cancelled;
+  cancelled.cancel();
+  EXPECT_EQ(chunks_.begin(path_, cancelled), "");  // nobody answers at `listener_`
 }
 
 }  // namespace

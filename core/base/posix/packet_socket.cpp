@@ -129,9 +129,11 @@ Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexc
 bool await_packet(const Descriptor& socket,
                   std::span<std::byte> message,
                   std::chrono::milliseconds patience,
-                  Descriptor& passed) noexcept {
-  pollfd waiting{socket.number(), POLLIN, 0};
-  if (::poll(&waiting, 1, static_cast<int>(patience.count())) <= 0) return false;
+                  Descriptor& passed,
+                  int stop) noexcept {
+  std::array<pollfd, 2> either{{{socket.number(), POLLIN, 0}, {stop, POLLIN, 0}}};
+  ::poll(either.data(), either.size(), static_cast<int>(patience.count()));
+  if (either[0].revents == 0) return false;
   iovec bytes{message.data(), message.size()};
   alignas(cmsghdr) Control control{};
   msghdr header{};

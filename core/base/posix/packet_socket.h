@@ -38,11 +38,13 @@ enum class Packet { kTaken, kNone, kEnd };
 /// are no more, or it is not as long as `message`.
 Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexcept;
 
-/// Waits for the next message for `patience` at most, and takes the file that came with it into
-/// `passed`, if it is one. False where none came or it is not as long as `message`.
+/// Waits for the next message for `patience` at most, and no longer than until `stop`, a
+/// descriptor or -1, can be read. Takes the file that came with the message into `passed`, if
+/// it is one. False where none came or it is not as long as `message`.
 bool await_packet(const Descriptor& socket,
                   std::span<std::byte> message,
                   std::chrono::milliseconds patience,
-                  Descriptor& passed) noexcept;
+                  Descriptor& passed,
+                  int stop = -1) noexcept;
 
 }  // namespace tet
