@@ -17,7 +17,7 @@ namespace tet {
 namespace {
 
 constexpr std::array<double, 3> kSemiAxes{9, 7, 5};
-constexpr double kVolume = 4.0 / 3 * M_PI * 9 * 7 * 5;
+constexpr double kVolume = 4.0 / 3 * M_PI * kSemiAxes[0] * kSemiAxes[1] * kSemiAxes[2];
 
 using Columns = std::array<std::array<double, 3>, 3>;
 
@@ -46,7 +46,8 @@ std::shared_ptr<const Volume> ellipsoid_of(const Columns& linear) {
           const WorldPoint p =
               transform.to_world({static_cast<double>(at_x), static_cast<double>(at_y),
                                   static_cast<double>(at_z)});
-          const double r = std::hypot((p.x - 11) / 9, (p.y + 3) / 7, (p.z - 70) / 5);
+          const double r = std::hypot((p.x - 11) / kSemiAxes[0], (p.y + 3) / kSemiAxes[1],
+                                      (p.z - 70) / kSemiAxes[2]);
           values[static_cast<std::size_t>(i)] = static_cast<float>(std::min(1.0, r - 1));
         }
         builder.add_brick({x, y, z}, values);
