@@ -20,8 +20,10 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
   absl::StatusOr<ReadShape> input = absl::UnknownError("not read");
   pool.run([&] { input = read_shape(options, bar, interruption); });
   if (!input.ok()) return input.status();
-  const absl::StatusOr<MeshRequest> request = read_request(options, interruption);
+  absl::StatusOr<MeshRequest> request = read_request(options, interruption);
   if (!request.ok()) return request.status();
+  WrittenMesh written(options, interruption);
+  written.ask_for_faces(input->shape, *request);
   const double reading_seconds = watch.lap();
 
   bar.begin("planning");
@@ -30,7 +32,6 @@ absl::StatusOr<MadeMesh> make_mesh_here(const MeshOptions& options,
     std::call_once(planned, [&] { bar.begin("meshing"); });
     bar.update(fraction, 1);
   };
-  WrittenMesh written(options, interruption);
   absl::StatusOr<MeshResult> result = mesh_volume(
       pool,
       {.shape = input->shape,

@@ -24,6 +24,10 @@ class WrittenMesh {
   WrittenMesh(const MeshOptions& options, const Cancellation& cancellation)
       : options_(options), cancellation_(cancellation) {}
 
+  /// Asks for the boundary's faces, where the file counts them before its first node and could
+  /// else not be written before all of the mesh is there. They go to the file alone.
+  void ask_for_faces(const Shape& shape, MeshRequest& request);
+
   /// Makes the file for a mesh of this header; see ChooseTaker.
   absl::StatusOr<TakePart> choose_taker(const MeshHeader& header);
 
@@ -33,10 +37,15 @@ class WrittenMesh {
   absl::Status finish(MadeMesh& made);
 
  private:
+  /// Whether something else needs the mesh afterwards.
+  bool is_wanted_whole() const noexcept {
+    return !options_.report.empty() || options_.order > 1;
+  }
   absl::Status take(const TetMesh& part, const ChunkExtent& place);
 
   const MeshOptions& options_;
   const Cancellation& cancellation_;
+  bool faces_are_ours_ = false;  ///< and nobody else's
   std::optional<PartsFile> file_;
   std::atomic<std::uint64_t> tets_inside_{0};
 };

@@ -67,6 +67,7 @@ class BlockWriter {
 
   /// The next bytes go to this offset of the file.
   void move_to(std::uint64_t offset) noexcept { position_ = offset; }
+  std::uint64_t position() const noexcept { return position_; }
 
   const absl::Status& status() const noexcept { return status_; }
 

@@ -6,17 +6,6 @@
 namespace tet {
 namespace {
 
-/// The corner of a tet that one of its faces is opposite of. What a server sent is a triangle
-/// of the tet: that was checked when it came.
-std::size_t opposite_corner(const TetMesh& mesh, std::uint64_t face) {
-  const auto tet = mesh.tet(mesh.face_tet(face));
-  const Triangle triangle = mesh.face(face);
-  const auto corner = std::ranges::find_if(tet, [&](std::uint64_t vertex) {
-    return std::ranges::find(triangle, vertex) == triangle.end();
-  });
-  return corner == tet.end() ? 0 : static_cast<std::size_t>(corner - tet.begin());
-}
-
 /// Faces with their labels, whoever has them.
 struct LabelledFaces {
   std::vector<FaceLabel> labels;
@@ -29,7 +18,9 @@ LabelledFaces faces_of_columns(const TetMesh& mesh) {
   all.faces.reserve(mesh.header.face_count);
   all.label.reserve(mesh.header.face_count);
   for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
-    all.faces.push_back(4 * mesh.face_tet(i) + opposite_corner(mesh, i));
+    // What a server sent is a triangle of the tet: that was checked when it came.
+    const std::uint64_t tet = mesh.face_tet(i);
+    all.faces.push_back(4 * tet + opposite_corner(mesh.tet(tet), mesh.face(i)));
     all.label.push_back(mesh.face_label(i));
   }
   return all;

@@ -86,10 +86,13 @@ class FieldRows {
 };
 
 template <std::size_t kComponents>
-void write_numbered(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
+void write_numbered(BlockWriter& writer,
+                    const FileMesh& mesh,
+                    std::size_t field,
+                    std::uint64_t first) {
   const FieldRows<kComponents> rows(mesh, field);
   writer.rows_side_by_side(mesh.shape().nodes, [&](std::uint64_t i) {
-    const auto number = static_cast<std::int32_t>(i + 1);
+    const auto number = static_cast<std::int32_t>(first + i + 1);
     std::array<double, kComponents> values;
     std::ranges::copy(rows(i), values.begin());
     std::array<std::byte, sizeof(number) + sizeof(values)> row;
@@ -155,11 +158,14 @@ void write_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
   }
 }
 
-void write_numbered_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field) {
+void write_numbered_field(BlockWriter& writer,
+                          const FileMesh& mesh,
+                          std::size_t field,
+                          std::uint64_t first) {
   if (mesh.mesh.header.fields[field].components == 1) {
-    write_numbered<1>(writer, mesh, field);
+    write_numbered<1>(writer, mesh, field, first);
   } else {
-    write_numbered<3>(writer, mesh, field);
+    write_numbered<3>(writer, mesh, field, first);
   }
 }
 

@@ -50,8 +50,11 @@ void write_points(BlockWriter& writer, const FileMesh& mesh, CoordinateType type
 /// The values of field number `field`, float32, 1 or 3 a node.
 void write_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field);
 /// Writes a field as doubles, with each node's number in front of its values: an int32 that
-/// counts from 1.
-void write_numbered_field(BlockWriter& writer, const FileMesh& mesh, std::size_t field);
+/// counts from 1. The mesh's own nodes are the file's from `first` on.
+void write_numbered_field(BlockWriter& writer,
+                          const FileMesh& mesh,
+                          std::size_t field,
+                          std::uint64_t first);
 /// Four or ten node ids a tet.
 void write_connectivity(BlockWriter& writer, const FileMesh& mesh, IndexType type);
 /// `first`, `first` + 1, ... `count` of them, each times the nodes of a tet.

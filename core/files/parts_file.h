@@ -16,11 +16,13 @@ namespace tet {
 /// come whole, and has its name only once it is committed; without that nothing is left of it.
 class PartsFile {
  public:
-  /// Whether files of this format have a place for each part before the others are there.
-  static bool has_format(MeshFormat format) noexcept;
+  /// Whether files of this format have a place for each part of such a mesh before the others
+  /// are there.
+  static bool takes(MeshFormat format, const MeshHeader& mesh) noexcept;
 
-  /// Makes the file as long as it will be, and writes all of it but the parts. `output` has
-  /// such a format, and `cancellation` outlives the file. Errors: those of write_mesh_file.
+  /// Makes the file as long as it will be, and writes all of it but the parts. The format of
+  /// `output` takes the mesh, and `cancellation` outlives the file. Errors: those of
+  /// write_mesh_file.
   static absl::StatusOr<PartsFile> create(const MeshOutput& output,
                                           const MeshHeader& mesh,
                                           const Cancellation& cancellation);

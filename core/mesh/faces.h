@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace tet {
@@ -18,6 +19,14 @@ inline Triangle face_of(const std::array<std::uint64_t, 4>& tet,
                         std::size_t opposite) noexcept {
   const auto& corner = kFaceCorners[opposite];
   return {tet[corner[0]], tet[corner[1]], tet[corner[2]]};
+}
+
+/// The corner of a tet that one of its faces is opposite of; 0 for a triangle that is none.
+inline std::size_t opposite_corner(const std::array<std::uint64_t, 4>& tet,
+                                   const Triangle& face) noexcept {
+  const auto corner = std::ranges::find_if(
+      tet, [&](std::uint64_t vertex) { return std::ranges::find(face, vertex) == face.end(); });
+  return corner == tet.end() ? 0 : static_cast<std::size_t>(corner - tet.begin());
 }
 
 /// A triangle in a form that is the same from both sides, but for `flipped`.

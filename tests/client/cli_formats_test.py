@@ -45,7 +45,7 @@ class Formats(CommandTest):
                 self.assertGreater(sum(map(len, by_ending)), 1000)
 
     def test_that_take_parts_keep_no_mesh_in_memory(self):
-        for ending in (".vtu", ".vtkhdf"):
+        for ending in (".vtu", ".vtkhdf", ".msh"):
             with self.subTest(ending):
                 file = self.out / f"mesh{ending}"
                 program = str(binaries() / "tetstream")
@@ -56,6 +56,16 @@ class Formats(CommandTest):
                 self.assertEqual(os.waitstatus_to_exitcode(status), 0)
                 self.assertGreater(file.stat().st_size, 100e6)
                 self.assertLess(used.ru_maxrss * 1024, file.stat().st_size / 2)
+
+    def test_have_the_same_bytes_written_while_the_mesh_is_made_and_afterwards(self):
+        """A report needs the whole mesh."""
+        for ending in (".vtu", ".vtkhdf", ".msh"):
+            for options in ((), ("--levels", "0"), ("--preset", "both-sides"), ("--faces",)):
+                with self.subTest(ending=ending, options=options):
+                    self.assert_done(self.mesh("sphere.vdb", ending, *options))
+                    content = self.contents(self.out / f"mesh{ending}")
+                    self.assert_done(self.mesh("sphere.vdb", ending, "--report", self.out / "report.json", *options))
+                    self.assertEqual(self.contents(self.out / f"mesh{ending}"), content)
 
     def contents(self, path):
         """Of the file, or of the files of the folder; removes them."""

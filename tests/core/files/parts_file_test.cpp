@@ -19,6 +19,7 @@
 #include "core/plan/mesh_workspace.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet::parts_file_test {
 namespace {
@@ -105,6 +106,59 @@ TEST_F(PartsFileTest, HasTheBytesOfOneOfTheWholeMesh) {
       ASSERT_TRUE(write(path("parts" + ending), *planned, {}, [] {}).ok());
       EXPECT_TRUE(bytes_of(path("whole" + ending)) == bytes_of(path("parts" + ending)));
     }
+  }
+}
+
+/// Values that a vertex can have: a scalar and a vector.
+std::vector<VertexField> fields() {
+  const auto component = [](VolumeKind kind, float slope) {
+    Volume made = test::dense_volume({{-30, -30, -30}, {30, 30, 30}}, 0, [&](VoxelCoord v) {
+      return slope * static_cast<float>(v.x + v.y);
+    });
+    made.kind = kind;
+    return std::make_shared<const Volume>(std::move(made));
+  };
+  const auto of_vector = [&](float slope) {
+    return component(VolumeKind::kVectorField, slope);
+  };
+  return {{"heat", "", "", {component(VolumeKind::kField, 2)}},
+          {"flow", "", "", {of_vector(1), of_vector(-1), of_vector(0.5)}}};
+}
+
+// The file of a mesh whose faces come with its parts is the one of a mesh that has none, where
+// they are found in all of its tets.
+TEST_F(PartsFileTest, CountsTheFacesOfAnMshFileThatComeWithTheParts) {
+  MeshRequest uniform, wide, with_fields;
+  uniform.levels = 0;
+  wide.coordinates = CoordinateType::kFloat64;
+  with_fields.fields = fields();
+  for (const MeshRequest& request : {MeshRequest{}, uniform, wide, with_fields}) {
+    const auto without = plan(request);
+    MeshRequest asked = request;
+    asked.faces = true;
+    const auto planned = plan(asked);
+    ASSERT_TRUE(without != nullptr && planned != nullptr);
+    EXPECT_FALSE(PartsFile::takes(MeshFormat::kMsh, without->header()));
+    ASSERT_TRUE(PartsFile::takes(MeshFormat::kMsh, planned->header()));
+    ASSERT_GT(planned->header().face_count, 0U);
+    const auto whole = fill_mesh(*without, {}, nullptr);
+    ASSERT_TRUE(whole.ok());
+    ASSERT_TRUE(write_mesh_file(path("whole.msh"), whole->mesh).ok());
+    ASSERT_TRUE(write(path("parts.msh"), *planned, {}, [] {}).ok());
+    EXPECT_TRUE(bytes_of(path("whole.msh")) == bytes_of(path("parts.msh")));
+  }
+}
+
+TEST_F(PartsFileTest, TakesNoMshFileWhoseElementsAreOfSeveralNames) {
+  MeshRequest both, cut;
+  both.preset = Preset::kBothSides;
+  both.box = {{-40, -40, -40}, {40, 40, 40}};
+  cut.box = {{-40, -40, -40}, {40, 40, 2}};
+  for (MeshRequest request : {both, cut}) {
+    request.faces = true;
+    const auto planned = plan(request);
+    ASSERT_NE(planned, nullptr);
+    EXPECT_FALSE(PartsFile::takes(MeshFormat::kMsh, planned->header()));
   }
 }
 
