@@ -18,6 +18,7 @@
 #include "core/plan/mesh_progress.h"
 #include "core/plan/prepared_mesh.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
@@ -256,7 +257,7 @@ TEST(MeshPlan, RefusesASurfaceThatItCouldNotKeepInMemory) {
 TEST(MeshPlan, CountsInMemoryWhatALatticeFinerThanTheVoxelsHasOfTheSurface) {
   const Shape ball = std::make_shared<const Volume>(test::ball(14));
   MeshRequest request;
-  request.spacing = 0.25;
+  request.spacing = test::sanitized_or(0.4, 0.25);
   MeshLimits limits{.max_plan_bytes = 1'000'000};
   absl::Status refused;
   while (true) {

@@ -123,7 +123,8 @@ TEST(StableMesh, IsTheWholeMeshInOrderAndKeepsIdsOfWhatIsKept) {
   wide.coordinates = CoordinateType::kFloat64;
   const int frames = test::sanitized_or(3, 6);
   std::uint32_t seed = 28;
-  for (const MeshRequest& request : {MeshRequest{}, uniform, both_sides, wide}) {
+  const std::vector<MeshRequest> requests{{}, uniform, both_sides, wide};
+  for (const MeshRequest& request : test::few_of(requests, 3)) {
     SCOPED_TRACE(++seed);
     StableMesh mesh;
     Plan earlier;
