@@ -145,8 +145,9 @@ void warp(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
 }
 
 void keep(PhiSampler&, BrickCoord, StuffingWorkspace& work) {
-  benchmark::DoNotOptimize(keep_brick(work.lattice.warped, {}));
-  benchmark::DoNotOptimize(stuffed_cells(work.lattice.warped, {}));
+  const PlusAround plus(work.lattice.warped);
+  benchmark::DoNotOptimize(keep_brick(work.lattice.warped, plus, {}));
+  benchmark::DoNotOptimize(stuffed_cells(work.lattice.warped, plus, {}));
 }
 
 /// All of them in one workspace, brick after brick, as the survey does it.

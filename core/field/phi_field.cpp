@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <numeric>
 
 #include "core/base/vector_clones.h"
+#include "core/field/brick_sides.h"
 #include "core/field/scene_samples.h"
 #include "core/scene/scene_evaluator.h"
 #include "core/volume/interpolate_lattice.h"
@@ -18,61 +18,16 @@ namespace {
 constexpr int kMaxCorner = 10;
 constexpr std::size_t kUsedRows = kMaxCorner - kHaloMin + 1;  // of a slice; as many slices
 
-/// What a halo has of the brick before, of the brick itself, and of the one behind, along an
-/// axis: its voxels from `first`, and where they are in the halo.
-struct Part {
-  std::size_t first, count, at;
+/// One of kBrickParts, and where its voxels are in the halo.
+struct Part : BrickPart {
+  std::size_t at;
 };
-constexpr std::array<Part, 3> kHaloParts{{{6, 2, 0}, {0, 8, 2}, {0, 3, 10}}};
+constexpr std::array<Part, 3> kHaloParts{
+    {{kBrickParts[0], 0}, {kBrickParts[1], 2}, {kBrickParts[2], 10}}};
 
 /// Returns one of the 27 bricks at and around a brick: `i` is 9*(x+1) + 3*(y+1) + z+1.
 BrickCoord brick_around(BrickCoord brick, int i) noexcept {
   return {brick.x + i / 9 - 1, brick.y + i / 3 % 3 - 1, brick.z + i % 3 - 1};
-}
-
-/// The sides of the surface that values lie on.
-struct Sides {
-  bool inside = false, outside = false;
-
-  bool both() const noexcept { return inside && outside; }
-  void add(const Sides& more) noexcept {
-    inside = inside || more.inside;
-    outside = outside || more.outside;
-  }
-};
-
-/// Counts the values inside in a part of a brick. Whole rows are looked at, so that they become
-/// vectors.
-TET_VECTOR_CLONES
-std::size_t count_inside(const InsideTestOfValue& inside,
-                         const float* values,
-                         const Part& x,
-                         const Part& y,
-                         const Part& z) noexcept {
-  const float sign = inside.above ? -1.0F : 1.0F, bar = sign * inside.iso;
-  std::array<std::int32_t, 8> meant{}, found{};
-  std::fill_n(meant.begin() + static_cast<std::ptrdiff_t>(z.first), z.count, 1);
-  for (std::size_t i = 0; i < x.count; ++i) {
-    for (std::size_t j = 0; j < y.count; ++j) {
-      const float* const row = values + ((x.first + i) * 8 + y.first + j) * 8;
-      for (std::size_t k = 0; k < 8; ++k) found[k] += sign * row[k] < bar ? meant[k] : 0;
-    }
-  }
-  return static_cast<std::size_t>(std::accumulate(found.begin(), found.end(), 0));
-}
-
-/// Tells on which sides the values in a part of a brick lie.
-Sides sides_of(const InsideTestOfValue& inside,
-               const VolumeReader::Brick& brick,
-               const Part& x,
-               const Part& y,
-               const Part& z) noexcept {
-  const bool min = inside(brick.range.min), max = inside(brick.range.max);
-  if (min == max) return {min, !min};
-  const std::size_t values = x.count * y.count * z.count;
-  if (values == std::size_t{kBrickCells}) return {true, true};  // the range is of all of them
-  const std::size_t found = count_inside(inside, brick.values, x, y, z);
-  return {found > 0, found < values};
 }
 
 /// A brick of values as rows along z; all rows of a constant brick are one.
@@ -201,6 +156,8 @@ void PhiSampler::stop_when(const Cancellation& cancellation) noexcept {
   if (scene_ != nullptr) scene_->stop_when(cancellation);
 }
 
+void PhiSampler::remember_in(BrickSides& sides) noexcept { sides_ = &sides; }
+
 void PhiSampler::sample(BrickCoord brick, BrickSamples& samples) noexcept {
   if (scene_ != nullptr) {
     sample_scene(*scene_, field_.spacing_voxels, brick, samples);
@@ -216,14 +173,24 @@ bool PhiSampler::one_sided(BrickCoord brick) noexcept {
   if (!field_.at_voxels()) return false;
   const InsideTestOfValue inside(field_);
   Sides sides;
-  const auto add = [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    sides.add(sides_of(inside, reader_->brick(brick_around(brick, i)), kHaloParts[at / 9],
-                       kHaloParts[at / 3 % 3], kHaloParts[at % 3]));
+  const auto add = [&](std::size_t i) {
+    const VolumeReader::Brick found = reader_->brick(brick_around(brick, static_cast<int>(i)));
+    const bool min = inside(found.range.min), max = inside(found.range.max);
+    sides.add(min == max ? Sides{min, !min} : sides_of_part(found.values, i));
   };
-  add(13);  // the brick itself: nearly all that are at the surface have both sides there
-  for (int i = 0; i < 27 && !sides.both(); ++i) add(i);
+  add(kAllOfBrick);  // itself: nearly all that are at the surface have both sides there
+  for (std::size_t i = 0; i < 27 && !sides.both(); ++i) add(i);
   return !sides.both();
+}
+
+/// Of a brick whose values, as its range tells, lie on both sides.
+Sides PhiSampler::sides_of_part(const float* values, std::size_t part) noexcept {
+  if (part == kAllOfBrick) return {true, true};
+  if (sides_ == nullptr) {
+    return BrickSides::part_of(find_sides(InsideTestOfValue(field_), values), part);
+  }
+  const auto value = static_cast<std::size_t>(values - field_.volume->values.data());
+  return sides_->of_part(value / kBrickCells, part);
 }
 
 void PhiSampler::gather_values(BrickCoord brick, BrickSamples& samples) noexcept {

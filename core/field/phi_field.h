@@ -19,6 +19,8 @@
 namespace tet {
 
 struct Scene;
+struct Sides;
+class BrickSides;
 class SceneEvaluator;
 
 /// A volume seen at an iso value and a lattice spacing: phi = sign * (value - iso). Or a scene,
@@ -99,6 +101,10 @@ class PhiSampler {
   /// came of them.
   void stop_when(const Cancellation& cancellation) noexcept;
 
+  /// From now on it takes what it has to know of stored bricks' sides from `sides`, which are
+  /// of its field and must outlive it, and adds to that: other samplers need not look again.
+  void remember_in(BrickSides& sides) noexcept;
+
   /// Fills `samples` for the lattice brick at `brick`.
   void sample(BrickCoord brick, BrickSamples& samples) noexcept;
 
@@ -126,11 +132,13 @@ class PhiSampler {
   SceneEvaluator& scene() noexcept { return *scene_; }
 
  private:
+  Sides sides_of_part(const float* values, std::size_t part) noexcept;
   void gather_values(BrickCoord brick, BrickSamples& samples) noexcept;
   void interpolate(BrickCoord brick, BrickSamples& samples) noexcept;
   bool copy_around(BrickCoord brick) noexcept;
 
   PhiField field_;
+  BrickSides* sides_ = nullptr;            // may be null
   std::optional<VolumeReader> reader_;     // of a volume
   std::unique_ptr<VoxelBlock> block_;      // around a brick, where the lattice is not on voxels
   std::unique_ptr<SceneEvaluator> scene_;  // of a scene

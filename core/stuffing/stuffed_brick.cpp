@@ -24,47 +24,17 @@ void add_surroundings(FinestNodes& nodes, const BrickSurroundings& bricks) noexc
   }
 }
 
-/// The brick's own nodes of a kind with a `+` neighbour: zeros among them are in tets.
-BrickMask beside_plus(const WarpedLattice& lattice, NodeKind kind) noexcept {
-  BrickMask beside;
-  for (int direction = 0; direction < kDirections; ++direction) {
-    beside |= brick_part(lattice.plus[end_kind(kind, direction)], end_step(kind, direction));
+/// The six nodes around the upper face across `axis` of the cell a step on: where some of them
+/// are among these.
+BrickMask any_around_face(const std::array<HaloSet, kNodeKinds>& nodes,
+                          int axis,
+                          LatticeCoord step) noexcept {
+  BrickMask any = brick_part(nodes[kCentre], step) |
+                  brick_part(nodes[kCentre], step + face_step(axis));
+  for (int turn = 0; turn < 4; ++turn) {
+    any |= brick_part(nodes[kCorner], step + face_turn(axis, turn));
   }
-  return beside;
-}
-
-/// The six nodes around the upper face across `axis` of the cell a step on: where some of them,
-/// and where all, are among these.
-struct AroundFace {
-  BrickMask any, all;
-
-  AroundFace(const std::array<HaloSet, kNodeKinds>& nodes, int axis, LatticeCoord step) noexcept
-      : any(brick_part(nodes[kCentre], step)), all(any) {
-    add(brick_part(nodes[kCentre], step + face_step(axis)));
-    for (int turn = 0; turn < 4; ++turn) {
-      add(brick_part(nodes[kCorner], step + face_turn(axis, turn)));
-    }
-  }
-
- private:
-  void add(const BrickMask& node) noexcept {
-    any |= node;
-    all &= node;
-  }
-};
-
-/// The cells for which a tet around the upper face across `axis` of the cell a step on is
-/// mixed.
-BrickMask mixed_faces(const WarpedLattice& lattice,
-                      const StuffingRules& rules,
-                      int axis,
-                      LatticeCoord step) noexcept {
-  // The four tets around a face share both centres, so one of them is mixed if the six nodes
-  // are.
-  const AroundFace plus(lattice.plus, axis, step);
-  const BrickMask mixed = plus.any & ~plus.all;
-  // Unmoved zeros too: half pyramids take all their nodes to be on one side.
-  return rules.both_sides ? mixed | AroundFace(lattice.zero, axis, step).any : mixed;
+  return any;
 }
 
 }  // namespace
@@ -81,11 +51,32 @@ bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) n
   return rules.both_sides && (lattice.zero[kCorner].any() || lattice.zero[kCentre].any());
 }
 
-StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
+PlusAround::PlusAround(const WarpedLattice& lattice) noexcept {
+  for (const NodeKind kind : {kCorner, kCentre}) {
+    const auto look = [&](LatticeCoord step) {
+      at_[place(kind, step)] = brick_part(lattice.plus[kind], step);
+    };
+    // Cells have corners at their upper faces, and corners the centres of lower cells.
+    for (int i = 0; i < 8; ++i) {
+      const int sign = kind == kCorner ? 1 : -1;
+      look({sign * (i >> 2), sign * (i >> 1 & 1), sign * (i & 1)});
+    }
+    for (int axis = 0; axis < 3; ++axis) look(face_step(kind == kCorner ? axis + 3 : axis));
+  }
+}
+
+StuffedBrick keep_brick(const WarpedLattice& lattice,
+                        const PlusAround& plus,
+                        const StuffingRules& rules) noexcept {
   StuffedBrick brick;
   for (const NodeKind kind : {kCorner, kCentre}) {
-    brick.plus[kind] = brick_part(lattice.plus[kind]);
-    brick.zero[kind] = brick_part(lattice.zero[kind]) & beside_plus(lattice, kind);
+    brick.plus[kind] = plus.at(kind, {});
+    // Zeros beside a `+` are in tets.
+    BrickMask beside_plus;
+    for (int direction = 0; direction < kDirections; ++direction) {
+      beside_plus |= plus.at(end_kind(kind, direction), end_step(kind, direction));
+    }
+    brick.zero[kind] = brick_part(lattice.zero[kind]) & beside_plus;
     // Outside, a node that moved is a vertex whatever is around it. Other zeros are as good as
     // `-`.
     if (rules.both_sides) brick.zero[kind] |= brick_part(lattice.warped[kind]);
@@ -94,12 +85,25 @@ StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules
   return brick;
 }
 
-BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules) noexcept {
+BrickMask stuffed_cells(const WarpedLattice& lattice,
+                        const PlusAround& plus,
+                        const StuffingRules& rules) noexcept {
   BrickMask stuffed;
-  for (int axis = 0; axis < 3; ++axis) {
-    // A cell has tets around its upper face, and around its lower one: the upper one below.
-    stuffed |= mixed_faces(lattice, rules, axis, {}) |
-               mixed_faces(lattice, rules, axis, face_step(axis + 3));
+  for (int direction = 0; direction < kFaceDirections; ++direction) {
+    // The four tets around a face share both centres, so one of them is mixed if the six nodes
+    // are.
+    BrickMask any = plus.at(kCentre, {}), all = any;
+    const auto add = [&](const BrickMask& node) {
+      any |= node;
+      all &= node;
+    };
+    add(plus.at(kCentre, face_step(direction)));
+    for (int turn = 0; turn < 4; ++turn) add(plus.at(kCorner, face_turn(direction, turn)));
+    stuffed |= any & ~all;
+    if (!rules.both_sides) continue;
+    // Unmoved zeros too: half pyramids take all their nodes to be on one side.
+    const LatticeCoord step = direction < 3 ? LatticeCoord{} : face_step(direction);
+    stuffed |= any_around_face(lattice.zero, direction % 3, step);
   }
   return stuffed;
 }

@@ -34,11 +34,41 @@ using FanMasks = std::array<BrickMask, kTetShapes>;
 /// True when the surface reaches the brick: some tet is cut or has a moved node.
 bool touches_surface(const WarpedLattice& lattice, const StuffingRules& rules) noexcept;
 
-StuffedBrick keep_brick(const WarpedLattice& lattice, const StuffingRules& rules) noexcept;
+/// Where a brick's cells and nodes have `+` nodes around them, each step looked up once.
+class PlusAround {
+ public:
+  explicit PlusAround(const WarpedLattice& lattice) noexcept;
+
+  /// Says for each of the brick's own nodes whether the node of `kind` a step on is `+`. Steps
+  /// to the corners of a cell, to the centres around a corner, and across faces.
+  const BrickMask& at(NodeKind kind, LatticeCoord step) const noexcept {
+    return at_[place(kind, step)];
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 8 + 3;
+  /// Corners lie above cells and centres below corners; then come the three other faces.
+  static constexpr std::size_t place(NodeKind kind, LatticeCoord step) noexcept {
+    const int sign = kind == kCorner ? 1 : -1;
+    const int up = sign * (4 * step.x + 2 * step.y + step.z);
+    const int other = up == -4 ? 8 : up == -2 ? 9 : 10;
+    return kSteps * kind + static_cast<std::size_t>(up >= 0 ? up : other);
+  }
+
+  std::array<BrickMask, kNodeKinds * kSteps> at_;
+};
+
+/// `plus` is of this lattice.
+StuffedBrick keep_brick(const WarpedLattice& lattice,
+                        const PlusAround& plus,
+                        const StuffingRules& rules) noexcept;
 
 /// Cells of the brick that have a part in a tet that is meshed and cut or moved: only those
-/// must stay finest. One-sided, such a tet has both `+` and other nodes.
-BrickMask stuffed_cells(const WarpedLattice& lattice, const StuffingRules& rules) noexcept;
+/// must stay finest. One-sided, such a tet has both `+` and other nodes. `plus` is of this
+/// lattice.
+BrickMask stuffed_cells(const WarpedLattice& lattice,
+                        const PlusAround& plus,
+                        const StuffingRules& rules) noexcept;
 
 /// A finest brick and the seven beyond its upper faces, edges and corner, which its tets reach
 /// into; at 4*x + 2*y + z. Null where every node is `-`.

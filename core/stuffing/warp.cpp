@@ -16,17 +16,18 @@ constexpr std::size_t kFirstWord = halo_index(kNodeMin, -2, -2) / 64;
 constexpr std::size_t kEndWord = halo_index(kNodeMax + 1, -2, -2) / 64;
 
 /// A violating cut point as a number that sorts like (distance, direction): the bits of a float
-/// that is not negative sort like the float.
+/// that is not negative sort like the float. The bits above say in which brick.
 using Violation = std::uint64_t;
+constexpr int kViolationBits = 40;
 constexpr std::uint32_t kNoDirection = 0xff;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 constexpr Violation violation(float distance, std::uint32_t direction) noexcept {
   return Violation{std::bit_cast<std::uint32_t>(distance)} << 8 | direction;
 }
-constexpr Violation kNoViolation = violation(kNever, kNoDirection);
+static_assert(violation(kNever, kNoDirection) >> kViolationBits == 0);
 
-template <class Value>
-using ByNode = std::array<std::array<Value, kHaloNodes>, kNodeKinds>;
+/// The directions of all nodes, one kind after the other.
+using Directions = decltype(WarpedLattice::direction);
 /// Where a node is in such columns, one kind after the other.
 constexpr int node_slot(NodeKind kind, int index) noexcept { return kind * kHaloNodes + index; }
 
@@ -71,25 +72,14 @@ inline void find_violations(const FamilyLimits& family,
   }
 }
 
-/// Forgets the violations of the nodes and of their neighbours, which share edges with them.
-TET_VECTOR_CLONES
-void clear_violations(ByNode<Violation>& nearest) noexcept {
-  constexpr int kRows = kNodeMax - kNodeMin + 3;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for (int x = kNodeMin - 1; x <= kNodeMax + 1; ++x) {
-      std::fill_n(nearest[kind].begin() + halo_index(x, kNodeMin - 1, -2), kRows * 16,
-                  kNoViolation);
-    }
-  }
-}
-
 /// Finds each node's nearest violating cut point.
 TET_VECTOR_CLONES
 void find_nearest(const CutEdges& edges,
                   const WarpLimits& limits,
-                  ByNode<Violation>& nearest_of,
-                  ByNode<std::uint8_t>& directions) noexcept {
-  Violation* const nearest = nearest_of.front().data();
+                  NearestCuts& nearest_cuts,
+                  Directions& directions) noexcept {
+  const Violation brick = nearest_cuts.begin_brick();
+  Violation* const nearest = nearest_cuts.data();
   std::uint8_t* const direction = directions.front().data();
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
     const FamilyLimits family(static_cast<int>(f), limits);
@@ -101,7 +91,8 @@ void find_nearest(const CutEdges& edges,
       const std::size_t lanes = std::min(kEdgeLanes, count - first);
       for (std::size_t i = 0; i < lanes; ++i) {
         const auto node = static_cast<std::size_t>(violations.node[i]);
-        const Violation found = violation(violations.distance[i], violations.direction[i]);
+        const Violation found =
+            brick | violation(violations.distance[i], violations.direction[i]);
         nearest[node] = std::min(nearest[node], found);
         direction[node] = static_cast<std::uint8_t>(nearest[node]);
       }
@@ -153,13 +144,19 @@ void settle_signs(const CutPoints& cuts, WarpedLattice& lattice) noexcept {
 
 }  // namespace
 
+std::uint64_t NearestCuts::begin_brick() noexcept {
+  if (bricks_left_ == 0) {
+    for (auto& numbers : number_) numbers.fill(~std::uint64_t{0});
+    bricks_left_ = (std::uint32_t{1} << (64 - kViolationBits)) - 1;
+  }
+  return std::uint64_t{--bricks_left_} << kViolationBits;
+}
+
 void warp_lattice(const CutPoints& cuts,
                   const WarpLimits& limits,
                   WarpedLattice& lattice) noexcept {
-  alignas(64) ByNode<Violation> nearest;
-  clear_violations(nearest);
   for (auto& direction : lattice.direction) direction.fill(kNoDirection);
-  find_nearest(cuts.edges, limits, nearest, lattice.direction);
+  find_nearest(cuts.edges, limits, lattice.nearest, lattice.direction);
   for (const NodeKind kind : {kCorner, kCentre}) {
     find_warped(lattice.direction[kind].data(), lattice.warped[kind]);
   }

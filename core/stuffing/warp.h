@@ -12,6 +12,20 @@
 
 namespace tet {
 
+/// Each node's nearest violating cut point, while they are looked for. Numbers of a brick are
+/// below those of all bricks before it, so that none is ever cleared.
+class NearestCuts {
+ public:
+  /// What the numbers of the next brick have in common, in their highest bits.
+  std::uint64_t begin_brick() noexcept;
+
+  std::uint64_t* data() noexcept { return number_.front().data(); }
+
+ private:
+  std::uint32_t bricks_left_ = 0;  ///< 0: all are to be cleared first
+  alignas(64) std::array<std::array<std::uint64_t, kHaloNodes>, kNodeKinds> number_;
+};
+
 /// The lattice after the warp; sets are valid for nodes in [kNodeMin, kNodeMax]^3.
 ///
 /// A node is `+` (inside), `0` (on the surface: warped, or exactly zero) or else `-`.
@@ -23,6 +37,8 @@ struct WarpedLattice {
   alignas(64) std::array<std::array<std::uint8_t, kHaloNodes>, kNodeKinds> direction;
   /// Cut points that remain: both ends known and neither of them zero.
   std::array<HaloSet, kEdgeFamilies> cut;
+
+  NearestCuts nearest;  ///< scratch memory of the warp
 };
 
 /// Decides every warp from the original samples, so that no order exists: a violated node goes

@@ -14,6 +14,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
+#include "core/field/brick_sides.h"
 #include "core/plan/brick/manifold.h"
 #include "core/plan/brick/survey_findings.h"
 #include "core/plan/budget.h"
@@ -143,10 +144,11 @@ std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
   const StuffedLattice& lattice = workspace.stuffing.lattice;
   if (!touches_surface(lattice.warped, rules) && !lost_its_inside(lattice)) return std::nullopt;
   SurveyedBrick found;
-  found.stuffed = keep_brick(lattice.warped, rules);
+  const PlusAround plus(lattice.warped);
+  found.stuffed = keep_brick(lattice.warped, plus, rules);
   // A brick beyond the domain may own corners on its faces, but has no cell in it.
   if (space.domain && !holds(*space.domain, brick)) return found;
-  const BrickMask cells = stuffed_cells(lattice.warped, rules);
+  const BrickMask cells = stuffed_cells(lattice.warped, plus, rules);
   found.finest = with_siblings(cells);
   if (!space.skip_topology) survey_topology(lattice.warped, workspace.surface, found);
   if (!space.domain) return found;
@@ -202,6 +204,7 @@ class Surveyor {
       : task_(task),
         survey_(survey),
         room_(static_cast<std::int64_t>(task.space.kept_geometry_bytes)) {
+    if (task.field.at_voxels()) sides_.emplace(task.field);
     if (task.earlier == nullptr) return;
     const KeptGeometry& before = task.earlier->survey.geometry;
     shares_ = can_share(before, task.space.kept_geometry_bytes);
@@ -253,6 +256,7 @@ class Surveyor {
     const EarlierSurvey* const earlier = task_.earlier;
     PhiSampler sampler(task_.field);
     sampler.stop_when(task_.cancellation);
+    if (sides_) sampler.remember_in(*sides_);
     std::optional<ScratchPool<SurveyWorkspace>::Turn> workspace;
     std::optional<EarlierBricks> before;
     if (earlier != nullptr) before.emplace(*earlier);
@@ -287,6 +291,7 @@ class Surveyor {
   Survey& survey_;
   std::atomic<std::int64_t> room_;
   bool shares_ = false;  ///< the earlier survey's blocks
+  std::optional<BrickSides> sides_;
   ScratchPool<SurveyWorkspace> workspaces_;
 };
 

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/field/brick_sides.h"
 #include "core/volume/interpolate_lattice.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -177,10 +178,15 @@ TEST(PhiSampler, TellsOfABrickWithoutSamplingItThatItsSamplesLieOnOneSide) {
     PhiField field;
     field.volume = &of.first;
     field.iso = of.second;
-    PhiSampler sampler(field);
+    PhiSampler sampler(field), remembering(field), another(field);
+    BrickSides sides(field);
+    remembering.remember_in(sides);
+    another.remember_in(sides);
     for_each_in_cube(-4, 4, [&](int x, int y, int z) {
       const bool one_sided = lie_on_one_side(*samples_of(of.first, 1, {x, y, z}, of.second));
-      EXPECT_EQ(sampler.one_sided({x, y, z}), one_sided) << x << " " << y << " " << z;
+      for (PhiSampler* const asked : {&sampler, &remembering, &another}) {
+        EXPECT_EQ(asked->one_sided({x, y, z}), one_sided) << x << " " << y << " " << z;
+      }
       ++bricks[one_sided];
     });
   }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -51,6 +53,37 @@ TEST(Warp, MovesExactlyTheViolatedNodesOntoTheirNearestViolatingCutPoint) {
         EXPECT_FALSE(stuffed->warped.plus[kind].test(node));
       });
     }
+  }
+}
+
+TEST(Warp, ForgetsTheBrickBefore) {
+  const auto before = test::stuff(test::random_signs(16, 31), {0, 0, 0});
+  for (const std::uint32_t seed : {32U, 33U}) {
+    const auto alone = test::stuff(test::random_signs(16, seed), {0, 0, 0});
+    WarpedLattice& lattice = before->warped;
+    warp_lattice(alone->cuts, {}, lattice);
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      for_each_bit(kKnownNodes, [&](int node) {
+        const auto at = static_cast<std::size_t>(node);
+        ASSERT_EQ(lattice.plus[kind].test(node), alone->warped.plus[kind].test(node));
+        ASSERT_EQ(lattice.zero[kind].test(node), alone->warped.zero[kind].test(node));
+        ASSERT_EQ(lattice.direction[kind][at], alone->warped.direction[kind][at]);
+      });
+    }
+  }
+}
+
+TEST(NearestCuts, HaveNumbersBelowThoseOfEveryBrickBefore) {
+  const auto nearest = std::make_unique<NearestCuts>();
+  constexpr std::size_t kNumbers = std::size_t{kNodeKinds} * kHaloNodes;
+  std::uint64_t last = nearest->begin_brick();
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < kNumbers; ++i) nearest->data()[i] = last;
+    std::uint64_t next = nearest->begin_brick();
+    for (; next < last; next = nearest->begin_brick()) last = next;
+    // There are no lower ones: all nodes begin anew.
+    for (std::size_t i = 0; i < kNumbers; ++i) ASSERT_GT(nearest->data()[i], next);
+    last = next;
   }
 }
 
