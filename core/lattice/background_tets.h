@@ -78,22 +78,30 @@ inline HalfPyramids half_pyramids(const BackgroundCells& cells, int direction) n
   return found;
 }
 
-template <class Index, class Ids>
+/// The axis is known when it is compiled, and with it every step to a corner.
+template <int kAxis, class Index, class Ids>
 Index* write_pairs(const BackgroundCells& cells,
-                   int axis,
                    Ids& ids,
                    Index* out,
                    BackgroundCounts& counts) noexcept {
-  const std::array<BrickMask, 4> middle{midpoints(cells, axis, 0), midpoints(cells, axis, 1),
-                                        midpoints(cells, axis, 2), midpoints(cells, axis, 3)};
-  for_each_bit(pairs_across(cells, axis), [&](int x, int y, int z) {
+  const std::array<BrickMask, 4> middle{midpoints(cells, kAxis, 0), midpoints(cells, kAxis, 1),
+                                        midpoints(cells, kAxis, 2), midpoints(cells, kAxis, 3)};
+  const BrickMask any_middle = (middle[0] | middle[1]) | (middle[2] | middle[3]);
+  for_each_bit(pairs_across(cells, kAxis), [&](int x, int y, int z) {
     const Index low = ids.centre(x, y, z);
-    const Index high = ids.centre(x + (axis == 0), y + (axis == 1), z + (axis == 2));
-    std::array<Index, 4> corner;
-    for (int turn = 0; turn < 4; ++turn) {
-      const LatticeCoord a = face_turn(axis, turn);
-      corner[static_cast<std::size_t>(turn)] =
-          ids.finer_corner(2 * (x + a.x), 2 * (y + a.y), 2 * (z + a.z));
+    const Index high = ids.centre(x + (kAxis == 0), y + (kAxis == 1), z + (kAxis == 2));
+    const auto corner_at = [&](int turn) {
+      const LatticeCoord a = face_turn(kAxis, turn);
+      return ids.finer_corner(2 * (x + a.x), 2 * (y + a.y), 2 * (z + a.z));
+    };
+    const std::array<Index, 4> corner{corner_at(0), corner_at(1), corner_at(2), corner_at(3)};
+    if (!any_middle.test(x, y, z)) {
+      out = write_tet(out, low, high, corner[0], corner[1]);
+      out = write_tet(out, low, high, corner[1], corner[2]);
+      out = write_tet(out, low, high, corner[2], corner[3]);
+      out = write_tet(out, low, high, corner[3], corner[0]);
+      counts.bcc += 4;
+      return;
     }
     for (int turn = 0; turn < 4; ++turn) {
       const auto t = static_cast<std::size_t>(turn);
@@ -103,7 +111,7 @@ Index* write_pairs(const BackgroundCells& cells,
         ++counts.bcc;
         continue;
       }
-      const LatticeCoord a = face_turn(axis, turn), b = face_turn(axis, (turn + 1) & 3);
+      const LatticeCoord a = face_turn(kAxis, turn), b = face_turn(kAxis, (turn + 1) & 3);
       const Index mid =
           ids.finer_corner(2 * x + a.x + b.x, 2 * y + a.y + b.y, 2 * z + a.z + b.z);
       out = write_tet(out, low, high, from, mid);
@@ -197,9 +205,9 @@ Index* write_background(const BackgroundCells& cells,
                         Ids& ids,
                         Index* tets,
                         BackgroundCounts& counts) noexcept {
-  for (int axis = 0; axis < 3; ++axis) {
-    tets = internal::write_pairs(cells, axis, ids, tets, counts);
-  }
+  tets = internal::write_pairs<0>(cells, ids, tets, counts);
+  tets = internal::write_pairs<1>(cells, ids, tets, counts);
+  tets = internal::write_pairs<2>(cells, ids, tets, counts);
   for (int direction = 0; direction < kFaceDirections; ++direction) {
     tets = internal::write_quadrisected(cells, direction, ids, tets, counts);
     const internal::HalfPyramids found = internal::half_pyramids(cells, direction);

@@ -65,23 +65,27 @@ void find_sign_changes(const NodeSigns& signs, EdgeSets& cut, HaloSet& any) noex
 struct NonzeroWords {
   std::array<std::uint64_t, HaloSet::kWords> bits;
   std::array<std::uint16_t, HaloSet::kWords> index;
-  std::size_t count = 0;
 
-  void add(std::size_t w, std::uint64_t word) noexcept {
+  /// Adds a word behind `count` others; returns how many there are then.
+  std::size_t add(std::size_t count, std::size_t w, std::uint64_t word) noexcept {
     bits[count] = word;
     index[count] = static_cast<std::uint16_t>(w);
-    count += word != 0;
+    return count + (word != 0 ? 1 : 0);
   }
 };
 
+/// The number of the lowest bit; of no bit, 63. No branch asks whether there is one.
+std::uint16_t lowest_bit(std::uint64_t bits) noexcept {
+  return static_cast<std::uint16_t>(std::countr_zero(bits | std::uint64_t{1} << 63));
+}
+
 /// Appends the set bits of a word, `first` onwards. Most words have up to four: those cost no
 /// branch that is hard to foresee. Writes up to three entries too many.
-std::uint16_t* append_bits(std::uint64_t bits, std::size_t first, std::uint16_t* out) noexcept {
+std::uint16_t* append_bits(std::uint64_t bits, std::uint16_t first, std::uint16_t* out) noexcept {
   std::uint16_t* const end = out + std::popcount(bits);
   do {
     for (int i = 0; i < 4; ++i) {
-      *out++ =
-          static_cast<std::uint16_t>(first + static_cast<std::size_t>(std::countr_zero(bits)));
+      *out++ = static_cast<std::uint16_t>(first + lowest_bit(bits));
       bits &= bits - 1;
     }
   } while (bits != 0);
@@ -91,16 +95,20 @@ std::uint16_t* append_bits(std::uint64_t bits, std::size_t first, std::uint16_t*
 TET_VECTOR_CLONES
 void list_edges(const EdgeSets& cut, const HaloSet& any, CutEdges& edges) noexcept {
   NonzeroWords places;
-  for (std::size_t w = 0; w < HaloSet::kWords; ++w) places.add(w, any.word[w]);
+  std::size_t place_count = 0;
+  for (std::size_t w = 0; w < HaloSet::kWords; ++w) {
+    place_count = places.add(place_count, w, any.word[w]);
+  }
   std::uint16_t* out = edges.low.data();
   for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
     NonzeroWords words;
-    for (std::size_t i = 0; i < places.count; ++i) {
-      words.add(places.index[i], cut[f].word[places.index[i]]);
+    std::size_t word_count = 0;
+    for (std::size_t i = 0; i < place_count; ++i) {
+      word_count = words.add(word_count, places.index[i], cut[f].word[places.index[i]]);
     }
     std::uint16_t* const begin = out;
-    for (std::size_t i = 0; i < words.count; ++i) {
-      out = append_bits(words.bits[i], std::size_t{words.index[i]} * 64, out);
+    for (std::size_t i = 0; i < word_count; ++i) {
+      out = append_bits(words.bits[i], static_cast<std::uint16_t>(words.index[i] * 64), out);
     }
     const auto count = static_cast<std::size_t>(out - begin);
     edges.run[f] = {static_cast<std::size_t>(begin - edges.low.data()), count};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 
 #include "core/base/vector_clones.h"
 #include "core/stuffing/scene_zeros.h"
@@ -109,67 +108,41 @@ void zeros_through_faces(const BrickSamples& samples,
   }
 }
 
-/// The vertices of cells by rows of two along z, at 2*x + y, and their centres; in each row one
-/// cell after the other. Half as many loads as vertices.
-struct CellRows {
-  alignas(64) std::array<std::array<float, 2 * kBatch>, 4> row;
-  alignas(64) Column centre;
-};
-
 /// The trilinear field along a short edge, a cubic: by the cell's vertices at the corner, next
 /// to it, next to the vertex across, and across.
 struct Diagonals {
-  alignas(64) Column here, near_sum, far_sum, far;
+  alignas(64) Column a, b, near_sum, far_sum, far;
 };
 
-/// A short edge's cell and its corner in it: each coordinate 0 or 1.
+/// A short edge's corner as a vertex of its cell: from the lower node, and the steps away from
+/// it along the axes.
 struct CellVertex {
-  int cell;  ///< offset of the cell, and of its centre, from the lower node
-  bool x, y, z;
+  int offset, x, y, z;
 
   explicit CellVertex(const Family& family) noexcept {
     const int end = end_offset(family.kind, family.direction);
-    cell = family.kind == kCorner ? end : 0;
-    const int in_cell = family.kind == kCorner ? -end : end;
-    x = (in_cell & 256) != 0;
-    y = (in_cell & 16) != 0;
-    z = (in_cell & 1) != 0;
+    offset = family.kind == kCorner ? 0 : end;
+    const int in_cell = family.kind == kCorner ? -end : end;  // each coordinate 0 or 1
+    x = in_cell & 256 ? -256 : 256;
+    y = in_cell & 16 ? -16 : 16;
+    z = in_cell & 1 ? -1 : 1;
   }
 };
 
-[[gnu::always_inline]] inline void gather_cells(const BrickSamples& samples,
-                                                int cell,
-                                                const std::uint16_t* low,
-                                                std::size_t count,
-                                                CellRows& out) noexcept {
-  const float* const corner = samples.corner.data() + cell;
-  const float* const centre = samples.centre.data() + cell;
+void gather_diagonals(const BrickSamples& samples,
+                      const Family& family,
+                      const std::uint16_t* low,
+                      std::size_t count,
+                      Diagonals& out) noexcept {
+  const auto [offset, x, y, z] = CellVertex(family);
+  const float* corner = samples.corner.data() + offset;
   for (std::size_t i = 0; i < count; ++i) {
-    const float* const vertex = corner + low[i];
-    std::memcpy(&out.row[0][2 * i], vertex, 2 * sizeof(float));
-    std::memcpy(&out.row[1][2 * i], vertex + kHaloRow, 2 * sizeof(float));
-    std::memcpy(&out.row[2][2 * i], vertex + kHaloSlice, 2 * sizeof(float));
-    std::memcpy(&out.row[3][2 * i], vertex + kHaloSlice + kHaloRow, 2 * sizeof(float));
-    out.centre[i] = centre[low[i]];
-  }
-}
-
-/// `z` is the corner's, which lies in `row`.
-template <std::size_t z>
-[[gnu::always_inline]] inline void sum_vertices(const CellRows& cells,
-                                                std::size_t row,
-                                                std::size_t count,
-                                                Diagonals& out) noexcept {
-  constexpr std::size_t kNext = 1 - z;
-  const float* const here = cells.row[row].data();
-  const float* const along_x = cells.row[row ^ 2].data();
-  const float* const along_y = cells.row[row ^ 1].data();
-  const float* const across = cells.row[row ^ 3].data();
-  for (std::size_t i = 0; i < count; ++i) {
-    out.here[i] = here[2 * i + z];
-    out.near_sum[i] = along_x[2 * i + z] + along_y[2 * i + z] + here[2 * i + kNext];
-    out.far_sum[i] = across[2 * i + z] + along_x[2 * i + kNext] + along_y[2 * i + kNext];
-    out.far[i] = across[2 * i + kNext];
+    const float* phi = corner + low[i];
+    out.a[i] = family.low_phi[low[i]];
+    out.b[i] = family.high_phi[low[i]];
+    out.near_sum[i] = phi[x] + phi[y] + phi[z];
+    out.far_sum[i] = phi[x + y] + phi[x + z] + phi[y + z];
+    out.far[i] = phi[x + y + z];
   }
 }
 
@@ -180,28 +153,19 @@ void zeros_on_diagonals(const BrickSamples& samples,
                         const std::uint16_t* low,
                         std::size_t count,
                         float* fraction) noexcept {
-  CellRows cells;
   Diagonals field;
-  const CellVertex corner(family);
-  gather_cells(samples, corner.cell, low, count, cells);
-  const std::size_t row = (corner.x ? 2U : 0U) + (corner.y ? 1U : 0U);
-  if (corner.z) {
-    sum_vertices<1>(cells, row, count, field);
-  } else {
-    sum_vertices<0>(cells, row, count, field);
-  }
+  gather_diagonals(samples, family, low, count, field);
   const bool from_corner = family.kind == kCorner;
-  const Column& a = from_corner ? field.here : cells.centre;
-  const Column& b = from_corner ? cells.centre : field.here;
+  const Column& here = from_corner ? field.a : field.b;
   // How far along the cell's diagonal, from the corner: 0.5 * t, or 0.5 * (1 - t).
   const float start = from_corner ? 0.0F : 0.5F, slope = from_corner ? 0.5F : -0.5F;
   for (std::size_t first = 0; first < count; first += kEdgeLanes) {
-    Brackets zero(&a[first], &b[first]);
+    Brackets zero(&field.a[first], &field.b[first]);
     for (int step = 0; step < kSecantSteps; ++step) {
       for (std::size_t i = 0; i < kEdgeLanes; ++i) {
         const std::size_t e = first + i;
         const float s = start + slope * zero.t[i], r = 1 - s;
-        zero.narrow(i, r * r * (r * field.here[e] + s * field.near_sum[e]) +
+        zero.narrow(i, r * r * (r * here[e] + s * field.near_sum[e]) +
                            s * s * (r * field.far_sum[e] + s * field.far[e]));
       }
     }
