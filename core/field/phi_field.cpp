@@ -74,15 +74,19 @@ class Surroundings {
                                 const Part& x,
                                 const Part& y,
                                 float* to) noexcept {
+    const BrickRows before = along_z[0], here = along_z[1], behind = along_z[2];
     for (std::size_t i = 0; i < x.count; ++i) {
-      for (std::size_t j = 0; j < y.count; ++j) {
-        float* const row = to + i * kHaloSlice + j * kHaloRow;
-        const auto from = [&](int brick) {
-          return along_z[brick].row(x.first + i, y.first + j);
-        };
-        std::memcpy(row, from(0) + 6, 2 * sizeof(float));
-        std::memcpy(row + 2, from(1), 8 * sizeof(float));
-        std::memcpy(row + 10, from(2), 6 * sizeof(float));
+      const float* low = before.row(x.first + i, y.first) + 6;
+      const float* middle = here.row(x.first + i, y.first);
+      const float* high = behind.row(x.first + i, y.first);
+      float* row = to + i * kHaloSlice;
+      for (std::size_t j = 0; j < y.count; ++j, row += kHaloRow) {
+        std::memcpy(row, low, 2 * sizeof(float));
+        std::memcpy(row + 2, middle, 8 * sizeof(float));
+        std::memcpy(row + 10, high, 6 * sizeof(float));
+        low += before.stride;
+        middle += here.stride;
+        high += behind.stride;
       }
     }
   }

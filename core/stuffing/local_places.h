@@ -30,7 +30,10 @@ inline constexpr auto kRanks = [] {
 /// into `ids`, by node_slot; returns the next id. Whole rows are written, whatever bits they
 /// have: what has no bit is no vertex.
 template <class Index>
-Index number_nodes(const BrickMask& mask, std::size_t o, Index next, Index* ids) noexcept {
+[[gnu::always_inline]] inline Index number_nodes(const BrickMask& mask,
+                                                 std::size_t o,
+                                                 Index next,
+                                                 Index* ids) noexcept {
   const auto [bx, by, bz] = UpperOffset(o);
   const int slices = bx == 1 ? 1 : 8, rows = by == 1 ? 1 : 8;
   for (int x = 0; x < slices; ++x) {
