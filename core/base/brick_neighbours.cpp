@@ -14,7 +14,31 @@ PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept {
   return around;
 }
 
+/// Of each row two bricks are known, and where the third would be.
+void BrickNeighbours::move_along_z(BrickCoord brick) noexcept {
+  for (unsigned rows = static_cast<unsigned>(rows_); rows != 0; rows &= rows - 1) {
+    const auto row = static_cast<std::size_t>(std::countr_zero(rows));
+    const auto r = static_cast<std::int32_t>(row);
+    std::uint32_t* const places = &places_[row * 3];
+    row_[row] += places[0] != kNoBrick ? 1 : 0;
+    places[0] = places[1];
+    places[1] = places[2];
+    const std::size_t next =
+        row_[row] + (places[0] != kNoBrick ? 1 : 0) + (places[1] != kNoBrick ? 1 : 0);
+    const BrickCoord at{brick.x + r / 3 - 1, brick.y + r % 3 - 1, brick.z + 1};
+    const bool found = next < bricks_.size() && bricks_[next] == at;
+    places[2] = found ? static_cast<std::uint32_t>(next) : kNoBrick;
+  }
+}
+
 const PlacesAround& BrickNeighbours::around(BrickCoord brick) noexcept {
+  const BrickCoord before{brick.x, brick.y, brick.z - 1};
+  const bool follows = started_ && before == last_;
+  last_ = brick;
+  if (follows) {
+    move_along_z(brick);
+    return places_;
+  }
   for (unsigned rows = static_cast<unsigned>(rows_); rows != 0; rows &= rows - 1) {
     const auto row = static_cast<std::size_t>(std::countr_zero(rows));
     const auto r = static_cast<std::int32_t>(row);

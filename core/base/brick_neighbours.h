@@ -42,7 +42,11 @@ class BrickNeighbours {
  private:
   std::span<const BrickCoord> bricks_;
   RowsAround rows_;
+  /// Goes on to the next brick along z.
+  void move_along_z(BrickCoord brick) noexcept;
+
   bool started_ = false;
+  BrickCoord last_;                   // asked for
   std::array<std::size_t, 9> row_{};  // the first brick not before the row of three
   PlacesAround places_{};
 };

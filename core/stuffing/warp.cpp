@@ -19,7 +19,7 @@ constexpr std::size_t kEndWord = halo_index(kNodeMax + 1, -2, -2) / 64;
 /// that is not negative sort like the float. The bits above say in which brick.
 using Violation = std::uint64_t;
 constexpr int kViolationBits = 40;
-constexpr std::uint32_t kNoDirection = 0xff;
+constexpr std::uint8_t kNoDirection = 0xff;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 constexpr Violation violation(float distance, std::uint32_t direction) noexcept {
   return Violation{std::bit_cast<std::uint32_t>(distance)} << 8 | direction;
@@ -68,7 +68,7 @@ inline void find_violations(const FamilyLimits& family,
     const std::uint32_t direction = from_low ? to_upper : to_lower;
     out.node[i] = low[i] + (from_low ? family.to_low : family.to_high);
     out.distance[i] = share < family.alpha ? share * family.length : kNever;
-    out.direction[i] = share < family.alpha ? direction : kNoDirection;
+    out.direction[i] = share < family.alpha ? direction : std::uint32_t{kNoDirection};
   }
 }
 
@@ -155,7 +155,10 @@ std::uint64_t NearestCuts::begin_brick() noexcept {
 void warp_lattice(const CutPoints& cuts,
                   const WarpLimits& limits,
                   WarpedLattice& lattice) noexcept {
-  for (auto& direction : lattice.direction) direction.fill(kNoDirection);
+  for (auto& direction : lattice.direction) {
+    std::fill(direction.begin() + kFirstWord * 64, direction.begin() + kEndWord * 64,
+              kNoDirection);
+  }
   find_nearest(cuts.edges, limits, lattice.nearest, lattice.direction);
   for (const NodeKind kind : {kCorner, kCentre}) {
     find_warped(lattice.direction[kind].data(), lattice.warped[kind]);

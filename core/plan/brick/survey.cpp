@@ -130,31 +130,31 @@ void survey_topology(const WarpedLattice& lattice,
   }
 }
 
-/// Returns nothing where the surface does not reach the brick.
-std::optional<SurveyedBrick> survey_brick(PhiSampler& sampler,
-                                          BrickCoord brick,
-                                          const MeshedSpace& space,
-                                          const RestoredNodes* restored,
-                                          SurveyWorkspace& workspace,
-                                          ThinSpots& spots) {
+/// Returns null where the surface does not reach the brick.
+std::unique_ptr<SurveyedBrick> survey_brick(PhiSampler& sampler,
+                                            BrickCoord brick,
+                                            const MeshedSpace& space,
+                                            const RestoredNodes* restored,
+                                            SurveyWorkspace& workspace,
+                                            ThinSpots& spots) {
   const StuffingRules& rules = space.rules;
   const bool stuffed = stuff_brick(sampler, brick, rules, restored, workspace.stuffing);
   spots = find_thin_spots(sampler, brick, stuffed, workspace.stuffing);
-  if (!stuffed) return std::nullopt;
+  if (!stuffed) return nullptr;
   const StuffedLattice& lattice = workspace.stuffing.lattice;
-  if (!touches_surface(lattice.warped, rules) && !lost_its_inside(lattice)) return std::nullopt;
-  SurveyedBrick found;
+  if (!touches_surface(lattice.warped, rules) && !lost_its_inside(lattice)) return nullptr;
+  auto found = std::make_unique<SurveyedBrick>();
   const PlusAround plus(lattice.warped);
-  found.stuffed = keep_brick(lattice.warped, plus, rules);
+  found->stuffed = keep_brick(lattice.warped, plus, rules);
   // A brick beyond the domain may own corners on its faces, but has no cell in it.
   if (space.domain && !holds(*space.domain, brick)) return found;
   const BrickMask cells = stuffed_cells(lattice.warped, plus, rules);
-  found.finest = with_siblings(cells);
-  if (!space.skip_topology) survey_topology(lattice.warped, workspace.surface, found);
+  found->finest = with_siblings(cells);
+  if (!space.skip_topology) survey_topology(lattice.warped, workspace.surface, *found);
   if (!space.domain) return found;
-  found.fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
-  found.surface.counts.add_fans(count_fans(*found.fans));
-  found.at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
+  found->fans = std::make_unique<FanMasks>(fans_within(*space.domain, brick, rules, lattice));
+  found->surface.counts.add_fans(count_fans(*found->fans));
+  found->at_domain_face = (cells & outermost_cells(*space.domain, brick)).any();
   return found;
 }
 
@@ -277,7 +277,7 @@ class Surveyor {
                                   **workspace, spots);
         if (found) {
           keeper.keep(i, found->stuffed, (*workspace)->stuffing.lattice);
-          findings.surveyed[i] = std::make_unique<SurveyedBrick>(*std::move(found));
+          findings.surveyed[i] = std::move(found);
         }
       }
       if (spots.any()) findings.thin[i] = std::make_unique<ThinSpots>(spots);
