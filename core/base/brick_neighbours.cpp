@@ -14,7 +14,7 @@ PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept {
   return around;
 }
 
-/// Of each row two bricks are known, and where the third would be.
+/// Two bricks of each row are known, and where the third would be.
 void BrickNeighbours::move_along_z(BrickCoord brick) noexcept {
   for (unsigned rows = static_cast<unsigned>(rows_); rows != 0; rows &= rows - 1) {
     const auto row = static_cast<std::size_t>(std::countr_zero(rows));

@@ -69,8 +69,8 @@ std::uint64_t find_sides(const InsideTestOfValue& inside, const float* values) n
 }
 
 std::uint64_t BrickSides::look_at(std::size_t brick) noexcept {
-  const std::uint64_t parts = find_sides(InsideTestOfValue(field_),
-                                         field_.volume->values.data() + brick * kBrickCells);
+  const std::uint64_t parts =
+      find_sides(InsideTestOfValue(field_), field_.volume->values.data() + brick * kBrickCells);
   parts_[brick].store(parts, std::memory_order_relaxed);
   return parts;
 }

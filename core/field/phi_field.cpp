@@ -187,7 +187,7 @@ bool PhiSampler::one_sided(BrickCoord brick) noexcept {
   return !sides.both();
 }
 
-/// Of a brick whose values, as its range tells, lie on both sides.
+/// Tells of a brick whose values, by its range, lie on both sides.
 Sides PhiSampler::sides_of_part(const float* values, std::size_t part) noexcept {
   if (part == kAllOfBrick) return {true, true};
   if (sides_ == nullptr) {

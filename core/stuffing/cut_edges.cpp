@@ -81,7 +81,9 @@ std::uint16_t lowest_bit(std::uint64_t bits) noexcept {
 
 /// Appends the set bits of a word, `first` onwards. Most words have up to four: those cost no
 /// branch that is hard to foresee. Writes up to three entries too many.
-std::uint16_t* append_bits(std::uint64_t bits, std::uint16_t first, std::uint16_t* out) noexcept {
+std::uint16_t* append_bits(std::uint64_t bits,
+                           std::uint16_t first,
+                           std::uint16_t* out) noexcept {
   std::uint16_t* const end = out + std::popcount(bits);
   do {
     for (int i = 0; i < 4; ++i) {

@@ -29,8 +29,8 @@ void add_surroundings(FinestNodes& nodes, const BrickSurroundings& bricks) noexc
 BrickMask any_around_face(const std::array<HaloSet, kNodeKinds>& nodes,
                           int axis,
                           LatticeCoord step) noexcept {
-  BrickMask any = brick_part(nodes[kCentre], step) |
-                  brick_part(nodes[kCentre], step + face_step(axis));
+  BrickMask any =
+      brick_part(nodes[kCentre], step) | brick_part(nodes[kCentre], step + face_step(axis));
   for (int turn = 0; turn < 4; ++turn) {
     any |= brick_part(nodes[kCorner], step + face_turn(axis, turn));
   }
