@@ -23,11 +23,13 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
   const BrickIndex index(bricks);
   for (const std::int32_t first :
        {-9, 0}) {  // from before the first brick, and from the middle
+    std::mt19937 steps(8);
     BrickNeighbours neighbours(bricks), below(bricks, RowsAround::kLower),
         above(bricks, RowsAround::kUpper);
     for (std::int32_t x = first; x < 9; x += 2) {
       for (std::int32_t y = -9; y < 9; ++y) {
-        for (std::int32_t z = -9; z < 9; z += 3) {
+        // Now and then the next one along z, now and then another, or the same again.
+        for (std::int32_t z = -9; z < 9; z += static_cast<std::int32_t>(steps() % 4)) {
           const PlacesAround& around = neighbours.around({x, y, z});
           const PlacesAround& lower = below.around({x, y, z});
           const PlacesAround& upper = above.around({x, y, z});
