@@ -137,6 +137,54 @@ TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
   }
 }
 
+TEST_F(SharedChunksTest, ServesTheNextStreamOnceItHasRested) {
+  meet();
+  const auto copies = [&] {
+    std::array<std::byte, 12> positions{};
+    ChunkColumns to{};
+    to.positions = positions;
+    return chunks_.copy(0, to).ok();
+  };
+  for (int stream = 0; stream < 3; ++stream) {
+    ASSERT_TRUE(hand_over(memory_.descriptor()));
+    ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+    EXPECT_TRUE(copies());
+    chunks_.rest();
+    EXPECT_FALSE(chunks_.is_open() || copies());  // until a header tells of it
+    EXPECT_TRUE(chunks_.rests());
+    EXPECT_EQ(chunks_.begin(path_, never_), token_);  // nobody accepts another connection
+    EXPECT_FALSE(chunks_.rests());
+  }
+  const SealedMemory other = *SealedMemory::make(kBlock * kBlocks);
+  other.bytes()[0] = std::byte{7};
+  ASSERT_TRUE(hand_over(other.descriptor()));
+  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  std::array<std::byte, 12> positions{};
+  ChunkColumns to{};
+  to.positions = positions;
+  ASSERT_TRUE(chunks_.copy(0, to).ok());
+  EXPECT_EQ(positions[0], std::byte{7});
+}
+
+TEST_F(SharedChunksTest, ConnectsAnewAfterAStreamThatFailedOrAServerThatLeft) {
+  meet();
+  accepted_ = Descriptor();
+  meet();  // which did not rest
+  chunks_.rest();
+  accepted_ = Descriptor();
+  meet();
+  chunks_.rest();
+  EXPECT_EQ(chunks_.begin("", never_), "");  // another server
+}
+
+TEST_F(SharedChunksTest, WhatItDistrustsItAsksForNoMore) {
+  meet();
+  EXPECT_EQ(chunks_.distrust(3).code(), absl::StatusCode::kUnavailable);
+  chunks_.rest();
+  EXPECT_FALSE(chunks_.rests());
+  EXPECT_EQ(chunks_.begin(path_, never_), "");
+}
+
 TEST_F(SharedChunksTest, IsNotToldOfWhatNobodyAskedFor) {
   EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kDataLoss);
   EXPECT_EQ(chunks_.begin("", never_), "");

@@ -69,7 +69,16 @@ absl::StatusOr<SharedMemory> SharedMemory::map(const Descriptor& descriptor,
   if (begin == MAP_FAILED) return no_memory(bytes);
   SharedMemory memory;
   memory.mapping_ = Mapping(begin, bytes);
+  memory.device_ = size.st_dev;
+  memory.number_ = size.st_ino;
   return memory;
+}
+
+// Nothing else gets its number while it is mapped.
+bool SharedMemory::is_of(const Descriptor& descriptor, std::size_t bytes) const noexcept {
+  struct stat told {};
+  return mapping_.size() == bytes && ::fstat(descriptor.number(), &told) == 0 &&
+         told.st_dev == device_ && told.st_ino == number_;
 }
 
 }  // namespace tet

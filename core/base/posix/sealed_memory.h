@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <sys/types.h>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -56,12 +57,17 @@ class SharedMemory {
   /// memory), kResourceExhausted (no room for it).
   static absl::StatusOr<SharedMemory> map(const Descriptor& descriptor, std::size_t bytes);
 
+  /// Whether it is `bytes` of the memory that this is a descriptor of.
+  bool is_of(const Descriptor& descriptor, std::size_t bytes) const noexcept;
+
   std::span<const std::byte> bytes() const noexcept {
     return {mapping_.begin(), mapping_.size()};
   }
 
  private:
   Mapping mapping_;
+  dev_t device_ = 0;
+  ino_t number_ = 0;  ///< there
 };
 
 }  // namespace tet
