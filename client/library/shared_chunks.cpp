@@ -102,6 +102,7 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told) {
 
 void SharedChunks::rest() noexcept {
   open_ = false;
+  if (memory_ && memory_->holds_pages()) memory_.reset();
   rests_ = side_.is_open() && !refused_;
 }
 

@@ -33,6 +33,8 @@ class SharedChunks {
   /// stream goes without), kDataLoss (nobody has asked for it).
   absl::Status open(const v1::SharedMemory& told);
   bool is_open() const noexcept { return open_; }
+  /// Whether memory is mapped, whether or not a stream uses it.
+  bool holds_memory() const noexcept { return memory_.has_value(); }
 
   /// The stream, or a frame of it, has ended as it should: what it used serves the next.
   void rest() noexcept;
@@ -57,8 +59,9 @@ class SharedChunks {
   bool refused_ = false;  ///< it could not be used once
   bool open_ = false, rests_ = false;
   Descriptor side_;
-  std::string path_, token_;            ///< of `side_`
-  std::optional<SharedMemory> memory_;  ///< that of the last stream, until another comes
+  std::string path_, token_;  ///< of `side_`
+  /// That of the last stream, until another comes: where the server can free it meanwhile.
+  std::optional<SharedMemory> memory_;
 };
 
 }  // namespace tet

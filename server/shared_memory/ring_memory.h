@@ -20,13 +20,18 @@ struct RingSize {
   std::uint64_t bytes() const noexcept { return blocks * block_bytes; }
 };
 
-/// Blocks that a client reads, charged to it for as long as they are here.
+/// Blocks that a client reads, charged to it for as long as they are here. When they are not
+/// any more, its pages are freed, if they can be: see SealedMemory.
 class RingMemory {
  public:
   /// `charged` lives as long as the memory does. Errors: those of SealedMemory::make.
   static absl::StatusOr<std::shared_ptr<RingMemory>> make(RingSize size,
+                                                          Readers readers,
                                                           std::string client,
                                                           std::shared_ptr<const void> charged);
+  ~RingMemory() { memory_.give_up(); }
+  RingMemory(const RingMemory&) = delete;
+  RingMemory& operator=(const RingMemory&) = delete;
 
   const RingSize& size() const noexcept { return size_; }
   /// Whom it is charged to.

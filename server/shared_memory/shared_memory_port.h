@@ -76,6 +76,8 @@ class SideClaim {
 
   /// Null where there is none.
   const std::shared_ptr<SideConnection>& connection() const noexcept { return connection_; }
+  /// Who is at its other end.
+  Readers readers() const noexcept;
 
   /// Ends the connection.
   void end() noexcept;

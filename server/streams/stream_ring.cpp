@@ -48,7 +48,7 @@ absl::StatusOr<std::shared_ptr<RingMemory>> StreamRing::memory(const std::string
     return absl::ResourceExhaustedError(
         absl::StrCat("no room for ", size.bytes(), " bytes of chunks besides those of others"));
   }
-  return RingMemory::make(size, client, std::move(charged));
+  return RingMemory::make(size, claim_.readers(), client, std::move(charged));
 }
 
 void StreamRing::rest() {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -42,7 +43,9 @@ class SharedMemoryTest : public ServiceTest {
 class WilfulClient {
  public:
   explicit WilfulClient(const std::string& socket)
-      : side_(connect_for_packets(socket + kSideSocketEnding)),
+      : WilfulClient(socket, connect_for_packets(socket + kSideSocketEnding)) {}
+  WilfulClient(const std::string& socket, Descriptor side)
+      : side_(std::move(side)),
         meshes_(v1::MeshService::NewStub(
             grpc::CreateChannel("unix:" + socket, grpc::InsecureChannelCredentials()))) {
     Descriptor none;

@@ -17,7 +17,7 @@ class KeptMemoryTest : public testing::Test {
  protected:
   /// Memory whose charge `charge_` tells of.
   std::shared_ptr<RingMemory> made(const std::string& client = "somebody") const {
-    auto memory = RingMemory::make(kRing, client, charge_);
+    auto memory = RingMemory::make(kRing, Readers::kAny, client, charge_);
     EXPECT_TRUE(memory.ok()) << memory.status();
     return *std::move(memory);
   }
