@@ -100,9 +100,13 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told) {
   return absl::OkStatus();
 }
 
-void SharedChunks::rest() noexcept {
+void SharedChunks::pause() noexcept {
   open_ = false;
   if (memory_ && memory_->holds_pages()) memory_.reset();
+}
+
+void SharedChunks::rest() noexcept {
+  pause();
   rests_ = side_.is_open() && !refused_;
 }
 

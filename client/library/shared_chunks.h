@@ -36,7 +36,9 @@ class SharedChunks {
   /// Whether memory is mapped, whether or not a stream uses it.
   bool holds_memory() const noexcept { return memory_.has_value(); }
 
-  /// The stream, or a frame of it, has ended as it should: what it used serves the next.
+  /// A frame of the stream is whole: the next one's header tells of memory again.
+  void pause() noexcept;
+  /// The stream has ended as it should: what it used serves the next.
   void rest() noexcept;
   /// Whether another stream may have this.
   bool rests() const noexcept { return rests_; }

@@ -79,6 +79,10 @@ class ChunkStream : public StreamWriter {
   virtual v1::MeshEvent trailer(std::uint64_t first,
                                 std::uint64_t end,
                                 const QualityStats& quality) const = 0;
+  /// Makes a chunk of a counted mesh, wherever it goes.
+  absl::StatusOr<ChunkMessage> make_mesh_chunk(const ChunkSource& source,
+                                               std::uint64_t index,
+                                               Block block);
   /// Work that the trailer waits for, or none. It is done while chunks are sent, on threads of
   /// long work, and stops when the watch is cancelled; asked for with the lock.
   virtual std::function<absl::Status()> work_for_trailer() { return nullptr; }

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "server/meshing/shared_chunk.h"
 #include "server/streams/chunk_stream.h"
 
 namespace tet {
@@ -29,6 +30,18 @@ void ChunkStream::open_ring() {
   if (opened.ok()) opened = shared_.open(call_.client(), blocks, next_, ring_events());
   call_.note("shared_memory", opened.ok());
   if (!opened.ok()) call_.note("shared_memory_why", std::string(opened.message()));
+}
+
+absl::StatusOr<ChunkMessage> ChunkStream::make_mesh_chunk(const ChunkSource& source,
+                                                          std::uint64_t index,
+                                                          Block block) {
+  absl::StatusOr<ChunkMessage> made =
+      block.ring != nullptr ? make_shared_chunk(source, index, engine_.chunk_memory(),
+                                                *block.ring, watch_->cancellation)
+                            : make_chunk(source, index, engine_.chunk_memory(),
+                                         std::move(block.lease), watch_->cancellation);
+  if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
+  return made;
 }
 
 ChunkRing::Events ChunkStream::ring_events() {

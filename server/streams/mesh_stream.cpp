@@ -10,7 +10,6 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
-#include "server/meshing/shared_chunk.h"
 #include "server/ops/guard.h"
 
 namespace tet {
@@ -169,13 +168,7 @@ v1::MeshEvent MeshStream::header() const {
 
 absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
   if (stored_ != nullptr) return read(index, std::move(block));
-  absl::StatusOr<ChunkMessage> made =
-      block.ring != nullptr ? make_shared_chunk(source_, index, engine_.chunk_memory(),
-                                                *block.ring, watch_->cancellation)
-                            : make_chunk(source_, index, engine_.chunk_memory(),
-                                         std::move(block.lease), watch_->cancellation);
-  if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
-  return made;
+  return make_mesh_chunk(source_, index, std::move(block));
 }
 
 /// A chunk that turns out to be damaged is set aside: whoever comes back for it has it made.
